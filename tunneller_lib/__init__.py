@@ -1,0 +1,7 @@
+"""The library behind an open study of a hydraulically actuated tunnelling robot.
+
+Floors, each importing only from those below: `reporting`; `paths`; `surfaces`; `arrays`.
+Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
+"""
+
+__version__ = "0.1.0"

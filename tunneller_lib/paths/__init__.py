@@ -1,0 +1,7 @@
+"""Paths of the cutter's centre: projected chords, the tunnel's circuit, the cone's test case."""
+
+from .circuit import Circuit, cutting_circuit
+from .cone_chord import ConeChord
+from .projection import project_chord, projected_length
+
+__all__ = ["Circuit", "ConeChord", "cutting_circuit", "project_chord", "projected_length"]

@@ -1,0 +1,186 @@
+"""The closed curve that the cutter's centre must follow: offset tunnel meets torus."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..arrays import finite, points, positive, real
+from ..surfaces import Egg, Machine
+from .projection import project_chord
+
+SAMPLES = 33  # points of each projected chord at which its depth is looked at
+
+
+def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
+    """Return the circuit of a machine in a tunnel, after checking that it can be run.
+
+    Parameters
+    ----------
+    machine : Machine
+        Sizes, limits, cutter and height of the torus in the section.
+    egg : Egg
+        The tunnel's section.
+    pitch, yaw : float
+        Pose of the machine in the tunnel, right-handed about its own y axis (left) and then
+        about the tunnel's z axis (up), in rad; a positive pitch lowers the nose.
+
+    Returns
+    -------
+    circuit : Circuit
+        The closed curve, a function of the arc length along the offset section.
+
+    Raises
+    ------
+    ValueError
+        If the machine can't reach all of it, with the inequality or the joint that fails.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    >>> len(circuit.knots(tolerance=1e-3))
+    44
+    """
+    circuit = Circuit(machine, egg, pitch, yaw)
+    if not (pitch or yaw):
+        machine.check(egg)
+    s = circuit.profile.perimeter * np.arange(720) / 720
+    position = circuit.position(s)
+    outside = ~machine.within_limits(position)
+    if np.any(outside):
+        first = np.flatnonzero(outside)[0]
+        theta, phi = np.degrees(position[first])
+        raise ValueError(
+            f"machine: can't cut this section; {s[first]:.3f} m along the circuit it needs "
+            f"theta = {theta:.1f} deg, phi = {phi:.1f} deg, beyond its joint limits."
+        )
+    return circuit
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """A circuit of the cutter's centre, by arc length s along the offset section, in m.
+
+    Made by `cutting_circuit`, which says what its fields mean and checks the joint limits.
+
+    Notes
+    -----
+    Tunnelling robot, sections 1.1 and 3.2.2. The wanted path is this intersection and not a
+    geodesic; straight moves only join its knots. Points are in the frame of the machine (origin
+    in the torus' centre), section coordinates (y, z) in the frame of the tunnel.
+    """
+
+    machine: Machine
+    egg: Egg
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self):
+        for name in ("pitch", "yaw"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
+
+    @property
+    def profile(self):
+        """Return the offset section on which the centre of the cutter stays."""
+        return self.egg.offset(self.machine.offset)
+
+    @property
+    def axes(self):
+        """Return the rotation that takes the machine's directions to the tunnel's."""
+        return Rotation.from_euler("ZY", [self.yaw, self.pitch])
+
+    def position(self, s):
+        """Return the joint positions (..., 2) = (theta, phi), in rad, at arc lengths s (...).
+
+        Where the axes are parallel Eq. 5 is biquadratic and the angles follow at once;
+        otherwise the ruling meets the torus in up to four points, of which the document takes
+        the one of greatest x.
+
+        Raises
+        ------
+        ValueError
+            If a ruling misses the torus.
+        """
+        y, z = np.moveaxis(self.profile.point(s), -1, 0)
+        z = z - self.machine.height
+        torus = self.machine.torus
+        if not (self.pitch or self.yaw):
+            missed = np.abs(y) > torus.R
+            rho = torus.r + np.sqrt(np.where(missed, 0, (torus.R - y) * (torus.R + y)))
+            missed |= np.abs(z) > rho
+            self._refuse(missed, s)
+            return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
+        a = self.axes.inv().apply(np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1))
+        along = self.axes.inv().apply([1.0, 0.0, 0.0])
+        t = torus.meet_line(a, a + along)
+        self._refuse(np.isnan(t[:, 0]), s)
+        farthest = np.nanargmax(t * along[0], axis=-1)
+        point = a + np.take_along_axis(t, farthest[:, None], axis=-1) * along
+        return np.stack(torus.angles(point), axis=-1).reshape(*y.shape, 2)
+
+    def _refuse(self, missed, s):
+        if np.any(missed):
+            first = np.ravel(real("s", s))[np.flatnonzero(missed)[0]]
+            raise ValueError(f"machine: can't cut this section; the ruling {first:.3f} m along the "
+                             "circuit misses the torus.")  # fmt: skip
+
+    def point(self, s):
+        """Return the cutter's centre (..., 3), in m, in the machine's frame, at arc lengths s."""
+        position = self.position(s)
+        return self.machine.torus.point(position[..., 0], position[..., 1])
+
+    def in_tunnel(self, point):
+        """Return points (..., 3) of the machine's frame in the tunnel's, in m."""
+        point = points("point", point)
+        turned = self.axes.apply(point.reshape(-1, 3)).reshape(point.shape)
+        return turned + np.array([0.0, 0.0, self.machine.height])
+
+    def overcut(self, position):
+        """Return how far the cutter's centre at joint positions (..., 2) lies outside the
+        wanted profile, in m: over-break if positive, under-break if negative."""
+        point = self.in_tunnel(self.machine.torus.point(position[..., 0], position[..., 1]))
+        return -self.profile.depth(point[..., 1], point[..., 2])
+
+    def path_overcut(self, s):
+        """Return the over-break (n, SAMPLES), in m, along the tangent-sphere paths that join n
+        knots at arc lengths s to a closed loop."""
+        knots = self.position(s)
+        path = project_chord(self.machine.torus, knots, np.roll(knots, -1, axis=0), SAMPLES)
+        return self.overcut(path)
+
+    def knots(self, tolerance):
+        """Return arc lengths (n,), in m, of knots whose tangent-sphere paths keep the depth.
+
+        Parameters
+        ----------
+        tolerance : float
+            Largest over- or under-break allowed between knots, in m.
+
+        Returns
+        -------
+        s : (n,) float
+            Ascending from 0; the loop closes from the last knot to the first. Every blend of
+            the section is a knot, and each arc is divided evenly.
+
+        Notes
+        -----
+        Starts from the sagitta of a plane chord, sqrt(8 radius tolerance), and divides an arc
+        further while the projected path, whose normal projection can undo or outdo the
+        sagitta, still leaves the tolerance.
+        """
+        tolerance = positive("tolerance", tolerance)
+        blends = self.profile.blends
+        radius = np.diff(blends) / [arc.sweep for arc in self.profile.arcs]
+        step = 2 * radius * np.arccos(np.maximum(1 - tolerance / radius, 0))
+        counts = np.ceil(np.diff(blends) / step).astype(int)
+        while True:
+            arcs = zip(blends, blends[1:], counts, strict=False)
+            s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
+            worst = np.maximum.reduceat(
+                np.max(np.abs(self.path_overcut(s)), axis=-1), np.cumsum(counts) - counts
+            )
+            if np.all(worst <= tolerance):
+                return s
+            more = np.ceil(counts * np.sqrt(worst / tolerance)).astype(int)
+            counts = np.where(worst > tolerance, np.maximum(more, counts + 1), counts)

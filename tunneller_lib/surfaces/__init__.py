@@ -1,0 +1,8 @@
+"""Shapes: the torus of the cutter's centre, the cone, the sewer section, the machine."""
+
+from .cone import Cone
+from .egg import Egg
+from .machine import REFERENCE_MACHINE, Machine
+from .torus import Torus
+
+__all__ = ["REFERENCE_MACHINE", "Cone", "Egg", "Machine", "Torus"]

@@ -1,0 +1,126 @@
+"""The cone of revolution on which the tangent-sphere path is tested: appendix, Eqs 13 to 18."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import finite, points, real
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A cone of revolution about the z axis, both nappes, apex in the origin.
+
+    Parameters
+    ----------
+    half_angle : float
+        Angle between the axis and a ruling, in rad, between 0 and pi/2.
+
+    Raises
+    ------
+    ValueError
+        If the angle isn't one number between 0 and pi/2.
+
+    Notes
+    -----
+    Tunnelling robot, appendix. The text's k = tan^2(alpha/2) is corrected to tan^2(alpha), with
+    alpha the half-angle; only so does Eq. 13 describe the cone with tan(alpha) = R/H.
+    """
+
+    half_angle: float
+
+    def __post_init__(self):
+        angle = finite("half_angle", self.half_angle)
+        if not 0 < angle < np.pi / 2:
+            raise ValueError(f"half_angle: must lie between 0 and pi/2 rad; got {angle!r}.")
+        object.__setattr__(self, "half_angle", angle)
+
+    @property
+    def k(self):
+        """Return the coefficient k = tan^2(half_angle) of Eq. 13."""
+        return np.tan(self.half_angle) ** 2
+
+    def implicit(self, point):
+        """Return the left side of Eq. 13, x^2 + y^2 - k z^2, at points (..., 3), in m^2."""
+        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        radius, reach = np.hypot(x, y), np.tan(self.half_angle) * np.abs(z)
+        return (radius - reach) * (radius + reach)
+
+    def point(self, distance, azimuth):
+        """Return points on the nappe below the apex, as in the appendix.
+
+        Parameters
+        ----------
+        distance : (...) float
+            Distance from the apex along the ruling, in m; a negative one is on the nappe above.
+        azimuth : (...) float
+            Angle about the axis, in rad.
+
+        Returns
+        -------
+        point : (..., 3) float
+            In m.
+        """
+        distance, azimuth = np.broadcast_arrays(
+            real("distance", distance), real("azimuth", azimuth)
+        )
+        radius = distance * np.sin(self.half_angle)
+        height = -distance * np.cos(self.half_angle)
+        return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), height], axis=-1)
+
+    def feet(self, m):
+        """Return where the two spheres about points touch the cone (Eqs 13 to 16).
+
+        Parameters
+        ----------
+        m : (..., 3) float
+            Centres M of the spheres, in m.
+
+        Returns
+        -------
+        feet : (..., 2, 3) float
+            Points N, in m, the nearer one first: on M's side of the axis, then opposite. On the
+            axis M's side is azimuth 0; on the plane z = 0, where both are equally far, the
+            first lies on the nappe below.
+
+        Notes
+        -----
+        Projections on the two rulings of M's meridian plane; their n1 are the roots of the
+        document's quadratic Eq. 16, which has no answer at m1 = 0.
+
+        Examples
+        --------
+        >>> Cone(np.arctan(0.5)).feet((-(2**0.5), -3 * 2**0.5, -12))[:, 2]
+        array([-11.38885438,  -7.81114562])
+        """
+        x, y, z = np.moveaxis(points("m", m), -1, 0)
+        sin, cos = np.sin(self.half_angle), np.cos(self.half_angle)
+        rho, nappe = np.hypot(x, y), np.where(z > 0, 1.0, -1.0)
+        azimuth = np.arctan2(y, x)
+        east, north = np.cos(azimuth), np.sin(azimuth)
+        both = []
+        for side in (1, -1):
+            distance = side * rho * sin + np.abs(z) * cos
+            radius = side * distance * sin
+            both.append(np.stack([radius * east, radius * north, nappe * distance * cos], axis=-1))
+        return np.stack(both, axis=-2)
+
+    def development(self, distance, azimuth):
+        """Return where points of the cone lie when it is unrolled into a plane (Fig. 9).
+
+        Parameters
+        ----------
+        distance : (...) float
+            Distance from the apex, in m.
+        azimuth : (...) float
+            Angle about the cone's axis, in rad.
+
+        Returns
+        -------
+        plane : (..., 2) float
+            In m, the apex in the origin, azimuth 0 along the first axis; lengths and angles on
+            the surface are kept.
+        """
+        distance = real("distance", distance)
+        angle = real("azimuth", azimuth) * np.sin(self.half_angle)
+        return np.stack(np.broadcast_arrays(distance * np.cos(angle), distance * np.sin(angle)), -1)

@@ -1,0 +1,145 @@
+"""The tunnelling machine: sizes, joint limits, cutter, and what it can reach in a section."""
+
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import finite, positive
+from .torus import Torus
+
+
+class Requirement(NamedTuple):
+    """One inequality, left < right or left <= right, that a machine must meet; in m."""
+
+    what: str
+    left: float
+    strict: bool
+    right: float
+
+    @property
+    def met(self):
+        """Whether it holds."""
+        return self.left < self.right or (self.left == self.right and not self.strict)
+
+    def __str__(self):
+        sign = "<" if self.strict else "<="
+        verdict = "holds" if self.met else "fails"
+        return f"{self.what}: {self.left:.4g} m {sign} {self.right:.4g} m {verdict}"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A two-joint machine that reams an egg-shaped section; its axes along the tunnel's.
+
+    Parameters
+    ----------
+    r, R : float
+        Radii of the cutter centre's `Torus`, in m.
+    theta_min, theta_max, phi_min, phi_max : float
+        Joint limits in rad; a negative theta lifts the cutter.
+    cutter_radius : float
+        Radius of the spherical cutter, in m.
+    depth : float
+        Depth that it cuts behind the given wall, in m, less than its radius.
+    height : float
+        Height of the torus' centre over the centre of the section's roof, in m.
+
+    Raises
+    ------
+    ValueError
+        If a size isn't above zero, a limit isn't finite or a range is empty.
+
+    Notes
+    -----
+    Tunnelling robot, section 1.1. Joint limits as printed with their relations mended: "about
+    -40 >= phi <= 40" can only mean -40 <= phi <= 40 (degrees).
+    """
+
+    r: float
+    R: float
+    theta_min: float
+    theta_max: float
+    phi_min: float
+    phi_max: float
+    cutter_radius: float
+    depth: float
+    height: float
+
+    def __post_init__(self):
+        for field in fields(self):
+            size = field.name in ("r", "R", "cutter_radius")
+            check = positive if size else finite
+            object.__setattr__(self, field.name, check(field.name, getattr(self, field.name)))
+        for joint in ("theta", "phi"):
+            low, high = getattr(self, f"{joint}_min"), getattr(self, f"{joint}_max")
+            if not low < high:
+                raise ValueError(
+                    f"{joint}_min: must be below {joint}_max; got {low:g} and {high:g}."
+                )
+        if self.depth >= self.cutter_radius:
+            raise ValueError(
+                f"depth: must be below the cutter's radius {self.cutter_radius:g} m; "
+                f"got {self.depth:g} m."
+            )
+
+    @property
+    def torus(self):
+        """Return the surface on which the cutter's centre moves."""
+        return Torus(self.r, self.R)
+
+    @property
+    def offset(self):
+        """Return how far inside the wall the cutter's centre moves, in m."""
+        return self.cutter_radius - self.depth
+
+    def within_limits(self, position):
+        """Return whether joint positions (..., 2) = (theta, phi), in rad, are inside the limits."""
+        low = np.array([self.theta_min, self.phi_min])
+        high = np.array([self.theta_max, self.phi_max])
+        return np.all((low <= position) & (position <= high), axis=-1)
+
+    def requirements(self, egg):
+        """Return what the machine must meet to cut the whole of a section.
+
+        Parameters
+        ----------
+        egg : Egg
+            The tunnel's section.
+
+        Returns
+        -------
+        requirements : tuple of Requirement
+            Invert, width, crown and floor; each says itself, with its numbers.
+        """
+        a, d = egg.a, self.offset
+        reach = self.r + self.R
+        swing = np.sin(min(self.phi_max, -self.phi_min))
+        return (
+            Requirement("invert, offset < a/2", d, True, a / 2),
+            Requirement("width, a - offset <= R sin(phi_max)", a - d, False, self.R * swing),
+            Requirement("crown, a - offset - height <= (r + R) sin(-theta_min)",
+                        a - d - self.height, False, -reach * np.sin(self.theta_min)),
+            Requirement("floor, 2a - offset + height <= (r + R) sin(theta_max)",
+                        2 * a - d + self.height, False, reach * np.sin(self.theta_max)),
+        )  # fmt: skip
+
+    def check(self, egg):
+        """Raise ValueError with the failing inequalities where the machine can't cut a section."""
+        failing = [str(req) for req in self.requirements(egg) if not req.met]
+        if failing:
+            raise ValueError(f"machine: can't cut this section; {'; '.join(failing)}.")
+
+
+# The document gives no sizes; these are the study's own, for a section with a = 0.5 m.
+REFERENCE_MACHINE = Machine(
+    r=0.08,
+    R=0.80,
+    theta_min=np.radians(-60),
+    theta_max=np.radians(35),
+    phi_min=np.radians(-40),
+    phi_max=np.radians(40),
+    cutter_radius=0.20,
+    depth=0.02,
+    height=-0.36,
+)

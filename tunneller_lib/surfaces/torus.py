@@ -1,0 +1,209 @@
+"""The torus on which the centre of the cutter moves: Tunnelling robot, Eqs 1 to 11."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import in_blocks, points, positive, radius_and_excess, real
+from . import torus_line, torus_quartic
+
+# The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.
+FEET = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+@dataclass(frozen=True)
+class Torus:
+    """A torus about the y axis, in the frame of the machine: x forward, y left, z up.
+
+    Parameters
+    ----------
+    r : float
+        Radius of the ring: from the horizontal joint's axis to the tangential joint, in m.
+    R : float
+        Radius of the tube: from the tangential joint to the cutter's centre, in m.
+
+    Raises
+    ------
+    ValueError
+        If a radius isn't one finite number above zero.
+
+    Notes
+    -----
+    Tunnelling robot, section 1.1, with its names set right: the text calls R the "ring centre
+    circle radius", but its Eq. 1 makes it the tube's. With R > r the torus meets itself in two
+    nodes (0, +-sqrt(R^2 - r^2), 0); its *working* (outer, "apple") sheet is
+    where r + R cos(phi) >= 0, and the inner ("lemon") sheet lies inside it.
+    """
+
+    r: float
+    R: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "r", positive("r", self.r))
+        object.__setattr__(self, "R", positive("R", self.R))
+
+    def point(self, theta, phi):
+        """Return the centre of the cutter for joint angles (Eq. 1).
+
+        Parameters
+        ----------
+        theta, phi : (...) float
+            Angles of the horizontal and the tangential joint, in rad; a negative theta lifts.
+
+        Returns
+        -------
+        point : (..., 3) float
+            In m.
+
+        Examples
+        --------
+        >>> Torus(r=0.1, R=0.9).point(0, 0)
+        array([1., 0., 0.])
+        """
+        theta, phi = real("theta", theta), real("phi", phi)
+        rho = self.r + self.R * np.cos(phi)
+        return _stack(rho * np.cos(theta), self.R * np.sin(phi), -rho * np.sin(theta))
+
+    def angles(self, point):
+        """Return the joint angles of points, the inverse of `point` on the working sheet.
+
+        Parameters
+        ----------
+        point : (..., 3) float
+            Points in m. One off the working sheet gets the angles of its `foot`.
+
+        Returns
+        -------
+        theta, phi : (...) float
+            In rad, both from -pi to pi. On the axis theta is 0, on the ring circle phi is 0.
+        """
+        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        return np.arctan2(0.0 - z, x), np.arctan2(y, radius_and_excess(x, z, self.r)[1])
+
+    def implicit(self, point):
+        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4.
+
+        Written as the product over the two circles in which the meridian plane cuts the torus,
+        because the printed difference of fourth powers cancels near the surface.
+        """
+        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        rho, excess = radius_and_excess(x, z, self.r)
+        near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
+        return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
+
+    def normal(self, theta, phi):
+        """Return the unit normals (..., 3), away from the centre of the tube circle (Eq. 7)."""
+        theta, phi = real("theta", theta), real("phi", phi)
+        return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
+
+    def curvatures(self, theta, phi):
+        """Return the principal curvatures along the meridian and along the parallel.
+
+        Parameters
+        ----------
+        theta, phi : (...) float
+            Joint angles in rad.
+
+        Returns
+        -------
+        meridian, parallel : (...) float
+            In 1/m, positive where the surface bends away from `normal`; the second is infinite
+            at a node.
+        """
+        theta, phi = np.broadcast_arrays(real("theta", theta), real("phi", phi))
+        with np.errstate(divide="ignore"):
+            parallel = np.cos(phi) / (self.r + self.R * np.cos(phi))
+        return np.full(phi.shape, 1 / self.R)[()], parallel
+
+    def feet(self, m):
+        """Return where the four spheres about points touch the torus (Eqs 6 to 9).
+
+        Parameters
+        ----------
+        m : (..., 3) float
+            Centres M of the spheres, in m.
+
+        Returns
+        -------
+        feet : (..., 4, 3) float
+            Points N, in m, in the order of `FEET`: sigma = +1 is the meridian circle on the
+            side of M, eps = +1 its far end from that circle's centre as M sees it. On the axis
+            of revolution, where a circle of feet exists, the one at theta = 0; at a circle's
+            centre, where the whole circle is equally far, the one at phi = 0 or pi. At a node
+            two feet are the node. NaN where `m` isn't finite.
+
+        Notes
+        -----
+        Closed form; the document eliminates its way to the quartic Eq. 10 instead
+        (`torus_quartic.foot_quartic`), which needs no more than these square roots.
+
+        Examples
+        --------
+        >>> Torus(r=1, R=2).feet((5, 0, 0))[:, 0]
+        array([ 3., -1.,  1., -3.])
+        """
+        m = points("m", m)
+        return np.stack([self._foot(m, sigma, eps) for sigma, eps in FEET], axis=-2)
+
+    def foot(self, m):
+        """Return the tangent-sphere foot (..., 3) on the working sheet: `feet` (+, +).
+
+        It is the one of greatest n1 for m1 > 0. It need not be the nearest: a chord that dips
+        deep below the sheet comes nearer to another one.
+        """
+        return in_blocks(lambda block: self._foot(block, 1, 1), points("m", m))
+
+    def _foot(self, m, sigma, eps):
+        x, y, z = np.moveaxis(m, -1, 0)
+        with np.errstate(invalid="ignore"):
+            rho, excess = radius_and_excess(x, z, self.r)
+            # Distance beyond the circle's centre; rho + r has no digits to lose.
+            beyond = excess if sigma > 0 else rho + self.r
+            distance = np.sqrt(beyond * beyond + y * y)
+            on_axis, on_ring = rho == 0, distance == 0
+            # Adding 1 to both sides of 0/0 picks theta = 0 on the axis, phi = 0 on the ring.
+            scale = eps * self.R / (distance + on_ring)
+            radius = (sigma * self.r + scale * (beyond + on_ring)) / (rho + on_axis)
+            return _stack(radius * (x + on_axis), scale * y, radius * z)
+
+    def meet_line(self, a, b, *, method="exact"):
+        """Return where lines through two points meet the torus (Eqs 4 and 5).
+
+        Parameters
+        ----------
+        a, b : (..., 3) float
+            Two different points of each line, in m; the line is a + t (b - a).
+        method : {"exact", "quartic"}
+            "exact" keeps its digits for far points and for tangent lines; "quartic" is the
+            document's Eq. 5 with T2 and T0 corrected, through a companion matrix.
+
+        Returns
+        -------
+        t : (..., 4) float
+            Parameters of all real meetings, ascending, NaN-padded; a tangent line has its
+            parameter twice.
+
+        Raises
+        ------
+        ValueError
+            If a and b coincide, or `method` is another word.
+
+        Examples
+        --------
+        >>> Torus(r=1, R=2).meet_line((-10, 0, 0), (-9, 0, 0))
+        array([ 7.,  9., 11., 13.])
+        """
+        a, b = points("a", a), points("b", b)
+        if np.any(np.all(a == b, axis=-1)):
+            raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
+        if method == "exact":
+            return torus_line.meet(self, a, b)
+        if method == "quartic":
+            return torus_quartic.real_roots(torus_quartic.line_quartic(self, a, b))
+        raise ValueError(f'method: must be "exact" or "quartic"; got {method!r}.')
+
+
+def _stack(x, y, z):
+    out = np.empty((*np.broadcast_shapes(x.shape, y.shape, z.shape), 3))
+    out[..., 0], out[..., 1], out[..., 2] = x, y, z
+    return out

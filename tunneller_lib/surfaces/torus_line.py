@@ -1,0 +1,92 @@
+"""Line meets torus without loss of digits: Eq. 4 solved between the extremes of its quartic."""
+
+import numpy as np
+from scipy.optimize.elementwise import find_root
+
+from ..arrays import cross, dot, norm
+
+# Distances below this share of r + R count as contact: a few roundings of the arithmetic here.
+CONTACT = 8 * np.finfo(float).eps
+
+
+def meet(torus, a, b):
+    """Return the parameters (..., 4) of `Torus.meet_line`, ascending and NaN-padded.
+
+    The line is first referred to its point nearest the origin, got from the moment a x b with
+    every digit, so that far points cost nothing. Between the at most three extremes of the
+    quartic there is at most one meeting, found in a bracket from the distances to the two
+    meridian circles; an extreme that touches counts as crossed, so that no tangent is lost.
+    """
+    u = b - a
+    length = norm(u)
+    size = torus.r + torus.R
+    r, R = torus.r / size, torus.R / size
+    e = u / length[..., None]
+    # Nearest point to the origin: relative error of a few roundings, wherever a and b lie.
+    foot = cross(e, cross(a, b)) / (length * size)[..., None]
+    line = [*np.moveaxis(foot, -1, 0), *np.moveaxis(np.broadcast_to(e, foot.shape), -1, 0)]
+
+    extremes, single = _extremes(foot, e, r, R)
+    walls = np.full((1, *length.shape), 2.0)
+    nodes = np.concatenate([-walls, extremes, walls])
+    near, far = _distances(nodes, *line, r, R)
+    value = near * far
+    contact = np.minimum(np.abs(near), np.abs(far)) <= CONTACT
+    inside = (value < 0) | contact
+    # The middle extreme is the maximum: there a contact counts as outside. A single extreme
+    # stands in all three places.
+    inside[2] = np.where(single, inside[1], (value[2] < 0) & ~contact[2])
+
+    s = np.full((4, *length.shape), np.nan)
+    low, high = nodes[:-1], nodes[1:]
+    f_low, f_high = value[:-1], value[1:]
+    crossed = inside[:-1] != inside[1:]
+    # Where only a contact makes the change of side, the extreme itself is the meeting.
+    s[crossed] = np.where(np.abs(f_low) < np.abs(f_high), low, high)[crossed]
+    solve = crossed & (f_low * f_high < 0)
+    if np.any(solve):
+        lines = [np.broadcast_to(c, solve.shape)[solve] for c in line]
+        brackets = (low[solve], high[solve])
+        with np.errstate(invalid="ignore"):  # find_root probes past its interpolation's domain
+            s[solve] = find_root(_between_circles, brackets, args=(*lines, r, R)).x
+    t = -dot(a, e) / length + s * (size / length)
+    return np.sort(np.moveaxis(t, 0, -1), axis=-1)
+
+
+def _distances(s, x, y, z, ex, ey, ez, r, R):
+    """Return how far foot + s e lies outside the two circles of its meridian plane."""
+    rho, height = np.hypot(x + s * ex, z + s * ez), y + s * ey
+    return np.hypot(rho - r, height) - R, np.hypot(rho + r, height) - R
+
+
+def _between_circles(s, *line):
+    near, far = _distances(s, *line)
+    return near * far
+
+
+def _extremes(foot, e, r, R):
+    """Return the ascending real roots (3, ...) of the quartic's derivative, s^3 + P s + Q = 0.
+
+    The quartic of a line from its point nearest the origin has no cubic term:
+    (s^2 + c)^2 - 4 r^2 (R^2 - (y + e_y s)^2) with c = |foot|^2 - r^2 - R^2. A single real root
+    comes three times, and is told.
+    """
+    height, slope = foot[..., 1], e[..., 1]
+    P = dot(foot, foot) - r * r - R * R + 2 * (r * slope) ** 2
+    Q = 2 * r * r * slope * height
+    single = 4 * P**3 + 27 * Q**2 > 0
+    with np.errstate(all="ignore"):
+        scale = 2 * np.sqrt(np.abs(P) / 3)
+        ratio = np.where(scale > 0, 3 * Q / (P * scale), 0)
+        angle = np.arccos(np.clip(ratio, -1, 1)) / 3
+        thirds = 2 * np.pi / 3 * np.arange(3).reshape(3, *[1] * P.ndim)
+        three = scale * np.cos(angle - thirds)
+        rising = -scale * np.sinh(np.arcsinh(ratio) / 3)
+        half = np.abs(3 * Q / (P * scale))
+        falling = -np.sign(Q) * scale * np.cosh(np.arccosh(np.maximum(half, 1)) / 3)
+        falling = np.where(scale > 0, falling, -np.cbrt(Q))
+        roots = np.where(single, np.where(P > 0, rising, falling), three)
+        for _ in range(2):  # the trigonometric forms lose half the digits where roots are close
+            step = ((roots * roots + P) * roots + Q) / (3 * roots * roots + P)
+            roots = np.where(np.abs(step) < 1e-3, roots - step, roots)
+    return np.clip(np.sort(roots, axis=0), -2, 2), single

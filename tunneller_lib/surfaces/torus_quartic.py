@@ -1,0 +1,109 @@
+"""The document's quartics, Eqs 5 and 10, with their coefficients corrected: a cross-check.
+
+The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) instead.
+"""
+
+import numpy as np
+
+from ..arrays import dot, points
+
+
+def line_quartic(torus, a, b):
+    """Return the coefficients of the quartic in t for a line a + t (b - a) (Eq. 5).
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    a, b : (..., 3) float
+        Two points of each line, in m.
+
+    Returns
+    -------
+    coefficients : (..., 5) float
+        T4, T3, T2, T1, T0, in m^4.
+
+    Notes
+    -----
+    Corrected: T2 has 4 t3^2 (printed 2 t3^2) and T0 has t2^2 (printed t2).
+    """
+    a, b = points("a", a), points("b", b)
+    u = b - a
+    t4, t3 = dot(u, u), dot(a, u)
+    t2 = dot(a, a) - torus.r**2 - torus.R**2
+    ring, a2, u2 = 4 * torus.r**2, a[..., 1], u[..., 1]
+    return np.stack(
+        [
+            t4**2,
+            4 * t3 * t4,
+            ring * u2**2 + 2 * t2 * t4 + 4 * t3**2,
+            2 * ring * a2 * u2 + 4 * t2 * t3,
+            t2**2 - ring * (torus.R**2 - a2**2),
+        ],
+        axis=-1,
+    )
+
+
+def foot_quartic(torus, m):
+    """Return the coefficients of the quartic in n1 of the tangent-sphere feet (Eqs 10 and 11).
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    m : (..., 3) float
+        Centres M of the spheres, in m, off the plane m1 = 0, where every coefficient but the
+        first vanishes.
+
+    Returns
+    -------
+    coefficients : (..., 5) float
+        N4, N3, N2, N1, N0, without the document's common factor m1^4.
+
+    Notes
+    -----
+    Corrected: N4 has (m1^2 + m3^2)^2; the last bracket of nu4 has m2^2 + m3^2; nu0 has
+    (r^2 - R^2)^2 before its first bracket and (r^2 - R^2) within its last. Written in
+    s = m1^2 + m3^2, in which all three are polynomials.
+    """
+    m1, m2, m3 = np.moveaxis(points("m", m), -1, 0)
+    rr, RR = torus.r**2, torus.R**2
+    s, m11, m22 = m1**2 + m3**2, m1**2, m2**2
+    nu4 = (s - rr) ** 2 + 2 * (s + rr) * m22 + m22**2
+    nu2 = (rr + RR) * (s - rr) ** 2 + (2 * rr + RR) * (s + rr) * m22 + rr * m22**2
+    nu0 = ((rr - RR) * (s - rr)) ** 2 + 2 * rr * (rr - RR) * (s + rr) * m22 + (rr * m22) ** 2
+    return np.stack(
+        [
+            s**2 * nu4,
+            np.zeros_like(s),
+            -2 * m11 * s * nu2,
+            8 * rr * RR * s * m1**3 * m22,
+            m11**2 * nu0,
+        ],
+        axis=-1,
+    )
+
+
+def real_roots(coefficients):
+    """Return the real roots (..., n) of polynomials, ascending and NaN-padded.
+
+    Parameters
+    ----------
+    coefficients : (..., n + 1) float
+        Highest power first; the first one isn't zero.
+
+    Returns
+    -------
+    roots : (..., n) float
+        Eigenvalues of the companion matrix whose imaginary part is below the square root of the
+        rounding, which is all that can be told of a double root from its coefficients.
+    """
+    monic = coefficients[..., 1:] / coefficients[..., :1]
+    n = monic.shape[-1]
+    companion = np.zeros((*monic.shape[:-1], n, n))
+    companion[..., np.arange(1, n), np.arange(n - 1)] = 1
+    companion[..., :, -1] = -monic[..., ::-1]
+    roots = np.linalg.eigvals(companion)
+    size = np.max(np.abs(roots), axis=-1, keepdims=True, initial=0)
+    is_real = np.abs(roots.imag) <= np.sqrt(np.finfo(float).eps) * size
+    return np.sort(np.where(is_real, roots.real, np.nan), axis=-1)
