@@ -129,14 +129,14 @@ class ConeChord:
     def deviation(self, u):
         """Return how far the path lies off the geodesic, at right angles to it, in m.
 
-        Positive towards the side away from the apex. The comparison of the document, radii at
-        equal azimuth, is longer by the slant.
+        Positive towards the apex, like NN - LN, by which the document compares at equal
+        azimuth and which is longer by the slant.
         """
         start, stop = self.geodesic([0.0, 1.0])
         along = (stop - start) / np.hypot(*(stop - start))
         offset = self.path(u) - start
         across = along[0] * offset[..., 1] - along[1] * offset[..., 0]
-        return -np.sign(self.turn) * across
+        return np.sign(self.turn) * across
 
     @property
     def geodesic_length(self):

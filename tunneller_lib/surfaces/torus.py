@@ -62,7 +62,7 @@ class Torus:
         """
         theta, phi = real("theta", theta), real("phi", phi)
         rho = self.r + self.R * np.cos(phi)
-        return _stack(rho * np.cos(theta), self.R * np.sin(phi), -rho * np.sin(theta))
+        return _stack(rho * np.cos(theta), self.R * np.sin(phi), 0.0 - rho * np.sin(theta))
 
     def angles(self, point):
         """Return the joint angles of points, the inverse of `point` on the working sheet.

@@ -1,0 +1,44 @@
+# Thin front: each target sets up .venv (report/environment.py) and calls a Python program there.
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+# Runs without a screen: one thread each, so that pictures and last digits repeat.
+HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static \
+	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
+
+.DEFAULT_GOAL := help
+.PHONY: help environment report test lab bench format lock clean
+
+help: ## show this list
+	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
+
+environment:
+	@$(PYTHON) report/environment.py
+
+report: environment ## run the notebooks that changed, then make report/report.pdf
+	@$(HEADLESS) $(BIN)/python -m report.build
+
+test: environment ## run every test, doctest and notebook, and the linter
+	@$(BIN)/ruff check
+	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
+
+lab: environment ## open JupyterLab on the notebooks
+	@$(BIN)/jupyter lab notebooks
+
+bench: environment ## time the library
+	@$(HEADLESS) $(BIN)/python -m pytest tests/bench --benchmark-only
+
+format: environment ## put the sources into the common form
+	@$(BIN)/ruff check --fix-only --quiet
+	@$(BIN)/ruff format --quiet
+
+lock: environment ## pin the newest versions of everything into environment.txt
+	@$(BIN)/uv pip compile pyproject.toml --group study --universal --python-version 3.11.2 \
+		--fork-strategy fewest --generate-hashes --upgrade --quiet \
+		--custom-compile-command "make lock" \
+		--output-file environment.txt
+
+clean: ## remove the environment and everything temporary
+	@rm -rf .venv build .pytest_cache .ruff_cache .hypothesis .benchmarks
+	@find . -name __pycache__ -prune -exec rm -r {} +

@@ -1,0 +1,55 @@
+"""Compile report.typ, so that the same sources give the same bytes everywhere."""
+
+import json
+import re
+from datetime import UTC, datetime
+
+import typst
+
+from report.sources import ROOT, report_sources
+
+# The report's date; Typst would take today's, and no two builds would agree.
+DATE = datetime(2026, 11, 21, tzinfo=UTC)
+NAMED = "numpy scipy matplotlib pyvista vtk sympy mpmath typst".split()
+
+
+class ReportFailed(Exception):
+    """A report that can't be compiled; the message is Typst's."""
+
+
+def versions(root=ROOT):
+    """Return the pinned versions of the packages that the report names."""
+    pins = dict(
+        re.findall(r"^([\w.-]+)==([^\s;\\]+)", (root / "environment.txt").read_text(), re.M)
+    )
+    return {name: pins[name] for name in NAMED}
+
+
+def compile_report(root=ROOT):
+    """Return the report as the bytes of a PDF.
+
+    Parameters
+    ----------
+    root : pathlib.Path
+        The folder that holds report, figures, notebooks, tunneller_lib and environment.txt.
+
+    Raises
+    ------
+    ReportFailed
+        If Typst finds an error or gives a warning, such as an unknown font.
+    """
+    inputs = {"hash": report_sources(root)[:16], "versions": json.dumps(versions(root))}
+    try:
+        pdf, warnings = typst.compile_with_warnings(
+            root / "report" / "report.typ",
+            root=root,
+            ignore_system_fonts=True,
+            sys_inputs=inputs,
+            timestamp=DATE,
+            pdf_standards="a-2b",  # to be kept: fonts, colours and date inside
+        )
+    except typst.TypstError as error:
+        raise ReportFailed(f"report.typ: {error.diagnostic}") from None
+    if warnings:
+        raise ReportFailed(f"report.typ: {warnings[0].diagnostic}")
+    return pdf

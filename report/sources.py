@@ -1,0 +1,79 @@
+"""Say what the study is made from, as digests of contents: file times are never looked at."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import nbformat
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def digest(*parts):
+    """Return one digest of a sequence of byte strings."""
+    whole = hashlib.sha256()
+    for part in parts:
+        whole.update(len(part).to_bytes(8, "big") + part)
+    return whole.hexdigest()
+
+
+def file_digest(root, paths):
+    """Return one digest of names and contents; a file that's missing counts as well."""
+    parts = []
+    for path in paths:
+        parts += [
+            str(path.relative_to(root)).encode(),
+            path.read_bytes() if path.exists() else b"-",
+        ]
+    return digest(*parts)
+
+
+def notebooks(root=ROOT):
+    return sorted((root / "notebooks").glob("*.ipynb"))
+
+
+def cells(notebook):
+    """Return what its author wrote in a notebook, without what running it left there."""
+    return [(cell.cell_type, cell.source) for cell in nbformat.read(notebook, as_version=4).cells]
+
+
+def is_run(notebook):
+    """Tell whether a notebook is stored as one run from top to bottom leaves it."""
+    code = [c for c in nbformat.read(notebook, as_version=4).cells if c.cell_type == "code"]
+    return [c.execution_count for c in code] == list(range(1, len(code) + 1))
+
+
+def records(notebook):
+    """Return the file of a notebook's numbers and what it holds."""
+    file = notebook.parent.parent / "report" / "numbers" / f"{notebook.stem}.json"
+    return file, json.loads(file.read_text()) if file.exists() else {}
+
+
+def figure_files(notebook):
+    """Return the files of a notebook's figures."""
+    folder = notebook.parent.parent / "figures"
+    figures = records(notebook)[1].get("figures", {})
+    return [folder / figure["file"] for _, figure in sorted(figures.items())]
+
+
+def notebook_sources(notebook):
+    """Return the digest of all that the results of a notebook depend on."""
+    root = notebook.parent.parent
+    shared = [root / "environment.txt", *sorted((root / "tunneller_lib").rglob("*.py"))]
+    return digest(json.dumps(cells(notebook)).encode(), file_digest(root, shared).encode())
+
+
+def notebook_results(notebook):
+    """Return the digest of all that running a notebook leaves."""
+    files = [records(notebook)[0], *figure_files(notebook)]
+    return digest(
+        str(is_run(notebook)).encode(), file_digest(notebook.parent.parent, files).encode()
+    )
+
+
+def report_sources(root=ROOT):
+    """Return the one digest of everything that the report is made from."""
+    written = [p for p in (root / "report").iterdir() if p.suffix in (".typ", ".toml", ".bib")]
+    made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
+    parts = [notebook_sources(n) for n in notebooks(root)]
+    return digest(*map(str.encode, parts), file_digest(root, sorted(written) + made).encode())

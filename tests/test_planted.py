@@ -1,0 +1,128 @@
+"""The comparison of notebooks catches what is planted, and lets last bits pass."""
+
+import subprocess
+import sys
+
+import nbformat
+import numpy as np
+import PIL.Image
+import pytest
+from nbformat.v4 import new_code_cell, new_notebook
+
+from report.execute import run_notebook
+from report.sources import ROOT
+from tests.notebook_results import Text, difference, picture_difference
+
+SOURCES = [
+    "from tunneller_lib.reporting import Record\nrecord = Record('01_test')",
+    "record('it', 1.25, 'm', digits=3)",
+    "from tunneller_lib.reporting.style import figure\n"
+    "drawing, ax = figure(height=4)\nrecord.figure(drawing, 'axes', 'Empty axes.')",
+    "print(0.5)",
+]
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "equal"),
+    [
+        ("x = 1.0000000000001 m", "x = 1.0 m", True),
+        ("x = 1.00001 m", "x = 1.0 m", False),
+        ("1e-7", "1.0e-07", True),
+        ("3 m", "4 m", False),
+        ("1.0 m", "1.0 mm", False),
+        ("1.0, 2.0", "1.0", False),
+        ("-1.5", "1.5", False),
+    ],
+)
+def test_text_is_compared_up_to_last_bits(a, b, equal):
+    assert (Text(a) == Text(b)) is equal
+    assert (Text(a) != Text(b)) is not equal
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "equal"),
+    [
+        ({"a": 1.0}, {"a": 1.0 + 1e-12}, True),
+        ({"a": 1.0}, {"a": 1.0 + 1e-6}, False),
+        ({"a": 1}, {"a": 2}, False),
+        ({"a": "m"}, {"a": "mm"}, False),
+        ({"a": 1}, {"b": 1}, False),
+        ({"a": 1}, {}, False),
+        ([1.0, "x"], [1.0, "x"], True),
+        ([1.0], [1.0, 2.0], False),
+        ([1.0], 1.0, False),
+    ],
+)
+def test_records_are_compared(old, new, equal):
+    assert (difference(old, new) is None) is equal
+
+
+@pytest.mark.parametrize(("changed", "equal"), [(0, True), (1, True), (400, False)])
+def test_pictures_are_compared(tmp_path, changed, equal):
+    pixels = np.full((100, 100, 3), 255, np.uint8)
+    (tmp_path / "new").mkdir()
+    PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
+    pixels.reshape(-1, 3)[:changed] = 180
+    PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
+    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
+    assert (same is None) is equal
+
+
+def test_missing_picture_is_told(tmp_path):
+    assert picture_difference(tmp_path / "a.png", tmp_path / "b.png") == "a.png is not committed."
+
+
+def run_pytest(notebook):
+    command = [sys.executable, "-m", "pytest", "-p", "tests.notebook_results", "-q", "-rf"]
+    options = [
+        "-p",
+        "no:cacheprovider",
+        "--rootdir",
+        notebook.parent,
+        "-c",
+        ROOT / "pyproject.toml",
+    ]
+    run = subprocess.run(
+        [*command, *options, notebook], cwd=ROOT, capture_output=True, text=True, timeout=100
+    )
+    return run.stdout
+
+
+@pytest.fixture
+def notebook(tmp_path):
+    (tmp_path / "notebooks").mkdir()
+    path = tmp_path / "notebooks" / "01_test.ipynb"
+    cells = [new_code_cell(source, id=f"cell-{i}") for i, source in enumerate(SOURCES)]
+    nbformat.write(new_notebook(cells=cells), path)
+    run_notebook(path)
+    return path
+
+
+def edit(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def test_true_notebook_passes(notebook):
+    assert "7 passed" in run_pytest(notebook)
+
+
+def test_planted_results_are_caught(notebook):
+    root = notebook.parent.parent
+    edit(notebook, '"0.5\\n"', '"0.6\\n"')
+    edit(root / "report" / "numbers" / "01_test.json", '"value": 1.25', '"value": 1.26')
+    edit(root / "figures" / "axes.svg", "M ", "M 9")
+    output = run_pytest(notebook)
+    assert "4 passed" in output and "3 failed" in output
+    assert "numbers, it, value: 1.26 is committed, 1.25 came out now." in output
+    assert "axes.svg differs from the committed figure" in output
+    assert "Cell outputs differ" in output
+
+
+def test_dead_kernel_and_unrun_notebook_are_told(notebook):
+    edit(notebook, "print(0.5)", "import os; os._exit(1)")
+    edit(notebook, '"execution_count": 4', '"execution_count": 5')
+    output = run_pytest(notebook)
+    assert "The kernel died" in output
+    assert "isn't stored as run from top to bottom" in output

@@ -1,0 +1,149 @@
+"""Records: what is printed, what is stored, what is refused."""
+
+import json
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from tunneller_lib.reporting import Record
+from tunneller_lib.reporting.style import figure
+
+
+@pytest.fixture
+def root(tmp_path, monkeypatch):
+    monkeypatch.setenv("TUNNELLER_RESULTS", str(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture
+def record(root):
+    return Record("01_test")
+
+
+def stored(root):
+    return json.loads((root / "report" / "numbers" / "01_test.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1.0987, 3, "1.10"),
+        (-1.0987, 2, "-1.1"),
+        (12.34, 2, "12"),
+        (99.96, 3, "100"),
+        (1234.5, 2, "1.2e3"),
+        (0.001234, 2, "0.0012"),
+        (5.6e-4, 2, "5.6e-4"),
+        (9.996e-4, 3, "0.00100"),
+        (2.5e12, 1, "2e12"),
+        (0.0, 2, "0.0"),
+        (-0.0, 1, "0"),
+        (3, None, "3"),
+        (np.int64(123456), None, "123456"),
+        (np.float64(0.5), 1, "0.5"),
+        (np.array(0.5), 1, "0.5"),
+    ],
+)
+def test_number_is_printed_with_its_digits(record, root, value, digits, text):
+    assert record("it", value, "m", digits=digits) == f"{text} m"
+    assert stored(root)["numbers"]["it"]["text"] == text
+
+
+@pytest.mark.parametrize(
+    ("value", "options", "message"),
+    [
+        (float("nan"), {"digits": 3}, "it: must be finite; got nan."),
+        (float("inf"), {"digits": 3}, "it: must be finite; got inf."),
+        (True, {}, "it: must be one number; got True."),
+        ("1", {"digits": 3}, "it: must be one number; got '1'."),
+        (np.ones(2), {"digits": 3}, "it: must be one number"),
+        (1.5, {}, "it: digits must say how many of 1.5 are meant."),
+        (1.5, {"digits": 0}, "it: digits must be an integer from 1 to 12; got 0."),
+        (1.5, {"digits": 13}, "it: digits must be an integer from 1 to 12; got 13."),
+        (1.5, {"digits": 2.0}, "it: digits must be an integer from 1 to 12; got 2.0."),
+        (1.5, {"digits": 3, "below": 2.0}, "it: give digits or below, not both."),
+        (2e-9, {"below": 1e-9}, "it: must lie between 0 and 1e-09; got 2e-09."),
+        (-1e-12, {"below": 1e-9}, "it: must lie between 0"),
+        (float("nan"), {"below": 1e-9}, "it: must be finite; got nan."),
+    ],
+)
+def test_number_is_refused(record, root, value, options, message):
+    with pytest.raises(ValueError, match=message.replace(".", r"\.")):
+        record("it", value, "m", **options)
+    assert not (root / "report").exists()
+
+
+def test_bound_is_stored_and_not_the_value(record, root):
+    assert record("residual", 3e-14, "", below=1e-12) == "at most 1e-12"
+    assert stored(root)["numbers"]["residual"] == {"bound": 1e-12, "text": "1e-12", "unit": ""}
+
+
+def test_last_bits_are_not_stored(record, root):
+    record("sum", 0.1 + 0.2, "", digits=2)
+    assert stored(root)["numbers"]["sum"]["value"] == 0.3
+
+
+def test_order_of_records_leaves_no_trace(root):
+    contents = []
+    for order in ("ab", "ba"):
+        for name in order:
+            Record("01_test")(name, 1, "")
+        file = root / "report" / "numbers" / "01_test.json"
+        contents.append(file.read_bytes())
+        file.unlink()
+    assert contents[0] == contents[1]
+
+
+def test_table_is_printed_with_its_decimals(record, root):
+    rows = [["a", 1, 0.02024, -0.0001], ["b", 2, 1.0, 0.0]]
+    text = record.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
+    assert text == [["a", "1", "0.0202", "0.00"], ["b", "2", "1.0000", "0.00"]]
+    assert stored(root)["tables"]["t"]["rows"] == rows
+
+
+@pytest.mark.parametrize(
+    ("rows", "decimals", "message"),
+    [
+        ([[1.0]], None, "decimals must say"),
+        ([[1.0, 2.0]], 1, "one entry for each of 1 columns; got 2"),
+        ([[1.0]], [1, 1], "one entry for each of 1 columns; got 2"),
+        ([[float("nan")]], 1, "must be finite"),
+        ([[None]], 1, "must be one number"),
+    ],
+)
+def test_table_is_refused(record, rows, decimals, message):
+    with pytest.raises(ValueError, match=message):
+        record.table("t", ["x"], rows, decimals=decimals)
+
+
+def test_drawing_has_the_same_bytes_twice(record, root):
+    contents = []
+    for _ in range(2):
+        drawing, ax = figure(height=4)
+        ax.plot([0, 1], [0, 1], label="a")
+        ax.legend()
+        preview = record.figure(drawing, "line", "A\n  line.")
+        contents.append((root / "figures" / "line.svg").read_bytes())
+    assert contents[0] == contents[1]
+    assert preview.alt == "A\n  line."
+    assert stored(root)["figures"]["line"] == {"alt": "A line.", "file": "line.svg"}
+
+
+def test_pixels_are_saved_as_they_are(record, root):
+    pixels = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
+    record.figure(pixels, "pixels", "Stripes.")
+    np.testing.assert_array_equal(PIL.Image.open(root / "figures" / "pixels.png"), pixels)
+
+
+def test_figure_needs_an_alternative_text(record):
+    with pytest.raises(ValueError, match=r"line: needs an alternative text\."):
+        record.figure(figure(height=4)[0], "line", " ")
+
+
+@pytest.mark.parametrize("name", ["", "../up", "Two words", ".hidden"])
+def test_file_name_is_refused(record, name):
+    with pytest.raises(ValueError, match="a name has lower-case letters"):
+        Record(name)
+    with pytest.raises(ValueError, match="a name has lower-case letters"):
+        record.figure(figure(height=4)[0], name, "A line.")

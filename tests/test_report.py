@@ -1,0 +1,74 @@
+"""The report: made from its sources alone, every record used and every use recorded."""
+
+import re
+import shutil
+
+import pytest
+
+from report.build import FIGURE_LIST, PDF, figure_list
+from report.compile import ReportFailed, compile_report
+from report.sources import ROOT, figure_files, notebooks, records
+
+USE = re.compile(r'\b(num|tab|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+KINDS = {"num": "numbers", "tab": "tables", "fig": "figures"}
+
+
+def test_report_is_what_its_sources_give():
+    if compile_report() != PDF.read_bytes():  # not an assertion, which would print two PDFs
+        pytest.fail("report.pdf is stale: `make report` renews it.", pytrace=False)
+
+
+def test_report_has_the_same_bytes_twice():
+    assert compile_report() == compile_report()
+
+
+def test_figure_list_is_what_the_records_give():
+    assert FIGURE_LIST.read_text() == figure_list()
+
+
+def test_every_record_is_used_and_every_use_recorded():
+    texts = [path.read_text() for path in (ROOT / "report").glob("*.typ")]
+    used = {(n, KINDS[kind], name) for text in texts for kind, n, name in USE.findall(text)}
+    recorded = {
+        (notebook.stem, kind, name)
+        for notebook in notebooks()
+        for kind, entries in records(notebook)[1].items()
+        for name in entries
+    }
+    assert used == recorded
+
+
+def test_folders_hold_nothing_but_records():
+    figures = [file for notebook in notebooks() for file in figure_files(notebook)]
+    assert len(figures) == len(set(figures)), "two notebooks make the same figure"
+    assert {*figures, FIGURE_LIST} == set((ROOT / "figures").iterdir())
+    numbers = {records(notebook)[0] for notebook in notebooks()}
+    assert set((ROOT / "report" / "numbers").iterdir()) <= numbers
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """Return a study of its own, with a report that says what a test wants."""
+    for folder in ("report", "figures", "notebooks"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    shutil.copy(ROOT / "environment.txt", tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('#num("none", "it")', "file not found"),
+        ('#num("a", "it")', "Notebook a records nothing named 'it' among its numbers."),
+        ('#tab("a", "it")', "Notebook a records nothing named 'it' among its tables."),
+        ('#fig("a", "it", [])', "Notebook a records nothing named 'it' among its figures."),
+        ('#mark("eq99")', "The ledger has no row 'eq99'."),
+        ('#text(font: "No Such Font")[a]', "unknown font family"),
+    ],
+)
+def test_wrong_use_is_refused(copy, text, message):
+    (copy / "report" / "numbers" / "a.json").write_text("{}")
+    (copy / "report" / "report.typ").write_text(f'#import "lib.typ": *\n{text}')
+    with pytest.raises(ReportFailed) as error:
+        compile_report(copy)
+    assert message in str(error.value)

@@ -1,0 +1,103 @@
+"""Numbers as they are stored and printed: checked, rounded, with the digits that are meant."""
+
+import math
+import numbers
+import re
+
+import numpy as np
+
+
+def number(name, value):
+    """Return a finite number as Python's own int or float.
+
+    Parameters
+    ----------
+    name : str
+        What the number is, for the error.
+    value : int or float, of Python or numpy
+        The number.
+
+    Raises
+    ------
+    ValueError
+        If it isn't one number, or isn't finite.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool) or not isinstance(value, numbers.Real):
+        raise ValueError(f"{name}: must be one number; got {value!r}.")
+    value = int(value) if isinstance(value, numbers.Integral) else float(value)
+    if not math.isfinite(value):
+        raise ValueError(f"{name}: must be finite; got {value}.")
+    return value
+
+
+def steady(value):
+    """Round to twelve digits: the last ones differ between processors, and files should not."""
+    return value if isinstance(value, int) else float(f"{value:.12g}")
+
+
+def significant(name, value, digits):
+    """Return a number as printed with significant digits.
+
+    Parameters
+    ----------
+    name : str
+        What the number is, for the error.
+    value : int or float
+        The number.
+    digits : int or None
+        Significant digits, 1 to 12; None for an integer that's printed whole.
+
+    Raises
+    ------
+    ValueError
+        If the digits are missing or not such an integer.
+
+    Examples
+    --------
+    >>> significant("length", 1.0987, 3), significant("gap", 5.6e-4, 2)
+    ('1.10', '5.6e-4')
+    """
+    if digits is None:
+        if isinstance(value, int):
+            return str(value)
+        raise ValueError(f"{name}: digits must say how many of {value} are meant.")
+    if not isinstance(digits, int) or not 1 <= digits <= 12:
+        raise ValueError(f"{name}: digits must be an integer from 1 to 12; got {digits!r}.")
+    scientific = f"{value:.{digits - 1}e}"
+    if value == 0 or -3 <= int(scientific.partition("e")[2]) < digits:
+        return f"{float(scientific) + 0.0:#.{digits}g}".removesuffix(".")
+    return exponent(scientific)
+
+
+def exponent(text):
+    """Return ``5.6e-4`` for ``5.6e-04``."""
+    return re.sub(r"e([+-]?)0*(\d+)", lambda m: f"e{m[1].strip('+')}{m[2]}", text)
+
+
+def cell(name, value, decimals):
+    """Return a table's cell as printed.
+
+    Parameters
+    ----------
+    name : str
+        The table's name, for the error.
+    value : int, float or str
+        What the cell holds; text is left as it is.
+    decimals : int or None
+        Decimals of a float.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't finite, or a float has no decimals.
+    """
+    if isinstance(value, str):
+        return value
+    value = number(name, value)
+    if isinstance(value, int):
+        return str(value)
+    if decimals is None:
+        raise ValueError(f"{name}: decimals must say how many of {value} are meant.")
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"  # adding 0.0 turns -0.0 into 0.0

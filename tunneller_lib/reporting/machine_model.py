@@ -1,0 +1,133 @@
+"""A model of the machine in space, its parts posed by the two joint angles (Fig. 1).
+
+A substitute for the document's photograph: the joints' places are the torus' radii and the
+machine's own sizes, every other shape (frame, tandem cylinders, picks) is the study's invention.
+"""
+
+import numpy as np
+import pyvista
+
+from tunneller_lib.reporting.style import COLOURS
+
+PICKS = 90  # carbide teeth drawn on the cutter
+SOLID = {"smooth_shading": True, "split_sharp_edges": True}
+BODY = {"color": COLOURS["machine"], **SOLID}
+DARK = {"color": COLOURS["cutter"], **SOLID}
+OIL = {"color": COLOURS["tangent sphere"], **SOLID}
+STEEL = {"color": "#B8BFC6", **SOLID}
+
+
+def machine_model(machine, theta, phi):
+    """Return the parts of the machine in its own frame, origin on the horizontal joint.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its sizes.
+    theta, phi : float
+        Joint angles in rad.
+
+    Returns
+    -------
+    parts : list of (mesh, dict)
+        Each mesh with the arguments for ``Plotter.add_mesh``; lengths in m.
+    """
+    r, R, ball = machine.r, machine.R, machine.cutter_radius
+    t = 0.13 * R  # thickness of the limbs
+    frame, crank, arm, tip = _joints(machine, theta, phi)
+    beams = [
+        _box((-1.5 * R, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, -2.1 * t)) for y in (-1.5 * t, t)
+    ]
+    forks = [
+        _box((-0.6 * t, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, 0.6 * t)) for y in (-1.5 * t, t)
+    ]
+    parts = [
+        (frame(pyvista.merge(beams + forks)), BODY),
+        (frame(_box((-1.5 * R, -0.85 * R), (-1.5 * t, 1.5 * t), (-2.1 * t, 0.9 * t))), BODY),
+        (frame(_rod((0, -1.8 * t, 0), (0, 1.8 * t, 0), 0.35 * t)), DARK),
+        (crank(_box((-0.45 * t, 0.45 * t), (-0.8 * t, 0.8 * t), (-2.5 * t, 0.6 * t))), STEEL),
+        (crank(_box((0, r), (-0.8 * t, 0.8 * t), (-0.6 * t, 0.6 * t))), STEEL),
+        (crank(_rod((r, 0, -t), (r, 0, t), 0.35 * t)), DARK),
+        (arm(_rod((0, 0, 0), (R - 0.6 * ball, 0, 0), 0.45 * t)), BODY),
+        (arm(_box((0.4 * R, 0.48 * R), (-1.1 * t, 1.1 * t), (-0.3 * t, 0.3 * t))), BODY),
+        (tip(pyvista.Sphere(radius=0.9 * ball, theta_resolution=48, phi_resolution=48)), DARK),
+        (tip(_picks(ball)), STEEL),
+    ]
+    # The base cylinder turns the bell crank by its lower leg; the tandem pair swings the arm.
+    parts += _cylinder(frame.place((-0.85 * R, 0, -1.9 * t)), crank.place((0, 0, -2.2 * t)), t)
+    for side in (-t, t):
+        foot = crank.place((-0.2 * t, 0.95 * side, 0))
+        parts += _cylinder(foot, arm.place((0.44 * R, 0.95 * side, 0)), 0.7 * t)
+    return parts
+
+
+class _Frame:
+    """A body's place: a rotation and the point about which it turns."""
+
+    def __init__(self, axes, origin):
+        self.axes, self.origin = np.asarray(axes), np.asarray(origin)
+
+    def place(self, point):
+        return self.axes @ np.asarray(point, dtype=float) + self.origin
+
+    def __call__(self, mesh):
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = self.axes, self.origin
+        return mesh.transform(matrix, inplace=False)
+
+
+def _joints(machine, theta, phi):
+    """Return the frames of the base, bell crank, arm and cutter."""
+    about_y = np.array([[np.cos(theta), 0, np.sin(theta)], [0, 1, 0],
+                        [-np.sin(theta), 0, np.cos(theta)]])  # fmt: skip
+    about_z = np.array([[np.cos(phi), -np.sin(phi), 0], [np.sin(phi), np.cos(phi), 0], [0, 0, 1]])
+    tip = machine.torus.point(theta, phi)
+    hinge = about_y @ [machine.r, 0, 0]
+    return (
+        _Frame(np.eye(3), np.zeros(3)),
+        _Frame(about_y, np.zeros(3)),
+        _Frame(about_y @ about_z, hinge),
+        _Frame(about_y @ about_z, tip),
+    )
+
+
+def _box(x, y, z):
+    return pyvista.Box(bounds=(*x, *y, *z))
+
+
+def _rod(a, b, radius):
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    return pyvista.Cylinder(
+        center=(a + b) / 2,
+        direction=b - a,
+        radius=radius,
+        height=np.linalg.norm(b - a),
+        resolution=40,
+    )
+
+
+def _cylinder(a, b, width):
+    """Return a hydraulic cylinder and its piston rod between two points."""
+    middle = a + 0.6 * (b - a)
+    return [(_rod(a, middle, 0.3 * width), OIL), (_rod(middle, b, 0.16 * width), STEEL)]
+
+
+def _picks(radius):
+    """Return conical teeth on a sphere, evenly spread by the golden angle."""
+    index = np.arange(PICKS)
+    x = 1 - (2 * index + 1) / PICKS
+    turn = index * np.pi * (3 - np.sqrt(5))
+    ring = np.sqrt(1 - x * x)
+    out = np.stack([x, ring * np.cos(turn), ring * np.sin(turn)], axis=-1)[x > -0.8]
+    height = 0.2 * radius
+    teeth = [
+        pyvista.Cone(
+            center=(radius - height / 2) * axis,
+            direction=axis,
+            height=height,
+            radius=0.4 * height,
+            resolution=16,
+        )
+        for axis in out
+    ]
+    return pyvista.merge(teeth)

@@ -1,0 +1,177 @@
+"""Plane drawings of the study's shapes, each on the Axes that it is given."""
+
+import numpy as np
+from matplotlib.patches import Circle
+
+from tunneller_lib.reporting.style import COLOURS
+from tunneller_lib.surfaces.torus import FEET
+
+
+def equal(ax, xlabel, ylabel):
+    """Give both axes of a drawing one scale, and their labels."""
+    ax.set_aspect("equal")
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+
+
+def draw_section(ax, section, **line):
+    """Draw a section as seen by the machine, with y growing to the left.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    section : Section
+        The closed curve, in m.
+    **line
+        Passed on to ``Axes.plot``; the tunnel's colour unless told otherwise.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The curve.
+    """
+    y, z = section.point(np.linspace(0, section.perimeter, 721)).T
+    lines = ax.plot(y, z, **{"color": COLOURS["tunnel"], **line})
+    equal(ax, "y / m (left)", "z / m (up)")
+    if not ax.xaxis_inverted():
+        ax.invert_xaxis()
+    return lines
+
+
+def draw_construction(ax, egg):
+    """Draw how the section is made (Fig. 4): the arcs' centres, the rays to the blends.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    egg : Egg
+        The section, in m.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The rays, one pair for each arc.
+    """
+    lines = []
+    ends = egg.point(egg.blends)
+    for arc, start, stop in zip(egg.arcs, ends, ends[1:]):
+        centre = np.array([arc.y, arc.z])
+        lines += ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
+        ax.plot(*centre, "o", color=COLOURS["chord"], ms=3)
+    ax.plot(*ends.T, "s", color=COLOURS["correct"], ms=4)
+    return lines
+
+
+def draw_meridian(ax, torus):
+    """Draw the two circles in which a meridian plane cuts the torus, rho against y.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface, in m.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The outer sheet, then the inner one where the tube crosses the axis.
+    """
+    node = np.arccos(max(-torus.r / torus.R, -1))
+    lines = []
+    sheets = [("torus", -node, node), ("inner sheet", node, 2 * np.pi - node)]
+    for sheet, low, high in sheets:
+        phi = np.linspace(low, high, 361)
+        rho, y, _ = torus.point(np.zeros_like(phi), phi).T
+        for side in (1, -1):
+            lines += ax.plot(side * rho, y, color=COLOURS[sheet], lw=1.8, zorder=1)
+    ax.plot([torus.r, -torus.r], [0, 0], "+", color=COLOURS["chord"], ms=6)
+    equal(ax, "distance from the axis / m", "y / m")
+    return lines
+
+
+def draw_tangent_spheres(ax, torus, m):
+    """Draw the four tangent spheres of one point, in its meridian plane.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface, in m.
+    m : (3,) float
+        The centre M, in m, with x > 0 and z = 0.
+
+    Returns
+    -------
+    circles : list of matplotlib.patches.Circle
+        In the order of `Torus.feet`; the working one has the tangent-sphere colour.
+    """
+    draw_meridian(ax, torus)
+    circles = []
+    for index, foot in enumerate(torus.feet(m)):
+        colour = COLOURS["tangent sphere"] if index == 0 else COLOURS["cutter"]
+        radius = np.hypot(*(foot - m)[:2])
+        width = 1.4 if index == 0 else 0.6
+        circles.append(Circle(m[:2], radius, fill=False, color=colour, lw=width))
+        ax.add_patch(circles[-1])
+        ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
+        signs = "({:+d}, {:+d})".format(*FEET[index])
+        ax.annotate(signs, foot[:2], (3, 4), textcoords="offset points", fontsize=7, color=colour)
+    ax.plot(*m[:2], "o", color=COLOURS["chord"])
+    return circles
+
+
+def draw_limits(ax, machine):
+    """Draw the joint limits of a machine, phi against theta, in degrees.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    machine : Machine
+        Whose limits.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The rectangle.
+    """
+    theta = np.degrees([machine.theta_min, machine.theta_max])
+    phi = np.degrees([machine.phi_min, machine.phi_max])
+    lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
+    ax.set(xlabel="theta / deg", ylabel="phi / deg")
+    return lines
+
+
+def draw_development(ax, chord, u):
+    """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    chord : ConeChord
+        The test case, in m.
+    u : (n,) float
+        Fractions of the geodesic at which the path's points are drawn.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The geodesic, the path, the path's points.
+    """
+    around = np.linspace(0, chord.turn, 181)
+    for distance in chord.ends:
+        ax.plot(*chord.cone.development(distance, around).T, color=COLOURS["torus"], lw=0.8)
+    for azimuth in (0.0, chord.turn):
+        ruling = chord.cone.development(np.array([0.0, chord.ends[0]]), azimuth)
+        ax.plot(*ruling.T, color=COLOURS["torus"], lw=0.8)
+    fine = np.linspace(0, 1, 201)
+    lines = ax.plot(*chord.geodesic(fine).T, color=COLOURS["geodesic"], label="geodesic")
+    path = {"color": COLOURS["tangent sphere"]}
+    lines += ax.plot(*chord.path(fine).T, lw=0.8, label="tangent-sphere path", **path)
+    lines += ax.plot(*chord.path(u).T, "o", mfc="white", **path)
+    equal(ax, "development / m", "development / m")
+    return lines

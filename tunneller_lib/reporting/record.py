@@ -1,0 +1,208 @@
+"""Numbers, tables and figures on their way from a notebook to the report.
+
+The report holds no typed result: it reads report/numbers/<notebook>.json and figures/, and only
+this module writes there.
+"""
+
+import io
+import json
+import os
+import re
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import PIL.Image
+from IPython.display import Image
+
+from tunneller_lib.reporting.digits import cell, exponent, number, significant, steady
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+PREVIEW = 800  # px, the width of a figure shown in a notebook
+
+
+class Record:
+    """The results of one notebook.
+
+    Parameters
+    ----------
+    notebook : str
+        Name of the notebook, without its suffix.
+
+    Notes
+    -----
+    Results go to the checkout, or to the folder named by ``TUNNELLER_RESULTS``. Each call writes
+    at once, and a file is never seen half-written.
+
+    Examples
+    --------
+    >>> record = Record("02_torus")
+    >>> record("length of the arm", 1.0987, "m", digits=3)
+    '1.10 m'
+    >>> record("residual, worst", 3.1e-14, "m", below=1e-12)
+    'at most 1e-12 m'
+    """
+
+    def __init__(self, notebook):
+        self.notebook = _file_name("notebook", notebook)
+        self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT))
+
+    def __call__(self, name, value, unit, *, digits=None, below=None):
+        """Record a number.
+
+        Parameters
+        ----------
+        name : str
+            What the number is; the report asks for it by this name.
+        value : int or float
+            The number, in that unit.
+        unit : str
+            Unit as printed, such as ``"mm"`` or ``"m^3/s"``; empty for a plain number.
+        digits : int, optional
+            Significant digits that are printed. An integer is printed whole without it.
+        below : float, optional
+            For a quantity at rounding level, which differs between machines: only this bound is
+            recorded, and a value that's negative or above it is refused.
+
+        Returns
+        -------
+        text : str
+            The number as printed.
+
+        Raises
+        ------
+        ValueError
+            If the value isn't finite or breaks its bound, or there is not one of digits and below.
+        """
+        value = number(name, value)
+        if below is not None:
+            if digits is not None:
+                raise ValueError(f"{name}: give digits or below, not both.")
+            if not 0 <= value <= below:
+                raise ValueError(f"{name}: must lie between 0 and {below}; got {value}.")
+            text = exponent(repr(number(name, below)))
+            self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
+            return f"at most {text} {unit}".strip()
+        text = significant(name, value, digits)
+        entry = {"value": steady(value), "unit": unit, "digits": digits, "text": text}
+        self._merge("numbers", name, entry)
+        return f"{text} {unit}".strip()
+
+    def table(self, name, columns, rows, *, decimals=None):
+        """Record a table.
+
+        Parameters
+        ----------
+        name : str
+            What the table is; the report asks for it by this name.
+        columns : sequence of str
+            Headings with units, such as ``"$l$ / m"``; Typst's markup is set as such.
+        rows : sequence of sequences
+            Cells: numbers or text.
+        decimals : int or sequence of int, optional
+            Decimals printed, for all columns or for each. Only floats need them.
+
+        Returns
+        -------
+        text : list of list of str
+            The cells as printed.
+
+        Raises
+        ------
+        ValueError
+            If a row has another length than the headings, or a number isn't finite or has no
+            decimals.
+        """
+        columns = list(columns)
+        if decimals is None or isinstance(decimals, int):
+            decimals = [decimals] * len(columns)
+        rows = [list(row) for row in rows]
+        for row in [decimals, *rows]:
+            if len(row) != len(columns):
+                raise ValueError(
+                    f"{name}: needs one entry for each of {len(columns)} columns; got {len(row)}."
+                )
+        text = [[cell(name, c, d) for c, d in zip(row, decimals)] for row in rows]
+        cells = [[c if isinstance(c, str) else steady(number(name, c)) for c in r] for r in rows]
+        self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
+        return text
+
+    def figure(self, picture, name, alt):
+        """Save a figure with its alternative text.
+
+        Parameters
+        ----------
+        picture : matplotlib.figure.Figure or (n, m, 3) uint8
+            A drawing, saved as SVG, or pixels, saved as PNG.
+        name : str
+            File name, without suffix.
+        alt : str
+            What the figure shows, for those who can't see it.
+
+        Returns
+        -------
+        preview : IPython.display.Image
+            The figure as a notebook shows it.
+
+        Raises
+        ------
+        ValueError
+            If there's no alternative text, or the name isn't fit for a file.
+        """
+        _file_name("figure", name)
+        if not alt.strip():
+            raise ValueError(f"{name}: needs an alternative text.")
+        if isinstance(picture, matplotlib.figure.Figure):
+            suffix, content, preview = ".svg", _svg(picture), _drawing_preview(picture)
+        else:
+            suffix, content, preview = ".png", _png(picture), _pixel_preview(picture)
+        _replace(self.root / "figures" / (name + suffix), content)
+        self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
+        return Image(preview, format="png", width=PREVIEW, alt=alt)
+
+    def _merge(self, kind, name, entry):
+        file = self.root / "report" / "numbers" / f"{self.notebook}.json"
+        content = json.loads(file.read_text()) if file.exists() else {}
+        content.setdefault(kind, {})[name] = entry
+        text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        _replace(file, (text + "\n").encode())
+
+
+def _file_name(argument, name):
+    if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name):
+        raise ValueError(
+            f"{argument}: a name has lower-case letters, digits, - and _ only; got {name!r}."
+        )
+    return name
+
+
+def _svg(figure):
+    content = io.BytesIO()
+    # Text as outlines, and nothing that names the day or the run: the same bytes each time.
+    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
+        figure.savefig(content, format="svg", metadata={"Date": None, "Creator": None})
+    return content.getvalue()
+
+
+def _drawing_preview(figure):
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=PREVIEW / figure.get_figwidth())
+    return content.getvalue()
+
+
+def _png(pixels):
+    content = io.BytesIO()
+    PIL.Image.fromarray(pixels).save(content, format="png", optimize=True)
+    return content.getvalue()
+
+
+def _pixel_preview(pixels):
+    height = round(PREVIEW * pixels.shape[0] / pixels.shape[1])
+    return _png(np.asarray(PIL.Image.fromarray(pixels).resize((PREVIEW, height))))
+
+
+def _replace(path, content):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.new")
+    beside.write_bytes(content)
+    os.replace(beside, path)

@@ -1,0 +1,144 @@
+"""Pictures of surfaces in space, drawn without a screen."""
+
+import os
+
+# VTK chooses its window when it is imported.
+if "DISPLAY" not in os.environ:
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+import numpy as np
+import pyvista
+
+# Lights as the camera sees them, x to the right and y up: one in front, two from above.
+LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
+MARGIN = 20  # px of white left around a picture
+
+THEME = pyvista.themes.DocumentTheme()
+THEME.window_size = [1600, 1200]
+THEME.smooth_shading = True
+THEME.lighting_params.ambient = 0.25  # nothing is quite black
+THEME.anti_aliasing = "msaa"
+THEME.depth_peeling.enabled = False  # with Mesa's EGL it makes translucent sheets vanish
+
+
+def scene(*, parallel=True):
+    """Return an empty scene: white, without a screen, its lights moving with the camera.
+
+    Parameters
+    ----------
+    parallel : bool
+        Whether lengths stay comparable all over the picture, or near things look larger.
+
+    Returns
+    -------
+    plotter : pyvista.Plotter
+        Add meshes to it, then give it to `shoot`, or call its ``show`` for a scene to turn.
+    """
+    plotter = pyvista.Plotter(off_screen=True, theme=THEME, lighting="none")
+    for position, intensity in LIGHTS:
+        light = pyvista.Light(position=position, light_type="camera light", intensity=intensity)
+        plotter.add_light(light)
+    plotter.parallel_projection = parallel
+    return plotter
+
+
+def surface(points):
+    """Return a smooth mesh through a grid of points.
+
+    Parameters
+    ----------
+    points : (n, m, 3) float
+        Points of a surface, in m; rows that end where they began are joined.
+
+    Returns
+    -------
+    mesh : pyvista.PolyData
+        Its quadrilaterals, the grid's cells.
+
+    Raises
+    ------
+    ValueError
+        If the points are no such grid.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x, y = np.mgrid[0:2:3j, 0:1:4j]
+    >>> surface(np.stack([x, y, x * y], axis=-1)).n_cells
+    6
+    """
+    points = np.asarray(points, dtype=float)
+    if points.ndim != 3 or points.shape[-1] != 3:
+        raise ValueError(f"points: must be a grid (n, m, 3); got {points.shape}.")
+    grid = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
+    return grid.extract_surface(algorithm="geometry").clean()
+
+
+def curve(points, radius):
+    """Return a tube along a curve, which unlike a line keeps its width at any resolution.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Points of the curve, in m; it is closed where the last one is the first.
+    radius : float
+        Of the tube, in m.
+
+    Returns
+    -------
+    mesh : pyvista.PolyData
+        The tube.
+    """
+    return pyvista.lines_from_points(np.asarray(points, dtype=float)).tube(radius=radius, n_sides=12)
+
+
+def ball(centre, radius):
+    """Return a mesh of a sphere, its centre (3,) and radius in m."""
+    return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
+
+
+def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
+    """Return a picture of a scene, its white border cut off.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene; it is closed afterwards.
+    direction : (3,) float
+        From the middle of the scene towards the camera.
+    up : (3,) float
+        What points up in the picture.
+    zoom : float
+        Above 1 for a closer look.
+
+    Returns
+    -------
+    pixels : (n, m, 3) uint8
+        Red, green, blue.
+    """
+    plotter.view_vector(direction, viewup=up)
+    plotter.camera.zoom(zoom)
+    pixels = plotter.screenshot(return_img=True)
+    plotter.close()
+    return crop(pixels)
+
+
+def crop(pixels):
+    """Return a picture without its white border, but for a small margin.
+
+    Parameters
+    ----------
+    pixels : (n, m, 3) uint8
+        Red, green, blue.
+
+    Returns
+    -------
+    pixels : (n, m, 3) uint8
+        The part that shows something, or all of an empty picture.
+    """
+    drawn = np.any(pixels != 255, axis=-1)
+    if not drawn.any():
+        return pixels
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    top, left = max(rows[0] - MARGIN, 0), max(columns[0] - MARGIN, 0)
+    return pixels[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]

@@ -1,0 +1,72 @@
+"""One look for all drawings: the report's width, its text size, a colour for each thing."""
+
+import matplotlib
+from matplotlib.figure import Figure
+
+TEXT_WIDTH = 16.0  # cm, of the report
+
+# Colours that stay apart for the colour-blind (Okabe and Ito, some darkened); what is compared
+# in one drawing differs in lightness too, for a print in grey.
+COLOURS = {
+    "torus": "#8FA3B5",
+    "inner sheet": "#E3B587",
+    "tunnel": "#C9C2B8",
+    "offset": "#CC79A7",
+    "chord": "#222222",
+    "tangent sphere": "#0072B2",
+    "geodesic": "#D55E00",
+    "printed": "#E69F00",
+    "correct": "#005F47",
+    "error": "#A3123A",
+    "machine": "#F0C83C",
+    "cutter": "#4D4D4D",
+}
+
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "legend.fontsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "mathtext.fontset": "cm",
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "grid.linewidth": 0.4,
+    "grid.color": "#DDDDDD",
+    "legend.frameon": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+}
+
+
+def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, **subplots):
+    """Return a new drawing at its printed size.
+
+    Parameters
+    ----------
+    rows, cols : int
+        Axes below and beside each other.
+    height, width : float
+        Size on paper, in cm.
+    **subplots
+        Passed on to matplotlib's ``Figure.subplots``.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        Not known to pyplot: it is shown where it is recorded, and nowhere else.
+    axes : matplotlib.axes.Axes or array of them
+        As matplotlib gives them.
+
+    Examples
+    --------
+    >>> drawing, ax = figure(height=5)
+    >>> line = ax.plot([0, 1], [0, 1], color=COLOURS["chord"])
+    """
+    matplotlib.rcParams.update(STYLE)
+    drawing = Figure(figsize=(width / 2.54, height / 2.54), layout="constrained")
+    return drawing, drawing.subplots(rows, cols, **subplots)
