@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..arrays import finite, points, positive, real
+from ..arrays import finite, pairs, points, positive, real
 from ..surfaces import Egg, Machine
 from .projection import project_chord
 
@@ -132,13 +132,13 @@ class Circuit:
 
     def in_tunnel(self, point):
         """Return points (..., 3) of the machine's frame in the tunnel's, in m."""
-        point = points("point", point)
-        turned = self.axes.apply(point.reshape(-1, 3)).reshape(point.shape)
+        turned = points("point", point) @ self.axes.as_matrix().T
         return turned + np.array([0.0, 0.0, self.machine.height])
 
     def overcut(self, position):
         """Return how far the cutter's centre at joint positions (..., 2) lies outside the
         wanted profile, in m: over-break if positive, under-break if negative."""
+        position = pairs("position", position)
         point = self.in_tunnel(self.machine.torus.point(position[..., 0], position[..., 1]))
         return -self.profile.depth(point[..., 1], point[..., 2])
 

@@ -7,7 +7,7 @@ machine's own sizes, every other shape (frame, tandem cylinders, picks) is the s
 import numpy as np
 import pyvista
 
-from tunneller_lib.reporting.style import COLOURS
+from .style import COLOURS
 
 PICKS = 90  # carbide teeth drawn on the cutter
 SOLID = {"smooth_shading": True, "split_sharp_edges": True}

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.patches import Circle
 
-from tunneller_lib.reporting.style import COLOURS
-from tunneller_lib.surfaces.torus import FEET
+from .style import COLOURS
+from ..surfaces.torus import FEET
 
 
 def equal(ax, xlabel, ylabel):

@@ -15,7 +15,7 @@ import numpy as np
 import PIL.Image
 from IPython.display import Image
 
-from tunneller_lib.reporting.digits import cell, exponent, number, significant, steady
+from .digits import cell, exponent, number, significant, steady
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, positive
+from ..arrays import finite, pairs, positive
 from .torus import Torus
 
 
@@ -95,6 +95,7 @@ class Machine:
 
     def within_limits(self, position):
         """Return whether joint positions (..., 2) = (theta, phi), in rad, are inside the limits."""
+        position = pairs("position", position)
         low = np.array([self.theta_min, self.phi_min])
         high = np.array([self.theta_max, self.phi_max])
         return np.all((low <= position) & (position <= high), axis=-1)

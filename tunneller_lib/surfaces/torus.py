@@ -148,8 +148,9 @@ class Torus:
     def foot(self, m):
         """Return the tangent-sphere foot (..., 3) on the working sheet: `feet` (+, +).
 
-        It is the one of greatest n1 for m1 > 0. It need not be the nearest: a chord that dips
-        deep below the sheet comes nearer to another one.
+        It need not be the nearest: a chord that dips deep below the sheet comes nearer to another
+        one. It is the one of greatest n1, for m1 > 0, only far enough from the ring circle
+        (rho - r > 2 R / sqrt(27) suffices, which chords within the joint limits keep).
         """
         return in_blocks(lambda block: self._foot(block, 1, 1), points("m", m))
 
@@ -162,7 +163,7 @@ class Torus:
             distance = np.sqrt(beyond * beyond + y * y)
             on_axis, on_ring = rho == 0, distance == 0
             # Adding 1 to both sides of 0/0 picks theta = 0 on the axis, phi = 0 on the ring.
-            scale = eps * self.R / (distance + on_ring)
+            scale = eps * self.R / (distance + on_ring) + 0.0 * distance  # NaN at infinity
             radius = (sigma * self.r + scale * (beyond + on_ring)) / (rho + on_axis)
             return _stack(radius * (x + on_axis), scale * y, radius * z)
 
