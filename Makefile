@@ -24,7 +24,7 @@ test: environment ## run every test, doctest and notebook, and the linter
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
 
 lab: environment ## open JupyterLab on the notebooks
-	@$(BIN)/jupyter lab notebooks
+	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 bench: environment ## time the library
 	@$(HEADLESS) $(BIN)/python -m pytest tests/bench --benchmark-only

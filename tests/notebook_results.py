@@ -41,6 +41,10 @@ def pytest_collect_file(file_path, parent):
 class Kernel(RunningKernel):
     """A kernel whose death is noticed at once instead of at the end of the cell's time."""
 
+    def execute_cell_input(self, cell_input, allow_stdin=None):
+        # With history, as a notebook is run: without it a semicolon no longer hides a value.
+        return self.kc.execute(cell_input, allow_stdin=allow_stdin, stop_on_error=False)
+
     def get_message(self, stream, timeout=None):
         for _ in range(math.ceil(timeout)):
             try:

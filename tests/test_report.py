@@ -9,8 +9,8 @@ from report.build import FIGURE_LIST, PDF, figure_list
 from report.compile import ReportFailed, compile_report
 from report.sources import ROOT, figure_files, notebooks, records
 
-USE = re.compile(r'\b(num|tab|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
-KINDS = {"num": "numbers", "tab": "tables", "fig": "figures"}
+USE = re.compile(r'\b(num|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
 
 
 def test_report_is_what_its_sources_give():

@@ -59,6 +59,13 @@ def finite(name, value):
     return float(number)
 
 
+def instance(name, value, kind):
+    """Return `value`, which must be an instance of the class `kind`."""
+    if not isinstance(value, kind):
+        raise ValueError(f"{name}: must be of class {kind.__name__}; got {value!r}.")
+    return value
+
+
 def points(name, value):
     """Return `value` as a float array (..., 3) of points."""
     return _last_axis(name, value, 3, "x, y, z")

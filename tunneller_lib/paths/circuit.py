@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..arrays import finite, pairs, points, positive, real
+from ..arrays import finite, instance, pairs, points, positive, real
 from ..surfaces import Egg, Machine
 from .projection import project_chord
 
@@ -40,11 +40,10 @@ def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
     >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
     >>> len(circuit.knots(tolerance=1e-3))
-    44
+    36
     """
     circuit = Circuit(machine, egg, pitch, yaw)
-    if not (pitch or yaw):
-        machine.check(egg)
+    machine.check(egg, aligned=circuit.aligned)
     s = circuit.profile.perimeter * np.arange(720) / 720
     position = circuit.position(s)
     outside = ~machine.within_limits(position)
@@ -77,8 +76,15 @@ class Circuit:
     yaw: float = 0.0
 
     def __post_init__(self):
+        instance("machine", self.machine, Machine)
+        instance("egg", self.egg, Egg)
         for name in ("pitch", "yaw"):
             object.__setattr__(self, name, finite(name, getattr(self, name)))
+
+    @property
+    def aligned(self):
+        """Whether the machine's axes are parallel to the tunnel's."""
+        return self.pitch == 0 and self.yaw == 0
 
     @property
     def profile(self):
@@ -105,7 +111,7 @@ class Circuit:
         y, z = np.moveaxis(self.profile.point(s), -1, 0)
         z = z - self.machine.height
         torus = self.machine.torus
-        if not (self.pitch or self.yaw):
+        if self.aligned:
             missed = np.abs(y) > torus.R
             rho = torus.r + np.sqrt(np.where(missed, 0, (torus.R - y) * (torus.R + y)))
             missed |= np.abs(z) > rho
@@ -165,22 +171,21 @@ class Circuit:
 
         Notes
         -----
-        Starts from the sagitta of a plane chord, sqrt(8 radius tolerance), and divides an arc
-        further while the projected path, whose normal projection can undo or outdo the
-        sagitta, still leaves the tolerance.
+        The sagitta of a plane chord would ask for steps of sqrt(8 radius tolerance). The normal
+        projection undoes part of it where the torus leans against the wall, so each arc starts
+        from half as many knots and is divided until the projected paths keep the tolerance.
         """
         tolerance = positive("tolerance", tolerance)
         blends = self.profile.blends
         radius = np.diff(blends) / [arc.sweep for arc in self.profile.arcs]
-        step = 2 * radius * np.arccos(np.maximum(1 - tolerance / radius, 0))
-        counts = np.ceil(np.diff(blends) / step).astype(int)
+        counts = np.ceil(np.diff(blends) / np.sqrt(8 * radius * tolerance) / 2).astype(int)
         while True:
-            arcs = zip(blends, blends[1:], counts, strict=False)
+            arcs = zip(blends, blends[1:], counts)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
-            worst = np.maximum.reduceat(
-                np.max(np.abs(self.path_overcut(s)), axis=-1), np.cumsum(counts) - counts
-            )
+            error = np.max(np.abs(self.path_overcut(s)), axis=-1)
+            worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)
             if np.all(worst <= tolerance):
                 return s
-            more = np.ceil(counts * np.sqrt(worst / tolerance)).astype(int)
-            counts = np.where(worst > tolerance, np.maximum(more, counts + 1), counts)
+            # The error falls with the square of the number; approach from below, by one at least.
+            more = np.maximum(np.floor(counts * np.sqrt(worst / tolerance)), counts + 1)
+            counts = np.where(worst > tolerance, more, counts).astype(int)

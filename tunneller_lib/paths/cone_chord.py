@@ -147,16 +147,21 @@ class ConeChord:
     def path_length(self):
         """Return the length of the tangent-sphere path from P to Q, in m.
 
-        With the chord's own parameter t everything is smooth: the foot's distance s(t) and its
-        azimuth, whose rates Gauss-Legendre quadrature sums.
+        Gauss-Legendre quadrature, with the chord in plan written as gap sinh(w) along and gap
+        away from the axis: near half a turn the foot hurries round the axis, which w stretches.
         """
         nodes, weights = legendre.leggauss(64)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
         chord = stop - start
-        m = start + ((1 + nodes) / 2)[:, None] * chord
-        rho = np.hypot(m[:, 0], m[:, 1])
         sin, cos = np.sin(self.cone.half_angle), np.cos(self.cone.half_angle)
-        distance = rho * sin - m[:, 2] * cos
-        away = (m[:, 0] * chord[0] + m[:, 1] * chord[1]) / rho * sin - chord[2] * cos
-        around = (m[:, 0] * chord[1] - m[:, 1] * chord[0]) / rho**2 * sin
-        return float(np.sum(weights * np.hypot(away, distance * around)) / 2)
+        plan = np.hypot(chord[0], chord[1])
+        gap = np.abs(start[0] * chord[1] - start[1] * chord[0]) / plan
+        along = np.array([start[:2] @ chord[:2], stop[:2] @ chord[:2]]) / plan
+        first, last = np.arcsinh(along / gap)
+        w = first + (last - first) * (1 + nodes) / 2
+        rho = gap * np.cosh(w)
+        height = start[2] + (gap * np.sinh(w) - along[0]) / plan * chord[2]
+        distance = rho * sin - height * cos
+        away = gap * np.sinh(w) * sin - rho / plan * chord[2] * cos
+        around = gap / rho * sin
+        return float(np.sum(weights * np.hypot(away, distance * around)) * (last - first) / 2)

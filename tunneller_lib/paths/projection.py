@@ -5,7 +5,8 @@ from numpy.polynomial import legendre
 
 from ..arrays import norm, pairs
 
-# Samples of the path's speed along a chord; enough for 1e-12 of the length on a working sheet.
+# Samples of the path's speed along a chord: 1e-12 of the length within usual joint limits, less
+# on thin rings whose chord passes close to the ring circle.
 ORDER = 48
 
 
@@ -39,7 +40,8 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
     -----
     Tunnelling robot, sections 3.3 and 3.3.1: "intervals corresponding to a fairly equal
     separation of successive points". The tangent reparametrisation is
-    t = (1 + tan(b (2u - 1)) / tan(b)) / 2, exact on a sphere.
+    t = (1 + tan(b (2u - 1)) / tan(b)) / 2, exact on a sphere. Where a chord crosses the axis
+    or the ring circle its foot jumps, and there is no path.
 
     Examples
     --------

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.patches import Circle
 
-from .style import COLOURS
 from ..surfaces.torus import FEET
+from .style import COLOURS
 
 
 def equal(ax, xlabel, ylabel):

@@ -89,7 +89,9 @@ def curve(points, radius):
     mesh : pyvista.PolyData
         The tube.
     """
-    return pyvista.lines_from_points(np.asarray(points, dtype=float)).tube(radius=radius, n_sides=12)
+    return pyvista.lines_from_points(np.asarray(points, dtype=float)).tube(
+        radius=radius, n_sides=12
+    )
 
 
 def ball(centre, radius):

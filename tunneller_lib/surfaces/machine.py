@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, pairs, positive
+from ..arrays import finite, instance, pairs, positive
+from .egg import Egg
 from .torus import Torus
 
 
@@ -113,7 +114,7 @@ class Machine:
         requirements : tuple of Requirement
             Invert, width, crown and floor; each says itself, with its numbers.
         """
-        a, d = egg.a, self.offset
+        a, d = instance("egg", egg, Egg).a, self.offset
         reach = self.r + self.R
         swing = np.sin(min(self.phi_max, -self.phi_min))
         return (
@@ -125,9 +126,19 @@ class Machine:
                         2 * a - d + self.height, False, reach * np.sin(self.theta_max)),
         )  # fmt: skip
 
-    def check(self, egg):
-        """Raise ValueError with the failing inequalities where the machine can't cut a section."""
-        failing = [str(req) for req in self.requirements(egg) if not req.met]
+    def check(self, egg, *, aligned=True):
+        """Raise ValueError with the inequalities that fail where the machine can't cut a section.
+
+        Parameters
+        ----------
+        egg : Egg
+            The tunnel's section.
+        aligned : bool
+            Whether the machine's axes are the tunnel's; if not, only the invert is looked at,
+            because the reach depends on the pose.
+        """
+        requirements = self.requirements(egg)[: None if aligned else 1]
+        failing = [str(requirement) for requirement in requirements if not requirement.met]
         if failing:
             raise ValueError(f"machine: can't cut this section; {'; '.join(failing)}.")
 

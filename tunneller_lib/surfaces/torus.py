@@ -32,7 +32,8 @@ class Torus:
     Tunnelling robot, section 1.1, with its names set right: the text calls R the "ring centre
     circle radius", but its Eq. 1 makes it the tube's. With R > r the torus meets itself in two
     nodes (0, +-sqrt(R^2 - r^2), 0); its *working* (outer, "apple") sheet is
-    where r + R cos(phi) >= 0, and the inner ("lemon") sheet lies inside it.
+    where r + R cos(phi) >= 0, and the inner ("lemon") sheet lies inside it. Squares of lengths
+    must neither over- nor underflow.
     """
 
     r: float
@@ -181,8 +182,8 @@ class Torus:
         Returns
         -------
         t : (..., 4) float
-            Parameters of all real meetings, ascending, NaN-padded; a tangent line has its
-            parameter twice.
+            Parameters of all real meetings, ascending, NaN-padded. A contact counts twice: as
+            one parameter, or as two that differ by no more than the square root of rounding.
 
         Raises
         ------

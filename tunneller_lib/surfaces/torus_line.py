@@ -86,7 +86,4 @@ def _extremes(foot, e, r, R):
         falling = -np.sign(Q) * scale * np.cosh(np.arccosh(np.maximum(half, 1)) / 3)
         falling = np.where(scale > 0, falling, -np.cbrt(Q))
         roots = np.where(single, np.where(P > 0, rising, falling), three)
-        for _ in range(2):  # the trigonometric forms lose half the digits where roots are close
-            step = ((roots * roots + P) * roots + Q) / (3 * roots * roots + P)
-            roots = np.where(np.abs(step) < 1e-3, roots - step, roots)
     return np.clip(np.sort(roots, axis=0), -2, 2), single

@@ -90,7 +90,7 @@ def real_roots(coefficients):
     Parameters
     ----------
     coefficients : (..., n + 1) float
-        Highest power first; the first one isn't zero.
+        Highest power first; the first one isn't zero. Rows that aren't finite have no roots.
 
     Returns
     -------
@@ -98,7 +98,8 @@ def real_roots(coefficients):
         Eigenvalues of the companion matrix whose imaginary part is below the square root of the
         rounding, which is all that can be told of a double root from its coefficients.
     """
-    monic = coefficients[..., 1:] / coefficients[..., :1]
+    finite = np.all(np.isfinite(coefficients), axis=-1, keepdims=True)
+    monic = np.where(finite, coefficients[..., 1:] / coefficients[..., :1], 0)
     n = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], n, n))
     companion[..., np.arange(1, n), np.arange(n - 1)] = 1
@@ -106,4 +107,4 @@ def real_roots(coefficients):
     roots = np.linalg.eigvals(companion)
     size = np.max(np.abs(roots), axis=-1, keepdims=True, initial=0)
     is_real = np.abs(roots.imag) <= np.sqrt(np.finfo(float).eps) * size
-    return np.sort(np.where(is_real, roots.real, np.nan), axis=-1)
+    return np.sort(np.where(is_real & finite, roots.real, np.nan), axis=-1)

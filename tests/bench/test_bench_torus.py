@@ -1,0 +1,81 @@
+"""How fast the torus answers, against the least that could be done and against the quartics.
+
+Each ratio is of the best of several rounds in which both sides take turns, so that a busy moment
+of the computer hits both.
+"""
+
+import platform
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tunneller_lib.surfaces import Torus
+from tunneller_lib.surfaces.torus_quartic import foot_quartic
+
+TORUS = Torus(0.08, 0.8)
+POINTS = np.random.default_rng(0).uniform(-1, 1, (100_000, 3))
+FEW = 2_000
+
+
+def processor():
+    """Return the name of the processor, where the system tells."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def best_times(*functions, rounds=15):
+    """Return the least time of each function over rounds in which they take turns, in s."""
+    times = []
+    for _ in range(rounds):
+        for function in functions:
+            start = time.perf_counter()
+            function()
+            times.append(time.perf_counter() - start)
+    return np.min(np.reshape(times, (rounds, -1)), axis=0)
+
+
+@pytest.fixture
+def say(capsys, benchmark):
+    def print_and_keep(what, ratio):
+        benchmark.extra_info[what] = ratio
+        with capsys.disabled():
+            print(f"\n{what}: {ratio:.2f} (numpy {np.__version__}, {processor()})")
+
+    return print_and_keep
+
+
+def arctan2_pair():
+    x, y, z = POINTS.T
+    return np.arctan2(z, x), np.arctan2(y, x)
+
+
+def numpy_roots():
+    return [np.roots(c) for c in foot_quartic(TORUS, POINTS[:FEW])]
+
+
+def test_foot_against_an_arctan2_pair(benchmark, say):
+    benchmark(TORUS.foot, POINTS)
+    foot, pair = best_times(lambda: TORUS.foot(POINTS), arctan2_pair)
+    say("foot, time over that of a pair of arctan2", foot / pair)
+    assert foot <= 3 * pair
+
+
+def test_foot_against_numpy_roots(benchmark, say):
+    benchmark.pedantic(numpy_roots, rounds=3)
+    foot, roots = best_times(lambda: TORUS.foot(POINTS), numpy_roots, rounds=5)
+    ratio = (roots / FEW) / (foot / len(POINTS))
+    say("foot, points per second over those of numpy.roots", ratio)
+    assert ratio >= 50
+
+
+def test_meet_line_against_the_quartic(benchmark, say):
+    a, b = POINTS[:20_000], POINTS[20_000:40_000]
+    benchmark.pedantic(TORUS.meet_line, (a, b), rounds=3)
+    exact, quartic = best_times(
+        lambda: TORUS.meet_line(a, b), lambda: TORUS.meet_line(a, b, method="quartic"), rounds=5
+    )
+    say("meet_line, time of the exact method over that of the quartic", exact / quartic)

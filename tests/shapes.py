@@ -1,0 +1,130 @@
+"""What the tests share: shapes at hard proportions, hypothesis strategies, exact arithmetic."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from hypothesis import strategies as st
+
+from tunneller_lib.paths import Circuit, ConeChord, project_chord, projected_length
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
+from tunneller_lib.surfaces.torus_quartic import foot_quartic, line_quartic
+
+EPS = np.finfo(float).eps
+
+TORI = (
+    Torus(1, 0.2),  # thin ring
+    Torus(2, 1.5),
+    Torus(1, 1),  # horn: the nodes meet in the centre
+    Torus(0.08, 0.8),  # the machine's
+    Torus(1e-4, 1),  # nearly a sphere
+    Torus(3e-3, 1e-3),
+    Torus(2e5, 1e6),
+)
+
+
+def log_uniform(low, high):
+    """Return a strategy of floats whose logarithm is spread evenly."""
+    return st.floats(np.log(low), np.log(high)).map(lambda x: float(np.exp(x)))
+
+
+tori = st.builds(
+    lambda size, ratio: Torus(size, size * ratio), log_uniform(1e-3, 1e6), log_uniform(0.2, 1e4)
+)
+
+
+def random_tori(rng, n):
+    """Return n tori of any scale from 1e-3 to 1e6 m and any R/r from 0.2 to 1e4."""
+    scale = 10 ** rng.uniform(-3, 6, n)
+    ratio = 10 ** rng.uniform(np.log10(0.2), 4, n)
+    return [Torus(s / max(1, k), s * k / max(1, k)) for s, k in zip(scale, ratio)]
+
+
+def directions(rng, n):
+    """Return n random unit vectors (n, 3)."""
+    v = rng.normal(size=(n, 3))
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def eq2(r, R, x, y, z):
+    """Return the left side of Eq. 2 as printed, in the arithmetic of its arguments."""
+    return (x**2 + y**2 + z**2 - (r**2 + R**2)) ** 2 - (2 * r) ** 2 * (R**2 - y**2)
+
+
+def fractions(*values):
+    """Return floats as exact fractions."""
+    return [Fraction(float(value)) for value in values]
+
+
+def off_surface(torus, points):
+    """Return how far points (..., 3) are from the nearer of their two meridian circles."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    rho = np.hypot(x, z)
+    circles = [np.abs(np.hypot(rho - c, y) - torus.R) for c in (torus.r, -torus.r)]
+    return np.minimum(*circles)
+
+
+class Call(NamedTuple):
+    """A public function of arrays: names and last axes of its arguments, last axes it returns.
+
+    `flat` marks one that takes a single axis of values that belong together.
+    """
+
+    function: Callable
+    names: tuple
+    axes: tuple
+    answer: tuple
+    flat: bool = False
+
+
+_TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
+_ALIGNED = Circuit(REFERENCE_MACHINE, _EGG)
+_TILTED = Circuit(REFERENCE_MACHINE, _EGG, 0.01, 0.02)
+_ANGLES, _JOINT, _POINT = (("theta", "phi"), ((), ())), ((2,),), ((3,),)
+
+CALLS = {
+    "Torus.point": Call(_TORUS.point, *_ANGLES, ((3,),)),
+    "Torus.angles": Call(_TORUS.angles, ("point",), _POINT, ((), ())),
+    "Torus.implicit": Call(_TORUS.implicit, ("point",), _POINT, ((),)),
+    "Torus.normal": Call(_TORUS.normal, *_ANGLES, ((3,),)),
+    "Torus.curvatures": Call(_TORUS.curvatures, *_ANGLES, ((), ())),
+    "Torus.feet": Call(_TORUS.feet, ("m",), _POINT, ((4, 3),)),
+    "Torus.foot": Call(_TORUS.foot, ("m",), _POINT, ((3,),)),
+    "Torus.meet_line": Call(_TORUS.meet_line, ("a", "b"), ((3,), (3,)), ((4,),)),
+    "Torus.meet_line quartic": Call(
+        partial(_TORUS.meet_line, method="quartic"), ("a", "b"), ((3,), (3,)), ((4,),)
+    ),
+    "line_quartic": Call(partial(line_quartic, _TORUS), ("a", "b"), ((3,), (3,)), ((5,),)),
+    "foot_quartic": Call(partial(foot_quartic, _TORUS), ("m",), _POINT, ((5,),)),
+    "Egg.point": Call(_EGG.point, ("s",), ((),), ((2,),)),
+    "Egg.normal": Call(_EGG.normal, ("s",), ((),), ((2,),)),
+    "Egg.depth": Call(_EGG.depth, ("y", "z"), ((), ()), ((),)),
+    "Cone.implicit": Call(_CONE.implicit, ("point",), _POINT, ((),)),
+    "Cone.point": Call(_CONE.point, ("distance", "azimuth"), ((), ()), ((3,),)),
+    "Cone.feet": Call(_CONE.feet, ("m",), _POINT, ((2, 3),)),
+    "Cone.development": Call(_CONE.development, ("distance", "azimuth"), ((), ()), ((2,),)),
+    "Machine.within_limits": Call(REFERENCE_MACHINE.within_limits, ("position",), _JOINT, ((),)),
+    **{
+        f"project_chord {spacing}": Call(
+            lambda p, q, spacing=spacing: project_chord(_TORUS, p, q, 4, spacing=spacing),
+            ("p", "q"), ((2,), (2,)), ((4, 2),),
+        )
+        for spacing in ("chord", "tangent", "arc")
+    },
+    "projected_length": Call(partial(projected_length, _TORUS), ("p", "q"), ((2,), (2,)), ((),)),
+    "ConeChord.geodesic": Call(_CHORD.geodesic, ("u",), ((),), ((2,),)),
+    "ConeChord.azimuth": Call(_CHORD.azimuth, ("u",), ((),), ((),)),
+    "ConeChord.chord_point": Call(_CHORD.chord_point, ("azimuth",), ((),), ((3,),)),
+    "ConeChord.tangent_sphere": Call(_CHORD.tangent_sphere, ("azimuth",), ((),), ((),)),
+    "ConeChord.table": Call(_CHORD.table, ("u",), ((),), ((5,),)),
+    "ConeChord.path": Call(_CHORD.path, ("u",), ((),), ((2,),)),
+    "ConeChord.deviation": Call(_CHORD.deviation, ("u",), ((),), ((),)),
+    "Circuit.position": Call(_ALIGNED.position, ("s",), ((),), ((2,),)),
+    "Circuit.position tilted": Call(_TILTED.position, ("s",), ((),), ((2,),)),
+    "Circuit.point": Call(_TILTED.point, ("s",), ((),), ((3,),)),
+    "Circuit.in_tunnel": Call(_TILTED.in_tunnel, ("point",), _POINT, ((3,),)),
+    "Circuit.overcut": Call(_TILTED.overcut, ("position",), _JOINT, ((),)),
+    "Circuit.path_overcut": Call(_ALIGNED.path_overcut, ("s",), ((),), ((33,),), flat=True),
+}  # fmt: skip

@@ -1,0 +1,218 @@
+"""The cutting circuit: on both surfaces, within the limits, its knots."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from tests.shapes import eq2
+from tunneller_lib.paths import Circuit, cutting_circuit, project_chord
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+
+EGG = Egg(0.5)
+POSES = {"aligned": (0, 0), "pitched": (0.03, 0), "yawed": (0, -0.04), "both": (-0.02, 0.05)}
+WIDE = replace(REFERENCE_MACHINE, theta_min=-1.4, theta_max=1.2, phi_min=-1.2, phi_max=1.2)
+pose = pytest.mark.parametrize("pitch, yaw", POSES.values(), ids=POSES)
+
+
+def of(machine, pitch=0.0, yaw=0.0, egg=EGG):
+    return cutting_circuit(machine, egg, pitch=pitch, yaw=yaw)
+
+
+def along(circuit, n=721):
+    """Return arc lengths evenly round a circuit, and its blends."""
+    return np.sort([*np.linspace(0, circuit.profile.perimeter, n), *circuit.profile.blends])
+
+
+def rotation(pitch, yaw):
+    """Return the matrix of a yaw about z after a pitch about y, in mpmath."""
+    cp, sp, cy, sy = mp.cos(pitch), mp.sin(pitch), mp.cos(yaw), mp.sin(yaw)
+    turn = mp.matrix([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return turn * mp.matrix([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+
+
+@pose
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e3])
+def test_circuit_lies_on_both_surfaces(pitch, yaw, scale):
+    sizes = {name: getattr(WIDE, name) * scale for name in ("r", "R", "cutter_radius", "depth",
+                                                          "height")}  # fmt: skip
+    machine = replace(WIDE, **sizes)
+    circuit = of(machine, pitch, yaw, Egg(0.5 * scale))
+    s = along(circuit, 121)
+    with mp.workdps(30):
+        turn, (r, R) = rotation(mpf(pitch), mpf(yaw)), map(mpf, (machine.r, machine.R))
+        for point, wanted in zip(circuit.point(s), circuit.profile.point(s)):
+            x, y, z = map(mpf, point)
+            gradient = 4 * R * mp.sqrt(x * x + z * z) * 2 * r  # of Eq. 2, on the surface
+            assert abs(eq2(r, R, x, y, z)) / gradient <= 1e-12 * scale
+            tunnel = turn * mp.matrix([x, y, z])
+            assert abs(tunnel[1] - wanted[0]) <= 1e-12 * scale
+            assert abs(tunnel[2] + machine.height - wanted[1]) <= 1e-12 * scale
+
+
+def test_circuit_of_the_reference_machine_to_1e_12_m():
+    circuit = of(REFERENCE_MACHINE)
+    s = along(circuit, 5001)
+    position = circuit.position(s)
+    assert np.max(np.abs(circuit.overcut(position))) <= 1e-12
+    assert np.all(REFERENCE_MACHINE.within_limits(position))
+
+
+@pose
+def test_circuit_is_closed_and_continuous(pitch, yaw):
+    circuit = of(WIDE, pitch, yaw)
+    s = np.linspace(0, circuit.profile.perimeter, 4001)
+    points = circuit.point(s)
+    np.testing.assert_allclose(points[-1], points[0], atol=1e-14)
+    assert np.max(np.linalg.norm(np.diff(points, axis=0), axis=-1)) <= 3 * s[1]
+
+
+@pose
+def test_circuit_takes_the_greatest_x(pitch, yaw):
+    circuit = of(WIDE, pitch, yaw)
+    s = np.linspace(0, circuit.profile.perimeter, 50)
+    points = circuit.in_tunnel(circuit.point(s))
+    beyond = points + np.linspace(1e-6, 3, 200)[:, None, None] * np.array([1, 0, 0])
+    with mp.workdps(30):
+        back = np.array(rotation(pitch, yaw).T.tolist(), dtype=float)
+    machine_frame = (beyond - [0, 0, WIDE.height]) @ back.T
+    assert np.all(WIDE.torus.implicit(machine_frame) > 0)
+
+
+def test_extremes_of_the_reference_circuit():
+    circuit = of(REFERENCE_MACHINE)
+    blends, roof = circuit.profile.blends, np.pi / 2 * 0.32
+    crown, invert = circuit.position([roof, (blends[2] + blends[3]) / 2])
+    height, reach = REFERENCE_MACHINE.height, 0.88
+    np.testing.assert_allclose(crown, [-np.arcsin((0.32 - height) / reach), 0], atol=1e-14)
+    np.testing.assert_allclose(invert, [np.arcsin((0.82 + height) / reach), 0], atol=1e-14)
+    left, right = circuit.position([0, blends[1]])
+    np.testing.assert_allclose([left[1], -right[1]], np.arcsin(0.32 / 0.8), atol=1e-15)
+    every = circuit.position(along(circuit, 4001))
+    np.testing.assert_allclose(every.min(axis=0), [crown[0], right[1]], atol=1e-6)
+    np.testing.assert_allclose(every.max(axis=0), [invert[0], left[1]], atol=1e-6)
+
+
+def test_circuit_is_symmetric_left_and_right():
+    circuit = of(REFERENCE_MACHINE)
+    roof, s = np.pi * 0.32, np.linspace(0, 1, 50)
+    there, back = circuit.position(s), circuit.position(roof - s)
+    np.testing.assert_allclose(back, there * [1, -1], atol=1e-13)
+
+
+@pytest.mark.parametrize("pitch, yaw", [(1e-9, 0), (0, 1e-9), (-1e-12, 1e-12), (1e-300, 0)])
+def test_circuit_of_a_tiny_tilt_is_next_to_the_aligned_one(pitch, yaw):
+    aligned, tilted = of(REFERENCE_MACHINE), of(REFERENCE_MACHINE, pitch, yaw)
+    s = along(aligned)
+    bound = 10 * (abs(pitch) + abs(yaw)) + 1e-14
+    np.testing.assert_allclose(tilted.position(s), aligned.position(s), rtol=0, atol=bound)
+
+
+@pytest.mark.parametrize("method", ["exact", "quartic"])
+def test_aligned_circuit_agrees_with_eq5(method):
+    circuit = of(REFERENCE_MACHINE)
+    s = along(circuit)
+    y, z = circuit.profile.point(s).T
+    a = np.stack([0 * y, y, z - REFERENCE_MACHINE.height], axis=-1)
+    torus = REFERENCE_MACHINE.torus
+    x = np.nanmax(torus.meet_line(a, a + np.array([1, 0, 0]), method=method), axis=-1)
+    np.testing.assert_allclose(x, circuit.point(s)[:, 0], atol=1e-12)
+
+
+@pose
+def test_in_tunnel_is_a_rigid_motion(pitch, yaw):
+    circuit = Circuit(WIDE, EGG, pitch, yaw)
+    frame = circuit.in_tunnel(np.eye(3)) - circuit.in_tunnel(np.zeros(3))
+    with mp.workdps(30):
+        expected = np.array(rotation(pitch, yaw).T.tolist(), dtype=float)
+    np.testing.assert_allclose(frame, expected, atol=1e-15)
+    np.testing.assert_allclose(circuit.in_tunnel(np.zeros(3)), [0, 0, WIDE.height], atol=0)
+
+
+def test_positive_pitch_lowers_the_nose_and_positive_yaw_turns_it_left():
+    assert Circuit(WIDE, EGG, pitch=0.1).in_tunnel((1, 0, 0))[2] < WIDE.height
+    assert Circuit(WIDE, EGG, yaw=0.1).in_tunnel((1, 0, 0))[1] > 0
+
+
+def test_overcut_is_positive_in_the_ground():
+    circuit = of(REFERENCE_MACHINE)
+    crown = circuit.position(np.pi / 2 * 0.32)
+    for lift in (-0.01, 0.01):
+        raised = circuit.overcut(crown - [lift, 0])
+        z = circuit.in_tunnel(REFERENCE_MACHINE.torus.point(*(crown - [lift, 0])))[2]
+        assert raised == pytest.approx(z - 0.32, abs=1e-14) and np.sign(raised) == np.sign(lift)
+
+
+@pose
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_knots_keep_the_tolerance_between_them(pitch, yaw, tolerance):
+    circuit = of(WIDE, pitch, yaw)
+    s = circuit.knots(tolerance)
+    assert s[0] == 0 and np.all(np.diff(s) > 0) and s[-1] < circuit.profile.perimeter
+    assert np.all(np.isin(circuit.profile.blends[:-1], s))
+    knots = circuit.position(s)
+    path = project_chord(WIDE.torus, knots, np.roll(knots, -1, axis=0), 331)
+    assert np.max(np.abs(circuit.overcut(path))) <= tolerance * (1 + 1e-3)
+
+
+@pose
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_knots_are_no_more_than_the_sagitta_asks_for(pitch, yaw, tolerance):
+    circuit = of(WIDE, pitch, yaw)
+    arcs = circuit.profile.arcs
+    sagitta = sum(arc.radius * arc.sweep / np.sqrt(8 * arc.radius * tolerance) for arc in arcs)
+    assert len(circuit.knots(tolerance)) <= 1.5 * sagitta + 2 * len(arcs)
+
+
+def test_knots_of_the_reference_machine():
+    assert len(of(REFERENCE_MACHINE).knots(1e-3)) == 36
+
+
+def test_path_overcut_vanishes_at_the_knots():
+    circuit = of(REFERENCE_MACHINE)
+    found = circuit.path_overcut(circuit.knots(1e-3))
+    np.testing.assert_allclose(found[:, [0, -1]], 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("tolerance", [0, -1, np.nan, np.inf, "1", [1e-3]])
+def test_knots_refuse_another_tolerance(tolerance):
+    with pytest.raises(ValueError, match=r"^tolerance: must "):
+        of(REFERENCE_MACHINE).knots(tolerance)
+
+
+def test_position_broadcasts():
+    for circuit in (of(WIDE), of(WIDE, 0.03, 0.01)):
+        assert circuit.position(np.zeros((4, 5))).shape == (4, 5, 2)
+        assert circuit.point(0.1).shape == (3,)
+        assert circuit.in_tunnel(np.zeros((4, 5, 3))).shape == (4, 5, 3)
+
+
+OFFSET_TOO_GREAT = replace(REFERENCE_MACHINE, depth=-0.05)
+
+
+@pytest.mark.parametrize("machine, egg, pitch, message", [
+    (OFFSET_TOO_GREAT, EGG, 0, "invert, offset < a/2: 0.25 m < 0.25 m fails"),
+    (replace(REFERENCE_MACHINE, cutter_radius=0.7), EGG, 0, "0.68 m < 0.25 m fails"),
+    (REFERENCE_MACHINE, Egg(0.3), 0, "invert, offset < a/2"),
+    (REFERENCE_MACHINE, Egg(0.9), 0, "width"),
+    (replace(REFERENCE_MACHINE, R=0.3), EGG, 0, "width.*crown.*floor"),
+    (REFERENCE_MACHINE, EGG, 0.3, "it needs theta = .* deg, beyond its joint limits"),
+    (REFERENCE_MACHINE, EGG, 1.2, "m along the circuit"),
+])  # fmt: skip
+def test_cutting_circuit_refuses_in_one_sentence(machine, egg, pitch, message):
+    with pytest.raises(ValueError, match=message) as error:
+        cutting_circuit(machine, egg, pitch=pitch)
+    assert str(error.value).endswith(".") and "\n" not in str(error.value)
+
+
+def test_tilted_circuit_beyond_degeneration_is_refused():
+    with pytest.raises(ValueError, match="invert, offset < a/2"):
+        of(replace(WIDE, depth=-0.07), pitch=0.01)
+
+
+@pytest.mark.parametrize("name", ["pitch", "yaw"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, "0", [0, 1]])
+def test_cutting_circuit_refuses_another_pose(name, value):
+    with pytest.raises(ValueError, match=rf"^{name}: must "):
+        cutting_circuit(REFERENCE_MACHINE, EGG, **{name: value})

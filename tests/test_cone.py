@@ -1,0 +1,105 @@
+"""The cone: implicit form, feet and development."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from tests.shapes import EPS
+from tunneller_lib.surfaces import Cone
+
+angles = st.floats(0.01, 1.56)
+points = st.tuples(*[st.floats(-10, 10).map(lambda c: round(c, 60))] * 3)
+
+
+@given(angles, st.floats(-1e6, 1e6), st.floats(-10, 10))
+def test_point_lies_on_the_cone_at_its_distance(half_angle, distance, azimuth):
+    cone = Cone(half_angle)
+    point = cone.point(distance, azimuth)
+    assert np.linalg.norm(point) == pytest.approx(abs(distance), rel=4 * EPS)
+    assert abs(cone.implicit(point)) <= 16 * EPS * (point @ point) / np.cos(half_angle)
+    assert np.sign(point[2]) == -np.sign(distance)
+
+
+@given(angles, points)
+def test_implicit_against_eq13_in_mpmath(half_angle, point):
+    with mp.workdps(40):
+        x, y, z = map(mpf, point)
+        k = mp.tan(mpf(half_angle)) ** 2
+        exact, size = x * x + y * y - k * z * z, x * x + y * y + k * z * z
+        assert abs(Cone(half_angle).implicit(point) - exact) <= 64 * EPS * size + 1e-100
+
+
+def test_k_is_the_square_of_the_tangent():
+    assert Cone(np.arctan(0.5)).k == pytest.approx(0.25, rel=4 * EPS)
+    assert Cone(np.pi / 4).k == pytest.approx(1, rel=4 * EPS)
+
+
+@given(angles, points, st.sampled_from([1e-3, 1, 1e6]))
+def test_feet_lie_on_the_cone_and_see_m_at_right_angles(half_angle, where, scale):
+    cone, m = Cone(half_angle), scale * np.array(where)
+    size = np.linalg.norm(m)
+    radius, height = np.hypot(cone.feet(m)[:, 0], cone.feet(m)[:, 1]), np.abs(cone.feet(m)[:, 2])
+    off = radius * np.cos(half_angle) - height * np.sin(half_angle)
+    assert np.all(np.abs(off) <= 8 * EPS * size)
+    for foot in cone.feet(m):
+        assert abs((m - foot) @ foot) <= 16 * EPS * size**2
+        across = np.cross(foot, [0, 0, 1])  # the other tangent, round the cone
+        assert abs((m - foot) @ across) <= 16 * EPS * size**2
+
+
+@given(angles, points)
+def test_feet_begin_with_the_nearest_point(half_angle, m):
+    cone = Cone(half_angle)
+    reach = np.linalg.norm(m)
+    turn = np.arctan2(m[1], m[0]) + np.linspace(-np.pi, np.pi, 61)
+    along = reach * np.linspace(-1, 1, 401)
+    sampled = np.linalg.norm(cone.point(along[:, None], turn) - m, axis=-1)
+    near, far = np.linalg.norm(cone.feet(m) - m, axis=-1)
+    assert near <= far + 4 * EPS * reach
+    assert near - 1e-12 * reach <= sampled.min() <= near + reach / 100
+
+
+def test_feet_of_the_appendix_example():
+    feet = Cone(np.arctan(0.5)).feet((-(2**0.5), -3 * 2**0.5, -12))
+    radii = np.linalg.norm(feet - [-(2**0.5), -3 * 2**0.5, -12], axis=-1)
+    np.testing.assert_allclose(radii, [1.3666, 9.3665631459995], rtol=1e-4)
+    assert radii[1] == pytest.approx(9.3665631459995, rel=1e-13)
+
+
+@pytest.mark.parametrize("m, feet", [
+    ((0, 0, 0), [(0, 0, 0), (0, 0, 0)]),
+    ((0, 0, -2), [(1, 0, -1), (-1, 0, -1)]),  # on the axis: azimuth 0 first
+    ((0, 0, 2), [(1, 0, 1), (-1, 0, 1)]),
+    ((2, 0, 0), [(1, 0, -1), (1, 0, 1)]),  # equally far: the nappe below first
+    ((0, -2, 0), [(0, -1, -1), (0, -1, 1)]),
+    ((3, 0, -3), [(3, 0, -3), (0, 0, 0)]),  # on the cone: itself, and the apex
+])  # fmt: skip
+def test_feet_of_degenerate_points(m, feet):
+    np.testing.assert_allclose(Cone(np.pi / 4).feet(m), feet, atol=2e-15)
+
+
+@given(angles, st.floats(0.1, 10), st.floats(0.1, 10), st.floats(-3, 3), st.floats(-3, 3))
+def test_development_keeps_lengths_along_and_round(half_angle, one, other, start, stop):
+    cone = Cone(half_angle)
+    plane = cone.development([one, other], [start, start])
+    assert np.linalg.norm(plane[1] - plane[0]) == pytest.approx(abs(other - one), abs=1e-13)
+    turn = np.linspace(start, stop, 2001)
+    for curve in (cone.development(one, turn), cone.point(one, turn)):
+        length = np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=-1))
+        exact = one * np.sin(half_angle) * abs(stop - start)
+        assert length == pytest.approx(exact, rel=1e-5, abs=1e-12)
+
+
+def test_point_and_development_broadcast():
+    cone = Cone(0.5)
+    assert cone.point(np.ones((4, 1)), np.ones(5)).shape == (4, 5, 3)
+    assert cone.development(np.ones((4, 1)), np.ones(5)).shape == (4, 5, 2)
+    assert cone.feet(np.ones((4, 5, 3))).shape == (4, 5, 2, 3)
+
+
+@pytest.mark.parametrize("angle", [0, -0.1, np.pi / 2, 2])
+def test_cone_refuses_another_half_angle(angle):
+    with pytest.raises(ValueError, match=r"^half_angle: must lie between 0 and pi/2 rad; got "):
+        Cone(angle)

@@ -1,0 +1,188 @@
+"""The appendix' chord: table, geodesic, tangent-sphere path, lengths, deviation."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+from scipy.integrate import quad
+
+from tests.shapes import log_uniform
+from tunneller_lib.paths import ConeChord
+
+EXAMPLE = ConeChord(1, 1, 0.5, 0.25)
+
+lengths = log_uniform(0.1, 10)
+fractions = st.floats(-3, 3).filter(lambda f: 0.01 < abs(2 * f - round(2 * f)))
+chords = st.builds(ConeChord, lengths, lengths, lengths, fractions)
+
+
+def ends(chord):
+    return chord.cone.point(chord.ends, [0.0, chord.turn])
+
+
+def test_lengths_of_the_example():
+    assert EXAMPLE.geodesic_length == pytest.approx(1.26963314, abs=5e-9)
+    assert EXAMPLE.path_length == pytest.approx(1.27092977, abs=5e-9)
+
+
+@given(chords)
+def test_ends_are_the_documents_points(chord):
+    R, H, h = chord.R, chord.H, chord.h
+    turn = 2 * np.pi * chord.f
+    expected = [(R, 0, -H), (R * h / H * np.cos(turn), R * h / H * np.sin(turn), -h)]
+    np.testing.assert_allclose(ends(chord), expected, atol=1e-13 * (R + H + h + R * h / H))
+
+
+@given(chords, st.floats(0, 1))
+def test_tangent_sphere_is_the_nearer_foot_of_the_chord(chord, share):
+    azimuth = share * chord.turn
+    m = chord.chord_point(azimuth)
+    foot = chord.cone.feet(m)[0]
+    assert chord.tangent_sphere(azimuth) == pytest.approx(np.linalg.norm(foot), rel=1e-12)
+
+
+@given(chords, st.floats(0, 1))
+def test_chord_point_is_on_the_chord_at_its_azimuth(chord, share):
+    m, (p, q) = chord.chord_point(share * chord.turn), ends(chord)
+    size = np.linalg.norm(p) + np.linalg.norm(q)
+    assert np.linalg.norm(np.cross(m - p, q - p)) <= 1e-13 * size**2
+    across = m[0] * np.sin(share * chord.turn) - m[1] * np.cos(share * chord.turn)
+    assert abs(across) <= 1e-13 * size
+
+
+@given(chords)
+def test_path_and_geodesic_share_their_ends(chord):
+    plane = chord.cone.development(chord.ends, [0.0, chord.turn])
+    size = sum(chord.ends)
+    np.testing.assert_allclose(chord.geodesic([0, 1]), plane, atol=1e-13 * size)
+    np.testing.assert_allclose(chord.path([0, 1]), plane, atol=1e-13 * size)
+    np.testing.assert_allclose(chord.deviation([0, 1]), 0, atol=1e-13 * size)
+    np.testing.assert_allclose(chord.azimuth([0, 1]), [0, chord.turn], atol=1e-13)
+
+
+def length_on_the_cone(chord):
+    """Return the path's length in space, by the speed of the foot of M(t) in mpmath."""
+    with mp.workdps(30):
+        p, q = ([mpf(c) for c in end] for end in ends(chord))
+        ruling = mp.cos(chord.cone.half_angle), mp.sin(chord.cone.half_angle)
+
+        def foot(t):
+            x, y, z = (a + t * (b - a) for a, b in zip(p, q))
+            rho = mp.sqrt(x * x + y * y)
+            along = rho * ruling[1] - z * ruling[0]
+            return x / rho * along * ruling[1], y / rho * along * ruling[1], -along * ruling[0]
+
+        def speed(t):
+            rate = [mp.diff(lambda u, i=i: foot(u)[i], t) for i in range(3)]
+            return float(mp.sqrt(sum(c * c for c in rate)))
+
+        nearest = -float(np.dot(p[:2], np.subtract(q, p)[:2]) / np.sum(np.subtract(q, p)[:2] ** 2))
+        parts = [0, *([nearest] if 0 < nearest < 1 else []), 1]  # there the foot turns fastest
+        return sum(quad(speed, *part, epsabs=0, epsrel=1e-11, limit=200)[0]
+                   for part in pairwise(parts))  # fmt: skip
+
+
+@pytest.mark.parametrize("R, H, h, f", [
+    (1, 1, 0.5, 0.25), (1, 1, 0.5, -0.25), (2, 1, 3, 0.1), (0.1, 5, 4, 0.3), (1, 2, 1, 0.7),
+    (1, 1, 1, 1.2), (3, 0.5, 0.4, 0.4), (1e6, 1e6, 5e5, 0.25), (1e-3, 1e-3, 5e-4, 0.35),
+    (1, 1, 0.5, 0.45), (1, 1, 0.5, 0.49), (1, 1, 0.5, 0.499), (1, 1, 0.5, 0.501),
+])  # fmt: skip
+def test_path_length_against_quadrature_in_space(R, H, h, f):
+    chord = ConeChord(R, H, h, f)
+    assert chord.path_length == pytest.approx(length_on_the_cone(chord), rel=1e-10, abs=0)
+
+
+@given(chords)
+def test_path_length_against_a_polyline_on_the_development(chord):
+    assume(0.05 < abs(2 * chord.f - round(2 * chord.f)))
+    u = (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
+    polyline = np.sum(np.linalg.norm(np.diff(chord.path(u), axis=0), axis=-1))
+    assert chord.path_length == pytest.approx(polyline, rel=1e-5)
+    assert chord.path_length >= chord.geodesic_length * (1 - 1e-9)
+
+
+@given(chords)
+def test_geodesic_length_is_the_least_of_paths_in_space(chord):
+    p, q = ends(chord)
+    assert chord.geodesic_length >= np.linalg.norm(q - p) * (1 - 1e-12)
+    plane = chord.geodesic(np.linspace(0, 1, 1001))
+    distance, azimuth = np.hypot(*plane.T), chord.azimuth(np.linspace(0, 1, 1001))
+    polyline = np.diff(chord.cone.point(distance, azimuth), axis=0)
+    total = np.sum(np.linalg.norm(polyline, axis=-1))
+    assert total <= chord.geodesic_length * (1 + 1e-12)
+    assert total == pytest.approx(chord.geodesic_length, rel=1e-2)
+
+
+@given(chords, st.floats(0, 1))
+def test_deviation_is_the_distance_of_the_path_from_the_geodesic(chord, u):
+    start, stop = chord.geodesic([0, 1])
+    plane = chord.path(u)
+    size = sum(chord.ends)
+    area = (stop - start)[0] * (plane - start)[1] - (stop - start)[1] * (plane - start)[0]
+    away = abs(area) / np.linalg.norm(stop - start)
+    assert abs(chord.deviation(u)) == pytest.approx(away, abs=1e-13 * size)
+
+
+@given(chords, st.floats(0.01, 0.99))
+def test_deviation_has_the_sign_of_the_tables_last_column(chord, u):
+    if abs(chord.deviation(u)) > 1e-9 * sum(chord.ends):
+        assert np.sign(chord.deviation(u)) == np.sign(chord.table(u)[4])
+
+
+@given(chords, st.integers(-3, 3))
+def test_whole_turns_are_left_out(chord, turns):
+    more = ConeChord(chord.R, chord.H, chord.h, chord.f + turns)
+    assert more.path_length == pytest.approx(chord.path_length, rel=1e-10)
+    assert more.geodesic_length == pytest.approx(chord.geodesic_length, rel=1e-10)
+
+
+@given(chords, st.floats(0, 1))
+def test_mirrored_chords_have_mirrored_paths(chord, u):
+    mirrored = ConeChord(chord.R, chord.H, chord.h, -chord.f)
+    np.testing.assert_allclose(mirrored.path(u), chord.path(u) * [1, -1], atol=1e-13)
+    assert mirrored.deviation(u) == pytest.approx(chord.deviation(u), abs=1e-13)
+    assert mirrored.path_length == pytest.approx(chord.path_length, rel=1e-12)
+
+
+@given(chords)
+def test_the_chord_from_the_other_end_is_as_long(chord):
+    R, H, h = chord.R, chord.H, chord.h
+    other = ConeChord(R * h / H, h, H, chord.f)
+    assert other.path_length == pytest.approx(chord.path_length, rel=1e-9)
+    assert other.geodesic_length == pytest.approx(chord.geodesic_length, rel=1e-10)
+
+
+@pytest.mark.parametrize("f", [0.4999, 0.5001])
+def test_past_half_a_turn_the_chord_goes_the_other_way(f):
+    assert np.sign(ConeChord(1, 1, 0.5, f).turn) == np.sign(0.5 - f)
+
+
+def test_table_agrees_with_its_parts():
+    u = np.linspace(0, 1, 11)
+    table = EXAMPLE.table(u)
+    assert table.shape == (11, 5)
+    np.testing.assert_array_equal(table[:, 0], u)
+    azimuth = EXAMPLE.azimuth(u)
+    np.testing.assert_allclose(table[:, 1], azimuth * np.sin(np.pi / 4), atol=1e-15)
+    np.testing.assert_allclose(table[:, 2], EXAMPLE.tangent_sphere(azimuth), rtol=1e-14)
+    np.testing.assert_allclose(
+        table[:, 3], np.linalg.norm(EXAMPLE.geodesic(u), axis=-1), rtol=1e-14
+    )
+    np.testing.assert_allclose(table[:, 4], table[:, 3] - table[:, 2], atol=1e-15)
+
+
+def test_all_of_it_broadcasts():
+    u = np.zeros((4, 5))
+    assert EXAMPLE.table(u).shape == (4, 5, 5)
+    assert EXAMPLE.path(u).shape == EXAMPLE.geodesic(u).shape == (4, 5, 2)
+    assert EXAMPLE.chord_point(u + 0.1).shape == (4, 5, 3)
+    assert EXAMPLE.deviation(u).shape == EXAMPLE.tangent_sphere(u).shape == (4, 5)
+
+
+@pytest.mark.parametrize("f", [0, 0.5, -0.5, 1, 2.5, 1e300])
+def test_whole_and_half_turns_are_refused(f):
+    with pytest.raises(ValueError, match=r"^f: must be neither whole nor half a turn; got "):
+        ConeChord(1, 1, 0.5, f)

@@ -1,0 +1,49 @@
+"""The four tangent-sphere feet against mpmath."""
+
+import csv
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+from tests.references import torus_feet
+from tests.shapes import directions, random_tori
+from tunneller_lib.surfaces import Torus
+
+with open(torus_feet.TABLE, newline="") as file:
+    HEADER, *ROWS = csv.reader(file)
+FAMILIES = sorted({row[0] for row in ROWS})
+
+
+def relative_error(found, expected):
+    return np.linalg.norm(found - expected, axis=-1) / np.linalg.norm(expected, axis=-1)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_feet_against_references(family):
+    numbers = np.array([row[1:] for row in ROWS if row[0] == family], dtype=float)
+    assert len(numbers) == 40
+    found = np.array([Torus(r, R).feet(m) for r, R, *m in numbers[:, :5]])
+    assert relative_error(found, numbers[:, 5:].reshape(-1, 4, 3)).max() <= 1e-13
+
+
+def test_references_are_what_their_script_writes():
+    assert HEADER == torus_feet.COLUMNS
+    with mp.workdps(50):
+        for _, r, R, *numbers in ROWS:
+            m, printed = map(float, numbers[:3]), numbers[3:]
+            again = torus_feet.feet(float(r), float(R), list(m))
+            assert [mp.nstr(c, 20) for n in again for c in n] == printed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_feet_against_mpmath_100000(seed, count=25_000):
+    rng = np.random.default_rng(seed)
+    tori = random_tori(rng, count)
+    far = 10 ** rng.uniform(-2, 6, count) * [torus.r + torus.R for torus in tori]
+    m = far[:, None] * directions(rng, count)
+    found = np.array([torus.feet(point) for torus, point in zip(tori, m)])
+    with mp.workdps(30):
+        expected = [torus_feet.feet(t.r, t.R, p) for t, p in zip(tori, m.tolist())]
+        expected = np.array(expected, dtype=float)
+    assert relative_error(found, expected).max() <= 1e-13

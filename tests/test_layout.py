@@ -1,0 +1,200 @@
+"""The house: floors, docstrings, sizes, the speed of its import, notebooks that read well."""
+
+import ast
+import json
+import re
+import subprocess
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+LIBRARY = ROOT / "tunneller_lib"
+MODULES = sorted(LIBRARY.rglob("*.py"))
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+FLOORS = {
+    "arrays": 0,
+    "surfaces": 1, "envelopes": 1,
+    "paths": 2, "removal": 2, "motion": 2,
+    "ream": 3, "reporting": 3,
+}  # fmt: skip
+BELOW_REPORTING = {"numpy", "scipy", "tunneller_lib"} | (set(sys.stdlib_module_names) - {"json"})
+TOP = {
+    "notebooks", "tunneller_lib", "figures", "report", "tests", "environment.txt", "pyproject.toml",
+    "Makefile", "README.md", "LICENSE", "CITATION.cff", "CHANGELOG.md", "CONTRIBUTING.md",
+    ".ci", ".git", ".gitignore", ".gitattributes",
+}  # fmt: skip
+
+
+def name_of(path):
+    return str(path.relative_to(ROOT))
+
+
+every_module = pytest.mark.parametrize("path", MODULES, ids=name_of)
+every_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=name_of)
+
+
+def room(path):
+    """Return the room a module is in; the package's own __init__ is in none."""
+    return path.relative_to(LIBRARY).parts[0].removesuffix(".py")
+
+
+def imports(path):
+    """Return the absolute names of what a module imports, relative ones resolved."""
+    package = ("tunneller_lib", *path.relative_to(LIBRARY).parts[:-1])
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = package[: len(package) - node.level + 1] if node.level else ()
+            base = ".".join([*start, *([node.module] if node.module else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+@every_module
+def test_modules_import_only_from_floors_below(path):
+    own = room(path)
+    for name in imports(path):
+        package, *inner = name.split(".")
+        if package == "tunneller_lib" and inner:
+            assert own != "__init__", f"the package itself imports {name}"
+            assert inner[0] == own or FLOORS[inner[0]] < FLOORS[own], f"{own} imports {name}"
+        if own != "reporting":
+            assert package in BELOW_REPORTING, f"{own} imports {name}"
+
+
+def test_every_room_has_its_floor():
+    assert {room(path) for path in MODULES} <= FLOORS.keys() | {"__init__"}
+
+
+@every_module
+def test_modules_can_be_read_at_a_sitting(path):
+    assert len(path.read_text().splitlines()) <= 260
+
+
+def public(tree, prefix=""):
+    """Yield the name and node of every public class, function and method."""
+    for node in tree.body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            if not node.name.startswith("_"):
+                yield prefix + node.name, node
+                if isinstance(node, ast.ClassDef):
+                    yield from public(node, f"{prefix}{node.name}.")
+
+
+def signature(node):
+    """Return the names of a function's arguments, or of a class's fields, or of its __init__."""
+    if isinstance(node, ast.FunctionDef):
+        a = node.args
+        every = [*a.posonlyargs, *a.args, a.vararg, *a.kwonlyargs, a.kwarg]
+        return [arg.arg for arg in every if arg and arg.arg not in ("self", "cls")]
+    for inner in node.body:
+        if isinstance(inner, ast.FunctionDef) and inner.name == "__init__":
+            return signature(inner)
+    return [inner.target.id for inner in node.body if isinstance(inner, ast.AnnAssign)]
+
+
+def described(docstring):
+    """Return the names in a docstring's section Parameters, or None where it has none."""
+    section = re.search(r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n-+\n|\Z)", docstring, re.M | re.S)
+    if not section:
+        return None
+    heads = re.findall(r"^(\S[^:\n]*?)(?: :.*)?$", section[1], re.M)
+    return [name.strip().lstrip("*") for head in heads for name in head.split(",")]
+
+
+def needs_parameters(node):
+    """Return whether a sentence can't tell the arguments: an option, or more than three."""
+    if isinstance(node, ast.ClassDef):
+        return any(isinstance(d, ast.Call) for d in node.decorator_list)  # @dataclass(frozen=True)
+    return bool(node.args.kwonlyargs) or len(signature(node)) > 3
+
+
+@every_module
+def test_docstrings_describe_the_signature(path):
+    tree = ast.parse(path.read_text())
+    assert ast.get_docstring(tree), "the module has no docstring"
+    for name, node in public(tree):
+        docstring = ast.get_docstring(node)
+        assert docstring, f"{name} has no docstring"
+        assert docstring.split("\n\n")[0].rstrip().endswith((".", ":")), f"{name}: no sentence"
+        names = described(docstring)
+        if names is not None:
+            assert names == signature(node), f"{name} describes {names}"
+        elif needs_parameters(node):
+            # No section is needed where every name stands in the text, or another place tells.
+            text = [n for n in signature(node) if not re.search(rf"\b{n}s?\b", docstring)]
+            assert not text or "Made by" in docstring, f"{name} doesn't describe {text}"
+
+
+def child(code):
+    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
+                          capture_output=True).stdout  # fmt: skip
+
+
+def test_import_is_quick():
+    code = (
+        "import time; t = time.perf_counter(); import tunneller_lib; print(time.perf_counter() - t)"
+    )
+    assert min(float(child(code)) for _ in range(5)) < 0.3
+
+
+def test_import_brings_nothing_heavy():
+    code = "import sys; {}; print(*sys.modules)"
+    heavy = {"matplotlib", "pyvista", "vtk", "IPython", "PIL"}
+    alone = child(code.format("import tunneller_lib")).split()
+    assert not {*heavy, "scipy.optimize"} & set(alone)
+    rooms = ", ".join(f"tunneller_lib.{room}" for room in FLOORS if (LIBRARY / room).is_dir()
+                      and FLOORS[room] < 3)  # fmt: skip
+    assert not heavy & set(child(code.format(f"import {rooms}")).split())
+
+
+def test_top_level_holds_only_what_a_reader_expects():
+    ignored = [line.rstrip("/") for line in (ROOT / ".gitignore").read_text().split()]
+    found = {path.name for path in ROOT.iterdir()}
+    odd = {name for name in found - TOP if not any(fnmatch(name, rule) for rule in ignored)}
+    assert not odd
+
+
+def cells(path, kind):
+    """Return the sources of a notebook's cells of a kind."""
+    every = json.loads(path.read_text())["cells"]
+    return ["".join(cell["source"]) for cell in every if cell["cell_type"] == kind]
+
+
+@every_notebook
+def test_notebook_has_no_long_cell(path):
+    assert max(len(source.splitlines()) for source in cells(path, "code")) <= 30
+
+
+def test_notebook_cells_are_short():
+    lines = {
+        f"{path.stem}[{i}]": len(source.splitlines())
+        for path in NOTEBOOKS for i, source in enumerate(cells(path, "code"))
+    }  # fmt: skip
+    longer = {name: n for name, n in lines.items() if n >= 15}
+    assert len(longer) <= 0.1 * len(lines), longer
+
+
+@every_notebook
+def test_notebook_functions_are_short(path):
+    for source in cells(path, "code"):
+        plain = "\n".join(
+            "" if line.startswith(("%", "!")) else line for line in source.split("\n")
+        )
+        for node in ast.walk(ast.parse(plain)):
+            if isinstance(node, ast.FunctionDef):
+                assert node.end_lineno - node.lineno < 5, f"{node.name} is longer than 5 lines"
+
+
+@every_notebook
+def test_notebook_title_is_a_question(path):
+    title = cells(path, "markdown")[0].split("\n")[0]
+    assert title.startswith("# ") and title.endswith("?")
+
+
+@every_notebook
+def test_notebook_is_numbered(path):
+    assert re.fullmatch(r"\d\d_[a-z0-9_]+", path.stem)

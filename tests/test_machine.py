@@ -1,0 +1,124 @@
+"""What a machine must meet to cut a section, against the positions that its circuit needs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tunneller_lib.paths import Circuit, cutting_circuit
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Torus
+
+EGG = Egg(0.5)
+FAILURES = {
+    "invert": {"depth": -0.05},
+    "width": {"phi_max": 0.3},
+    "crown": {"theta_min": -0.85},
+    "floor": {"theta_max": 0.3},
+}
+
+machines = st.builds(
+    Machine,
+    r=st.floats(0.01, 0.5),
+    R=st.floats(0.3, 1.2),
+    theta_min=st.floats(-1.5, -0.3),
+    theta_max=st.floats(0.1, 1.5),
+    phi_min=st.floats(-1.5, -0.2),
+    phi_max=st.floats(0.2, 1.5),
+    cutter_radius=st.just(0.2),
+    depth=st.floats(-0.02, 0.19),
+    height=st.floats(-0.6, 0.1),
+)
+
+
+def reaches(machine, egg):
+    """Return whether every sampled position of the circuit exists and is within the limits."""
+    circuit = Circuit(machine, egg)
+    extremes = np.cumsum([0, np.pi / 2 * circuit.profile.arcs[0].radius])
+    s = [*np.linspace(0, circuit.profile.perimeter, 721), *extremes, *circuit.profile.blends[:-1]]
+    try:
+        position = circuit.position(s)
+    except ValueError:
+        return False
+    return bool(np.all(machine.within_limits(position)))
+
+
+def margin(requirement):
+    return abs(requirement.left - requirement.right)
+
+
+@settings(max_examples=400)
+@given(machines, st.floats(0.3, 0.6))
+def test_requirements_are_necessary_and_sufficient(machine, a):
+    egg = Egg(a)
+    needed = machine.requirements(egg)
+    if min(map(margin, needed)) < 1e-4 * a or not needed[0].met:
+        return
+    assert all(need.met for need in needed) == reaches(machine, egg)
+
+
+def test_requirements_of_the_reference_machine_hold():
+    needed = REFERENCE_MACHINE.requirements(EGG)
+    assert [str(need).split(",")[0] for need in needed] == ["invert", "width", "crown", "floor"]
+    assert all(need.met and str(need).endswith("holds") for need in needed)
+    assert REFERENCE_MACHINE.check(EGG) is None
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_check_names_the_inequality_that_fails(name):
+    machine = replace(REFERENCE_MACHINE, **FAILURES[name])
+    failing = [need for need in machine.requirements(EGG) if not need.met]
+    assert [need.what.split(",")[0] for need in failing] == [name]
+    with pytest.raises(
+        ValueError, match=rf"^machine: can't cut this section; {name}.* m fails[.]$"
+    ):
+        machine.check(EGG)
+    with pytest.raises(ValueError, match=rf"^machine: can't cut this section; {name}"):
+        cutting_circuit(machine, EGG)
+
+
+def test_check_names_every_inequality_that_fails():
+    machine = replace(REFERENCE_MACHINE, phi_max=0.3, theta_max=0.3)
+    with pytest.raises(ValueError, match=r"width.*fails; floor.*fails"):
+        machine.check(EGG)
+
+
+def test_requirement_invert_is_strict():
+    assert not replace(REFERENCE_MACHINE, depth=-0.05).requirements(EGG)[0].met  # offset = a/2
+
+
+@pytest.mark.parametrize("position, within", [
+    ((0, 0), True),
+    ((REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_max), True),
+    ((REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_min), True),
+    ((REFERENCE_MACHINE.theta_max + 1e-12, 0), False),
+    ((0, REFERENCE_MACHINE.phi_min - 1e-12), False),
+    ((np.nan, 0), False),
+])  # fmt: skip
+def test_within_limits_includes_the_limits(position, within):
+    assert REFERENCE_MACHINE.within_limits(np.array(position)) == within
+    assert REFERENCE_MACHINE.within_limits(position) == within
+
+
+def test_within_limits_broadcasts():
+    assert REFERENCE_MACHINE.within_limits(np.zeros((3, 4, 2))).shape == (3, 4)
+    assert REFERENCE_MACHINE.within_limits(np.zeros((0, 2))).shape == (0,)
+
+
+def test_torus_and_offset_of_the_reference_machine():
+    assert REFERENCE_MACHINE.torus == Torus(0.08, 0.8)
+    assert REFERENCE_MACHINE.offset == pytest.approx(0.18)
+
+
+@pytest.mark.parametrize("change, message", [
+    ({"theta_min": 1}, "theta_min: must be below theta_max; got 1 and 0.610865."),
+    ({"phi_min": 1, "phi_max": 1}, "phi_min: must be below phi_max; got 1 and 1."),
+    ({"depth": 0.2}, "depth: must be below the cutter's radius 0.2 m; got 0.2 m."),
+    ({"height": np.nan}, "height: must be one finite number; got nan."),
+    ({"cutter_radius": 0}, "cutter_radius: must be one finite number above zero; got 0."),
+])  # fmt: skip
+def test_machine_refuses(change, message):
+    with pytest.raises(ValueError) as error:
+        replace(REFERENCE_MACHINE, **change)
+    assert str(error.value) == message

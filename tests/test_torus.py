@@ -1,0 +1,211 @@
+"""The torus: points, angles, implicit form, normals, curvatures, feet."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+from tests.shapes import EPS, TORI, directions, eq2, fractions, off_surface, random_tori, tori
+from tunneller_lib.surfaces import Torus
+from tunneller_lib.surfaces.torus import FEET
+
+RING, SPINDLE, HORN = Torus(2, 1.5), Torus(3, 5), Torus(1, 1)
+every_torus = pytest.mark.parametrize("torus", TORI, ids=str)
+
+
+def sheet(torus, n):
+    """Return n by n angles over the whole ring torus, or the working sheet of a spindle."""
+    edge = np.pi if torus.r > torus.R else np.arccos(-torus.r / torus.R)
+    return np.meshgrid(np.linspace(-np.pi, np.pi, n), np.linspace(-edge, edge, n) * (1 - 1e-9))
+
+
+@every_torus
+def test_angles_undo_point(torus):
+    theta, phi = sheet(torus, 73)
+    point = torus.point(theta, phi)
+    again, swing = torus.angles(point)
+    turned = np.angle(np.exp(1j * (again - theta)))
+    rho = np.hypot(point[..., 0], point[..., 2])
+    assert np.max(np.abs(turned) * rho) <= 4 * EPS * (torus.r + torus.R)
+    assert np.max(np.abs(swing - phi)) * torus.R <= 8 * EPS * (torus.r + torus.R)
+
+
+@every_torus
+def test_point_lies_on_torus(torus):
+    theta, phi = np.random.default_rng(1).uniform(-10, 10, (2, 1000))
+    assert np.max(off_surface(torus, torus.point(theta, phi))) <= 4 * EPS * (torus.r + torus.R)
+
+
+def test_point_of_negative_theta_lifts():
+    assert RING.point(-0.1, 0)[2] > 0 and RING.point(0, 0.1)[1] > 0
+
+
+@given(tori, st.tuples(*[st.floats(-10, 10).map(lambda c: round(c, 60))] * 3))
+def test_angles_are_those_of_the_foot(torus, where):
+    m = (torus.r + torus.R) * np.array(where)
+    apart = torus.point(*torus.angles(m)) - torus.foot(m)
+    assert np.linalg.norm(apart) <= 8 * EPS * (torus.r + torus.R)
+
+
+@every_torus
+@pytest.mark.parametrize("offset", [-0.1, 1e-3, -1e-6, 1e-9, 1e3])
+def test_implicit_against_eq2_in_fractions(torus, offset):
+    angles = np.random.default_rng(2).uniform(-3, 3, (2, 50))
+    points = torus.point(*angles) + offset * torus.R * torus.normal(*angles)
+    for point, found in zip(points, torus.implicit(points)):
+        exact = eq2(*fractions(torus.r, torus.R, *point))
+        loss = 1 + (torus.r + torus.R) / off_surface(torus, point)
+        assert abs(found - float(exact)) <= 16 * EPS * loss * abs(float(exact))
+
+
+@every_torus
+def test_normal_is_the_gradient_of_eq2(torus):
+    theta, phi = np.random.default_rng(3).uniform(-3, 3, (2, 20))
+    with mp.workdps(40):
+        for point, normal in zip(torus.point(theta, phi), torus.normal(theta, phi)):
+            p, axes = [mpf(c) for c in point], np.eye(3, dtype=int).tolist()
+            gradient = [mp.diff(lambda *q: eq2(mpf(torus.r), mpf(torus.R), *q), p, a) for a in axes]
+            length = mp.sqrt(sum(c * c for c in gradient))
+            sign = mp.sign(sum(c * c for c in p) + 2 * mpf(torus.r) * (p[0] ** 2 + p[2] ** 2) ** 0.5
+                           + mpf(torus.r) ** 2 - mpf(torus.R) ** 2)  # fmt: skip
+            along = float(abs(sum(mpf(n) * c for n, c in zip(normal, gradient))) / length)
+            assert sign and abs(along - 1) <= 1e-12
+            assert np.linalg.norm(normal) == pytest.approx(1, abs=4 * EPS)
+
+
+@every_torus
+def test_normal_points_outward(torus):
+    theta, phi = (a[1:-1, 1:-1] for a in sheet(torus, 24))
+    outside = torus.point(theta, phi) + 1e-9 * torus.R * torus.normal(theta, phi)
+    assert np.all(torus.implicit(outside) > 0)
+
+
+@every_torus
+def test_curvatures_against_second_fundamental_form(torus):
+    with mp.workdps(40):
+        r, R = mpf(torus.r), mpf(torus.R)
+
+        def surface(theta, phi):
+            rho = r + R * mp.cos(phi)
+            return mp.matrix([rho * mp.cos(theta), R * mp.sin(phi), -rho * mp.sin(theta)])
+
+        for theta, phi in np.random.default_rng(4).uniform(-1.5, 1.5, (10, 2)):
+            normal = mp.matrix(torus.normal(theta, phi).tolist())
+            found = torus.curvatures(theta, phi)
+            for order, kappa in (((0, 1), found[0]), ((1, 0), found[1])):
+                tangent, bend = (
+                    mp.matrix([mp.diff(lambda *a, i=i: surface(*a)[i], (theta, phi), n)
+                               for i in range(3)])
+                    for n in (order, tuple(2 * k for k in order))
+                )  # fmt: skip
+                expected = -(bend.T * normal)[0] / (tangent.T * tangent)[0]
+                assert kappa == pytest.approx(float(expected), rel=1e-12)
+
+
+def test_curvatures_at_node_are_infinite_and_on_top_zero():
+    assert Torus(1, 2).curvatures(0, np.pi / 2)[1] == pytest.approx(0, abs=EPS)
+    assert HORN.curvatures(0, np.pi) == (1, -np.inf)
+
+
+@pytest.mark.parametrize("far", [0.1, 1, 10, 1e6])
+def test_feet_touch_the_torus_along_its_normals(far):
+    rng = np.random.default_rng(5)
+    for torus in random_tori(rng, 200):
+        size = torus.r + torus.R
+        m = far * size * directions(rng, 20)
+        feet = torus.feet(m)
+        assert np.max(off_surface(torus, feet)) <= 8 * EPS * size
+        rho = np.hypot(m[:, 0], m[:, 2])
+        ring = torus.r * np.stack([m[:, 0] / rho, 0 * rho, m[:, 2] / rho], axis=-1)
+        for i, (sigma, eps) in enumerate(FEET):
+            normal = (feet[:, i] - sigma * ring) / torus.R
+            away = m - sigma * ring
+            assert np.all(eps * np.sum(normal * away, axis=-1) > 0)
+            skew = np.linalg.norm(np.cross(normal, away), axis=-1)
+            assert np.all(skew <= 16 * EPS * (np.linalg.norm(m, axis=-1) + size) * size / torus.R)
+
+
+@every_torus
+def test_feet_hold_the_nearest_and_the_farthest_point(torus):
+    m = (torus.r + torus.R) * np.random.default_rng(6).uniform(-2, 2, (20, 3))
+    angles = np.meshgrid(*[np.linspace(-np.pi, np.pi, 241)] * 2)
+    every = torus.point(*angles).reshape(-1, 3)
+    for point, feet in zip(m, torus.feet(m)):
+        sampled = np.linalg.norm(every - point, axis=-1)
+        touched = np.linalg.norm(feet - point, axis=-1)
+        step = np.pi / 240 * (torus.r + torus.R) * 1.5
+        assert touched.min() - 1e-12 * step <= sampled.min() <= touched.min() + step
+        assert touched.max() - step <= sampled.max() <= touched.max() + 1e-12 * step
+
+
+@given(tori, st.tuples(*[st.floats(-1e6, 1e6)] * 3))
+def test_foot_is_the_first_of_the_feet(torus, m):
+    np.testing.assert_array_equal(torus.foot(m), torus.feet(m)[..., 0, :])
+
+
+def test_foot_of_many_points_is_that_of_each():
+    m = np.random.default_rng(7).normal(size=(3, 3000, 3))
+    expected = np.array([[RING.foot(p) for p in row[::500]] for row in m])
+    np.testing.assert_array_equal(RING.foot(m)[:, ::500], expected)
+
+
+@given(tori, st.integers(-60, 60))
+def test_feet_scale_with_powers_of_two(torus, exponent):
+    m = (torus.r + torus.R) * np.array([0.3, -0.2, 1.7])
+    scaled = Torus(torus.r * 2.0**exponent, torus.R * 2.0**exponent)
+    np.testing.assert_array_equal(scaled.feet(m * 2.0**exponent), torus.feet(m) * 2.0**exponent)
+
+
+@pytest.mark.parametrize(
+    "m, feet",
+    [
+        # on the axis, at a node: theta = 0; 3-4-5 triangles
+        ((0, 4, 0), [(0, 4, 0), (6, -4, 0), (0, 4, 0), (-6, -4, 0)]),
+        # on the ring circle: phi = 0 and pi
+        ((0, 0, 3), [(0, 0, 8), (0, 0, -2), (0, 0, 2), (0, 0, -8)]),
+        ((3, 0, 0), [(8, 0, 0), (-2, 0, 0), (2, 0, 0), (-8, 0, 0)]),
+        # the centre
+        ((0, 0, 0), [(-2, 0, 0), (8, 0, 0), (2, 0, 0), (-8, 0, 0)]),
+    ],
+)
+def test_feet_of_degenerate_points(m, feet):
+    np.testing.assert_allclose(SPINDLE.feet(m), feet, atol=1e-15)
+
+
+def test_feet_at_a_node_are_the_node_twice():
+    feet = SPINDLE.feet((0, -4, 0))
+    assert np.sum(np.all(np.abs(feet - [0, -4, 0]) <= 1e-15, axis=-1)) == 2
+
+
+def test_foot_on_the_axis_near_the_limit():
+    on, beside = SPINDLE.foot([(0, 1, 0), (1e-300, 1, 0)])
+    np.testing.assert_allclose(on, beside, rtol=1e-14)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("axis", range(3))
+def test_feet_of_points_that_are_not_finite_are_nan(bad, axis):
+    m = np.array([1.0, 2.0, 3.0])
+    m[axis] = bad
+    assert np.all(np.isnan(SPINDLE.feet(m)))
+    assert np.all(np.isnan(SPINDLE.foot(m)))
+
+
+@pytest.mark.parametrize("point, angles", [
+    ((0, 1, 0), (0, np.arctan2(1, -3))),
+    ((0, 0, 0), (0, np.pi)),
+    ((-3, 0, 0), (np.pi, 0)),
+    ((-3, 0, -0.0), (np.pi, 0)),
+    ((0, 0, -3), (np.pi / 2, 0)),
+    ((0, 0, 3), (-np.pi / 2, 0)),
+])  # fmt: skip
+def test_angles_of_degenerate_points(point, angles):
+    assert SPINDLE.angles(point) == angles
+
+
+def test_point_broadcasts():
+    assert RING.point(np.zeros((4, 1)), np.zeros(5)).shape == (4, 5, 3)
+    assert RING.normal(np.zeros((4, 1)), np.zeros(5)).shape == (4, 5, 3)
+    assert [k.shape for k in RING.curvatures(np.zeros((4, 1)), np.zeros(5))] == [(4, 5)] * 2
+    assert RING.feet(np.ones((4, 5, 3))).shape == (4, 5, 4, 3)

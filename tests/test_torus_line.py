@@ -1,0 +1,282 @@
+"""Line meets torus, judged in whole numbers: Eq. 5 corrected, over points on a dyadic grid."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.shapes import EPS, TORI, directions, eq2, off_surface, tori
+from tunneller_lib.surfaces import Torus
+
+GRID = 2.0**-40
+RATIOS = np.geomspace(0.2, 1e4, 20)
+
+
+def on_grid(values):
+    return np.round(np.asarray(values) / GRID) * GRID
+
+
+def whole(values):
+    """Return floats on the grid as Python integers, which hold any product of them."""
+    return np.vectorize(int, otypes=[object])(np.asarray(values) / GRID)
+
+
+def gridded(ratio):
+    """Return a torus of R/r = ratio and r + R near 1 whose radii are on the grid."""
+    return Torus(*on_grid([1 / (1 + ratio), ratio / (1 + ratio)]))
+
+
+def quartic(torus, a, b):
+    """Return the coefficients of Eq. 5, T2 and T0 corrected, highest first, in whole numbers."""
+    (r, R), a, u = whole([torus.r, torus.R]), whole(a), whole(b) - whole(a)
+    t4, t3 = np.sum(u * u, -1), np.sum(a * u, -1)
+    t2, ring = np.sum(a * a, -1) - r * r - R * R, 4 * r * r
+    a2, u2 = a[..., 1], u[..., 1]
+    return (t4**2, 4 * t3 * t4, ring * u2**2 + 2 * t2 * t4 + 4 * t3**2,
+            2 * ring * a2 * u2 + 4 * t2 * t3, t2**2 - ring * (R**2 - a2**2))  # fmt: skip
+
+
+def count_real_roots(a, b, c, d, e):
+    """Return how many real roots quartics have, from the signs of their invariants."""
+    first = 12 * a * e - 3 * b * d + c**2
+    second = 72 * a * c * e + 9 * b * c * d - 27 * a * d**2 - 27 * e * b**2 - 2 * c**3
+    discriminant = 4 * first**3 - second**2
+    assert np.all(discriminant != 0)
+    four = 64 * a**3 * e - 16 * (a * c) ** 2 + 16 * a * b**2 * c - 16 * a**2 * b * d - 3 * b**4
+    all_or_none = np.where((8 * a * c < 3 * b**2) & (four < 0), 4, 0)
+    return np.where(discriminant < 0, 2, all_or_none)
+
+
+def follow(a, b, t):
+    """Return a + t (b - a) (n, k, 3) in whole numbers, and the unit (n, k, 1) they count."""
+    mantissa, exponent = np.frexp(t[..., None])
+    steps = np.vectorize(int, otypes=[object])(mantissa * 2.0**53)
+    unit = 2 ** (53 - exponent.astype(object))
+    a, u = whole(a)[:, None], (whole(b) - whole(a))[:, None]
+    return a * unit + steps * u, unit
+
+
+def judge(torus, a, b, t):
+    """Assert that t holds all real roots, each at rounding level, for lines on the grid."""
+    found = np.sum(~np.isnan(t), axis=-1)
+    np.testing.assert_array_equal(found, count_real_roots(*quartic(torus, a, b)))
+    np.testing.assert_array_equal(t, np.sort(t, axis=-1))
+    for n in (2, 4):
+        line = found == n
+        if np.any(line):
+            roots = t[line][:, :n]
+            numbers, unit = follow(a[line], b[line], roots)
+            points = (numbers / unit).astype(float) * GRID
+            way = np.abs(roots) * np.linalg.norm(b - a, axis=-1)[line, None]
+            off = off_surface(torus, points) / (torus.r + torus.R + way)
+            assert np.max(off) <= 8 * EPS
+            numbers, unit = follow(a[line], b[line], (roots[:, 1:] + roots[:, :-1]) / 2)
+            radii = [whole(c) * unit[..., 0] for c in (torus.r, torus.R)]
+            between = eq2(*radii, *np.moveaxis(numbers, -1, 0))
+            assert np.all((between < 0) == [True, False, True][: n - 1])
+
+
+def lines(kind, rng, n):
+    """Return points a and b of n lines of a kind, on the grid, near a torus of r + R = 1."""
+    a, b = rng.uniform(-1, 1, (2, n, 3))
+    if kind == "in the ring's plane":
+        a[:, 1] = b[:, 1] = 0
+    elif kind == "in a meridian plane":
+        a[:, 2] = b[:, 2] = 0
+    elif kind == "through the centre":
+        b = -(2.0 ** rng.integers(-3, 3, n)[:, None]) * on_grid(a)
+    elif kind == "parallel to the axis":
+        b = a + np.array([0, 1, 0])
+    elif kind == "along the tunnel":
+        b = a + np.array([1, 0, 0])
+    elif kind == "from afar":
+        a = b + 10 ** rng.uniform(1, 6, (n, 1)) * directions(rng, n)
+    elif kind == "afar, both points":
+        away = 10 ** rng.uniform(1, 6, (n, 1)) * directions(rng, n)
+        a, b = a + away, a + 2 * away
+    elif kind == "points close together":
+        b = a + 1e-6 * directions(rng, n)
+    return on_grid(a), on_grid(b)
+
+
+@pytest.mark.parametrize("ratio", RATIOS, ids="{:.3g}".format)
+def test_meet_line_finds_all_of_100000_random_lines(ratio):
+    torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
+    a, b = lines("random", rng, 5000)
+    judge(torus, a, b, torus.meet_line(a, b))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["in the ring's plane", "in a meridian plane", "through the centre", "parallel to the axis",
+     "along the tunnel", "from afar", "afar, both points", "points close together"],
+)  # fmt: skip
+@pytest.mark.parametrize("ratio", [0.2, 0.7, 1.5, 10, 1e4])
+def test_meet_line_finds_all_of_special_lines(kind, ratio):
+    torus, rng = gridded(ratio), np.random.default_rng(1)
+    a, b = lines(kind, rng, 500)
+    judge(torus, a, b, torus.meet_line(a, b))
+
+
+def tangents(torus, rng, n):
+    """Return n random points of a torus and unit tangents there."""
+    theta, phi = rng.uniform(-np.pi, np.pi, (2, n))
+    normal = torus.normal(theta, phi)
+    u = np.cross(normal, directions(rng, n))
+    return torus.point(theta, phi), u / np.linalg.norm(u, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e6])
+@pytest.mark.parametrize("ratio", RATIOS, ids="{:.3g}".format)
+def test_meet_line_finds_rounded_tangents_twice(ratio, scale):
+    torus, rng = Torus(scale, scale * ratio), np.random.default_rng(2)
+    size = torus.r + torus.R
+    point, u = tangents(torus, rng, 2000)
+    before, after = size * rng.uniform(0.1, 1, (2, 2000, 1))
+    a, b = point - before * u, point + after * u
+    t = torus.meet_line(a, b)
+    near = np.abs(t * (before + after) - before) <= 1e-4 * size
+    assert np.all(np.sum(near, axis=-1) >= 2)
+
+
+@pytest.mark.parametrize("turn", [1e-1, 1e-2, 1e-3, 1e-4, -1e-3, -1e-1])
+@pytest.mark.parametrize("torus", [Torus(5, 1), Torus(2, 1.9), Torus(3, 5)], ids=str)
+def test_meet_line_finds_tangents_that_almost_osculate_twice(torus, turn):
+    rng, size = np.random.default_rng(8), torus.r + torus.R
+    saddle = np.arccos(np.clip(-torus.r / torus.R, -1, 1)) if torus.r < torus.R else np.pi
+    theta, phi = rng.uniform(-3, 3, 2000), rng.uniform(np.pi / 2 + 0.1, saddle - 0.1, 2000)
+    point, (meridian, parallel) = torus.point(theta, phi), torus.curvatures(theta, phi)
+    swing = np.arctan(np.sqrt(-meridian / parallel)) + turn  # at turn 0 the normal curvature is 0
+    along = np.stack([-np.sin(theta), 0 * theta, -np.cos(theta)], axis=-1)
+    u = np.cos(swing)[:, None] * np.cross(along, torus.normal(theta, phi))
+    u += np.sin(swing)[:, None] * along
+    t = torus.meet_line(point - size * u, point + size * u)
+    near = np.abs(2 * t - 1) <= 1e-6 / abs(turn)
+    assert np.all(np.sum(near, axis=-1) >= 2)
+
+
+# Radii, a point and a direction in whole numbers, tangent there.
+TANGENTS = {
+    "outer equator, along the axis": (3, 5, (8, 0, 0), (0, 1, 0)),
+    "outer equator, round": (3, 5, (8, 0, 0), (0, 0, 1)),
+    "outer equator, oblique": (3, 5, (0, 0, 8), (3, 4, 0)),
+    "hole, along the axis": (5, 3, (2, 0, 0), (0, 1, 0)),
+    "hole, from inside the tube": (5, 3, (2, 0, 0), (0, 0, 1)),
+    "hole, oblique": (5, 3, (-2, 0, 0), (0, 2, 1)),
+    "top": (5, 3, (3, 3, 4), (7, 0, -2)),
+    "meridian, outside": (1, 5, (4, 4, 0), (-4, 3, 0)),
+    "meridian, of a ring": (20, 5, (23, 4, 0), (-4, 3, 0)),
+    "meridian, inside": (20, 5, (17, 4, 0), (4, 3, 0)),
+    "meridian, turned": (25, 25, (24, 20, 32), (-12, 15, -16)),
+    "oblique, turned": (25, 25, (24, 20, 32), (-12 + 4, 15, -16 - 3)),
+    "lemon sheet": (3, 5, (2, 0, 0), (0, 2, 1)),
+    "lemon sheet, round": (3, 5, (0, 0, 2), (1, 0, 0)),
+    "nearly a sphere": (1, 8192, (8193, 0, 0), (0, 5, 9)),
+    "thin tube": (8192, 1, (8193, 0, 0), (0, 5, 9)),
+    "thin tube, from inside": (8192, 1, (8191, 0, 0), (0, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("steps", [0, 1, -3, 1000, 10**6])
+@pytest.mark.parametrize("name", TANGENTS)
+def test_meet_line_finds_exact_tangents_twice(name, steps):
+    r, R, point, u = TANGENTS[name]
+    start = steps * (r + R)  # 10^6 steps: the line is given from 10^6 R away
+    a = np.array(point) - start * np.array(u)
+    t = Torus(r, R).meet_line(a, a + u)
+    T4, T3, T2, T1, T0 = map(int, quartic(Torus(r, R), a, a + u))
+    assert (((T4 * start + T3) * start + T2) * start + T1) * start + T0 == 0
+    assert ((4 * T4 * start + 3 * T3) * start + 2 * T2) * start + T1 == 0
+    q1 = T3 + 2 * start * T4  # the quartic over (t - start)^2
+    q0 = T2 + 2 * start * q1 - start**2 * T4
+    assert np.sum(~np.isnan(t)) == (4 if q1**2 >= 4 * T4 * q0 else 2)
+    apart = np.sort(np.abs(t[~np.isnan(t)] - start))[:2] * np.linalg.norm(u)
+    assert np.all(apart <= 4 * EPS**0.5 * (r + R) + 8 * EPS * abs(start) * np.linalg.norm(u))
+
+
+@pytest.mark.parametrize("r, R, point, u", [
+    (5, 1, (4, 0, 0), (0, 1, 2)),  # fourfold: x = 4, y = t, z = 2 t gives 25 t^4
+    (5, 4, (1, 0, 0), (0, 2, 1)),
+    (5, 3, (3, 3, 4), (4, 0, -3)),
+    (15, 5, (12, 4, 0), (-4, -3, 10)),  # threefold, and one more
+    (15, 5, (12, -4, 0), (-4, 3, -10)),
+])  # fmt: skip
+@pytest.mark.parametrize("steps", [0, 1, 1000])
+def test_meet_line_finds_asymptotic_tangents(r, R, point, u, steps):
+    torus, a = Torus(r, R), np.array(point) - steps * np.array(u)
+    T4, T3, T2, T1, T0 = map(int, quartic(torus, point, np.add(point, u)))
+    assert T0 == T1 == T2 == 0
+    expected = {0.0, -T3 / T4}
+    t = torus.meet_line(a, a + u)
+    t = t[~np.isnan(t)] - steps
+    blur = 4 * EPS ** (1 / 4 if T3 == 0 else 1 / 3)
+    assert len(t) >= 2
+    for root in expected:
+        assert np.min(np.abs(t - root)) <= blur
+    assert all(min(abs(root - e) for e in expected) <= blur for root in t)
+
+
+@pytest.mark.parametrize("torus, t", [
+    (Torus(3, 5), [6, 6, 14, 14]),  # through both nodes
+    (Torus(5, 5), [10, 10, 10, 10]),  # the nodes are one point
+    (Torus(5, 3), [np.nan] * 4),
+])  # fmt: skip
+@pytest.mark.parametrize("scale", [2.0**-10, 1, 2.0**20])
+def test_meet_line_along_the_axis(torus, t, scale):
+    torus = Torus(torus.r * scale, torus.R * scale)
+    found = torus.meet_line((0, -10 * scale, 0), (0, -9 * scale, 0))
+    np.testing.assert_allclose(found[: len(t)], t, atol=1e-7)
+
+
+@pytest.mark.parametrize("a, b, t", [
+    ((-20, 0, 0), (-19, 0, 0), [12, 18, 22, 28]),
+    ((-20, 4, 0), (-19, 4, 0), [14, 20, 20, 26]),  # touches both circles' crossing, a node
+    ((-20, 5, 0), (-19, 5, 0), [17, 17, 23, 23]),  # tangent on top, twice
+    ((-20, 6, 0), (-19, 6, 0), [np.nan] * 4),
+    ((3, -10, 0), (3, -9, 0), [5, 15, np.nan, np.nan]),  # the other circle is 6 > R away
+])  # fmt: skip
+def test_meet_line_in_a_meridian_plane(a, b, t):
+    np.testing.assert_allclose(Torus(3, 5).meet_line(a, b), t, atol=1e-7)
+
+
+@given(tori, st.integers(-80, 80), st.integers(0, 2**32 - 1))
+def test_meet_line_scales_with_powers_of_two(torus, exponent, seed):
+    scale = 2.0**exponent
+    a, b = (torus.r + torus.R) * np.random.default_rng(seed).uniform(-1, 1, (2, 4, 3))
+    scaled = Torus(torus.r * scale, torus.R * scale)
+    np.testing.assert_array_equal(scaled.meet_line(a * scale, b * scale), torus.meet_line(a, b))
+
+
+@pytest.mark.parametrize("torus", TORI[:4], ids=str)
+def test_meet_line_by_quartic_agrees_where_roots_are_apart(torus):
+    a, b = (torus.r + torus.R) * np.random.default_rng(3).uniform(-1, 1, (2, 2000, 3))
+    exact, by_quartic = (torus.meet_line(a, b, method=m) for m in ("exact", "quartic"))
+    gaps = np.min(np.diff(np.where(np.isnan(exact), [9e9, 2e10, 3e10, 4e10], exact)), axis=-1)
+    tame = (gaps > 0.1) & (np.nanmax(np.abs(exact), axis=-1, initial=0) < 10)
+    assert np.sum(tame) > 500
+    np.testing.assert_allclose(by_quartic[tame], exact[tame], rtol=0, atol=1e-10)
+
+
+def test_meet_line_backwards_gives_the_same_points():
+    a, b = np.random.default_rng(4).uniform(-1, 1, (2, 1000, 3))
+    forth, back = Torus(0.2, 0.8).meet_line(a, b), Torus(0.2, 0.8).meet_line(b, a)
+    np.testing.assert_allclose(np.sort(1 - back, axis=-1), forth, rtol=1e-9, atol=1e-9)
+
+
+def test_meet_line_broadcasts():
+    a, b = np.zeros((4, 1, 3)), np.ones((5, 3))
+    t = Torus(0.2, 0.8).meet_line(a, b)
+    assert t.shape == (4, 5, 4)
+    one = Torus(0.2, 0.8).meet_line(a[0, 0], b[0])
+    np.testing.assert_array_equal(t, np.broadcast_to(one, t.shape))
+
+
+@pytest.mark.parametrize("method", ["exact", "quartic"])
+def test_meet_line_refuses_points_that_coincide(method):
+    with pytest.raises(ValueError, match=r"^a, b: must differ.*coincides[.]$"):
+        Torus(1, 2).meet_line([(1, 2, 3), (1, 2, 4)], (1, 2, 3), method=method)
+
+
+def test_meet_line_refuses_another_method():
+    with pytest.raises(ValueError, match=r'^method: must be "exact" or "quartic"; got \'eq5\'[.]$'):
+        Torus(1, 2).meet_line((0, 0, 0), (1, 0, 0), method="eq5")
