@@ -118,7 +118,9 @@ def draw_tangent_spheres(ax, torus, m):
         ax.add_patch(circles[-1])
         ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
         signs = "({:+d}, {:+d})".format(*FEET[index])
-        ax.annotate(signs, foot[:2], (3, 4), textcoords="offset points", fontsize=7, color=colour)
+        away = 10 * (foot - m)[:2] / radius
+        place = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        ax.annotate(signs, foot[:2], away, fontsize=7, color=colour, **place)
     ax.plot(*m[:2], "o", color=COLOURS["chord"])
     return circles
 
