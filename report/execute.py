@@ -51,6 +51,7 @@ def execute(notebook, staging):
         kernel_name="python3",
         timeout=CELL_TIMEOUT,
         record_timing=False,
+        coalesce_streams=True,  # prints that arrive in two pieces are stored as one
         on_cell_start=lambda cell, cell_index: reached.append(cell_index),
         resources={"metadata": {"path": str(notebook.parent)}},
     )

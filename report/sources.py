@@ -9,6 +9,9 @@ import nbformat
 ROOT = Path(__file__).resolve().parent.parent
 
 
+WRITTEN = (".typ", ".toml", ".bib")  # what the report consists of, besides results
+
+
 def digest(*parts):
     """Return one digest of a sequence of byte strings."""
     whole = hashlib.sha256()
@@ -73,7 +76,8 @@ def notebook_results(notebook):
 
 def report_sources(root=ROOT):
     """Return the one digest of everything that the report is made from."""
-    written = [p for p in (root / "report").iterdir() if p.suffix in (".typ", ".toml", ".bib")]
+    report = root / "report"
+    written = [report / "compile.py", *(p for p in report.iterdir() if p.suffix in WRITTEN)]
     made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
     parts = [notebook_sources(n) for n in notebooks(root)]
     return digest(*map(str.encode, parts), file_digest(root, sorted(written) + made).encode())

@@ -30,7 +30,7 @@ def test_real_does_not_copy_what_is_float_already():
 
 
 @pytest.mark.parametrize("value", ["1", None, 1j, [1j], ["1"], [[1], [1, 2]], object(), {1: 2}])
-@pytest.mark.parametrize("take", [arrays.real, arrays.points, arrays.pairs, arrays.finite,
+@pytest.mark.parametrize("take", [arrays.real, arrays.points, arrays.positions, arrays.finite,
                                   arrays.positive])  # fmt: skip
 def test_real_refuses_what_is_no_number(take, value):
     with pytest.raises(ValueError, match=r"^x: must hold real numbers in a regular array; got "):
@@ -54,7 +54,7 @@ def test_positive_and_finite_return_a_plain_float(value):
     assert type(arrays.positive("x", value)) is type(arrays.finite("x", value)) is float
 
 
-@pytest.mark.parametrize("take, size", [(arrays.points, 3), (arrays.pairs, 2)])
+@pytest.mark.parametrize("take, size", [(arrays.points, 3), (arrays.positions, 2)])
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4,), (3, 1), (2, 3, 4)])
 def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
     with pytest.raises(
@@ -66,7 +66,7 @@ def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
 @pytest.mark.parametrize("lead", [(), (0,), (4,), (2, 0, 3)])
 def test_points_and_pairs_take_any_leading_axes(lead):
     assert arrays.points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
-    assert arrays.pairs("x", np.zeros((*lead, 2))).shape == (*lead, 2)
+    assert arrays.positions("x", np.zeros((*lead, 2))).shape == (*lead, 2)
 
 
 @given(numbers, numbers)

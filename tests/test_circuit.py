@@ -216,3 +216,16 @@ def test_tilted_circuit_beyond_degeneration_is_refused():
 def test_cutting_circuit_refuses_another_pose(name, value):
     with pytest.raises(ValueError, match=rf"^{name}: must "):
         cutting_circuit(REFERENCE_MACHINE, EGG, **{name: value})
+
+
+@pytest.mark.parametrize("s", [0.3, [[0.1, 0.2], [0.3, 0.4]]])
+def test_path_overcut_refuses_anything_but_a_list_of_knots(s):
+    with pytest.raises(ValueError, match=r"^s: must be a list \(n,\)"):
+        of(REFERENCE_MACHINE).path_overcut(s)
+
+
+@pytest.mark.parametrize("kind", ["machine", "egg"])
+def test_circuit_refuses_other_things(kind):
+    wrong = {"machine": REFERENCE_MACHINE, "egg": Egg(0.5)} | {kind: "a drawing"}
+    with pytest.raises(ValueError, match=rf"^{kind}: must be of class {kind.title()}; got"):
+        cutting_circuit(**wrong)

@@ -47,3 +47,15 @@ def test_feet_against_mpmath_100000(seed, count=25_000):
         expected = [torus_feet.feet(t.r, t.R, p) for t, p in zip(tori, m.tolist())]
         expected = np.array(expected, dtype=float)
     assert relative_error(found, expected).max() <= 1e-13
+
+
+@pytest.mark.parametrize("exponent", [-3, -6, -9, -12])
+def test_feet_of_nearly_horn_tori(exponent, count=2_000):
+    rng = np.random.default_rng(-exponent)
+    tori = [Torus(1.0, 1.0 + sign * 10.0**exponent) for sign in rng.choice([-1, 1], count)]
+    m = rng.uniform(0, 3, (count, 1)) * directions(rng, count)
+    found = np.array([torus.feet(point) for torus, point in zip(tori, m)])
+    with mp.workdps(40):
+        expected = [torus_feet.feet(t.r, t.R, p) for t, p in zip(tori, m.tolist())]
+        expected = np.array(expected, dtype=float)
+    assert relative_error(found, expected).max() <= 1e-13

@@ -134,10 +134,9 @@ def child(code):
                           capture_output=True).stdout  # fmt: skip
 
 
-def test_import_is_quick():
-    code = (
-        "import time; t = time.perf_counter(); import tunneller_lib; print(time.perf_counter() - t)"
-    )
+@pytest.mark.parametrize("name", ["tunneller_lib", "tunneller_lib.surfaces", "tunneller_lib.paths"])
+def test_import_is_quick(name):
+    code = f"import time; t = time.perf_counter(); import {name}; print(time.perf_counter() - t)"
     assert min(float(child(code)) for _ in range(5)) < 0.3
 
 

@@ -122,3 +122,15 @@ def test_machine_refuses(change, message):
     with pytest.raises(ValueError) as error:
         replace(REFERENCE_MACHINE, **change)
     assert str(error.value) == message
+
+
+def test_heights_are_where_crown_and_floor_are_just_reached():
+    egg = Egg(0.5)
+    for height, index in zip(REFERENCE_MACHINE.heights(egg), (2, 3)):
+        requirement = replace(REFERENCE_MACHINE, height=height).requirements(egg)[index]
+        assert abs(requirement.left - requirement.right) <= 1e-15
+
+
+def test_requirements_of_a_joint_that_turns_past_a_right_angle():
+    wide = replace(REFERENCE_MACHINE, phi_min=-3.0, phi_max=3.0, theta_min=-2.6)
+    assert all(requirement.met for requirement in wide.requirements(Egg(0.5)))

@@ -1,5 +1,6 @@
 """The tangent-sphere path of a chord: where it runs, how its points are spaced, how long it is."""
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -180,7 +181,7 @@ def test_project_chord_from_a_point_to_itself_stays_there(spacing):
     np.testing.assert_allclose(path, [P] * 4, atol=1e-14)
 
 
-@every_spacing
+@pytest.mark.parametrize("spacing", ["chord", "tangent"])
 @pytest.mark.parametrize("torus", [MACHINE, Torus(2, 1)], ids=str)
 def test_project_chord_through_the_axis_gives_finite_points(spacing, torus):
     path = project_chord(torus, (0, 0.3), (np.pi, -0.3), 5, spacing=spacing)
@@ -188,8 +189,30 @@ def test_project_chord_through_the_axis_gives_finite_points(spacing, torus):
     np.testing.assert_allclose(path[[0, -1]], [(0, 0.3), (np.pi, -0.3)], atol=1e-13)
 
 
-def test_projected_length_through_the_axis_is_finite():
-    assert np.isfinite(projected_length(MACHINE, (0, 0.3), (np.pi, -0.3)))
+@pytest.mark.parametrize(
+    "torus, p, q",
+    [
+        (MACHINE, (0, 0.3), (np.pi, -0.3)),  # through the axis
+        (Torus(1, 2), (0, 0), (np.pi, 0)),
+        (Torus(1, 0.2), (-0.7, 0.09), (0.5, -0.09)),  # close by the ring circle
+    ],
+    ids=str,
+)
+def test_length_of_a_path_that_jumps_is_refused(torus, p, q):
+    for call in (projected_length, partial(project_chord, n=5, spacing="arc")):
+        with pytest.raises(ValueError, match=r"^p, q: a chord must keep away from the axis"):
+            call(torus, p, q)
+
+
+def test_projected_length_of_an_unknown_position_is_nan():
+    assert np.isnan(projected_length(MACHINE, (0, np.nan), Q))
+
+
+def test_spacing_by_arc_is_monotone_and_even_on_the_longest_chords():
+    low, high = (-1.05, -0.7), (0.61, 0.7)
+    path = project_chord(MACHINE, low, high, 2001, spacing="arc")
+    found = steps(MACHINE, path)
+    assert np.ptp(found) <= 1e-6 * found.mean()
 
 
 @every_spacing

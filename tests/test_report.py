@@ -72,3 +72,20 @@ def test_wrong_use_is_refused(copy, text, message):
     with pytest.raises(ReportFailed) as error:
         compile_report(copy)
     assert message in str(error.value)
+
+
+# What may stand in the report's prose as digits: what the documents and the notebooks take as
+# given, section and figure numbers.
+GIVEN = {"0.5", "0.3", "0.1", "1", "3.1", "3.3.1", "3.3.2", "40°", "60°", "35°", "90°", "5°",
+         "30°", "20°"}  # fmt: skip
+# Calls that read records, labels, formulas and code hold no results.
+NOT_PROSE = re.compile(
+    r"//[^\n]*|`[^`]*`|#(?:import|bibliography|set)[^\n]*|<[\w-]+>|@[\w-]+"
+    r"|\b\w+: *(?:\"[^\"]*\"|[\d.]+(?:%|pt))|#?\w[\w.-]*\((?:\"[^\"]*\"(?:, *)?)+"
+)
+RESULT = re.compile(r"(?<![\w.])\d+(?:\.\d+)*(?:°|(?= ?(?:mm|%|ppm)\b))|(?<![\w.])\d+\.\d[\d.]*")
+
+
+def test_no_result_is_typed_in_the_report():
+    prose = NOT_PROSE.sub(" ", (ROOT / "report" / "report.typ").read_text())
+    assert {number.rstrip(".") for number in RESULT.findall(prose)} - GIVEN == set()

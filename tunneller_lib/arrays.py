@@ -71,9 +71,9 @@ def points(name, value):
     return _last_axis(name, value, 3, "x, y, z")
 
 
-def pairs(name, value, axes="theta, phi"):
-    """Return `value` as a float array (..., 2), by default of joint positions."""
-    return _last_axis(name, value, 2, axes)
+def positions(name, value):
+    """Return `value` as a float array (..., 2) of joint positions."""
+    return _last_axis(name, value, 2, "theta, phi")
 
 
 def _last_axis(name, value, size, axes):
@@ -134,7 +134,7 @@ def cross(a, b):
 
 
 def radius_and_excess(x, z, r):
-    """Return rho = hypot(x, z) and rho - r, the latter with all its digits.
+    """Return rho = hypot(x, z) and rho - r, the latter to 1e-23 of r.
 
     Each number is split at one fixed bit, 25 below r's first: the squares of the leading parts
     are whole multiples of one unit and sum exactly where rho is near r, the only place where
@@ -149,7 +149,7 @@ def radius_and_excess(x, z, r):
     return rho, (lead + rest) / (rho + r)
 
 
-def in_blocks(function, rows, block=4096):
+def in_blocks(function, rows, block=8192):
     """Return `function` of an array (..., n), called on blocks of rows that fit the cache.
 
     `function` maps (k, n) to (k, n). Numpy's intermediate arrays would otherwise travel to

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ..arrays import finite, instance, pairs, points, positive, real
+from ..arrays import finite, instance, points, positions, positive, real
 from ..surfaces import Egg, Machine
 from .projection import project_chord
 
@@ -33,7 +32,8 @@ def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
     Raises
     ------
     ValueError
-        If the machine can't reach all of it, with the inequality or the joint that fails.
+        If the machine can't reach all of it, with the inequality or the joint that fails; the
+        joints are looked at in 720 places.
 
     Examples
     --------
@@ -93,8 +93,9 @@ class Circuit:
 
     @property
     def axes(self):
-        """Return the rotation that takes the machine's directions to the tunnel's."""
-        return Rotation.from_euler("ZY", [self.yaw, self.pitch])
+        """Return the machine's axes in the tunnel's frame, as the columns of a matrix (3, 3)."""
+        (c, s), (cy, sy) = ((np.cos(a), np.sin(a)) for a in (self.pitch, self.yaw))
+        return np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
 
     def position(self, s):
         """Return the joint positions (..., 2) = (theta, phi), in rad, at arc lengths s (...).
@@ -117,8 +118,8 @@ class Circuit:
             missed |= np.abs(z) > rho
             self._refuse(missed, s)
             return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
-        a = self.axes.inv().apply(np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1))
-        along = self.axes.inv().apply([1.0, 0.0, 0.0])
+        a = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1) @ self.axes
+        along = self.axes[0]  # the tunnel's direction, seen by the machine
         t = torus.meet_line(a, a + along)
         self._refuse(np.isnan(t[:, 0]), s)
         farthest = np.nanargmax(t * along[0], axis=-1)
@@ -138,19 +139,22 @@ class Circuit:
 
     def in_tunnel(self, point):
         """Return points (..., 3) of the machine's frame in the tunnel's, in m."""
-        turned = points("point", point) @ self.axes.as_matrix().T
+        turned = points("point", point) @ self.axes.T
         return turned + np.array([0.0, 0.0, self.machine.height])
 
     def overcut(self, position):
         """Return how far the cutter's centre at joint positions (..., 2) lies outside the
         wanted profile, in m: over-break if positive, under-break if negative."""
-        position = pairs("position", position)
+        position = positions("position", position)
         point = self.in_tunnel(self.machine.torus.point(position[..., 0], position[..., 1]))
         return -self.profile.depth(point[..., 1], point[..., 2])
 
     def path_overcut(self, s):
         """Return the over-break (n, SAMPLES), in m, along the tangent-sphere paths that join n
-        knots at arc lengths s to a closed loop."""
+        knots at arc lengths s (n,) to a closed loop."""
+        s = real("s", s)
+        if s.ndim != 1:
+            raise ValueError(f"s: must be a list (n,) of arc lengths; got shape {s.shape}.")
         knots = self.position(s)
         path = project_chord(self.machine.torus, knots, np.roll(knots, -1, axis=0), SAMPLES)
         return self.overcut(path)

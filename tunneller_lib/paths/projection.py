@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arrays import norm, pairs
+from ..arrays import instance, norm, positions, radius_and_excess
+from ..surfaces import Torus
 
-# Samples of the path's speed along a chord: 1e-12 of the length within usual joint limits, less
-# on thin rings whose chord passes close to the ring circle.
-ORDER = 48
+ORDER = 48  # samples of the path's speed along a chord
+RESOLVED = 1e-9  # largest share of the last terms in the speed's Legendre series
 
 
 def project_chord(torus, p, q, n, *, spacing="chord"):
@@ -34,7 +34,9 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
     Raises
     ------
     ValueError
-        If n is below 2, `spacing` is another word or a position isn't (theta, phi).
+        If n is below 2, `spacing` is another word or a position isn't (theta, phi); with equal
+        arcs also where a chord passes so close to the axis or to the ring circle that its
+        length can't be told.
 
     Notes
     -----
@@ -51,7 +53,8 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
            [ 0. ,  0. ],
            [ 0. ,  0.3]])
     """
-    p, q = pairs("p", p), pairs("q", q)
+    instance("torus", torus, Torus)
+    p, q = positions("p", p), positions("q", q)
     if not isinstance(n, (int, np.integer)) or n < 2:
         raise ValueError(f"n: must be a whole number of at least 2 points; got {n!r}.")
     u = np.linspace(0, 1, n)
@@ -72,12 +75,29 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
 
 
 def projected_length(torus, p, q):
-    """Return the length (...) of the tangent-sphere path between joint positions, in m.
+    """Return the length of the tangent-sphere path between joint positions.
 
-    Gauss-Legendre quadrature of the foot's exact speed; p and q as in `project_chord`.
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    p, q : (..., 2) float
+        Joint positions (theta, phi) of the ends, in rad; they broadcast.
+
+    Returns
+    -------
+    length : (...) float
+        In m, to about 1e-9 of itself and to rounding on a working sheet: Gauss-Legendre
+        quadrature of the foot's exact speed.
+
+    Raises
+    ------
+    ValueError
+        If a chord passes so close to the axis or to the ring circle, where its foot jumps, that
+        the quadrature doesn't settle.
     """
-    nodes, weights = legendre.leggauss(ORDER)
-    return np.sum(weights * _speed(torus, pairs("p", p), pairs("q", q), (1 + nodes) / 2), -1) / 2
+    instance("torus", torus, Torus)
+    return _speed_series(torus, positions("p", p), positions("q", q))[0]
 
 
 def _chord(torus, p, q):
@@ -96,32 +116,56 @@ def _speed(torus, p, q, t):
     """Return |dN/dt| of the foot N of M(t), from the rates of its two angles."""
     start, chord = _chord(torus, p, q)
     chord = np.broadcast_to(chord, np.broadcast_shapes(start.shape, chord.shape))[..., None, :]
-    m = start[..., None, :] + t[..., None] * chord
-    rho = np.hypot(m[..., 0], m[..., 2])
-    turning = (m[..., 2] * chord[..., 0] - m[..., 0] * chord[..., 2]) / rho**2
-    rho_rate = (m[..., 0] * chord[..., 0] + m[..., 2] * chord[..., 2]) / rho
-    beyond = rho - torus.r
-    distance = np.hypot(beyond, m[..., 1])
-    swinging = (beyond * chord[..., 1] - m[..., 1] * rho_rate) / distance**2
+    x, y, z = np.moveaxis(start[..., None, :] + t[..., None] * chord, -1, 0)
+    dx, dy, dz = np.moveaxis(chord, -1, 0)
+    rho, beyond = radius_and_excess(x, z, torus.r)
+    distance = np.hypot(beyond, y)
+    turning = (z * dx - x * dz) / rho**2
+    swinging = (beyond * dy - y * (x * dx + z * dz) / rho) / distance**2
     parallel = torus.r + torus.R * beyond / distance
     return np.hypot(torus.R * swinging, parallel * turning)
 
 
-def _equal_arcs(torus, p, q, u):
-    """Return t (..., n) at which the path has run the shares u of its length, by Newton.
+def _speed_series(torus, p, q):
+    """Return the Legendre series (ORDER, ...) of the speed in x = 2t - 1, from -1 to 1.
 
-    The speed's Legendre series, fitted at Gauss nodes, is integrated term by term.
+    Its first term is the mean speed over t from 0 to 1, and so the path's length.
     """
     nodes, weights = legendre.leggauss(ORDER)
-    speed = _speed(torus, p, q, (1 + nodes) / 2)
-    norms = np.arange(ORDER) + 0.5
-    series = np.moveaxis((speed * weights) @ legendre.legvander(nodes, ORDER - 1) * norms, -1, 0)
+    with np.errstate(invalid="ignore", divide="ignore"):  # a chord through the axis or the ring
+        speed = _speed(torus, p, q, (1 + nodes) / 2)
+    basis = legendre.legvander(nodes, ORDER - 1) * (np.arange(ORDER) + 0.5)
+    series = np.moveaxis((speed * weights) @ basis, -1, 0)
+    asked = np.all(np.isfinite(p), axis=-1) & np.all(np.isfinite(q), axis=-1)
+    tail = np.max(np.abs(series[-4:]), axis=0)
+    settled = tail <= RESOLVED * series[0] + np.finfo(float).tiny  # also for a chord of no length
+    if np.any(asked & ~settled):
+        raise ValueError(
+            "p, q: a chord must keep away from the axis and from the ring circle, where its foot "
+            "jumps; got one that passes through or close by."
+        )
+    return series
+
+
+def _equal_arcs(torus, p, q, u):
+    """Return t (..., n) at which the path has run the shares u of its length.
+
+    The speed's series is integrated term by term and inverted by Newton's method, each root kept
+    in a bracket.
+    """
+    series = _speed_series(torus, p, q)
     arc = legendre.legint(series, lbnd=-1)
-    length = legendre.legval(1.0, arc)[..., None]
-    x = np.broadcast_to(2 * u - 1, (*length.shape[:-1], len(u)))
-    for _ in range(8):  # from equal chord steps; quadratic, so the last steps change nothing
-        left = u * length - _series(x, arc)
-        x = np.clip(x + left / np.where(length > 0, _series(x, series), 1), -1, 1)
+    wanted = 2 * series[0][..., None] * u
+    x = np.broadcast_to(2 * u - 1, wanted.shape)
+    low, high = np.full(wanted.shape, -1.0), np.full(wanted.shape, 1.0)
+    for _ in range(60):
+        left = wanted - _series(x, arc)
+        if np.all(np.abs(left) <= 1e-15 * wanted[..., -1:]):
+            break
+        low, high = np.where(left > 0, x, low), np.where(left < 0, x, high)
+        speed = _series(x, series)
+        newton = x + left / np.where(speed > 0, speed, 1)
+        x = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
     return (1 + x) / 2
 
 

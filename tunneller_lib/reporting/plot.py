@@ -118,33 +118,13 @@ def draw_tangent_spheres(ax, torus, m):
         ax.add_patch(circles[-1])
         ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
         signs = "({:+d}, {:+d})".format(*FEET[index])
-        away = 10 * (foot - m)[:2] / radius
+        away = 14 * (foot - m)[:2] / radius
         place = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        ax.annotate(signs, foot[:2], away, fontsize=7, color=colour, **place)
+        box = {"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8}
+        ax.annotate(signs, foot[:2], away, fontsize=7, color=colour, bbox=box, **place)
     ax.plot(*m[:2], "o", color=COLOURS["chord"])
+    ax.annotate("$M$", m[:2], (7, -5), textcoords="offset points", fontsize=8)
     return circles
-
-
-def draw_limits(ax, machine):
-    """Draw the joint limits of a machine, phi against theta, in degrees.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where to draw.
-    machine : Machine
-        Whose limits.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The rectangle.
-    """
-    theta = np.degrees([machine.theta_min, machine.theta_max])
-    phi = np.degrees([machine.phi_min, machine.phi_max])
-    lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
-    ax.set(xlabel="theta / deg", ylabel="phi / deg")
-    return lines
 
 
 def draw_development(ax, chord, u):

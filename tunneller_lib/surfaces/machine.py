@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, instance, pairs, positive
+from ..arrays import finite, instance, positions, positive
 from .egg import Egg
 from .torus import Torus
 
@@ -96,7 +96,7 @@ class Machine:
 
     def within_limits(self, position):
         """Return whether joint positions (..., 2) = (theta, phi), in rad, are inside the limits."""
-        position = pairs("position", position)
+        position = positions("position", position)
         low = np.array([self.theta_min, self.phi_min])
         high = np.array([self.theta_max, self.phi_max])
         return np.all((low <= position) & (position <= high), axis=-1)
@@ -116,15 +116,24 @@ class Machine:
         """
         a, d = instance("egg", egg, Egg).a, self.offset
         reach = self.r + self.R
-        swing = np.sin(min(self.phi_max, -self.phi_min))
+        # The sine's greatest value within each range of angles.
+        swing, lift, drop = (
+            np.sin(min(angle, np.pi / 2))
+            for angle in (min(self.phi_max, -self.phi_min), -self.theta_min, self.theta_max)
+        )
         return (
             Requirement("invert, offset < a/2", d, True, a / 2),
-            Requirement("width, a - offset <= R sin(phi_max)", a - d, False, self.R * swing),
+            Requirement("width, a - offset <= R sin(phi)", a - d, False, self.R * swing),
             Requirement("crown, a - offset - height <= (r + R) sin(-theta_min)",
-                        a - d - self.height, False, -reach * np.sin(self.theta_min)),
+                        a - d - self.height, False, reach * lift),
             Requirement("floor, 2a - offset + height <= (r + R) sin(theta_max)",
-                        2 * a - d + self.height, False, reach * np.sin(self.theta_max)),
+                        2 * a - d + self.height, False, reach * drop),
         )  # fmt: skip
+
+    def heights(self, egg):
+        """Return the lowest and the highest `height` that reach crown and floor, in m."""
+        crown, floor = self.requirements(egg)[2:]
+        return self.height + crown.left - crown.right, self.height - floor.left + floor.right
 
     def check(self, egg, *, aligned=True):
         """Raise ValueError with the inequalities that fail where the machine can't cut a section.

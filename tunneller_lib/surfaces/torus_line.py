@@ -1,7 +1,6 @@
 """Line meets torus without loss of digits: Eq. 4 solved between the extremes of its quartic."""
 
 import numpy as np
-from scipy.optimize.elementwise import find_root
 
 from ..arrays import cross, dot, norm
 
@@ -17,11 +16,15 @@ def meet(torus, a, b):
     quartic there is at most one meeting, found in a bracket from the distances to the two
     meridian circles; an extreme that touches counts as crossed, so that no tangent is lost.
     """
+    from scipy.optimize.elementwise import find_root  # here: it takes longer to load than numpy
+
     u = b - a
-    length = norm(u)
+    longest = np.max(np.abs(u), axis=-1, initial=0)  # so that no square underflows
+    e = u / longest[..., None]
+    length = longest * norm(e)
+    e = e / norm(e)[..., None]
     size = torus.r + torus.R
     r, R = torus.r / size, torus.R / size
-    e = u / length[..., None]
     # Nearest point to the origin: relative error of a few roundings, wherever a and b lie.
     foot = cross(e, cross(a, b)) / (length * size)[..., None]
     line = [*np.moveaxis(foot, -1, 0), *np.moveaxis(np.broadcast_to(e, foot.shape), -1, 0)]

@@ -63,8 +63,8 @@ def foot_quartic(torus, m):
     Notes
     -----
     Corrected: N4 has (m1^2 + m3^2)^2; the last bracket of nu4 has m2^2 + m3^2; nu0 has
-    (r^2 - R^2)^2 before its first bracket and (r^2 - R^2) within its last. Written in
-    s = m1^2 + m3^2, in which all three are polynomials.
+    (r^2 - R^2)^2 before its first bracket, no m3^2 behind it, and (r^2 - R^2) within its last.
+    Written in s = m1^2 + m3^2, in which all three are polynomials.
     """
     m1, m2, m3 = np.moveaxis(points("m", m), -1, 0)
     rr, RR = torus.r**2, torus.R**2
@@ -84,27 +84,32 @@ def foot_quartic(torus, m):
     )
 
 
-def real_roots(coefficients):
+def real_roots(coefficients, *, threshold=2.0**-26):
     """Return the real roots (..., n) of polynomials, ascending and NaN-padded.
 
     Parameters
     ----------
     coefficients : (..., n + 1) float
-        Highest power first; the first one isn't zero. Rows that aren't finite have no roots.
+        Highest power first. Rows that aren't finite, or begin with zero, have no roots.
+    threshold : float
+        Largest imaginary part of a root that counts as real, as a share of the largest root.
+        Rounding alone gives a double root one of the order of the default, the square root
+        of the unit in the last place.
 
     Returns
     -------
     roots : (..., n) float
-        Eigenvalues of the companion matrix whose imaginary part is below the square root of the
-        rounding, which is all that can be told of a double root from its coefficients.
+        Real parts of eigenvalues of the companion matrix.
     """
-    finite = np.all(np.isfinite(coefficients), axis=-1, keepdims=True)
-    monic = np.where(finite, coefficients[..., 1:] / coefficients[..., :1], 0)
+    with np.errstate(all="ignore"):
+        monic = coefficients[..., 1:] / coefficients[..., :1]
+    finite = np.all(np.isfinite(monic), axis=-1, keepdims=True)
+    monic = np.where(finite, monic, 0)
     n = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], n, n))
     companion[..., np.arange(1, n), np.arange(n - 1)] = 1
     companion[..., :, -1] = -monic[..., ::-1]
     roots = np.linalg.eigvals(companion)
     size = np.max(np.abs(roots), axis=-1, keepdims=True, initial=0)
-    is_real = np.abs(roots.imag) <= np.sqrt(np.finfo(float).eps) * size
+    is_real = np.abs(roots.imag) <= threshold * size
     return np.sort(np.where(is_real & finite, roots.real, np.nan), axis=-1)
