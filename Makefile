@@ -40,5 +40,5 @@ lock: environment ## pin the newest versions of everything into environment.txt
 		--output-file environment.txt
 
 clean: ## remove the environment and everything temporary
-	@rm -rf .venv build .pytest_cache .ruff_cache .hypothesis .benchmarks
+	@rm -rf .venv build *.egg-info .pytest_cache .ruff_cache .hypothesis .benchmarks
 	@find . -name __pycache__ -prune -exec rm -r {} +

@@ -55,7 +55,7 @@ class Progress(ZeroReporter):
             if task.actions:
                 self.say(f"{task.name} left as it was, because of the failure above")
         else:
-            self.say(f"{task.name} failed: {fail.get_msg()}")
+            self.say(f"{task.name} failed: {fail.get_msg().strip()}")
 
     def say(self, text):
         print(text, file=self.outstream, flush=True)

@@ -8,8 +8,6 @@ import typst
 
 from report.sources import ROOT, report_sources
 
-# The report's date; Typst would take today's, and no two builds would agree.
-DATE = datetime(2026, 11, 21, tzinfo=UTC)
 NAMED = "numpy scipy matplotlib pyvista vtk sympy mpmath typst".split()
 
 
@@ -23,6 +21,12 @@ def versions(root=ROOT):
         re.findall(r"^([\w.-]+)==([^\s;\\]+)", (root / "environment.txt").read_text(), re.M)
     )
     return {name: pins[name] for name in NAMED}
+
+
+def release_date(root=ROOT):
+    """Return the date of the edition; with today's no two builds would agree."""
+    text = re.search(r"^date-released: (\S+)$", (root / "CITATION.cff").read_text(), re.M)[1]
+    return datetime.fromisoformat(text).replace(tzinfo=UTC)
 
 
 def compile_report(root=ROOT):
@@ -45,7 +49,7 @@ def compile_report(root=ROOT):
             root=root,
             ignore_system_fonts=True,
             sys_inputs=inputs,
-            timestamp=DATE,
+            timestamp=release_date(root),
             pdf_standards="a-2b",  # to be kept: fonts, colours and date inside
         )
     except typst.TypstError as error:

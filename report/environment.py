@@ -52,7 +52,7 @@ def main():
 
 def stamp():
     """Return what the environment depends on; a moved checkout has to be set up again too."""
-    text = PINS.read_bytes() + sys.version.encode() + str(ROOT).encode()
+    text = PINS.read_bytes() + str(ROOT).encode()
     return hashlib.sha256(text).hexdigest()
 
 
@@ -67,7 +67,7 @@ def install():
     with tempfile.TemporaryDirectory() as folder:
         uv_pin = Path(folder) / "uv.txt"
         uv_pin.write_text(re.search(r"^uv==(.*\\\n)*.*\n", PINS.read_text(), re.M).group())
-        run(*pip, *pinned, uv_pin)
+        run(*pip, "--retries", "1", *pinned, uv_pin)
     say("Installing the packages of environment.txt")
     try:
         run(VENV / "bin" / "uv", "pip", "install", "--quiet", "--python", PYTHON, *pinned, PINS)
@@ -114,6 +114,7 @@ if __name__ == "__main__":
     try:
         main()
     except KeyboardInterrupt:
-        fail("Set-up interrupted; the next call starts it again.")
+        fail("Interrupted; the next call goes on.")
     except subprocess.CalledProcessError as error:
-        fail(f"Set-up stopped, because `{' '.join(map(str, error.cmd))}` failed.")
+        command = " ".join(map(str, error.cmd))
+        fail(f"Set-up stopped, because `{command}` failed. Are the package registries in reach?")

@@ -2,13 +2,12 @@
 
 import hashlib
 import json
+import sys
 from pathlib import Path
 
 import nbformat
 
 ROOT = Path(__file__).resolve().parent.parent
-
-
 WRITTEN = (".typ", ".toml", ".bib")  # what the report consists of, besides results
 
 
@@ -32,12 +31,17 @@ def file_digest(root, paths):
 
 
 def notebooks(root=ROOT):
-    return sorted((root / "notebooks").glob("*.ipynb"))
+    """Return the study's notebooks, which have a number; a reader's own are left alone."""
+    return sorted((root / "notebooks").glob("[0-9]*.ipynb"))
 
 
 def cells(notebook):
     """Return what its author wrote in a notebook, without what running it left there."""
-    return [(cell.cell_type, cell.source) for cell in nbformat.read(notebook, as_version=4).cells]
+    try:
+        content = nbformat.read(notebook, as_version=4)
+    except nbformat.reader.NotJSONError:
+        sys.exit(f"{notebook.name} is no notebook: its JSON is broken.")
+    return [(cell.cell_type, cell.source) for cell in content.cells]
 
 
 def is_run(notebook):
@@ -67,11 +71,9 @@ def notebook_sources(notebook):
 
 
 def notebook_results(notebook):
-    """Return the digest of all that running a notebook leaves."""
-    files = [records(notebook)[0], *figure_files(notebook)]
-    return digest(
-        str(is_run(notebook)).encode(), file_digest(notebook.parent.parent, files).encode()
-    )
+    """Return the digest of all that running a notebook leaves, its own stored outputs included."""
+    files = [notebook, records(notebook)[0], *figure_files(notebook)]
+    return file_digest(notebook.parent.parent, files)
 
 
 def report_sources(root=ROOT):

@@ -12,7 +12,7 @@ from nbformat.v4 import new_code_cell, new_notebook
 
 from report.build import unchanged
 from report.execute import NotebookFailed, run_notebook
-from report.sources import is_run, notebook_results, notebook_sources, records
+from report.sources import cells, is_run, notebook_results, notebook_sources, notebooks, records
 
 RECORD = """from tunneller_lib.reporting import Record
 record = Record("01_test")
@@ -168,3 +168,17 @@ def test_task_is_up_to_date_until_sources_or_results_change():
     assert check(Task(), saved)
     state["results"] = "touched by hand"
     assert not check(Task(), saved)
+
+
+def test_only_numbered_notebooks_belong_to_the_study(tmp_path):
+    (tmp_path / "notebooks").mkdir()
+    for name in ("01_torus.ipynb", "Untitled.ipynb"):
+        (tmp_path / "notebooks" / name).touch()
+    assert [path.name for path in notebooks(tmp_path)] == ["01_torus.ipynb"]
+
+
+def test_broken_notebook_is_named(tmp_path):
+    broken = tmp_path / "01_torus.ipynb"
+    broken.write_text("{")
+    with pytest.raises(SystemExit, match=r"^01_torus.ipynb is no notebook"):
+        cells(broken)

@@ -197,8 +197,8 @@ OFFSET_TOO_GREAT = replace(REFERENCE_MACHINE, depth=-0.05)
     (REFERENCE_MACHINE, Egg(0.3), 0, "invert, offset < a/2"),
     (REFERENCE_MACHINE, Egg(0.9), 0, "width"),
     (replace(REFERENCE_MACHINE, R=0.3), EGG, 0, "width.*crown.*floor"),
-    (REFERENCE_MACHINE, EGG, 0.3, "it needs theta = .* deg, beyond its joint limits"),
-    (REFERENCE_MACHINE, EGG, 1.2, "m along the circuit"),
+    (REFERENCE_MACHINE, EGG, 0.3, "it needs theta from .* deg, beyond its limits"),
+    (replace(REFERENCE_MACHINE, R=0.3), EGG, 0.01, "m along the circuit misses the torus"),
 ])  # fmt: skip
 def test_cutting_circuit_refuses_in_one_sentence(machine, egg, pitch, message):
     with pytest.raises(ValueError, match=message) as error:
@@ -229,3 +229,13 @@ def test_circuit_refuses_other_things(kind):
     wrong = {"machine": REFERENCE_MACHINE, "egg": Egg(0.5)} | {kind: "a drawing"}
     with pytest.raises(ValueError, match=rf"^{kind}: must be of class {kind.title()}; got"):
         cutting_circuit(**wrong)
+
+
+def test_joint_limit_between_samples_is_kept():
+    low, high = of(WIDE, pitch=0.03, yaw=0.02).reach()
+    fine = of(WIDE, pitch=0.03, yaw=0.02)
+    position = fine.position(np.linspace(0, fine.profile.perimeter, 200_001))
+    assert np.all(low <= position.min(axis=0)) and np.all(high >= position.max(axis=0))
+    barely = replace(WIDE, theta_max=high[0] - 1e-9)
+    with pytest.raises(ValueError, match="beyond its limits"):
+        cutting_circuit(barely, EGG, pitch=0.03, yaw=0.02)

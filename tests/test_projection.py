@@ -235,3 +235,11 @@ def test_project_chord_refuses_another_number_of_points(n):
 def test_project_chord_refuses_another_spacing(spacing):
     with pytest.raises(ValueError, match=r'^spacing: must be "chord", "tangent" or "arc"; got '):
         project_chord(MACHINE, P, Q, 3, spacing=spacing)
+
+
+@pytest.mark.parametrize("name", ["p", "q"])
+def test_end_beyond_the_node_is_refused(name):
+    ends = {"p": P, "q": Q} | {name: (0, 3.0)}
+    for call in (projected_length, partial(project_chord, n=5)):
+        with pytest.raises(ValueError, match=rf"^{name}: must lie on the working sheet.*3 rad"):
+            call(MACHINE, **ends)

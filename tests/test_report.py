@@ -51,7 +51,8 @@ def copy(tmp_path):
     """Return a study of its own, with a report that says what a test wants."""
     for folder in ("report", "figures", "notebooks"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
-    shutil.copy(ROOT / "environment.txt", tmp_path)
+    for file in ("environment.txt", "CITATION.cff"):
+        shutil.copy(ROOT / file, tmp_path)
     return tmp_path
 
 

@@ -32,8 +32,8 @@ def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
     Raises
     ------
     ValueError
-        If the machine can't reach all of it, with the inequality or the joint that fails; the
-        joints are looked at in 720 places.
+        If the machine can't reach all of it, with the inequality that fails, or with the angles
+        that it would need.
 
     Examples
     --------
@@ -44,16 +44,13 @@ def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
     """
     circuit = Circuit(machine, egg, pitch, yaw)
     machine.check(egg, aligned=circuit.aligned)
-    s = circuit.profile.perimeter * np.arange(720) / 720
-    position = circuit.position(s)
-    outside = ~machine.within_limits(position)
-    if np.any(outside):
-        first = np.flatnonzero(outside)[0]
-        theta, phi = np.degrees(position[first])
-        raise ValueError(
-            f"machine: can't cut this section; {s[first]:.3f} m along the circuit it needs "
-            f"theta = {theta:.1f} deg, phi = {phi:.1f} deg, beyond its joint limits."
+    low, high = circuit.reach()
+    if not (machine.within_limits(low) and machine.within_limits(high)):
+        needs = ", ".join(
+            f"{joint} from {a:.1f} to {b:.1f} deg"
+            for joint, a, b in zip(("theta", "phi"), np.degrees(low), np.degrees(high))
         )
+        raise ValueError(f"machine: can't cut this section; it needs {needs}, beyond its limits.")
     return circuit
 
 
@@ -136,6 +133,21 @@ class Circuit:
         """Return the cutter's centre (..., 3), in m, in the machine's frame, at arc lengths s."""
         position = self.position(s)
         return self.machine.torus.point(position[..., 0], position[..., 1])
+
+    def reach(self):
+        """Return the least and the greatest joint positions (2,) on the circuit, in rad.
+
+        Sampled, and sampled anew about each extreme until it is known to rounding.
+        """
+        step = self.profile.perimeter / 720
+        s = step * np.arange(720)
+        for _ in range(4):
+            position = self.position(s)
+            low, high = position.min(axis=0), position.max(axis=0)
+            extremes = s[np.concatenate([position.argmin(axis=0), position.argmax(axis=0)])]
+            s = (extremes[:, None] + step * np.linspace(-1, 1, 65)).ravel()
+            step /= 32
+        return low, high
 
     def in_tunnel(self, point):
         """Return points (..., 3) of the machine's frame in the tunnel's, in m."""

@@ -34,9 +34,9 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
     Raises
     ------
     ValueError
-        If n is below 2, `spacing` is another word or a position isn't (theta, phi); with equal
-        arcs also where a chord passes so close to the axis or to the ring circle that its
-        length can't be told.
+        If n is below 2, `spacing` is another word, or a position isn't (theta, phi) or isn't on
+        the working sheet, r + R cos(phi) >= 0. With equal arcs also where a chord passes so close
+        to the axis or to the ring circle that its length can't be told.
 
     Notes
     -----
@@ -53,8 +53,7 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
            [ 0. ,  0. ],
            [ 0. ,  0.3]])
     """
-    instance("torus", torus, Torus)
-    p, q = positions("p", p), positions("q", q)
+    p, q = _ends(torus, p, q)
     if not isinstance(n, (int, np.integer)) or n < 2:
         raise ValueError(f"n: must be a whole number of at least 2 points; got {n!r}.")
     u = np.linspace(0, 1, n)
@@ -93,11 +92,24 @@ def projected_length(torus, p, q):
     Raises
     ------
     ValueError
-        If a chord passes so close to the axis or to the ring circle, where its foot jumps, that
-        the quadrature doesn't settle.
+        If an end isn't on the working sheet, or a chord passes so close to the axis or to the
+        ring circle, where its foot jumps, that the quadrature doesn't settle.
     """
+    return _speed_series(torus, *_ends(torus, p, q))[0]
+
+
+def _ends(torus, p, q):
+    """Return the joint positions of both ends, checked."""
     instance("torus", torus, Torus)
-    return _speed_series(torus, positions("p", p), positions("q", q))[0]
+    ends = positions("p", p), positions("q", q)
+    for name, end in zip("pq", ends):
+        inner = torus.r + torus.R * np.cos(end[..., 1]) < 0
+        if np.any(inner):
+            raise ValueError(
+                f"{name}: must lie on the working sheet, r + R cos(phi) >= 0; "
+                f"got phi = {end[..., 1][inner].flat[0]:g} rad."
+            )
+    return ends
 
 
 def _chord(torus, p, q):

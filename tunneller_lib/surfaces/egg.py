@@ -155,7 +155,8 @@ class Egg(Section):
         -------
         profile : Profile
             Arcs with the same centres and radii less by d. From d = a/2 on the invert's arc is
-            gone and the walls meet in a corner at (0, -sqrt((3a - d)^2 - 4a^2)).
+            gone and the walls meet in a corner at (0, -sqrt((3a - d)^2 - 4a^2)). To offset
+            further, offset the egg by the sum.
 
         Raises
         ------

@@ -25,7 +25,7 @@ class Requirement(NamedTuple):
 
     def __str__(self):
         sign = "<" if self.strict else "<="
-        verdict = "holds" if self.met else "fails"
+        verdict = "holds" if self.met else f"fails by {self.left - self.right:.2g} m"
         return f"{self.what}: {self.left:.4g} m {sign} {self.right:.4g} m {verdict}"
 
 
@@ -49,7 +49,7 @@ class Machine:
     Raises
     ------
     ValueError
-        If a size isn't above zero, a limit isn't finite or a range is empty.
+        If a size isn't above zero, a limit isn't an angle in rad or a range is empty.
 
     Notes
     -----
@@ -74,9 +74,10 @@ class Machine:
             object.__setattr__(self, field.name, check(field.name, getattr(self, field.name)))
         for joint in ("theta", "phi"):
             low, high = getattr(self, f"{joint}_min"), getattr(self, f"{joint}_max")
-            if not low < high:
+            if not -np.pi <= low < high <= np.pi:
                 raise ValueError(
-                    f"{joint}_min: must be below {joint}_max; got {low:g} and {high:g}."
+                    f"{joint}_min: must be below {joint}_max, both in rad from -pi to pi; "
+                    f"got {low:g} and {high:g}."
                 )
         if self.depth >= self.cutter_radius:
             raise ValueError(
