@@ -2,6 +2,15 @@
 
 from .circuit import Circuit, cutting_circuit
 from .cone_chord import ConeChord
+from .geodesic import geodesic_direct, geodesic_inverse
 from .projection import project_chord, projected_length
 
-__all__ = ["Circuit", "ConeChord", "cutting_circuit", "project_chord", "projected_length"]
+__all__ = [
+    "Circuit",
+    "ConeChord",
+    "cutting_circuit",
+    "geodesic_direct",
+    "geodesic_inverse",
+    "project_chord",
+    "projected_length",
+]

@@ -1,0 +1,522 @@
+"""Geodesics of the torus: against high-precision direct solves, integration, and other paths."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+from numpy.polynomial.legendre import leggauss
+
+from tests.shapes import log_uniform
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse, projected_length
+from tunneller_lib.surfaces import Cone, Torus
+
+MACHINE, RING, SPINDLE = Torus(0.08, 0.8), Torus(3, 1), Torus(0.5, 1)
+SHEET = (1.2, np.radians(40))  # |theta|, |phi| of the working sheet
+ANSWERS = ("length", "azimuth1", "azimuth2", "clairaut")
+every_torus = pytest.mark.parametrize("torus", [MACHINE, RING, SPINDLE], ids=str)
+
+
+def random_pairs(torus, n, seed=0):
+    """Return ends p, q (n, 2): anywhere on a ring, on the working sheet of a spindle."""
+    reach = (np.pi, np.pi) if torus.r > torus.R else SHEET
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-1, 1, (2, n, 2)) * reach
+
+
+def on_torus(torus, joint):
+    return torus.point(joint[..., 0], joint[..., 1])
+
+
+def between(azimuth, other):
+    """Return the angles between directions."""
+    return np.abs(np.remainder(azimuth - other + np.pi, 2 * np.pi) - np.pi)
+
+
+# Against direct solves in 30 digits: ends, Clairaut's constant and class are chosen, the turned
+# angle and the length follow as integrals.
+
+
+def direct_solve(torus, a, b, way, share):
+    """Return turned angle, length, c, cosines of the azimuths at a and b: |b| <= a.
+
+    `way` is "down" from a to b with c a share of rho(a), "rising" first, from a to a turning point
+    a share of the way to the node or the inner equator, or "over" the inner equator.
+    """
+    r, R, a, b, share = map(mpf, (torus.r, torus.R, a, b, share))
+
+    def rho(phi):
+        return r + R * mp.cos(phi)
+
+    if way == "rising":
+        turn = a + share * ((mp.pi if r > R else mp.acos(-r / R)) - a)
+        c = rho(turn)
+
+        def shape(s, power):  # phi = turn - s^2: smooth at the turning point
+            phi = turn - s * s
+            below = 2 * R * mp.sin((phi + turn) / 2) * mp.sin(s * s / 2)  # rho - c
+            return R * rho(phi) ** power * 2 * s / mp.sqrt(below * (rho(phi) + c))
+
+        legs = [[mp.zero, mp.sqrt(turn - end)] for end in (a, b)]
+    else:
+        c = share * (rho(a) if way == "down" else r - R)
+
+        def shape(phi, power):
+            return R * rho(phi) ** power / mp.sqrt(rho(phi) ** 2 - c * c)
+
+        legs = [[b, a] if way == "down" else [a, mp.pi, 2 * mp.pi + b]]
+    angle, length = (
+        sum(mp.quad(partial(shape, power=power), leg) for leg in legs) for power in (-1, 1)
+    )
+    first, last = {"down": (-1, -1), "rising": (1, -1), "over": (1, 1)}[way]
+    cosines = [sign * mp.sqrt(1 - (c / rho(end)) ** 2) for sign, end in ((first, a), (last, b))]
+    return c * angle, length, c, *cosines
+
+
+def direct_solves(torus, reach, way, n, seed):
+    """Return n ends p, q and what is known of the shortest geodesics from p to q."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for _ in range(20 * n):
+        a, b = rng.uniform(-reach, reach, 2)
+        share = rng.uniform(0.02, 0.98) if way == "down" else rng.uniform(0, 1) ** 2
+        start, side, mirror = rng.uniform(-1, 1), *rng.choice([-1, 1], 2)
+        a, b = max(abs(a), abs(b)), b if abs(b) < abs(a) else a
+        if way == "over" and a - b <= np.pi:
+            continue
+        angle, length, c, cos_a, cos_b = direct_solve(torus, a, b, way, share)
+        # Any path round the tube the other way is longer than that way along a meridian.
+        other = a - b if way == "over" else 2 * np.pi - (a - b)
+        if angle > 3.14 or (torus.r > torus.R and length > torus.R * other):
+            continue
+        stop = start + side * float(angle)
+        azimuths = [
+            mp.atan2(int(side) * c / (torus.r + torus.R * mp.cos(end)), int(mirror) * cosine)
+            for end, cosine in ((a, cos_a), (b, cos_b))
+        ]
+        rows.append([start, mirror * a, stop, mirror * b, length, *azimuths, side * c])
+        if len(rows) == n:
+            break
+    rows = np.array(rows, dtype=float)
+    assert len(rows) == n
+    return rows[:, :2], rows[:, 2:4], dict(zip(ANSWERS, rows[:, 4:].T))
+
+
+@pytest.mark.parametrize("torus, reach, way", [
+    (MACHINE, SHEET[1], "down"),
+    (MACHINE, SHEET[1], "rising"),
+    (Torus(0.25, 1), SHEET[1], "rising"),
+    (Torus(1e3, 1e5), SHEET[1], "down"),
+    (Torus(1e3, 1e5), SHEET[1], "rising"),
+    (RING, 3.1, "down"),
+    (RING, 3.1, "rising"),
+    (RING, 3.1, "over"),
+    (Torus(2e-3, 1.5e-3), 3.1, "over"),
+    (SPINDLE, 2, "down"),
+    (SPINDLE, 2, "rising"),
+], ids=str)  # fmt: skip
+def test_geodesic_inverse_against_direct_solves_in_30_digits(torus, reach, way):
+    with mp.workdps(30):
+        p, q, known = direct_solves(torus, reach, way, 4, seed=len(way))
+    found = geodesic_inverse(torus, p, q)
+    assert np.all(found.converged)
+    assert set(found.kind) == {"inner" if way == "over" else "outer"}
+    np.testing.assert_allclose(found.length, known["length"], rtol=1e-13)
+    np.testing.assert_allclose(found.clairaut, known["clairaut"], rtol=1e-10)
+    for name in ("azimuth1", "azimuth2"):
+        assert np.max(between(getattr(found, name), known[name])) <= 1e-10
+
+
+# Inverse and direct problem.
+
+
+@pytest.mark.parametrize("torus, n", [
+    (Torus(0.25, 1), 2500), (MACHINE, 2500), (Torus(2e3, 6e4), 2500), (Torus(1e-3, 0.1), 2500),
+    (RING, 10_000),
+], ids=str)  # fmt: skip
+def test_geodesic_direct_ends_where_geodesic_inverse_was_told_to(torus, n):
+    p, q = random_pairs(torus, n)
+    found = geodesic_inverse(torus, p, q)
+    assert np.all(found.converged)
+    way = geodesic_direct(torus, p, found.azimuth1, found.length)
+    miss = np.linalg.norm(way.point[:, -1] - on_torus(torus, q), axis=-1)
+    assert np.max(miss) <= 1e-11 * torus.R
+    assert np.max(between(way.azimuth[:, -1], found.azimuth2)) <= 1e-10
+
+
+@given(st.floats(-3, 3), st.floats(-0.6, 0.6), log_uniform(0.01, 1), st.integers(-30, 30))
+def test_geodesic_inverse_finds_the_direction_of_a_short_geodesic(azimuth, phi, length, scale):
+    torus = Torus(0.1 * 2.0**scale, 2.0**scale)
+    way = geodesic_direct(torus, (0.3, phi), azimuth, length * torus.R)
+    found = geodesic_inverse(torus, *way.position)
+    assert found.length == pytest.approx(length * torus.R, rel=1e-12)
+    assert between(found.azimuth1, azimuth) <= 1e-11
+    assert between(found.azimuth2, way.azimuth[-1]) <= 1e-11
+
+
+@every_torus
+def test_geodesic_points_keep_clairauts_constant_and_unit_speed(torus):
+    p, q = random_pairs(torus, 50)
+    found = geodesic_inverse(torus, p, q)
+    n = 401
+    way = found.points(n)
+    size = torus.r + torus.R
+    rho = np.hypot(way.point[..., 0], way.point[..., 2])
+    clairaut = rho * np.sin(way.azimuth)
+    np.testing.assert_allclose(clairaut, found.clairaut[:, None] + 0 * rho, atol=1e-13 * size)
+    np.testing.assert_allclose(np.linalg.norm(way.tangent, axis=-1), 1, rtol=1e-14)
+    np.testing.assert_allclose(
+        way.s, found.length[:, None] * np.arange(n) / (n - 1), rtol=1e-14, atol=0
+    )
+    np.testing.assert_allclose(way.position[:, 0], p, atol=1e-15)
+    np.testing.assert_allclose(way.point[:, -1], on_torus(torus, q), atol=1e-11 * torus.R)
+    # The tangent is the rate of the points by arc length: differences of sixth order.
+    point, rate = way.point, 0
+    for k, weight in ((1, 45), (2, -9), (3, 1)):
+        rate = rate + weight * (point[:, 3 + k : n - 3 + k] - point[:, 3 - k : n - 3 - k])
+    rate = rate / (60 * found.length[:, None, None] / (n - 1))
+    np.testing.assert_allclose(rate, way.tangent[:, 3:-3], atol=1e-8)
+
+
+@every_torus
+def test_geodesic_points_have_no_curvature_within_the_surface(torus):
+    p, q = random_pairs(torus, 50, seed=1)
+    way = geodesic_inverse(torus, p, q).points(401)
+    step = way.s[:, 1] - way.s[:, 0]
+    bend = (way.tangent[:, 2:] - way.tangent[:, :-2]) / (2 * step[:, None, None])
+    normal = torus.normal(way.position[..., 0], way.position[..., 1])[:, 1:-1]
+    aside = np.cross(normal, way.tangent[:, 1:-1])
+    lateral = np.einsum("...i,...i", bend, aside)
+    assert np.max(np.abs(lateral)) <= 3e-3 / torus.R
+
+
+# Against other paths.
+
+
+def joint_line_length(torus, p, step):
+    """Return the length of a straight line in joint space."""
+    nodes, weights = leggauss(60)
+    phi = p[..., 1, None] + step[..., 1, None] * (1 + nodes) / 2
+    rho = torus.r + torus.R * np.cos(phi)
+    speed = np.hypot(torus.R * step[..., 1, None], rho * step[..., 0, None])
+    return speed @ weights / 2
+
+
+def test_geodesic_inverse_is_no_longer_than_the_projected_chord():
+    p, q = random_pairs(MACHINE, 2000, seed=2)
+    keep = np.abs(p[:, 0] - q[:, 0]) <= 1.6
+    found = geodesic_inverse(MACHINE, p, q).length[keep]
+    projected = projected_length(MACHINE, p[keep], q[keep])
+    assert np.all(found <= projected * (1 + 1e-13))
+    assert np.all(
+        found >= np.linalg.norm(on_torus(MACHINE, p) - on_torus(MACHINE, q), axis=-1)[keep]
+    )
+    assert np.max(projected / found - 1) < 1e-3  # near, too
+
+
+@every_torus
+def test_geodesic_inverse_is_no_longer_than_lines_in_joint_space(torus):
+    p, q = random_pairs(torus, 2000, seed=3)
+    found = geodesic_inverse(torus, p, q).length
+    turns = range(-1, 2)
+    windings = [(i, k) for i in turns for k in (turns if torus.r > torus.R else (0,))]
+    for winding in windings:
+        line = joint_line_length(torus, p, q - p + 2 * np.pi * np.array(winding))
+        assert np.all(found <= line * (1 + 1e-13))
+
+
+@every_torus
+def test_geodesic_inverse_obeys_the_triangle_inequality(torus):
+    p, q = random_pairs(torus, 2000, seed=4)
+    middle = random_pairs(torus, 2000, seed=5)[0]
+    whole = geodesic_inverse(torus, p, q).length
+    parts = geodesic_inverse(torus, p, middle).length + geodesic_inverse(torus, middle, q).length
+    assert np.all(whole <= parts * (1 + 1e-13))
+
+
+@pytest.mark.parametrize("p, q", [
+    ((0, 2.2), (1.3, -2.2)),  # over the inner equator
+    ((0, 1.6), (0.4, -1.55)),  # about as far either way
+    ((0, 0), (2.6, 0)),  # past the first conjugate point of the outer equator
+    ((0, 0.8), (3.1, -0.3)),
+    ((0, 3), (3.1, 0.2)),
+], ids=str)  # fmt: skip
+def test_geodesic_inverse_leaves_no_shorter_geodesic(p, q):
+    found = geodesic_inverse(RING, p, q)
+    # Geodesics spread where they pass the inner half: so many are needed to leave no gaps of 0.1.
+    azimuth = np.linspace(0, 2 * np.pi, 6000, endpoint=False)
+    way = geodesic_direct(RING, p, azimuth, found.length + 0.1, 250)
+    near, step = 0.1, way.s[0, 1]
+    first = np.min(way.s[np.linalg.norm(way.point - RING.point(*q), axis=-1) <= near])
+    # From a point so near the rest is hardly longer than straight.
+    assert found.length - 1.1 * near <= first <= found.length + step
+
+
+# Symmetries and limits.
+
+
+def test_geodesic_inverse_on_a_sphere_is_a_great_circle():
+    sphere = Torus(1e-9, 1)
+    p, q = np.random.default_rng(6).uniform(-1, 1, (2, 2000, 2)) * (1.2, 1.2)
+    found = geodesic_inverse(sphere, p, q)
+    start, stop = on_torus(sphere, p), on_torus(sphere, q)
+    sine = np.linalg.norm(np.cross(start, stop), axis=-1)
+    length = np.arctan2(sine, np.einsum("ni,ni->n", start, stop))
+    np.testing.assert_allclose(found.length, length, rtol=0, atol=1e-8)
+    # The tangent at either end points along the great circle, sin(length) times the unit vector.
+    way = found.points(2)
+    toward = stop - np.cos(length)[:, None] * start
+    onward = np.cos(length)[:, None] * stop - start
+    for k, direction in ((0, toward), (1, onward)):
+        np.testing.assert_allclose(way.tangent[:, k] * sine[:, None], direction, atol=1e-8)
+
+
+@every_torus
+def test_geodesic_inverse_backwards_is_the_same_geodesic(torus):
+    p, q = random_pairs(torus, 1000, seed=7)
+    forth, back = geodesic_inverse(torus, p, q), geodesic_inverse(torus, q, p)
+    np.testing.assert_allclose(back.length, forth.length, rtol=1e-14)
+    assert np.max(between(back.azimuth1, forth.azimuth2 + np.pi)) <= 1e-12
+    assert np.max(between(back.azimuth2, forth.azimuth1 + np.pi)) <= 1e-12
+    np.testing.assert_array_equal(back.kind, forth.kind)
+
+
+@every_torus
+def test_geodesic_inverse_is_symmetric_about_the_planes_of_symmetry(torus):
+    p, q = random_pairs(torus, 1000, seed=8)
+    found = geodesic_inverse(torus, p, q)
+    for signs, azimuth in (((-1, 1), np.negative), ((1, -1), lambda alpha: np.pi - alpha)):
+        image = geodesic_inverse(torus, p * signs, q * signs)
+        np.testing.assert_allclose(image.length, found.length, rtol=1e-14)
+        for name in ("azimuth1", "azimuth2"):
+            assert np.max(between(getattr(image, name), azimuth(getattr(found, name)))) <= 1e-12
+        np.testing.assert_allclose(np.abs(image.clairaut), np.abs(found.clairaut), rtol=1e-11)
+
+
+@every_torus
+@pytest.mark.parametrize("power", [-20, 20])
+def test_geodesic_inverse_scales_with_the_torus(torus, power):
+    p, q = random_pairs(torus, 500, seed=9)
+    found = geodesic_inverse(torus, p, q)
+    scaled = geodesic_inverse(Torus(torus.r * 2.0**power, torus.R * 2.0**power), p, q)
+    for name in ("length", "clairaut"):
+        expected = getattr(found, name) * 2.0**power
+        np.testing.assert_allclose(getattr(scaled, name), expected, rtol=1e-12)
+    assert np.max(between(scaled.azimuth1, found.azimuth1)) <= 1e-12
+
+
+@every_torus
+def test_geodesic_inverse_takes_no_notice_of_whole_turns(torus):
+    p, q = random_pairs(torus, 500, seed=10)
+    found = geodesic_inverse(torus, p, q)
+    for turns in ((1, 0), (-3, 0), (0, 1), (2, -1)):
+        again = geodesic_inverse(torus, p, q + 2 * np.pi * np.array(turns))
+        np.testing.assert_allclose(again.length, found.length, rtol=1e-12, atol=1e-13 * torus.R)
+        np.testing.assert_array_equal(again.kind, found.kind)
+
+
+# Special ends.
+
+
+@every_torus
+def test_geodesic_from_a_point_to_itself_has_no_direction(torus):
+    found = geodesic_inverse(torus, (0.3, -0.2), (0.3, -0.2))
+    assert found.length == 0 and found.kind == "point" and found.converged
+    assert np.isnan(found.azimuth1) and np.isnan(found.azimuth2)
+    np.testing.assert_allclose(found.points(3).position, [(0.3, -0.2)] * 3, atol=1e-15)
+
+
+@pytest.mark.parametrize("torus, start, stop, angle", [
+    (MACHINE, -0.5, 0.6, 1.1),
+    (MACHINE, 0.6, -0.5, -1.1),
+    (SPINDLE, 2, -2, -4),  # the sheet has an edge: no other way
+    (RING, 1.5, -1.6, -3.1),
+    (RING, -2, 2, 4 - 2 * np.pi),
+    (RING, 2, -2, 2 * np.pi - 4),
+    (RING, np.pi, 0, np.pi),
+], ids=str)  # fmt: skip
+def test_geodesic_on_one_meridian_is_its_arc(torus, start, stop, angle):
+    found = geodesic_inverse(torus, (0.7, start), (0.7, stop))
+    assert found.kind == "meridian" and found.clairaut == 0
+    assert found.length == pytest.approx(torus.R * abs(angle), rel=1e-15)
+    if abs(angle) < np.pi:
+        azimuth = 0 if angle > 0 else np.pi
+        assert max(between(found.azimuth1, azimuth), between(found.azimuth2, azimuth)) == 0
+    np.testing.assert_allclose(found.points(5).position[:, 0], 0.7, atol=1e-14)
+
+
+@every_torus
+@pytest.mark.parametrize("phi", [0.6, -0.6])
+def test_geodesic_between_points_of_a_parallel_leaves_it(torus, phi):
+    turn = 1.1
+    found = geodesic_inverse(torus, (-0.2, phi), (turn - 0.2, phi))
+    assert found.length < (torus.r + torus.R * np.cos(phi)) * turn * (1 - 1e-4)
+    assert np.cos(found.azimuth1) * np.sign(phi) > 0.01  # away from the outer equator
+    assert found.azimuth1 + found.azimuth2 == pytest.approx(np.pi, abs=1e-13)
+    middle = found.points(3).position[1]
+    assert middle[0] == pytest.approx(turn / 2 - 0.2, abs=1e-13) and abs(middle[1]) > abs(phi)
+
+
+@pytest.mark.parametrize("torus", [MACHINE, RING, Torus(1e6, 1e3)], ids=str)
+@pytest.mark.parametrize("share", [1e-9, 0.1, 0.9, 0.999])
+def test_geodesic_along_the_outer_equator_while_it_is_the_shortest(torus, share):
+    # Up to the first conjugate point: the curvature there is 1/(R (r + R)).
+    turn = share * np.pi * np.sqrt(torus.R / (torus.r + torus.R))
+    found = geodesic_inverse(torus, (0, 0), (turn, 0))
+    assert found.kind == "outer" and found.converged
+    assert found.length == pytest.approx((torus.r + torus.R) * turn, rel=1e-14)
+    assert found.clairaut == pytest.approx(torus.r + torus.R, rel=1e-14)
+
+
+@pytest.mark.parametrize("torus", [MACHINE, RING], ids=str)
+def test_geodesic_past_the_conjugate_point_leaves_the_outer_equator(torus):
+    turn = 1.01 * np.pi * np.sqrt(torus.R / (torus.r + torus.R))
+    found = geodesic_inverse(torus, (0, 0), (turn, 0))
+    assert found.converged and found.length < (torus.r + torus.R) * turn * (1 - 1e-7)
+    end = found.points(2).point[-1]
+    np.testing.assert_allclose(end, torus.point(turn, 0), atol=1e-11 * torus.R)
+
+
+@pytest.mark.parametrize("turn", [0.1, 2, np.pi])
+@pytest.mark.parametrize("phi", [(np.pi, np.pi), (np.pi, -np.pi), (-np.pi, np.pi)], ids=str)
+def test_geodesic_along_the_inner_equator_of_a_ring(turn, phi):
+    found = geodesic_inverse(RING, (0, phi[0]), (turn, phi[1]))
+    assert found.converged
+    assert found.length == pytest.approx((RING.r - RING.R) * turn, rel=1e-13)
+    assert found.azimuth1 == pytest.approx(np.pi / 2, abs=1e-6)
+
+
+@every_torus
+@pytest.mark.parametrize("turn", [np.pi, -np.pi])
+def test_geodesic_of_half_a_turn_reaches_its_end(torus, turn):
+    phi = np.array([(-0.5, 0.6), (0.3, 0.3), (0, 0), (0, 0.4), (-0.2, -0.6)])
+    p, q = np.stack([0 * phi, phi], axis=-1).swapaxes(0, 1)
+    q[:, 0] = turn
+    found = geodesic_inverse(torus, p, q)
+    assert np.all(found.converged)
+    end = found.points(2).point[:, -1]
+    np.testing.assert_allclose(end, on_torus(torus, q), atol=1e-11 * torus.R)
+    other = geodesic_inverse(torus, p, q * (-1, 1))
+    np.testing.assert_allclose(other.length, found.length, rtol=1e-14)
+
+
+def check_no_answer(found, count):
+    assert not np.any(found.converged)
+    assert np.all(found.kind == "none") and np.size(found.kind) == count
+    assert all(np.all(np.isnan(getattr(found, name))) for name in ANSWERS)
+
+
+@pytest.mark.parametrize("end", [(0, 2.0), (0.2, np.pi), (3, -2.5)], ids=str)
+def test_geodesic_to_a_point_off_the_working_sheet_has_no_answer(end):
+    for pair in (((0, 0.1), end), (end, (0, 0.1)), (end, end)):
+        check_no_answer(geodesic_inverse(MACHINE, *pair), 1)
+    way = geodesic_direct(MACHINE, end, 0.3, 0.1)
+    assert np.all(np.isnan(way.position)) and np.all(np.isnan(way.azimuth))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("torus", [MACHINE, RING], ids=str)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_geodesic_of_an_unknown_position_has_no_answer(bad, torus, axis):
+    p, q = np.full((3, 2), 0.2), np.full((3, 2), -0.4)
+    p[1, axis] = bad
+    for ends in ((p, q), (q, p), (p, p)):
+        found = geodesic_inverse(torus, *ends)
+        np.testing.assert_array_equal(found.converged, [True, False, True])
+        assert np.isnan(found.length[1]) and np.all(np.isfinite(found.length[[0, 2]]))
+    check_no_answer(geodesic_inverse(torus, p[1], q[1]), 1)
+    way = geodesic_direct(torus, p, 0.1, 0.2)
+    assert np.all(np.isnan(way.position[1])) and np.all(np.isfinite(way.position[[0, 2]]))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_geodesic_direct_of_an_unknown_argument_is_nan(bad):
+    for azimuth, length in ((bad, 1), (0.1, bad)):
+        way = geodesic_direct(MACHINE, (0, 0), azimuth, length)
+        assert np.all(np.isnan(way.position)) and np.all(np.isnan(way.azimuth))
+
+
+# Shapes and wrong calls.
+
+
+def test_geodesic_inverse_broadcasts():
+    p, q = (random_pairs(RING, 20)[k] for k in (0, 1))
+    p, q = p[:4].reshape(4, 1, 2), q[:5]
+    found = geodesic_inverse(RING, p, q)
+    for name in (*ANSWERS, "kind", "converged"):
+        assert getattr(found, name).shape == (4, 5)
+    one = geodesic_inverse(RING, p[1, 0], q[2])
+    for name in ANSWERS:
+        assert getattr(one, name) == pytest.approx(getattr(found, name)[1, 2], rel=1e-12)
+        assert np.ndim(getattr(one, name)) == 0
+    way = found.points(3)
+    assert way.position.shape == (4, 5, 3, 2) and way.point.shape == (4, 5, 3, 3)
+    assert way.tangent.shape == (4, 5, 3, 3) and way.s.shape == way.azimuth.shape == (4, 5, 3)
+
+
+def test_geodesic_direct_broadcasts():
+    way = geodesic_direct(RING, np.zeros((4, 1, 2)), np.linspace(0, 1, 5), 0.5, n=6)
+    assert way.position.shape == (4, 5, 6, 2)
+    one = geodesic_direct(RING, (0, 0), 0.25, 0.5, n=6)
+    np.testing.assert_allclose(way.position[2, 1], one.position, atol=1e-13)
+
+
+def test_geodesic_of_nothing_is_nothing():
+    found = geodesic_inverse(MACHINE, np.empty((0, 2)), (0.1, 0.2))
+    assert found.length.shape == found.kind.shape == (0,)
+    assert found.points(4).point.shape == (0, 4, 3)
+
+
+def test_geodesic_functions_leave_their_arguments_alone():
+    p, q = random_pairs(RING, 5)
+    azimuth, length = np.linspace(0, 1, 5), np.linspace(1, 2, 5)
+    arguments = (p, q, azimuth, length)
+    before = [np.copy(argument) for argument in arguments]
+    for argument in arguments:
+        argument.flags.writeable = False
+    geodesic_inverse(RING, p, q)
+    geodesic_direct(RING, p, azimuth, length, 3)
+    for argument, copy in zip(arguments, before):
+        np.testing.assert_array_equal(argument, copy)
+
+
+def test_geodesic_inverse_takes_lists_and_whole_numbers():
+    found = geodesic_inverse(RING, [0, 1], [[1, 2], [2, -1]])
+    real = geodesic_inverse(RING, np.array([0.0, 1]), np.array([[1.0, 2], [2, -1]]))
+    np.testing.assert_array_equal(found.length, real.length)
+
+
+@pytest.mark.parametrize(
+    "value", ["01", None, 1.0, (1, 2, 3), [("a", "b")], (1j, 0), [[1], [1, 2]]], ids=repr
+)
+def test_geodesic_functions_refuse_what_is_no_position(value):
+    with pytest.raises(ValueError, match=r"^p: must hold|^p: the last axis must hold theta, phi"):
+        geodesic_inverse(MACHINE, value, (0, 0))
+    with pytest.raises(ValueError, match=r"^q: must hold|^q: the last axis must hold theta, phi"):
+        geodesic_inverse(MACHINE, (0, 0), value)
+    with pytest.raises(ValueError, match=r"^p: must hold|^p: the last axis must hold theta, phi"):
+        geodesic_direct(MACHINE, value, 0, 1)
+
+
+@pytest.mark.parametrize("name", ["azimuth", "length"])
+def test_geodesic_direct_refuses_what_is_no_number(name):
+    with pytest.raises(ValueError, match=rf"^{name}: must hold real numbers"):
+        geodesic_direct(MACHINE, (0, 0), **({"azimuth": 0, "length": 1} | {name: "1"}))
+
+
+@pytest.mark.parametrize("n", [1, 0, -3, 2.0, "2", None])
+def test_geodesic_direct_refuses_another_number_of_samples(n):
+    with pytest.raises(ValueError, match=r"^n: must be a whole number of at least 2 samples; got "):
+        geodesic_direct(MACHINE, (0, 0), 0, 1, n)
+    with pytest.raises(ValueError, match=r"^n: must be a whole number of at least 2 samples; got "):
+        geodesic_inverse(MACHINE, (0, 0), (0, 0.1)).points(n)
+
+
+@pytest.mark.parametrize("torus", [Cone(0.5), None, (1, 2)], ids=repr)
+def test_geodesic_functions_refuse_another_surface(torus):
+    with pytest.raises(ValueError, match=r"^torus: must be of class Torus; got "):
+        geodesic_inverse(torus, (0, 0), (0, 1))
+    with pytest.raises(ValueError, match=r"^torus: must be of class Torus; got "):
+        geodesic_direct(torus, (0, 0), 0, 1)
