@@ -180,7 +180,8 @@ def _svg(figure):
     content = io.BytesIO()
     # Text as outlines, and nothing that names the day or the run: the same bytes each time.
     with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
-        figure.savefig(content, format="svg", metadata={"Date": None, "Creator": None})
+        # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
+        figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
     return content.getvalue()
 
 
