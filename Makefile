@@ -26,7 +26,8 @@ test: environment ## run every test, doctest and notebook, and the linter
 lab: environment ## open JupyterLab on the notebooks
 	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
-bench: environment ## time the library
+bench: environment ## time the library against others, installed for the purpose
+	@$(BIN)/uv pip install --quiet --python $(BIN)/python --group bench
 	@$(HEADLESS) $(BIN)/python -m pytest tests/bench --benchmark-only
 
 format: environment ## put the sources into the common form

@@ -2,7 +2,7 @@
 
 `printed` is always the form that the document prints. Where it is wrong, a counterexample shows
 it, the corrected form is proved, and the library is held against what was proved. The verdicts
-stand in report/ledger.toml.
+stand in report/ledger/tunneller.toml.
 """
 
 import itertools
