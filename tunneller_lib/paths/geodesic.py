@@ -11,7 +11,8 @@ import numpy as np
 
 from ..arrays import dot, instance, positions, real
 from ..surfaces import Torus
-from .geodesic_classes import inner, outer, solve
+from .geodesic_classes import inner, outer
+from .geodesic_root import solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 

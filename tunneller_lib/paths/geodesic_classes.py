@@ -11,34 +11,19 @@ with D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 
 class Track(NamedTuple):
-    """What one value of the unknown stands for: constants and limits of the integrals."""
+    """What one value of the unknown stands for.
 
-    c: np.ndarray
-    A: np.ndarray
-    B: np.ndarray
-    E: np.ndarray
-    first: np.ndarray
-    span: np.ndarray
+    `at` (6, n) holds c, A, B, E and the limits of t, `rate` what they change by with the unknown;
+    cos_a and cos_b (n,) are the cosines of the azimuths.
+    """
+
+    at: np.ndarray
+    rate: np.ndarray
     cos_a: np.ndarray
     cos_b: np.ndarray
-
-
-class Answer(NamedTuple):
-    """Turned angle, length, Clairaut's constant and the cosines of the azimuths at a and b."""
-
-    turned: np.ndarray
-    length: np.ndarray
-    c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
-
-    def where(self, mask):
-        """Return the answers that a mask picks."""
-        return Answer(*(array[mask] for array in self))
 
 
 def outer(torus, a, b, u):
@@ -72,21 +57,23 @@ def outer(torus, a, b, u):
     k2 = sa * sa + x * x
     c = max(r - R, 0) + 2 * R * e
     rest = e + (0 if r >= R else np.cos(a / 2) ** 2 - X * X)  # 1 - k^2
+    dx = np.where(rising, e / X**2, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # W sa + x sb is their difference where x sb < 0.
         sine = np.where(x * sb < 0, d * k2 / (W * sa - x * sb), W * sa + x * sb)
+        dfirst, dlast = -sa * dx / k2, sb * x * dx / (W * k2)
     span = np.arctan2(np.where(np.isnan(sine), 0, sine), sa * sb - W * x)
     span = np.where(span < 0, span + 2 * np.pi, span)
     first = np.arctan2(-x, sa)
+    slope_a, slope_b = np.sqrt(2 * R * (rho_a + c)), np.sqrt(2 * R * (r + R * np.cos(b) + c))
+    dk2 = 2 * x * dx
+    at = _rows(c, rest, k2, 0, first, first + span)
+    rate = _rows(-2 * R * dk2, -dk2, dk2, 0, dfirst, dlast)
     # A geodesic that would cross the inner equator has no turning point; then t = (pi - phi)/2.
     free = rest < 0
-    A = np.abs(rest)
-    slope_a, slope_b = np.sqrt(2 * R * (rho_a + c)), np.sqrt(2 * R * (r + R * np.cos(b) + c))
-    return Track(
-        c=c, A=A, B=np.where(free, 1, k2), E=np.where(free, A, 0),
-        first=np.where(free, (np.pi - a) / 2, first), span=np.where(free, (a - b) / 2, span),
-        cos_a=x * slope_a / rho_a, cos_b=-W * slope_b / (r + R * np.cos(b)),
-    )  # fmt: skip
+    at = np.where(free, _rows(c, -rest, 1, -rest, (np.pi - a) / 2, (np.pi - b) / 2), at)
+    rate = np.where(free, _rows(-2 * R * dk2, dk2, 0, dk2, 0, 0), rate)
+    return Track(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
 
 
 def inner(torus, a, b, u):
@@ -107,105 +94,18 @@ def inner(torus, a, b, u):
         The geodesic of each u.
     """
     r, R = torus.r, torus.R
-    c = (r - R) * np.tanh(u)
-    kappa2 = (r - R) / R / (1 + np.exp(2 * np.minimum(u, 300)))
+    slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))
+    c, kappa2 = (r - R) * np.tanh(u), (r - R) / R * slow
     rho_a, rho_b = r + R * np.cos(a), r + R * np.cos(b)
     start, stop = (np.pi - a) / 2, (np.pi - np.abs(b)) / 2
+    dc, dkappa2 = 4 * (r - R) * slow * (1 - slow), -2 * kappa2 * (1 - slow)
     cosines = [
         np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho
         for t, rho in ((start, rho_a), (stop, rho_b))
     ]
-    return Track(c, kappa2, np.ones_like(c), kappa2, -start, start + stop, *cosines)
+    at = _rows(c, kappa2, 1, kappa2, -start, stop)
+    return Track(at, _rows(dc, dkappa2, 0, dkappa2, 0, 0), *cosines)
 
 
-def nodes_for(torus, a, angle):
-    """Return how many nodes the quadrature needs, found by doubling them until nothing changed.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface.
-    a : (n,) float
-        Angles phi of the first ends, in rad.
-    angle : (n,) float
-        Turned angles, in rad.
-
-    Returns
-    -------
-    count : int
-        One for all of them.
-    """
-    if torus.r <= torus.R / 4 and np.all(a <= 1) and np.all(angle <= 2):
-        return 20  # a working sheet: no geodesic comes near a node
-    return 64 if torus.r > torus.R else 96
-
-
-def integrate(torus, track, count):
-    """Return the turned angle and the length of geodesics by Gauss-Legendre quadrature.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface.
-    track : Track
-        Constants and limits, arrays (n,).
-    count : int
-        Number of nodes.
-
-    Returns
-    -------
-    turned, length : (n,) float
-        In rad and m. In t = a0 sinh(y), which spreads out the peak at the turning point.
-    """
-    nodes, weights = leggauss(count)
-    c, A, B, E, first, span = (array[..., None] for array in track[:6])
-    peak = np.sqrt(np.minimum(A, E + c / (2 * torus.R)) / B)
-    a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
-    low, high = np.arcsinh(first / a0), np.arcsinh((first + span) / a0)
-    y = low + (high - low) * (1 + nodes) / 2
-    t = a0 * np.sinh(y)
-    sin2 = np.sin(t) ** 2
-    rho = c + 2 * torus.R * (E + B * sin2)
-    step = weights * (high - low) / 2 * np.hypot(a0, t) * np.sqrt(2 * torus.R)
-    density = step / np.sqrt((rho + c) * (A + B * sin2))
-    return np.sum(c / rho * density, axis=-1), np.sum(rho * density, axis=-1)
-
-
-def solve(family, torus, a, b, angle):
-    """Return the geodesics of a class whose turned angle is the given one.
-
-    Parameters
-    ----------
-    family : callable
-        `outer` or `inner`.
-    torus : Torus
-        The surface.
-    a, b : (n,) float
-        Angles phi of the ends, in rad.
-    angle : (n,) float
-        Turned angles, in rad.
-
-    Returns
-    -------
-    answer : Answer
-        With the turned angle that was reached, to be compared with the given one.
-    """
-    from scipy.optimize.elementwise import find_root  # here: it takes longer to load than numpy
-
-    count = nodes_for(torus, a, angle)
-
-    def excess(u, a, b, angle):
-        return integrate(torus, family(torus, a, b, u), count)[0] - angle
-
-    rho_a = torus.r + torus.R * np.cos(a)
-    low = -np.sqrt(rho_a / (2 * torus.R)) if family is outer else np.zeros_like(a)
-    high = np.full_like(a, 0.5)
-    short = np.ones(a.shape, dtype=bool)
-    while np.any(short := short & (high < 500)):
-        short[short] = excess(high[short], a[short], b[short], angle[short]) < 0
-        high[short] *= 2
-    u = find_root(excess, (low, high), args=(a, b, angle)).x
-    track = family(torus, a, b, u)
-    turned, length = integrate(torus, track, count)
-    # For a given angle the length is stationary in c: that makes up for what the root lacks.
-    return Answer(turned, length + track.c * (angle - turned), track.c, track.cos_a, track.cos_b)
+def _rows(*values):
+    return np.stack(np.broadcast_arrays(*values))

@@ -1,0 +1,166 @@
+"""The geodesic of a class between two given ends: quadrature, and Newton's method in one unknown."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+from .geodesic_classes import outer
+
+BLOCK = 4096  # pairs at a time, so that the quadrature's arrays stay in the cache
+ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
+STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
+
+
+class Answer(NamedTuple):
+    """Turned angle, length, Clairaut's constant and the cosines of the azimuths at a and b."""
+
+    turned: np.ndarray
+    length: np.ndarray
+    c: np.ndarray
+    cos_a: np.ndarray
+    cos_b: np.ndarray
+
+    def where(self, mask):
+        """Return the answers that a mask picks."""
+        return Answer(*(array[mask] for array in self))
+
+
+def solve(family, torus, a, b, angle):
+    """Return the geodesics of a class whose turned angle is the given one.
+
+    Parameters
+    ----------
+    family : callable
+        `outer` or `inner`.
+    torus : Torus
+        The surface.
+    a, b : (n,) float
+        Angles phi of the ends, in rad, |b| <= a.
+    angle : (n,) float
+        Turned angles, in rad, above zero.
+
+    Returns
+    -------
+    answer : Answer
+        With the turned angle that was reached, to be compared with the given one; NaN where
+        Newton's method doesn't settle.
+    """
+    count = nodes_for(torus, a, angle)
+    starts = range(0, a.size, BLOCK)
+    blocks = [
+        _newton(family, torus, *(v[k : k + BLOCK] for v in (a, b, angle)), count) for k in starts
+    ]
+    return Answer(*np.concatenate([np.empty((5, 0)), *blocks], axis=1))
+
+
+def nodes_for(torus, a, angle):
+    """Return how many nodes the quadrature needs, found by doubling them until nothing changed.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    a : (n,) float
+        Angles phi of the first ends, in rad.
+    angle : (n,) float
+        Turned angles, in rad.
+
+    Returns
+    -------
+    count : int
+        One for all of them.
+    """
+    if torus.r <= torus.R / 4 and np.all(a <= 1) and np.all(angle <= 2):
+        return 20  # a working sheet: no geodesic comes near a node
+    return 64 if torus.r > torus.R else 96
+
+
+def integrate(torus, track, count):
+    """Return the turned angle of geodesics, its rate by the unknown, and the length.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    track : Track
+        Constants and limits of n geodesics.
+    count : int
+        Number of nodes of a Gauss-Legendre quadrature.
+
+    Returns
+    -------
+    turned, rate, length : (n,) float
+        In rad, rad and m. In t = a0 sinh(y), which spreads out the peak at the turning point.
+    """
+    nodes, weights = leggauss(count)
+    c, A, B, E, first, last = track.at[..., None]
+    dc, dA, dB, dE, dfirst, dlast = track.rate[..., None]
+    peak = np.sqrt(np.minimum(A, E + c / (2 * torus.R)) / B)
+    a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
+    low, high = np.arcsinh(first / a0), np.arcsinh(last / a0)
+    t = a0 * np.sinh(low + (high - low) * (1 + nodes) / 2)
+    step = weights * (high - low) / 2 * np.hypot(a0, t)
+
+    def terms(t):
+        sin2 = np.sin(t) ** 2
+        rho, D = c + 2 * torus.R * (E + B * sin2), A + B * sin2
+        return sin2, rho, D, np.sqrt(2 * torus.R / ((rho + c) * D))
+
+    sin2, rho, D, density = terms(t)
+    density *= step
+    drho = dc + 2 * torus.R * (dE + dB * sin2)
+    spread = drho / rho + (drho + dc) / (2 * (rho + c)) + (dA + dB * sin2) / (2 * D)
+    rate = np.sum((dc - c * spread) / rho * density, axis=-1)
+    for end, speed in ((last, dlast), (first, -dfirst)):  # the limits move, too
+        _, rho_end, _, density_end = terms(end)
+        rate += (speed * c / rho_end * density_end)[..., 0]
+    return np.sum(c / rho * density, axis=-1), rate, np.sum(rho * density, axis=-1)
+
+
+def _newton(family, torus, a, b, angle, count):
+    """Return the rows of an `Answer`, each root sought within a bracket."""
+    if family is outer:
+        u, scale = _chord_elevation(torus, a, b, angle), np.where(b <= 0, np.sin(a / 2), 0)
+        low = -np.sqrt((torus.r + torus.R * np.cos(a)) / (2 * torus.R))
+    else:
+        u, scale, low = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
+    high, left = np.full_like(a, np.inf), np.arange(a.size)
+    answer = np.full((5, a.size), np.nan)
+    for _ in range(ROUNDS):
+        track = family(torus, a, b, u)
+        turned, rate, length = integrate(torus, track, count)
+        miss = angle - turned
+        low, high = np.where(miss > 0, u, low), np.where(miss < 0, u, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(miss == 0, 0, miss / rate)
+        sound = (low <= u + step) & (u + step <= high)
+        halved = np.where(np.isinf(high), 2 * np.abs(u) + 0.5, (low + high) / 2)
+        new = np.where(sound, u + step, halved)
+        done = sound & (np.abs(step) <= STEP * (np.abs(u) + scale))
+        if np.any(done):
+            end = family(torus, a[done], b[done], new[done])
+            # For a given angle the length is stationary in c: what u lacked hardly matters.
+            reached, total = turned + rate * step, length + track.at[0] * miss
+            answer[:, left[done]] = reached[done], total[done], end.at[0], end.cos_a, end.cos_b
+            if np.all(done):
+                break
+        a, b, angle, u, scale, low, high, left = (
+            array[~done] for array in (a, b, angle, new, scale, low, high, left)
+        )
+    return answer
+
+
+def _chord_elevation(torus, a, b, angle):
+    """Return the unknown of the outer geodesic that leaves in the chord's direction.
+
+    On a sphere that's the answer. A geodesic from the outer equator has to rise somehow.
+    """
+    rho_a, rho_b = torus.r + torus.R * np.cos(a), torus.r + torus.R * np.cos(b)
+    up = torus.R * np.sin(b - a) + 2 * rho_b * np.sin(angle / 2) ** 2 * np.sin(a)
+    tilt = np.arctan2(up, rho_b * np.sin(angle))
+    c = rho_a * np.cos(tilt)
+    x = np.sin(tilt) * rho_a / np.sqrt(2 * torus.R * (rho_a + c))
+    X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt(rho_a / (2 * torus.R))
+    rising = X * np.arctanh(np.clip(x / X, 0, 0.95))
+    return np.where(a > 0, np.where(x > 0, rising, 0.99 * x), X / 2)
