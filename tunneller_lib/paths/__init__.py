@@ -2,12 +2,14 @@
 
 from .circuit import Circuit, cutting_circuit
 from .cone_chord import ConeChord
-from .geodesic import geodesic_direct, geodesic_inverse
+from .geodesic import geodesic_direct
+from .geodesic_inverse import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
 
 __all__ = [
     "Circuit",
     "ConeChord",
+    "competing_geodesics",
     "cutting_circuit",
     "geodesic_direct",
     "geodesic_inverse",

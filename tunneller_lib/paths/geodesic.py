@@ -1,8 +1,7 @@
-"""True geodesics of the torus: the inverse problem by quadrature, the direct by integration.
+"""Geodesics of the torus as they come from either problem, and the direct one by integration.
 
 Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut's
-c = rho sin(azimuth), rho = r + R cos(phi), is constant; that first integral turns the inverse
-problem into one equation, and the direct one, which integrates the equations themselves, checks it.
+c = rho sin(azimuth), rho = r + R cos(phi), is constant.
 """
 
 from dataclasses import dataclass
@@ -11,10 +10,8 @@ import numpy as np
 
 from ..arrays import dot, instance, positions, real
 from ..surfaces import Torus
-from .geodesic_classes import inner, outer
-from .geodesic_root import solve
 
-AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+STEP = 0.08  # tube radii, the longest step of an integration
 
 
 @dataclass(frozen=True)
@@ -90,6 +87,9 @@ class Geodesic:
         coincide), or "none" where an end isn't on the working sheet or isn't finite.
     converged : (...) bool
         Whether there is an answer; its turned angle is met to 1e-9 rad.
+    certificate : (...) str
+        Why it is the shortest: "meridian", "curvature", or "compared"; empty where there is no
+        answer. See `geodesic_inverse`.
     """
 
     torus: Torus
@@ -101,96 +101,17 @@ class Geodesic:
     clairaut: np.ndarray
     kind: np.ndarray
     converged: np.ndarray
+    certificate: np.ndarray
+
+    @property
+    def certified(self):
+        """Return where it is proved that nothing is shorter, as (...) bool."""
+        return np.isin(self.certificate, ["meridian", "curvature"])
 
     def points(self, n):
         """Return n `Samples` of each geodesic, equally spaced in arc, both ends included."""
         azimuth = np.where(self.kind == "point", 0.0, self.azimuth1)
         return geodesic_direct(self.torus, self.p, azimuth, self.length, n)
-
-
-def geodesic_inverse(torus, p, q):
-    """Return the shortest geodesics between joint positions.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface: a ring, a horn, or the outer sheet of a spindle.
-    p, q : (..., 2) float
-        Joint positions (theta, phi) of the ends, in rad; they broadcast.
-
-    Returns
-    -------
-    geodesic : Geodesic
-        Length, azimuths, Clairaut's constant, kind.
-
-    Notes
-    -----
-    A shortest geodesic turns by at most pi in theta and crosses each of the circles phi = 0 and
-    phi = pi at most once. That leaves two classes, and in each the turned angle grows with one
-    unknown: a root each, and the shorter one is returned. That it grows was found numerically and
-    isn't proved. Ends half a turn apart have a mirror image of the answer beside it. Lengths
-    are right to rounding; on spindle and horn tori less so within a few hundredths of a radian
-    of a node, and where the quadrature can't tell there is no answer.
-
-    Examples
-    --------
-    >>> geodesic = geodesic_inverse(Torus(0.1, 0.9), (0, -0.3), (0, 0.4))
-    >>> round(float(geodesic.length), 12), str(geodesic.kind)
-    (0.63, 'meridian')
-    """
-    instance("torus", torus, Torus)
-    p, q = np.broadcast_arrays(positions("p", p), positions("q", q))
-    start, stop = _known(p).reshape(-1, 2), _known(q).reshape(-1, 2)
-    phi1, phi2 = _reduced(start[:, 1]), _reduced(stop[:, 1])
-    turn = _reduced(stop[:, 0] - start[:, 0])
-    # The end farther from the outer equator comes first, mirrored to phi >= 0.
-    swap = np.abs(phi2) > np.abs(phi1)
-    a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
-    mirror = np.where(a < 0, -1.0, 1.0)
-    a, b, angle = a * mirror, b * mirror, np.abs(turn)
-
-    rho_a, rho_b = torus.r + torus.R * np.cos(a), torus.r + torus.R * np.cos(b)
-    on_sheet = (rho_a > 0) & (rho_b > 0) & np.isfinite(angle)
-    length, c, cos_a, cos_b = np.full((4, a.size), np.nan)
-    kind = np.full(a.size, "none", dtype="<U8")
-
-    def settle(mask, name, *values):
-        kind[mask] = name
-        for array, value in zip((length, c, cos_a, cos_b), values):
-            array[mask] = np.broadcast_to(value, mask.shape)[mask]
-
-    # On one meridian: over the outer equator, or on a ring over the inner one where that's nearer.
-    over = (torus.r > torus.R) & (a - b > np.pi)
-    direct, heading = np.where(
-        over, (2 * np.pi - (a - b), np.ones(a.size)), (a - b, -np.ones(a.size))
-    )
-    settle(on_sheet & (angle == 0), "meridian", torus.R * direct, 0.0, heading, heading)
-    settle(on_sheet & (angle == 0) & (direct == 0), "point", 0.0, 0.0, np.nan, np.nan)
-    # The outer equator is shortest up to its conjugate point, the inner one always.
-    span, narrow = torus.r + torus.R, torus.r - torus.R
-    near_enough = (angle > 0) & (angle <= np.pi * np.sqrt(torus.R / span))
-    settle(near_enough & (a == 0), "outer", span * angle, span, 0.0, 0.0)
-    both_inside = (angle > 0) & (a == np.pi) & (np.abs(b) == np.pi) & (narrow > 0)
-    settle(both_inside, "inner", narrow * angle, narrow, 0.0, 0.0)
-    unsettled = on_sheet & (kind == "none")
-    for name, family in (("outer", outer), ("inner", inner)):
-        possible = unsettled if name == "outer" else unsettled & (b < 0) & (narrow > 0)
-        index = np.flatnonzero(possible)
-        if not index.size:
-            continue
-        found = solve(family, torus, a[index], b[index], angle[index])
-        shorter = (np.abs(found.turned - angle[index]) <= AGREES) & ~(found.length >= length[index])
-        index, found = index[shorter], found.where(shorter)
-        length[index], c[index], kind[index] = found.length, found.c, name
-        cos_a[index], cos_b[index] = found.cos_a, found.cos_b
-    # The way back from the second end, where the ends were exchanged, has the opposite direction.
-    back = mirror * np.where(swap, -1.0, 1.0)
-    side = np.where(turn < 0, -1.0, 1.0)
-    far = np.arctan2(side * c / rho_a, back * cos_a)
-    near = np.arctan2(side * c / rho_b, back * cos_b)
-    first, second = np.where(swap, (near, far), (far, near))
-    answers = (length, first, second, side * c, kind, kind != "none")
-    return Geodesic(torus, p, q, *(answer.reshape(p.shape[:-1])[()] for answer in answers))
 
 
 def geodesic_direct(torus, p, azimuth, length, n=2):
@@ -227,8 +148,8 @@ def geodesic_direct(torus, p, azimuth, length, n=2):
     instance("torus", torus, Torus)
     if not isinstance(n, (int, np.integer)) or n < 2:
         raise ValueError(f"n: must be a whole number of at least 2 samples; got {n!r}.")
-    p = _known(positions("p", p))
-    azimuth, length = _known(real("azimuth", azimuth)), _known(real("length", length))
+    p = known(positions("p", p))
+    azimuth, length = known(real("azimuth", azimuth)), known(real("length", length))
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     start = np.stack([theta, phi, azimuth]).reshape(3, -1)
     reach = length.ravel()
@@ -243,19 +164,18 @@ def geodesic_direct(torus, p, azimuth, length, n=2):
     steps = np.linspace(0, 1, n)
     track = np.full((3, start.shape[1], n), np.nan)
     if np.any(sound):
+        # The solver looks at the mean error of all; short steps keep the worst as small.
+        longest = np.max(np.abs(reach[sound]))
+        step = STEP * torus.R / longest if longest > 0 else np.inf
         way = solve_ivp(
-            rates, (0, 1), start[:, sound].ravel(), "DOP853", steps, rtol=3e-14, atol=1e-15
-        )
+            rates, (0, 1), start[:, sound].ravel(), "DOP853", steps,
+            rtol=3e-14, atol=1e-15, max_step=step,
+        )  # fmt: skip
         track[:, sound] = way.y.reshape(3, -1, n)
     track = track.reshape(3, *theta.shape, n)
     return Samples(torus, length[..., None] * steps, np.stack(track[:2], axis=-1), track[2])
 
 
-def _known(array):
+def known(array):
     """Return an array with NaN in place of infinity, which has no direction either."""
     return np.where(np.isfinite(array), array, np.nan)
-
-
-def _reduced(angle):
-    """Return angles from -pi to pi, untouched where they are there already."""
-    return np.where(np.abs(angle) <= np.pi, angle, np.remainder(angle + np.pi, 2 * np.pi) - np.pi)

@@ -1,0 +1,91 @@
+"""The atlas: how far each stand-in for a geodesic is off, over tori and all pairs of positions.
+
+The tube's radius is the unit of length. A symmetry of the torus carries any pair of positions
+into one from (0, phi1) to (turn, phi2) with phi1 >= |phi2|, so only those are tried.
+"""
+
+import numpy as np
+
+from ..surfaces import REFERENCE_MACHINE, Torus
+from .geodesic_inverse import geodesic_inverse
+from .rivals import RIVALS, path_length
+
+RATIOS = np.geomspace(4, 100, 13)  # R / r
+TURNS = np.linspace(0, REFERENCE_MACHINE.theta_max - REFERENCE_MACHINE.theta_min, 82)[1:]
+HEIGHTS = np.linspace(-REFERENCE_MACHINE.phi_max, REFERENCE_MACHINE.phi_max, 63)
+STRIPES = 9  # of turns, a block each
+SAMPLES, POINTS = 65, 17  # of a geodesic and of a path, where its deviation is measured
+COLUMNS = ["R / r", "turn", "phi1", "phi2", "length", "converged", "certified"]
+COLUMNS += [f"{what} of {name}" for what in ("excess", "aside") for name in RIVALS]
+
+
+def blocks():
+    """Return the (ratio, stripe) indices of all blocks, each about 9,000 pairs."""
+    return [(i, k) for i in range(RATIOS.size) for k in range(STRIPES)]
+
+
+def pairs(ratio, stripe):
+    """Return the turns, phi1 and phi2 (n,) of the pairs of a block, whatever its ratio."""
+    turn, phi1, phi2 = np.meshgrid(
+        np.split(TURNS, STRIPES)[stripe], HEIGHTS, HEIGHTS, indexing="ij"
+    )
+    kept = phi1 >= np.abs(phi2)
+    return turn[kept], phi1[kept], phi2[kept]
+
+
+def survey(block):
+    """Return a block of the atlas.
+
+    Parameters
+    ----------
+    block : (2,) int
+        One of `blocks`.
+
+    Returns
+    -------
+    table : (n, 17) float
+        `COLUMNS`: angles in rad, lengths and deviations in tube radii, excess as a share of the
+        geodesic's length.
+    """
+    turn, phi1, phi2 = pairs(*block)
+    ratio = RATIOS[block[0]]
+    torus = Torus(1 / ratio, 1)
+    p = np.stack([np.zeros_like(turn), phi1], axis=-1)
+    q = np.stack([turn, phi2], axis=-1)
+    geodesic = geodesic_inverse(torus, p, q)
+    excess = [path_length(torus, path, p, q) / geodesic.length - 1 for path in RIVALS.values()]
+    t = np.linspace(0, 1, POINTS)[1:-1]
+    ways = np.concatenate([path(torus, p, q, t) for path in RIVALS.values()], axis=-2)
+    beside = np.abs(geodesic.points(SAMPLES).deviation(ways))
+    aside = np.max(beside.reshape(turn.size, len(RIVALS), -1), axis=-1)
+    known = geodesic.length, geodesic.converged, geodesic.certified
+    return np.column_stack([np.full_like(turn, ratio), turn, phi1, phi2, *known, *excess, aside])
+
+
+def summary(tables):
+    """Return the worst and the middle of blocks, a dict for each block and path.
+
+    Parameters
+    ----------
+    tables : iterable of (n, 17) float
+        Results of `survey`.
+
+    Returns
+    -------
+    rows : list of dict
+        What a row is about, and the median and the worst of its pairs; "at turn", "at phi1" and
+        "at phi2" say where the excess is worst.
+    """
+    return [_row(table, k, name) for table in tables for k, name in enumerate(RIVALS)]
+
+
+def _row(table, k, name):
+    excess, aside = table[:, 7 + k], table[:, 7 + len(RIVALS) + k]
+    worst = np.argmax(excess)
+    return {
+        "R / r": table[0, 0], "turn from": table[0, 1], "turn to": table[-1, 1], "path": name,
+        "pairs": len(table), "certified": int(table[:, 6].sum()),
+        "median excess": np.median(excess), "worst excess": excess[worst],
+        "median aside": np.median(aside), "worst aside": np.max(aside),
+        "at turn": table[worst, 1], "at phi1": table[worst, 2], "at phi2": table[worst, 3],
+    }  # fmt: skip

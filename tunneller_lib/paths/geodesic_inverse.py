@@ -1,0 +1,237 @@
+"""The inverse problem: the shortest geodesic between two positions on a torus, and its rivals.
+
+Clairaut's first integral turns it into one equation for each class of geodesics; the direct
+problem, which integrates the equations themselves, checks it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import instance, positions
+from ..surfaces import Torus
+from .geodesic import Geodesic, known
+from .geodesic_classes import inner, outer
+from .geodesic_root import integrate, solve
+
+AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+
+
+class _Ends(NamedTuple):
+    """Pairs of ends, flat, in normal form: from phi = a >= 0 to phi = b, |b| <= a."""
+
+    a: np.ndarray
+    b: np.ndarray
+    angle: np.ndarray
+    mirror: np.ndarray
+    side: np.ndarray
+    swap: np.ndarray
+    on_sheet: np.ndarray
+
+
+class _Ways(NamedTuple):
+    """A geodesic of one class between each pair of ends, in normal form."""
+
+    length: np.ndarray
+    c: np.ndarray
+    cos_a: np.ndarray
+    cos_b: np.ndarray
+    kind: np.ndarray
+
+    def settle(self, where, kind, *values):
+        """Write down geodesics of a kind where a mask says, each value a number or an array."""
+        self.kind[where] = kind
+        for array, value in zip(self, values):
+            array[where] = value[where] if np.ndim(value) else value
+
+
+def geodesic_inverse(torus, p, q):
+    """Return the shortest geodesics between joint positions.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface: a ring, a horn, or the outer sheet of a spindle.
+    p, q : (..., 2) float
+        Joint positions (theta, phi) of the ends, in rad; they broadcast.
+
+    Returns
+    -------
+    geodesic : Geodesic
+        Length, azimuths, Clairaut's constant, kind, certificate.
+
+    Notes
+    -----
+    A shortest geodesic turns by at most pi in theta and crosses each of the circles phi = 0 and
+    phi = pi at most once. That leaves two classes, and in each the turned angle grows with one
+    unknown (found numerically, not proved): a root each, and the shorter one is returned.
+
+    It needs no such trust where the certificate is "curvature": the Gaussian curvature is at most
+    1 / (R (r + R)), so two ways between the same ends that can be drawn into each other can't both
+    be geodesics shorter than pi sqrt(R (r + R)); a way that turns by more than pi in theta can be
+    reflected in a meridian plane to one that turns by less; and one round the tube the other way
+    is longer than that way along a meridian. "meridian" is the arc between ends with the same
+    theta, "compared" the shorter root only. Ends half a turn apart have a mirror image of the
+    answer beside it.
+
+    Lengths are right to rounding; on spindle and horn tori less so within a few hundredths of a
+    radian of a node, and where the quadrature can't tell there is no answer.
+
+    Examples
+    --------
+    >>> geodesic = geodesic_inverse(Torus(0.1, 0.9), (0, -0.3), (0, 0.4))
+    >>> round(float(geodesic.length), 12), str(geodesic.kind)
+    (0.63, 'meridian')
+    """
+    p, q, ends = _normal_form(torus, p, q)
+    outside, inside = _near_side(torus, ends), _inside(torus, ends)
+    nearer = inside.length < np.where(outside.kind == "none", np.inf, outside.length)
+    shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside)))
+    return _geodesic(torus, p, q, ends, shortest)
+
+
+def competing_geodesics(torus, p, q):
+    """Return the geodesics between joint positions that may be the shortest, and are nearly so.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface: a ring, a horn, or the outer sheet of a spindle.
+    p, q : (..., 2) float
+        Joint positions (theta, phi) of the ends, in rad; they broadcast.
+
+    Returns
+    -------
+    geodesic : Geodesic
+        With one more axis in front, of length 6, the shortest first; kind "none" where there are
+        fewer. Only the first has a certificate.
+
+    Notes
+    -----
+    Three classes, each for the short and for the long way round the axis: over the side of the
+    farther end, over the other side behind the first conjugate point, and over the inner equator
+    of a ring. On the outer equator, past that point, the equator itself takes the place of the
+    third. Ways that wind about the tube or the axis more than once are left out.
+    """
+    p, q, ends = _normal_form(torus, p, q)
+    ways = []
+    for way in (ends, ends._replace(angle=2 * np.pi - ends.angle, side=-ends.side)):
+        ways += [
+            _geodesic(torus, p, q, way, f(torus, way)) for f in (_near_side, _far_side, _inside)
+        ]
+    fields = ["length", "azimuth1", "azimuth2", "clairaut", "kind", "converged", "certificate"]
+    stacked = [np.stack([getattr(way, name) for way in ways]) for name in fields]
+    order = np.argsort(stacked[0], axis=0)  # NaN comes last
+    *ranked, certificate = (np.take_along_axis(field, order, axis=0) for field in stacked)
+    certificate[1:] = ""
+    p, q = np.broadcast_to(p, (6, *p.shape)), np.broadcast_to(q, (6, *q.shape))
+    return Geodesic(torus, p, q, *ranked, certificate)
+
+
+def _normal_form(torus, p, q):
+    """Return the checked ends, and the same as `_Ends`."""
+    instance("torus", torus, Torus)
+    p, q = np.broadcast_arrays(positions("p", p), positions("q", q))
+    start, stop = known(p).reshape(-1, 2), known(q).reshape(-1, 2)
+    phi1, phi2 = _reduced(start[:, 1]), _reduced(stop[:, 1])
+    turn = _reduced(stop[:, 0] - start[:, 0])
+    # The end farther from the outer equator comes first, mirrored to phi >= 0.
+    swap = np.abs(phi2) > np.abs(phi1)
+    a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
+    mirror = np.where(a < 0, -1.0, 1.0)
+    on_sheet = (torus.r + torus.R * np.minimum(np.cos(a), np.cos(b)) > 0) & np.isfinite(turn)
+    side = np.where(turn < 0, -1.0, 1.0)
+    return p, q, _Ends(a * mirror, b * mirror, np.abs(turn), mirror, side, swap, on_sheet)
+
+
+def _nothing(ends):
+    return _Ways(*np.full((4, ends.a.size), np.nan), np.full(ends.a.size, "none", dtype="<U8"))
+
+
+def _near_side(torus, ends):
+    """Return the ways over the side of the farther end, or down the outside of a meridian."""
+    ways, (a, b, angle) = _nothing(ends), ends[:3]
+    meridian = ends.on_sheet & (angle == 0)
+    ways.settle(meridian, "meridian", torus.R * (a - b), 0.0, -1.0, -1.0)
+    ways.settle(meridian & (a == b), "point", 0.0, 0.0, np.nan, np.nan)
+    # The outer equator is shortest up to its conjugate point.
+    equator = (angle > 0) & (a == 0) & ~_past_conjugate(torus, ends)
+    span = torus.r + torus.R
+    ways.settle(equator, "outer", span * angle, span, 0.0, 0.0)
+    _search(torus, outer, ends, ends.on_sheet & (ways.kind == "none"), ways)
+    return ways
+
+
+def _far_side(torus, ends):
+    """Return the ways over the side opposite to the farther end, past the conjugate point."""
+    ways, possible = _nothing(ends), ends.on_sheet & (ends.angle > 0)
+    possible &= (ends.a > 0) | _past_conjugate(torus, ends)
+    index = np.flatnonzero(possible)
+    a, b = -ends.a[index], -ends.b[index]
+    # Beyond its least, at the conjugate point, the turned angle grows again.
+    u = np.geomspace(1e-3, 10, 81)
+    turned = [integrate(torus, outer(torus, a, b, np.full_like(a, x)), 96)[0] for x in u]
+    low = np.full(ends.a.size, np.nan)
+    low[index] = u[np.argmin(turned, axis=0)] if index.size else np.nan
+    mirrored = ends._replace(a=-ends.a, b=-ends.b)
+    _search(torus, outer, mirrored, possible, ways, low)
+    return ways._replace(cos_a=-ways.cos_a, cos_b=-ways.cos_b)
+
+
+def _inside(torus, ends):
+    """Return the ways over a ring's inner equator, or along either equator."""
+    ways, (a, b, angle) = _nothing(ends), ends[:3]
+    span, narrow = torus.r + torus.R, torus.r - torus.R
+    ways.settle((a == 0) & _past_conjugate(torus, ends), "outer", span * angle, span, 0.0, 0.0)
+    if narrow <= 0:
+        return ways
+    meridian = (angle == 0) & (b < 0)
+    ways.settle(meridian, "meridian", torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
+    both = (a == np.pi) & (np.abs(b) == np.pi)
+    ways.settle(both, "inner", narrow * angle, narrow, 0.0, 0.0)
+    ways.settle(both & (angle == 0), "point", 0.0, 0.0, np.nan, np.nan)
+    _search(torus, inner, ends, (angle > 0) & (b < 0) & (ways.kind == "none"), ways)
+    return ways
+
+
+def _past_conjugate(torus, ends):
+    """Return where the turned angle is past the first conjugate point of the outer equator."""
+    return ends.angle > np.pi * np.sqrt(torus.R / (torus.r + torus.R))
+
+
+def _search(torus, family, ends, possible, ways, low=None):
+    """Write down the ways of a class that reach their turned angle."""
+    index = np.flatnonzero(possible)
+    a, b, angle = (array[index] for array in ends[:3])
+    found = solve(family, torus, a, b, angle, None if low is None else low[index])
+    reached = np.abs(found.turned - angle) <= AGREES
+    index = index[reached]
+    ways.kind[index] = family.__name__
+    for array, value in zip(ways, found[1:]):
+        array[index] = value[reached]
+
+
+def _geodesic(torus, p, q, ends, ways):
+    """Return ways as a `Geodesic` between the ends as they were given."""
+    # The way back from the second end, where the ends were exchanged, goes the opposite way.
+    back = ends.mirror * np.where(ends.swap, -1.0, 1.0)
+    rho = torus.r + torus.R * np.cos([ends.a, ends.b])
+    azimuth = np.arctan2(ends.side * ways.c / rho, back * [ways.cos_a, ways.cos_b])
+    first, last = np.where(ends.swap, azimuth[::-1], azimuth)
+    # Between ways that can't be drawn into each other lies one round the tube the other way.
+    drop = ends.a - ends.b
+    other = np.where(ways.kind == "inner", drop, 2 * np.pi - drop) if torus.r > torus.R else np.inf
+    lone = ways.length < np.pi * np.sqrt(torus.R * (torus.r + torus.R))
+    lone &= (ways.length <= torus.R * other) & (ends.angle <= np.pi)
+    certificate = np.select(
+        [ways.kind == "none", ways.kind == "meridian", lone],
+        ["", "meridian", "curvature"], "compared",
+    )  # fmt: skip
+    answers = ways.length, first, last, ends.side * ways.c, ways.kind, ways.kind != "none"
+    shape = p.shape[:-1]
+    return Geodesic(torus, p, q, *(v.reshape(shape)[()] for v in (*answers, certificate)))
+
+
+def _reduced(angle):
+    """Return angles from -pi to pi, untouched where they are there already."""
+    return np.where(np.abs(angle) <= np.pi, angle, np.remainder(angle + np.pi, 2 * np.pi) - np.pi)

@@ -1,0 +1,128 @@
+"""Other ways between two joint positions that could stand in for a geodesic.
+
+Each is a function of the torus, the ends p and q and the shares t of the way, 0 at p and 1 at q,
+and returns joint positions. All but the straight line in joint space drop the points M(t) of the
+chord onto the torus: along which direction is the whole difference.
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..arrays import dot, instance, norm, positions, radius_and_excess, real
+from ..surfaces import Torus
+
+ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
+
+
+def tangent_spheres(torus, p, q, t):
+    """Return the document's path: each M(t) along its own normal, section 3.3."""
+    m, _ = _chord(torus, p, q, t)
+    return _joint(torus, m)
+
+
+def one_third_rule(torus, p, q, t):
+    """Return the path that drops M(t) one third along its own normal, else the middle's.
+
+    Our proposal: it cancels the leading term of the tangent-sphere path's error. In practice M is
+    shifted by 2/3 of its depth times the difference of the normals, then projected.
+    """
+    m, middle = _chord(torus, p, q, t)
+    normal = _normal(torus, m)
+    depth = _depth(torus, m)[..., None]
+    return _joint(torus, m - depth * (normal - _normal(torus, middle)) * (2 / 3))
+
+
+def plane_section(torus, p, q, t):
+    """Return the section with the plane through the chord and its middle's normal."""
+    m, middle = _chord(torus, p, q, t)
+    return _dropped(torus, m, _normal(torus, middle))
+
+
+def radial_projection(torus, p, q, t):
+    """Return the chord projected from the torus' centre, a section with a plane through it."""
+    m, _ = _chord(torus, p, q, t)
+    return _dropped(torus, m, m / norm(m)[..., None])
+
+
+def joint_line(torus, p, q, t):
+    """Return the straight line in the plane of the two joint angles; the torus doesn't matter."""
+    p, q, t = positions("p", p), positions("q", q), real("t", t)
+    return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
+
+
+RIVALS = {
+    "tangent spheres": tangent_spheres,
+    "one-third rule": one_third_rule,
+    "plane section": plane_section,
+    "radial projection": radial_projection,
+    "joint space": joint_line,
+}
+
+
+def path_length(torus, path, p, q, *, order=48):
+    """Return the length of a path between joint positions.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    path : callable
+        One of this module's paths, or another of t (n,) to joint positions (..., n, 2).
+    p, q : (..., 2) float
+        Joint positions (theta, phi) of the ends, in rad; they broadcast.
+    order : int
+        Number of nodes of the Gauss-Legendre quadrature, whose polynomial gives the speed.
+
+    Returns
+    -------
+    length : (...) float
+        In m; on a working sheet to 1e-9 of itself, mostly to rounding.
+    """
+    t, weights, slope = _nodes(order)
+    way = path(torus, p, q, t)
+    rate = np.einsum("ij,...jk->...ik", slope, way)
+    rho = torus.r + torus.R * np.cos(way[..., 1])
+    return np.hypot(rho * rate[..., 0], torus.R * rate[..., 1]) @ weights
+
+
+@cache
+def _nodes(order):
+    """Return Gauss-Legendre nodes and weights for t, and the matrix that differentiates there."""
+    x, weights = legendre.leggauss(order)
+    basis = legendre.legvander(x, order - 1)
+    slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(order)], axis=1)
+    return (1 + x) / 2, weights / 2, 2 * np.linalg.solve(basis.T, slopes.T).T
+
+
+def _chord(torus, p, q, t):
+    """Return the chord's points M(t) (..., n, 3) and its middle (..., 1, 3)."""
+    instance("torus", torus, Torus)
+    start, stop = (
+        torus.point(*np.moveaxis(positions(*end), -1, 0)) for end in (("p", p), ("q", q))
+    )
+    t, way = real("t", t)[:, None], (stop - start)[..., None, :]
+    return start[..., None, :] + t * way, start[..., None, :] + way / 2
+
+
+def _joint(torus, m):
+    return np.stack(torus.angles(m), axis=-1)
+
+
+def _normal(torus, m):
+    return torus.normal(*torus.angles(m))
+
+
+def _depth(torus, m):
+    """Return how deep points lie below the tube's surface, negative outside."""
+    x, y, z = np.moveaxis(m, -1, 0)
+    return torus.R - np.hypot(radius_and_excess(x, z, torus.r)[1], y)
+
+
+def _dropped(torus, m, direction):
+    """Return where points meet the torus along unit directions, by Newton's method on the depth."""
+    for _ in range(ROUNDS):
+        step = _depth(torus, m) / dot(_normal(torus, m), direction)
+        m = m + step[..., None] * direction
+    return _joint(torus, m)

@@ -1,0 +1,102 @@
+"""Long sweeps, block by block, on local cores or a Dask cluster, on from where one stopped."""
+
+import os
+import shutil
+import sys
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+
+def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
+    """Compute the blocks of a sweep that a folder lacks, and return all of them.
+
+    Parameters
+    ----------
+    survey : callable
+        A module's function of a block, to an array.
+    blocks : list of tuple of int
+        The blocks.
+    folder : path-like
+        Where they are kept, a file each, written whole or not at all: an interrupted sweep goes
+        on from there.
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
+        them. Without it the local cores work. The same blocks give the same bits.
+    jobs : int, optional
+        Number of local processes, as many as there are cores unless told.
+
+    Returns
+    -------
+    files : list of pathlib.Path
+        The blocks' files, for `numpy.load`.
+
+    Raises
+    ------
+    ValueError
+        If `jobs` isn't a positive whole number.
+    """
+    if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
+        raise ValueError(f"jobs: must be a whole number of at least 1 process; got {jobs!r}.")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {block: folder / ("-".join(map(str, block)) + ".npy") for block in blocks}
+    missing = [block for block in blocks if not files[block].exists()]
+    done, start = len(blocks) - len(missing), time.monotonic()
+    say(f"{done} of {len(blocks)} blocks are there")
+    if missing:
+        with cluster(scheduler) if scheduler else cores(jobs) as results:
+            for block, table in results(survey, missing):
+                beside = files[block].with_suffix(".part")
+                with beside.open("wb") as file:
+                    np.save(file, table)
+                os.replace(beside, files[block])
+                done += 1
+                pace = (time.monotonic() - start) / (done - len(blocks) + len(missing))
+                say(f"{done} of {len(blocks)} blocks, {pace * (len(blocks) - done):.0f} s to go")
+    return list(files.values())
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def cores(jobs):
+    """Give a function that yields blocks and their results as local processes finish them."""
+    count = jobs or len(os.sched_getaffinity(0))
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+
+        def results(survey, blocks):
+            waiting = {pool.submit(survey, block): block for block in blocks}
+            for future in as_completed(waiting):
+                yield waiting[future], future.result()
+
+        try:
+            yield results
+        except BaseException:  # an interrupt, too: what hasn't begun isn't begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def cluster(scheduler):
+    """Give a function that yields blocks and their results as a cluster's workers finish them."""
+    import distributed
+
+    package = Path(__file__).resolve().parents[1]
+    with distributed.Client(scheduler) as client, tempfile.TemporaryDirectory() as folder:
+        archive = Path(folder) / package.name
+        client.upload_file(shutil.make_archive(archive, "zip", package.parent, package.name))
+
+        def results(survey, blocks):
+            waiting = {client.submit(survey, block, pure=False): block for block in blocks}
+            for future, table in distributed.as_completed(waiting, with_results=True):
+                yield waiting[future], table
+
+        yield results
