@@ -33,14 +33,18 @@ def best_times(*functions, rounds=15):
     return np.min(np.reshape(times, (rounds, -1)), axis=0)
 
 
-def bench_only(module):
-    """Return a module of a package that only the benchmarks need, or fail and say how to get it."""
+@pytest.fixture
+def installed(package):
+    """Return a module that only the benchmarks need, or fail and say how to get it.
+
+    A test that asks for it names it as its parameter `package`, and asks before it asks for
+    `benchmark`.
+    """
     try:
-        return importlib.import_module(module)
+        return importlib.import_module(package)
     except ImportError as error:
-        pytest.fail(
-            f"{module} can't be imported ({error}); `make bench` installs it.", pytrace=False
-        )
+        missing = f"{package} can't be imported ({error}); `make bench` installs it."
+    pytest.fail(missing, pytrace=False)
 
 
 @pytest.fixture
@@ -50,7 +54,8 @@ def say(capsys, benchmark):
     def print_and_keep(what, value, *packages):
         benchmark.extra_info[what] = value
         shown = f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
-        versions = ", ".join(f"{name} {version(name)}" for name in ("numpy", *packages))
+        names = ("numpy", *(package.split(".")[0] for package in packages))
+        versions = ", ".join(f"{name} {version(name)}" for name in names)
         with capsys.disabled():
             print(f"\n{what}: {shown} ({versions}, {processor()})")
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from tests.bench.conftest import bench_only, best_times
+from tests.bench.conftest import best_times
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -49,8 +49,8 @@ def test_pairs_per_second(benchmark, say, torus, where):
 
 
 # A boundary value problem, as it would be put to scipy: theta, phi and azimuth over the share of
-# the way, and the length a parameter. That form, derivatives given and as many nodes at the start
-# as suit the tolerance were the fastest of those tried.
+# the way, and the length a parameter. On the working sheet none of the other forms and numbers of
+# nodes that were tried, with derivatives given or not, was faster by more than a tenth.
 
 ENDS = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0]])
 BOUNDARY = ENDS, np.roll(ENDS, 2, axis=0), np.zeros((4, 1))
@@ -126,15 +126,15 @@ def test_against_solve_bvp_on_a_ring(benchmark, say):
     say("geodesic_inverse on the ring, pairs per second over those of solve_bvp at 1e-06",
         ours / theirs, "scipy")  # fmt: skip
     say("solve_bvp on the ring, % that fail", 100 * np.mean(np.isnan(excess)), "scipy")
-    say("solve_bvp on the ring, % longer than shortest", 100 * np.mean(excess > 1e-6), "scipy")
+    say("solve_bvp on the ring, % longer by over 0.01 %", 100 * np.mean(excess > 1e-4), "scipy")
     assert np.nanmin(excess) > -1e-7  # nothing is shorter
-    assert np.mean(excess > 1e-6) > 0.05
+    assert np.mean(excess > 1e-4) > 0.05
     assert ours >= 20 * theirs
 
 
-# Shooting all pairs at once, the best that numpy can do without the quadrature: Runge and Kutta's
-# method with a fixed number of steps, corrected by Newton's method. How far the end moves aside
-# when the azimuth turns is Jacobi's equation, integrated with the rest.
+# Shooting at all pairs at once, a rival that uses arrays too: Runge and Kutta's method with a fixed
+# number of steps, corrected by Newton's. How far the end moves aside when the azimuth turns is the
+# solution of Jacobi's equation, integrated with the rest.
 
 
 def shot_rates(torus, state, length):
@@ -147,7 +147,7 @@ def shot_rates(torus, state, length):
 
 
 def shot_lengths(torus, p, q, steps):
-    """Return the lengths after four corrections; a fifth changes nothing."""
+    """Return the lengths after four corrections; more change no digit that is shown."""
     (theta1, phi1), (theta2, phi2) = p.T, q.T
     east = (torus.r + torus.R * np.cos((phi1 + phi2) / 2)) * (theta2 - theta1)
     north = torus.R * (phi2 - phi1)
@@ -208,13 +208,13 @@ def vertex_pairs(joint, n):
     return np.random.default_rng(1).choice(inside, (n, 2))
 
 
-def exact_polyhedral(points, triangles):
-    solver = bench_only("pygeodesic.geodesic").PyGeodesicAlgorithmExact(points, triangles)
+def exact_polyhedral(module, points, triangles):
+    solver = module.PyGeodesicAlgorithmExact(points, triangles)
     return lambda start, stop: solver.geodesicDistance(start, stop)[0]
 
 
-def edge_flips(points, triangles):
-    solver = bench_only("potpourri3d").EdgeFlipGeodesicSolver(points, triangles)
+def edge_flips(module, points, triangles):
+    solver = module.EdgeFlipGeodesicSolver(points, triangles)
 
     def length(start, stop):
         path = solver.find_geodesic_path(start, stop)
@@ -223,21 +223,21 @@ def edge_flips(points, triangles):
     return length
 
 
-def heat(points, triangles):
-    solver = bench_only("potpourri3d").MeshHeatMethodDistanceSolver(points, triangles)
+def heat(module, points, triangles):
+    solver = module.MeshHeatMethodDistanceSolver(points, triangles)
     return lambda start, stop: solver.compute_distance(start)[stop]
 
 
-@pytest.mark.parametrize("solver, package, sizes, n, least", [
-    (exact_polyhedral, "pygeodesic", (1e3, 1e4), 10, 1000),
-    (edge_flips, "potpourri3d", (1e3, 1e4, 1e5), 20, 50),
-    (heat, "potpourri3d", (1e3, 1e4, 1e5), 20, 50),
+@pytest.mark.parametrize("package, solver, sizes, n, least", [
+    ("pygeodesic.geodesic", exact_polyhedral, (1e3, 1e4), 10, 1000),
+    ("potpourri3d", edge_flips, (1e3, 1e4, 1e5), 20, 50),
+    ("potpourri3d", heat, (1e3, 1e4, 1e5), 20, 50),
 ])  # fmt: skip
-def test_against_a_mesh(benchmark, say, solver, package, sizes, n, least):
+def test_against_a_mesh(installed, benchmark, say, package, solver, sizes, n, least):
     rows = []
     for size in sizes:
         joint, points, triangles = mesh(size)
-        pairs, one = vertex_pairs(joint, n), solver(points, triangles)
+        pairs, one = vertex_pairs(joint, n), solver(installed, points, triangles)
 
         def others(pairs=pairs, one=one):
             return np.array([one(start, stop) for start, stop in pairs.tolist()])
@@ -259,10 +259,11 @@ def test_against_a_mesh(benchmark, say, solver, package, sizes, n, least):
     assert ratio[1] >= least  # on ten thousand vertices
 
 
-def test_one_start_against_a_mesh(benchmark, say):
+@pytest.mark.parametrize("package", ["pygeodesic.geodesic"])
+def test_one_start_against_a_mesh(installed, benchmark, say):
     """One run of the exact polyhedral method serves every end that has the same start."""
     joint, points, triangles = mesh(1e4)
-    solver = bench_only("pygeodesic.geodesic").PyGeodesicAlgorithmExact(points, triangles)
+    solver = installed.PyGeodesicAlgorithmExact(points, triangles)
     start = vertex_pairs(joint, 1)[0, 0]
 
     def ours():
