@@ -1,0 +1,282 @@
+"""How fast geodesics are found, against a boundary value solver, shooting, and meshes.
+
+The lengths of `geodesic_inverse` are right to rounding (tests/test_geodesic.py), so that what the
+others return is off by as much as it differs from them; each line tells by how much.
+"""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from tests.bench.conftest import best_times
+from tunneller_lib.paths import geodesic_inverse
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+MACHINE, RING = REFERENCE_MACHINE.torus, Torus(3, 1)
+LOW = np.array([REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min])
+HIGH = np.array([REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max])
+MANY = 20_000
+
+
+def random_pairs(torus, n):
+    """Return ends p, q (n, 2) within the machine's limits or, on a ring, anywhere."""
+    low, high = (-np.pi, np.pi) if torus is RING else (LOW, HIGH)
+    return np.random.default_rng(0).uniform(low, high, (2, n, 2))
+
+
+def paces(torus, others, n, rounds=3):
+    """Return how many pairs per second geodesic_inverse answers, and `others()`, n at once."""
+    p, q = random_pairs(torus, MANY)
+    ours, theirs = best_times(lambda: geodesic_inverse(torus, p, q), others, rounds=rounds)
+    return MANY / ours, n / theirs
+
+
+def off(length, exact):
+    """Return the median and the worst relative error of lengths, in words."""
+    error = np.abs(length / exact - 1)
+    return f"off by {np.median(error):.1e} in the median and {np.max(error):.1e} at worst"
+
+
+@pytest.mark.parametrize("torus, where", [(MACHINE, "working sheet"), (RING, "ring")])
+def test_pairs_per_second(benchmark, say, torus, where):
+    p, q = random_pairs(torus, 100_000)
+    geodesic = benchmark.pedantic(geodesic_inverse, (torus, p, q))
+    (time,) = best_times(lambda: geodesic_inverse(torus, p, q), rounds=3)
+    say(f"geodesic_inverse on the {where}, pairs per second of one core", len(p) / time)
+    assert np.all(geodesic.converged)
+
+
+# A boundary value problem, as it would be put to scipy: theta, phi and azimuth over the share of
+# the way, and the length a parameter. On the working sheet none of the other forms and numbers of
+# nodes that were tried, with derivatives given or not, was faster by more than a tenth.
+
+ENDS = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 0]])
+BOUNDARY = ENDS, np.roll(ENDS, 2, axis=0), np.zeros((4, 1))
+NODES = {1e-6: 33, 1e-10: 257}
+
+
+def rates(torus, _, state, length):
+    """Return the derivatives of theta, phi and azimuth."""
+    _, phi, alpha = state
+    turning = np.sin(alpha) / (torus.r + torus.R * np.cos(phi))
+    return length * np.stack([turning, np.cos(alpha) / torus.R, np.sin(phi) * turning])
+
+
+def derivatives(torus, s, state, length):
+    """Return the derivatives of `rates` with respect to the state and the length."""
+    _, phi, alpha = state
+    rho, zero = torus.r + torus.R * np.cos(phi), np.zeros_like(phi)
+    turning, spread = np.sin(alpha) / rho, np.sin(phi) / rho
+    by_theta = [zero, zero, zero]
+    by_phi = [
+        torus.R * spread * turning, zero, (np.cos(phi) + torus.R * np.sin(phi) * spread) * turning
+    ]  # fmt: skip
+    by_alpha = [np.cos(alpha) / rho, -np.sin(alpha) / torus.R, np.cos(alpha) * spread]
+    by_state = length * np.stack([by_theta, by_phi, by_alpha], axis=1)
+    return by_state, rates(torus, s, state, 1)[:, None]
+
+
+def bvp_length(torus, p, q, tolerance):
+    """Return the length that solve_bvp finds from the straight line in joint space, or NaN."""
+    s = np.linspace(0, 1, NODES[tolerance])
+    theta, phi = np.outer(p, 1 - s) + np.outer(q, s)
+    east, north = (torus.r + torus.R * np.cos(phi)) * (q[0] - p[0]), torus.R * (q[1] - p[1])
+    with np.errstate(all="ignore"):  # where it diverges it says so itself
+        way = solve_bvp(
+            partial(rates, torus),
+            lambda first, last, _: np.concatenate([first[:2] - p, last[:2] - q]),
+            s, np.stack([theta, phi, np.arctan2(east, north)]), p=[np.hypot(east, north).mean()],
+            fun_jac=partial(derivatives, torus), bc_jac=lambda *_: BOUNDARY,
+            tol=tolerance, max_nodes=20_000,
+        )  # fmt: skip
+    # A negative length is the same path with the azimuth turned round.
+    return abs(way.p[0]) if way.success else np.nan
+
+
+@pytest.mark.parametrize("tolerance, least", [(1e-6, 20), (1e-10, 100)])
+def test_against_solve_bvp(benchmark, say, tolerance, least):
+    p, q = random_pairs(MACHINE, 100)
+
+    def others():
+        return np.array([bvp_length(MACHINE, *pair, tolerance) for pair in zip(p, q)])
+
+    length = benchmark.pedantic(others)
+    ours, theirs = paces(MACHINE, others, len(p), rounds=5)
+    accuracy = off(length, geodesic_inverse(MACHINE, p, q).length)
+    say(
+        f"geodesic_inverse on the working sheet, pairs per second over those of solve_bvp at "
+        f"{tolerance:.0e}, {accuracy}", ours / theirs, "scipy",
+    )  # fmt: skip
+    assert ours >= least * theirs
+
+
+def test_against_solve_bvp_on_a_ring(benchmark, say):
+    p, q = random_pairs(RING, 200)
+    # Straight lines that take the shorter way round in both angles.
+    nearest = p + np.remainder(q - p + np.pi, 2 * np.pi) - np.pi
+
+    def others():
+        return np.array([bvp_length(RING, *pair, 1e-6) for pair in zip(p, nearest)])
+
+    found = benchmark.pedantic(others)
+    ours, theirs = paces(RING, others, len(p), rounds=2)
+    excess = found / geodesic_inverse(RING, p, q).length - 1
+    say("geodesic_inverse on the ring, pairs per second over those of solve_bvp at 1e-06",
+        ours / theirs, "scipy")  # fmt: skip
+    say("solve_bvp on the ring, % that fail", 100 * np.mean(np.isnan(excess)), "scipy")
+    say("solve_bvp on the ring, % longer by over 0.01 %", 100 * np.mean(excess > 1e-4), "scipy")
+    assert np.nanmin(excess) > -1e-7  # nothing is shorter
+    assert np.mean(excess > 1e-4) > 0.05
+    assert ours >= 20 * theirs
+
+
+# Shooting at all pairs at once, a rival that uses arrays too: Runge and Kutta's method with a fixed
+# number of steps, corrected by Newton's. How far the end moves aside when the azimuth turns is the
+# solution of Jacobi's equation, integrated with the rest.
+
+
+def shot_rates(torus, state, length):
+    """Return the derivatives of theta, phi, azimuth, Jacobi's field and its derivative."""
+    theta, phi, alpha, field, slope = state
+    rho = torus.r + torus.R * np.cos(phi)
+    bending = -np.cos(phi) / (torus.R * rho) * field
+    way = rates(torus, None, (theta, phi, alpha), length)
+    return np.concatenate([way, [length * slope, length * bending]])
+
+
+def shot_lengths(torus, p, q, steps):
+    """Return the lengths after four corrections; more change no digit that is shown."""
+    (theta1, phi1), (theta2, phi2) = p.T, q.T
+    east = (torus.r + torus.R * np.cos((phi1 + phi2) / 2)) * (theta2 - theta1)
+    north = torus.R * (phi2 - phi1)
+    azimuth, length, zero = np.arctan2(east, north), np.hypot(east, north), np.zeros_like(phi1)
+    for _ in range(4):
+        state, rate = np.stack([theta1, phi1, azimuth, zero, zero + 1]), partial(shot_rates, torus)
+        for _ in range(steps):
+            one = rate(state, length / steps)
+            two = rate(state + one / 2, length / steps)
+            three = rate(state + two / 2, length / steps)
+            four = rate(state + three, length / steps)
+            state = state + (one + 2 * two + 2 * three + four) / 6
+        theta, phi, alpha, _, _ = state
+        east = (torus.r + torus.R * np.cos(phi)) * (theta2 - theta)
+        north, sine, cosine = torus.R * (phi2 - phi), np.sin(alpha), np.cos(alpha)
+        azimuth = azimuth + (east * cosine - north * sine) / state[3]
+        length = length + east * sine + north * cosine
+    return length
+
+
+@pytest.mark.parametrize("steps", [16, 64])
+def test_against_shooting(benchmark, say, steps):
+    p, q = random_pairs(MACHINE, 2_000)  # as many as the cache holds
+    length = benchmark.pedantic(shot_lengths, (MACHINE, p, q, steps))
+    ours, theirs = paces(MACHINE, lambda: shot_lengths(MACHINE, p, q, steps), len(p))
+    accuracy = off(length, geodesic_inverse(MACHINE, p, q).length)
+    say(
+        f"geodesic_inverse on the working sheet, pairs per second over those of shooting with "
+        f"{steps} steps of order 4, {accuracy}", ours / theirs,
+    )  # fmt: skip
+    assert np.allclose(length, geodesic_inverse(MACHINE, p, q).length, rtol=1e-5)
+
+
+# Meshes. Making the mesh and a solver's own preparations aren't counted, ends are vertices within
+# the joints' limits, and the mesh goes on beyond these where shortest geodesics do (53 degrees).
+
+
+def mesh(vertices):
+    """Return joint positions, points and triangles of about so many vertices; edges all alike."""
+    margin = np.array([0, np.radians(15)])
+    low, high = LOW - margin, HIGH + margin
+    size = (high - low) * [MACHINE.r + MACHINE.R, MACHINE.R]
+    counts = np.round(size * np.sqrt(vertices / np.prod(size))).astype(int)
+    axes = [np.linspace(*limits, count) for *limits, count in zip(low, high, counts)]
+    joint = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    corner = np.arange(len(joint)).reshape(counts)
+    a, b, c, d = (
+        part.ravel()
+        for part in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])
+    )
+    triangles = np.concatenate([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)])
+    return joint, MACHINE.point(*joint.T), triangles
+
+
+def vertex_pairs(joint, n):
+    """Return n random pairs of vertices within the joints' limits, as (n, 2) indices."""
+    inside = np.flatnonzero(REFERENCE_MACHINE.within_limits(joint))
+    return np.random.default_rng(1).choice(inside, (n, 2))
+
+
+def exact_polyhedral(module, points, triangles):
+    solver = module.PyGeodesicAlgorithmExact(points, triangles)
+    return lambda start, stop: solver.geodesicDistance(start, stop)[0]
+
+
+def edge_flips(module, points, triangles):
+    solver = module.EdgeFlipGeodesicSolver(points, triangles)
+
+    def length(start, stop):
+        path = solver.find_geodesic_path(start, stop)
+        return np.sum(np.linalg.norm(np.diff(path, axis=0), axis=-1))
+
+    return length
+
+
+def heat(module, points, triangles):
+    solver = module.MeshHeatMethodDistanceSolver(points, triangles)
+    return lambda start, stop: solver.compute_distance(start)[stop]
+
+
+@pytest.mark.parametrize("package, solver, sizes, n, least", [
+    ("pygeodesic.geodesic", exact_polyhedral, (1e3, 1e4), 10, 1000),
+    ("potpourri3d", edge_flips, (1e3, 1e4, 1e5), 20, 50),
+    ("potpourri3d", heat, (1e3, 1e4, 1e5), 20, 50),
+])  # fmt: skip
+def test_against_a_mesh(installed, benchmark, say, package, solver, sizes, n, least):
+    rows = []
+    for size in sizes:
+        joint, points, triangles = mesh(size)
+        pairs, one = vertex_pairs(joint, n), solver(installed, points, triangles)
+
+        def others(pairs=pairs, one=one):
+            return np.array([one(start, stop) for start, stop in pairs.tolist()])
+
+        length = benchmark.pedantic(others) if size == sizes[-1] else others()
+        exact = geodesic_inverse(MACHINE, *joint[pairs.T]).length
+        ours, theirs = paces(MACHINE, others, n, rounds=2)
+        say(
+            f"geodesic_inverse on the working sheet, pairs per second over those of "
+            f"{solver.__name__} on {len(joint):,} vertices, {off(length, exact)}",
+            ours / theirs, package,
+        )  # fmt: skip
+        rows.append((len(joint), np.median(np.abs(length / exact - 1)), ours / theirs))
+    count, error, ratio = np.transpose(rows)
+    # The edges are as long as one over the root of the number of vertices.
+    order = -2 * np.diff(np.log(error)) / np.diff(np.log(count))
+    say(f"{solver.__name__}, order of its error in the edges' length", order[-1], package)
+    assert np.all(order < 1) if solver is heat else np.allclose(order, 2, atol=0.3)
+    assert ratio[1] >= least  # on ten thousand vertices
+
+
+@pytest.mark.parametrize("package", ["pygeodesic.geodesic"])
+def test_one_start_against_a_mesh(installed, benchmark, say):
+    """One run of the exact polyhedral method serves every end that has the same start."""
+    joint, points, triangles = mesh(1e4)
+    solver = installed.PyGeodesicAlgorithmExact(points, triangles)
+    start = vertex_pairs(joint, 1)[0, 0]
+
+    def ours():
+        return geodesic_inverse(MACHINE, joint[start], joint).length
+
+    def theirs():
+        return solver.geodesicDistances(np.array([start]))[0]
+
+    length, there = benchmark.pedantic(theirs), np.arange(len(joint)) != start
+    fast, slow = best_times(ours, theirs, rounds=3)
+    say(
+        f"geodesic_inverse from one start to {len(joint):,} vertices, pairs per second over those "
+        f"of one run of exact_polyhedral, {off(length[there], ours()[there])}",
+        slow / fast, "pygeodesic",
+    )  # fmt: skip
+    assert np.median(np.abs(length - ours())[there]) < 1e-4
