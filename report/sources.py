@@ -66,7 +66,8 @@ def figure_files(notebook):
 def notebook_sources(notebook):
     """Return the digest of all that the results of a notebook depend on."""
     root = notebook.parent.parent
-    shared = [root / "environment.txt", *sorted((root / "tunneller_lib").rglob("*.py"))]
+    code, data = (root / "tunneller_lib").rglob("*.py"), (root / "notebooks").glob("*.csv")
+    shared = [root / "environment.txt", *sorted(code), *sorted(data)]
     return digest(json.dumps(cells(notebook)).encode(), file_digest(root, shared).encode())
 
 

@@ -17,16 +17,17 @@ ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet f
 
 
 def tangent_spheres(torus, p, q, t):
-    """Return the document's path: each M(t) along its own normal, section 3.3."""
+    """Return the document's path on a torus from p to q: M(t) along its own normal, 3.3."""
     m, _ = _chord(torus, p, q, t)
     return _joint(torus, m)
 
 
 def one_third_rule(torus, p, q, t):
-    """Return the path that drops M(t) one third along its own normal, else the middle's.
+    """Return the path on a torus from p to q that mixes the normals at M(t) and in the middle.
 
-    Our proposal: it cancels the leading term of the tangent-sphere path's error. In practice M is
-    shifted by 2/3 of its depth times the difference of the normals, then projected.
+    Our proposal: a third of M's own normal and two thirds of the middle's cancel the leading term
+    of the tangent-sphere path's error. In practice M is shifted by two thirds of its depth times
+    the difference of the normals, then projected.
     """
     m, middle = _chord(torus, p, q, t)
     normal = _normal(torus, m)
@@ -35,19 +36,19 @@ def one_third_rule(torus, p, q, t):
 
 
 def plane_section(torus, p, q, t):
-    """Return the section with the plane through the chord and its middle's normal."""
+    """Return the torus' section from p to q by a plane, M(t) along the normal of the middle."""
     m, middle = _chord(torus, p, q, t)
     return _dropped(torus, m, _normal(torus, middle))
 
 
 def radial_projection(torus, p, q, t):
-    """Return the chord projected from the torus' centre, a section with a plane through it."""
+    """Return the chord from p to q projected from the centre of the torus, M(t) by M(t)."""
     m, _ = _chord(torus, p, q, t)
     return _dropped(torus, m, m / norm(m)[..., None])
 
 
 def joint_line(torus, p, q, t):
-    """Return the straight line in the plane of the two joint angles; the torus doesn't matter."""
+    """Return the straight line from p to q at t in the plane of the joint angles, for any torus."""
     p, q, t = positions("p", p), positions("q", q), real("t", t)
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 

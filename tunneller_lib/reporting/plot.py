@@ -3,6 +3,8 @@
 import numpy as np
 from matplotlib.patches import Circle
 
+from ..paths import geodesic_inverse
+from ..paths.rivals import RIVALS, path_length
 from ..surfaces.torus import FEET
 from .style import COLOURS
 
@@ -157,3 +159,34 @@ def draw_development(ax, chord, u):
     lines += ax.plot(*chord.path(u).T, "o", mfc="white", **path)
     equal(ax, "development / m", "development / m")
     return lines
+
+
+def draw_ways(ax, torus, p, q):
+    """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface.
+    p, q : (2,) float
+        Joint positions (theta, phi) of the ends, in rad.
+
+    Returns
+    -------
+    artists : list
+        The curves, each labelled with its excess of length.
+    """
+    geodesic, t = geodesic_inverse(torus, p, q), np.linspace(0, 1, 201)
+    ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
+    for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
+        excess = 1e6 * (path_length(torus, RIVALS[name], p, q) / geodesic.length - 1)
+        ways[name] = RIVALS[name](torus, p, q, t), colour, f"longer by {excess:.3g} ppm"
+    artists = []
+    for name, (way, colour, told) in ways.items():
+        theta, phi = np.degrees(way.T)
+        artists += ax.plot(theta, phi, color=COLOURS[colour], label=f"{name}, {told}")
+    ax.set(xlabel="θ / °", ylabel="φ / °")
+    ax.legend()
+    return artists

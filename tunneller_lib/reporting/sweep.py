@@ -1,5 +1,6 @@
 """Long sweeps, block by block, on local cores or a Dask cluster, on from where one stopped."""
 
+import hashlib
 import os
 import shutil
 import sys
@@ -12,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+PACKAGE = Path(__file__).resolve().parents[1]
+
 
 def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     """Compute the blocks of a sweep that a folder lacks, and return all of them.
@@ -23,8 +26,8 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     blocks : list of tuple of int
         The blocks.
     folder : path-like
-        Where they are kept, a file each, written whole or not at all: an interrupted sweep goes
-        on from there.
+        Where they are kept, a file each, in a subfolder named after this package's digest. Each
+        is written whole or not at all: an interrupted sweep goes on from there.
     scheduler : str, optional
         Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
         them. Without it the local cores work. The same blocks give the same bits.
@@ -43,7 +46,7 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     """
     if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
         raise ValueError(f"jobs: must be a whole number of at least 1 process; got {jobs!r}.")
-    folder = Path(folder)
+    folder = Path(folder) / digest()
     folder.mkdir(parents=True, exist_ok=True)
     files = {block: folder / ("-".join(map(str, block)) + ".npy") for block in blocks}
     missing = [block for block in blocks if not files[block].exists()]
@@ -62,7 +65,14 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     return list(files.values())
 
 
+def digest():
+    """Return what tells one state of this package from another."""
+    parts = [path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))]
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
+
+
 def say(text):
+    """Print `text` where progress belongs, at once."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -89,10 +99,9 @@ def cluster(scheduler):
     """Give a function that yields blocks and their results as a cluster's workers finish them."""
     import distributed
 
-    package = Path(__file__).resolve().parents[1]
     with distributed.Client(scheduler) as client, tempfile.TemporaryDirectory() as folder:
-        archive = Path(folder) / package.name
-        client.upload_file(shutil.make_archive(archive, "zip", package.parent, package.name))
+        archive = Path(folder) / PACKAGE.name
+        client.upload_file(shutil.make_archive(archive, "zip", PACKAGE.parent, PACKAGE.name))
 
         def results(survey, blocks):
             waiting = {client.submit(survey, block, pure=False): block for block in blocks}

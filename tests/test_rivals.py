@@ -1,0 +1,134 @@
+"""Paths that could stand in for a geodesic, and their lengths."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.paths import geodesic_inverse, project_chord, projected_length
+from tunneller_lib.paths.rivals import (
+    RIVALS,
+    joint_line,
+    one_third_rule,
+    path_length,
+    plane_section,
+    radial_projection,
+    tangent_spheres,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+MACHINE = REFERENCE_MACHINE
+LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
+TORI = [MACHINE.torus, Torus(0.25, 1), Torus(3, 200), Torus(2e-4, 1e-3)]
+every_torus = pytest.mark.parametrize("torus", TORI, ids=str)
+every_path = pytest.mark.parametrize("path", RIVALS.values(), ids=RIVALS)
+T = np.linspace(0, 1, 9)
+
+
+def pairs(n, seed=0):
+    return np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
+
+
+def points(torus, joint):
+    return torus.point(*np.moveaxis(joint, -1, 0))
+
+
+@every_torus
+@every_path
+def test_path_begins_and_ends_at_its_ends(torus, path):
+    p, q = pairs(200)
+    way = path(torus, p, q, np.array([0.0, 1.0]))
+    np.testing.assert_allclose(way, np.stack([p, q], axis=1), atol=1e-13)
+
+
+@every_torus
+@every_path
+def test_path_length_is_that_of_a_fine_polyline(torus, path):
+    p, q = pairs(40, seed=1)
+    fine = points(torus, path(torus, p, q, np.linspace(0, 1, 4001)))
+    polyline = np.linalg.norm(np.diff(fine, axis=1), axis=-1).sum(axis=-1)
+    np.testing.assert_allclose(path_length(torus, path, p, q), polyline, rtol=2e-7)
+
+
+@every_torus
+@every_path
+def test_path_is_no_shorter_than_the_geodesic(torus, path):
+    p, q = pairs(500, seed=2)
+    shortest = geodesic_inverse(torus, p, q).length
+    assert np.min(path_length(torus, path, p, q) / shortest) > 1 - 1e-11
+
+
+@every_torus
+def test_tangent_spheres_are_the_projected_chord(torus):
+    p, q = pairs(200, seed=3)
+    np.testing.assert_array_equal(tangent_spheres(torus, p, q, T), project_chord(torus, p, q, 9))
+    length = path_length(torus, tangent_spheres, p, q)
+    np.testing.assert_allclose(length, projected_length(torus, p, q), rtol=1e-8)
+
+
+@every_torus
+def test_plane_section_lies_in_the_plane_and_is_where_lines_meet_the_torus(torus):
+    p, q = pairs(50, seed=4)
+    way = points(torus, plane_section(torus, p, q, T[1:-1]))
+    start, stop = points(torus, p), points(torus, q)
+    middle = (start + stop) / 2
+    normal = torus.normal(*torus.angles(middle))
+    across = np.cross(stop - start, normal)
+    off = np.einsum("nki,ni->nk", way - start[:, None], across)
+    assert np.max(np.abs(off)) <= 1e-13 * torus.R**2
+    chord = start[:, None] + T[1:-1, None] * (stop - start)[:, None]
+    meets = torus.meet_line(chord, chord + torus.R * normal[:, None])
+    t = np.einsum("nki,ni->nk", way - chord, normal) / torus.R
+    assert np.max(np.nanmin(np.abs(meets - t[..., None]), axis=-1)) <= 1e-12
+
+
+@every_torus
+def test_radial_projection_lies_in_a_plane_through_the_centre(torus):
+    p, q = pairs(50, seed=5)
+    way = points(torus, radial_projection(torus, p, q, T))
+    across = np.cross(points(torus, p), points(torus, q))
+    off = np.einsum("nki,ni->nk", way, across)
+    assert np.max(np.abs(off)) <= 1e-13 * torus.R**3
+
+
+@every_torus
+def test_one_third_rule_is_the_geodesic_to_a_higher_order(torus):
+    # Short oblique chords: the deviation falls by 16 where the tangent spheres' falls by 8.
+    p, q = np.array([0.1, 0.2]), np.array([0.5, 0.45])
+    ends = np.array([[p + s * (q - p), q - s * (q - p)] for s in (0.0, 0.25)])
+    samples = geodesic_inverse(torus, ends[:, 0], ends[:, 1]).points(257)
+    for path, ratio in ((tangent_spheres, 7), (plane_section, 7), (one_third_rule, 13)):
+        way = path(torus, ends[:, 0], ends[:, 1], T)
+        long, short = np.max(np.abs(samples.deviation(way)), axis=-1)
+        assert long / short > ratio
+
+
+@every_path
+def test_path_on_a_meridian_is_its_arc(path):
+    way = path(MACHINE.torus, (0.2, -0.6), (0.2, 0.5), T)
+    np.testing.assert_allclose(way[:, 0], 0.2, atol=1e-14)
+    assert np.all(np.diff(way[:, 1]) > 0)
+    assert path_length(MACHINE.torus, path, (0.2, -0.6), (0.2, 0.5)) == pytest.approx(0.8 * 1.1)
+
+
+@every_path
+def test_path_broadcasts_and_leaves_its_arguments(path):
+    p, q = np.zeros((4, 1, 2)), np.full((3, 2), 0.3)
+    before = p.copy(), q.copy(), T.copy()
+    way = path(MACHINE.torus, p, q, T)
+    assert way.shape == (4, 3, 9, 2)
+    assert path_length(MACHINE.torus, path, p, q).shape == (4, 3)
+    for argument, copy in zip((p, q, T), before):
+        np.testing.assert_array_equal(argument, copy)
+    one = path(MACHINE.torus, p[0, 0], q[0], T)
+    np.testing.assert_allclose(way[2, 1], one, atol=1e-15)
+
+
+@every_path
+def test_path_refuses_ends_of_another_shape(path):
+    with pytest.raises(ValueError, match=r"^p: the last axis must hold theta, phi"):
+        path(MACHINE.torus, (0, 0, 0), (0, 0), T)
+    with pytest.raises(ValueError, match=r"^t: must hold real numbers"):
+        path(MACHINE.torus, (0, 0), (0, 0), ["a"])
+
+
+def test_joint_line_of_no_length_has_none():
+    assert path_length(MACHINE.torus, joint_line, (0.1, 0.2), (0.1, 0.2)) < 1e-14

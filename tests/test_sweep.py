@@ -1,0 +1,105 @@
+"""The atlas and its sweep: the same bits on local cores, on a cluster, and after an interrupt."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from tunneller_lib.__main__ import main
+from tunneller_lib.paths import atlas, geodesic_inverse
+from tunneller_lib.reporting.sweep import sweep
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+FEW = [(0, 8), (12, 3)]
+
+
+def small(block):
+    """Return a small table of a block; it stands in a module, for processes to find."""
+    return np.sin(np.arange(6.0).reshape(2, 3) + 10 * block[0] + block[1])
+
+
+def loaded(files):
+    return [np.load(file) for file in files]
+
+
+def test_atlas_covers_every_pair_of_the_joint_limits_up_to_symmetry():
+    turn, phi1, phi2 = np.concatenate([atlas.pairs(0, k) for k in range(atlas.STRIPES)], axis=1)
+    machine = REFERENCE_MACHINE
+    assert len(atlas.blocks()) * turn.size / atlas.STRIPES >= 1e6
+    assert turn.max() == pytest.approx(machine.theta_max - machine.theta_min)
+    assert phi1.max() == machine.phi_max and phi2.min() == machine.phi_min
+    assert np.all(phi1 >= np.abs(phi2)) and turn.min() > 0
+    assert atlas.RATIOS[0] == pytest.approx(4) and atlas.RATIOS[-1] == pytest.approx(100)
+
+
+def test_survey_tells_what_the_functions_tell():
+    table = atlas.survey((5, 2))
+    assert table.shape[1] == len(atlas.COLUMNS) and np.all(table[:, 5:7] == 1)
+    rows = table[::997]
+    torus = Torus(1 / rows[0, 0], 1)
+    p = np.stack([0.7 + 0 * rows[:, 1], -rows[:, 2]], axis=-1)  # turned and mirrored
+    q = np.stack([0.7 - rows[:, 1], -rows[:, 3]], axis=-1)
+    np.testing.assert_allclose(geodesic_inverse(torus, p, q).length, rows[:, 4], rtol=1e-13)
+    assert np.all(table[:, 7:12] > -1e-11) and np.all(table[:, 12:] >= 0)
+
+
+def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
+    blocks = [(0, k) for k in range(5)]
+    first = sweep(small, blocks[:2], tmp_path, jobs=1)
+    first[0].with_name("0-3.part").write_bytes(b"half a block")
+    stamps = [file.stat().st_mtime_ns for file in first]
+    files = sweep(small, blocks, tmp_path, jobs=2)
+    assert [file.stat().st_mtime_ns for file in files[:2]] == stamps
+    for block, table in zip(blocks, loaded(files)):
+        np.testing.assert_array_equal(table, small(block))
+    told = capsys.readouterr().err
+    assert "2 of 5 blocks are there" in told and "5 of 5 blocks, 0 s to go" in told
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def fails_late(block):
+    if block[1] == 3:
+        raise ArithmeticError("as after an interrupt")
+    return small(block)
+
+
+def test_sweep_keeps_the_blocks_that_were_finished(tmp_path):
+    with pytest.raises(ArithmeticError):
+        sweep(fails_late, [(0, k) for k in range(4)], tmp_path, jobs=1)
+    assert sorted(file.name for file in tmp_path.rglob("*.*")) == ["0-0.npy", "0-1.npy", "0-2.npy"]
+
+
+@pytest.mark.parametrize("jobs", [0, -1, 1.5, "2"])
+def test_sweep_refuses_another_number_of_processes(tmp_path, jobs):
+    with pytest.raises(ValueError, match=r"^jobs: must be a whole number of at least 1 process"):
+        sweep(small, [(0, 0)], tmp_path, jobs=jobs)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path):
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        there = sweep(atlas.survey, FEW, tmp_path / "there", scheduler=address)
+    here = sweep(atlas.survey, FEW, tmp_path / "here", jobs=2)
+    for one, other in zip(loaded(there), loaded(here)):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_command_writes_the_summary(tmp_path, monkeypatch):
+    monkeypatch.setattr(atlas, "blocks", lambda: FEW[:1])
+    table = tmp_path / "atlas.csv"
+    main(["atlas", "--folder", str(tmp_path / "blocks"), "--table", str(table), "--jobs", "1"])
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 5 and rows[0]["path"] == "tangent spheres"
+    kept = np.load(next(tmp_path.rglob("0-8.npy")))
+    assert float(rows[0]["worst excess"]) == pytest.approx(kept[:, 7].max(), rel=1e-8)
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_command_without_a_name_tells_what_there_is(capsys):
+    with pytest.raises(SystemExit):
+        main([])
+    assert "COMMAND" in capsys.readouterr().err
