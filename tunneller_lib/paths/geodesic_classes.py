@@ -16,8 +16,9 @@ import numpy as np
 class Track(NamedTuple):
     """What one value of the unknown stands for.
 
-    `at` (6, n) holds c, A, B, E and the limits of t, `rate` what they change by with the unknown;
-    cos_a and cos_b (n,) are the cosines of the azimuths.
+    `at` (6, n) holds c, A, B, E, the lower limit of t and how far the upper one is from it; `rate`
+    what c, A, B, E and both limits change by with the unknown; cos_a and cos_b (n,) are the
+    cosines of the azimuths.
     """
 
     at: np.ndarray
@@ -49,8 +50,10 @@ def outer(torus, a, b, u):
     rising = u > 0
     high = np.where(rising, u / X, 0)
     x = np.where(rising, X * np.tanh(high), u)
-    # X - x without cancellation where u is great; past 300 the geodesic runs into the node.
-    gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, 300))), X - x)
+    # X - x without cancellation where u is great; at such bounds the geodesic runs into the node,
+    # with a turn too sharp for the quadrature if it were followed farther, or turns many times.
+    bound = 300 if r > R else 30
+    gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, bound))), X - x)
     e = gap * (X + x)
     d = np.sin((a + b) / 2) * np.sin((a - b) / 2)  # sin^2(a/2) - sin^2(b/2)
     W = np.sqrt(np.maximum(d + x * x, 0))
@@ -67,11 +70,11 @@ def outer(torus, a, b, u):
     first = np.arctan2(-x, sa)
     slope_a, slope_b = np.sqrt(2 * R * (rho_a + c)), np.sqrt(2 * R * (r + R * np.cos(b) + c))
     dk2 = 2 * x * dx
-    at = _rows(c, rest, k2, 0, first, first + span)
+    at = _rows(c, rest, k2, 0, first, span)
     rate = _rows(-2 * R * dk2, -dk2, dk2, 0, dfirst, dlast)
     # A geodesic that would cross the inner equator has no turning point; then t = (pi - phi)/2.
     free = rest < 0
-    at = np.where(free, _rows(c, -rest, 1, -rest, (np.pi - a) / 2, (np.pi - b) / 2), at)
+    at = np.where(free, _rows(c, -rest, 1, -rest, below_pi(a) / 2, (a - b) / 2), at)
     rate = np.where(free, _rows(-2 * R * dk2, dk2, 0, dk2, 0, 0), rate)
     return Track(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
 
@@ -97,14 +100,19 @@ def inner(torus, a, b, u):
     slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))
     c, kappa2 = (r - R) * np.tanh(u), (r - R) / R * slow
     rho_a, rho_b = r + R * np.cos(a), r + R * np.cos(b)
-    start, stop = (np.pi - a) / 2, (np.pi - np.abs(b)) / 2
+    start, stop = below_pi(a) / 2, below_pi(np.abs(b)) / 2
     dc, dkappa2 = 4 * (r - R) * slow * (1 - slow), -2 * kappa2 * (1 - slow)
     cosines = [
         np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho
         for t, rho in ((start, rho_a), (stop, rho_b))
     ]
-    at = _rows(c, kappa2, 1, kappa2, -start, stop)
+    at = _rows(c, kappa2, 1, kappa2, -start, start + stop)
     return Track(at, _rows(dc, dkappa2, 0, dkappa2, 0, 0), *cosines)
+
+
+def below_pi(phi):
+    """Return how far angles phi are below pi, to the last digit: np.pi is 1.2e-16 too small."""
+    return (np.pi - phi) + 1.2246467991473532e-16
 
 
 def _rows(*values):

@@ -102,14 +102,18 @@ def integrate(torus, track, count):
         In rad, rad and m. In t = a0 sinh(y), which spreads out the peak at the turning point.
     """
     nodes, weights = leggauss(count)
-    c, A, B, E, first, last = track.at[..., None]
+    c, A, B, E, first, span = track.at[..., None]
     dc, dA, dB, dE, dfirst, dlast = track.rate[..., None]
     peak = np.sqrt(np.maximum(np.minimum(A, E + c / (2 * torus.R)), 0) / B)
     a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
-    low, high = np.arcsinh(first / a0), np.arcsinh(last / a0)
-    grown = np.exp(low + (high - low) * (1 + nodes) / 2)
+    x, z = first / a0, (first + span) / a0
+    # Far from the turning point arcsinh z - arcsinh x cancels, on a short way nearly all of it.
+    shared = np.where(x > 0, z * np.hypot(1, x) + x * np.hypot(1, z), 1)
+    low = np.arcsinh(x)
+    width = np.where(x > 0, np.arcsinh(span / a0 * (x + z) / shared), np.arcsinh(z) - low)
+    grown = np.exp(low + width * (1 + nodes) / 2)
     t = a0 / 2 * (grown - 1 / grown)
-    step = weights * (high - low) * a0 / 4 * (grown + 1 / grown)
+    step = weights * width * a0 / 4 * (grown + 1 / grown)
 
     def terms(t):
         tan2 = np.tan(t) ** 2  # numpy has it eight times as fast as the sine
@@ -122,7 +126,7 @@ def integrate(torus, track, count):
     drho = dc + 2 * torus.R * (dE + dB * sin2)
     spread = drho / rho + (drho + dc) / (2 * (rho + c)) + (dA + dB * sin2) / (2 * D)
     rate = np.sum((dc - c * spread) / rho * density, axis=-1)
-    for end, speed in ((last, dlast), (first, -dfirst)):  # the limits move, too
+    for end, speed in ((first + span, dlast), (first, -dfirst)):  # the limits move, too
         _, rho_end, _, density_end = terms(end)
         rate += (speed * c / rho_end * density_end)[..., 0]
     return np.sum(c / rho * density, axis=-1), rate, np.sum(rho * density, axis=-1)
