@@ -132,11 +132,11 @@ class Hydraulics:
 
         `opening` is the spool's, from 0 to 1; D, rho and load are one of `sides`.
         """
-        conductance = (self.flow * opening / D) ** 2 / (1 + rho**3)
-        drag = conductance * self.damping / D
-        lost = conductance * self._drive(D, rho, load)
-        # The root of w^2 + drag w = lost, without the difference of its usual form.
-        return 2 * lost / (drag + (drag**2 + 4 * lost) ** 0.5 + 1e-300)
+        slope = self.flow * opening / D / (1 + rho**3) ** 0.5
+        drag = slope * self.damping / D
+        drive = self._drive(D, rho, load)
+        # The root of w^2 + slope drag w = slope^2 drive, without the difference of its usual form.
+        return 2 * slope * drive / (drag + (drag**2 + 4 * drive) ** 0.5)
 
 
 def reference_axes(machine, *, damping=0.15):

@@ -73,7 +73,9 @@ class Compressible:
     Notes
     -----
     Lands leak nothing when shut; their flow is the root of the pressure lost, straightened below
-    1 bar. Oil that would be torn apart stays at pressure zero. The axes don't feel each other.
+    1 bar: where both lose at least p, steady rates are those of `Rigid` to (1 bar / p)^2 / 4 of
+    themselves. Oil that would be torn apart stays at pressure zero, and the void isn't remembered.
+    The axes don't feel each other.
     """
 
     axis: Hydraulics
@@ -104,6 +106,7 @@ class Compressible:
                 k4 = self.derivative([y + h * k for y, k in zip(state, k3)], u)
                 slopes = zip(state, k1, k2, k3, k4)
                 state = [y + h / 6 * (a + 2 * (b + c) + d) for y, a, b, c, d in slopes]
+                state[2], state[3] = max(state[2], 0.0), max(state[3], 0.0)
             return tuple(state)
 
         return step
