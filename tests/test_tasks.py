@@ -1,6 +1,7 @@
 """Fig. 7 as tasks: response times against a run event by event, starvation, buffers."""
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -55,7 +56,7 @@ def test_schedule_gives_each_job_its_cost_and_the_urgent_the_processor(data):
     tasks = random_tasks(data.draw)
     horizon = 2 * math.lcm(*(t.period for t in tasks))
     slices, jobs = schedule(tasks, horizon)
-    assert all(a.stop <= b.start for a, b in zip(slices, slices[1:]))
+    assert all(a.stop <= b.start for a, b in pairwise(slices))
     if load(tasks) <= 1 and math.inf not in response_times(tasks):
         for task in tasks:
             used = sum(s.stop - s.start for s in slices if s.name == task.name)
