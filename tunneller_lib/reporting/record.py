@@ -153,12 +153,12 @@ class Record:
         if not alt.strip():
             raise ValueError(f"{name}: needs an alternative text.")
         if isinstance(picture, matplotlib.figure.Figure):
-            suffix, content, preview = ".svg", _svg(picture), _drawing_preview(picture)
+            suffix, content = ".svg", _svg(picture)
         else:
-            suffix, content, preview = ".png", _png(picture), _pixel_preview(picture)
+            suffix, content = ".png", _png(picture)
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
-        return Image(preview, format="png", width=PREVIEW, alt=alt)
+        return preview(picture, alt)
 
     def _merge(self, kind, name, entry):
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
@@ -166,6 +166,12 @@ class Record:
         content.setdefault(kind, {})[name] = entry
         text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
         _replace(file, (text + "\n").encode())
+
+
+def preview(picture, alt=""):
+    """Return a drawing or pixels as a notebook shows them, with an alternative text."""
+    small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
+    return Image(small(picture), format="png", width=PREVIEW, alt=alt)
 
 
 def _file_name(argument, name):

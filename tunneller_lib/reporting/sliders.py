@@ -1,0 +1,47 @@
+"""Sliders under a drawing, where there is somebody to move them."""
+
+import os
+
+import ipywidgets
+from IPython.display import display
+
+from .record import preview
+
+
+def sliders(draw, **ranges):
+    """Draw once, and again whenever a slider is moved.
+
+    Parameters
+    ----------
+    draw : function
+        Takes the values by the names of the ranges and returns a drawing or pixels.
+    **ranges
+        (low, high, start) of each value; whole numbers make a slider of whole numbers.
+
+    Returns
+    -------
+    picture : matplotlib.figure.Figure or (n, m, 3) uint8
+        What was drawn with the start values. In a run without a screen, told by
+        ``PYVISTA_JUPYTER_BACKEND=static``, that's all.
+
+    Raises
+    ------
+    ValueError
+        If a start isn't in its range.
+    """
+    for name, (low, high, start) in ranges.items():
+        if not low <= start <= high:
+            raise ValueError(f"{name}: must start from {low} to {high}; got {start}.")
+    picture = draw(**{name: start for name, (_, _, start) in ranges.items()})
+    if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
+        shown = ipywidgets.interactive_output(lambda **v: display(preview(draw(**v))), controls)
+        display(ipywidgets.VBox([*controls.values(), shown]))
+    return picture
+
+
+def _slider(name, low, high, start):
+    limits = {"min": low, "max": high, "value": start, "description": name}
+    if all(isinstance(number, int) for number in (low, high, start)):
+        return ipywidgets.IntSlider(**limits, continuous_update=False)
+    return ipywidgets.FloatSlider(**limits, step=(high - low) / 100, continuous_update=False)
