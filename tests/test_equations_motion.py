@@ -75,7 +75,7 @@ def exact(start, stop, ticks):
 # ---- 4: set-values and controllers ----------------------------------------------------------
 
 
-def test_controllers_minimise_the_deviation():
+def test_position_control():
     # A controller that is only fed the set-values lags a ramp by v / Kv, whatever the plant.
     v, Kv, s, K, tau = sp.symbols("v K_v s K tau", positive=True)
     for plant in (K / s, K / (s * (tau * s + 1))):
@@ -89,7 +89,7 @@ def test_controllers_minimise_the_deviation():
     assert abs(ahead.error[-1]) < 1e-9
 
 
-def test_short_intervals_do_not_excite_resonances():
+def test_resonance_intervals():
     # Not short in itself but short against the resonance's period: at one period the ripple is
     # worst, and the first-order model can't show it.
     plant, w = Resonance(0.5, 100.0, 0.15), 100.0
@@ -103,7 +103,7 @@ def test_short_intervals_do_not_excite_resonances():
     assert sp.simplify(sawtooth * 2 * sp.pi / T) == 2 * v
 
 
-def test_segments_are_straight_moves_of_the_joints():
+def test_straight_moves():
     # A straight line of the joints is not the tangent-sphere path between the same points; with
     # points N taken closer together the difference falls with the square of their distance.
     torus = REFERENCE_MACHINE.torus
@@ -119,7 +119,7 @@ def test_segments_are_straight_moves_of_the_joints():
     assert away[0] / away[1] > 3.5 and away[1] / away[2] > 3.5
 
 
-def test_increments_are_equal_to_a_count():
+def test_equal_increments():
     # "increments of equal displacement during an equal time interval"
     assert len({*np.diff(PLOT).tolist()}) == 2
     for difference in range(-60, 61):
@@ -132,7 +132,7 @@ def test_increments_are_equal_to_a_count():
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
 
 
-def test_dda_accumulates_rounding_errors():
+def test_dda_errors():
     worst = []
     for ticks in (1_000, 10_000, 100_000):
         difference = 3337 * ticks // 10_000
@@ -143,14 +143,14 @@ def test_dda_accumulates_rounding_errors():
     assert worst[2] > 10
 
 
-def test_scaled_fraction_has_no_rounding_error():
+def test_scaled_fraction():
     for start, stop, ticks in [(5, 30, 10), (-7, 1000, 37), (0, 1, 999), (3, -400, 64)]:
         setvalues = time_bresenham(start, stop, ticks).tolist()
         assert setvalues == [floor(y + HALF) for y in exact(start, stop, ticks)]
         assert setvalues[-1] == stop
 
 
-def test_carry_moves_from_the_fraction_to_the_integer():
+def test_carry():
     # At each tick the set-value and the fraction in the accumulator make up the exact line.
     for start, stop, ticks in [(5, 30, 10), (30, 5, 10), (0, 7, 9)]:
         block = FunctionBlock(structured_text())
@@ -162,7 +162,7 @@ def test_carry_moves_from_the_fraction_to_the_integer():
             block(bLoad=False)
 
 
-def test_major_axis_keeps_slopes_below_one():
+def test_major_axis():
     # As the conventional algorithm counts the steps of the longer axis, no axis moves by more
     # than one; with fewer steps, as with time, some must.
     for dx, dy in [(10, 3), (4, 9), (-7, 5), (6, -6)]:
@@ -174,7 +174,7 @@ def test_major_axis_keeps_slopes_below_one():
 # ---- 4.2: slopes above 1 --------------------------------------------------------------------
 
 
-def test_unrestricted_slope_needs_a_division_and_a_remainder():
+def test_slope_above_one():
     # Right, but once a move and not once a step; and the "simple subtraction" needs a product.
     text = structured_text()
     preparation, tick = text.split("\nELSE\n")
@@ -191,7 +191,7 @@ def test_unrestricted_slope_needs_a_division_and_a_remainder():
 # ---- 4.3: the listing -----------------------------------------------------------------------
 
 
-def test_listing_makes_the_plot():
+def test_listing_plot():
     t, y = run_listing(0, 10, 5, 30, 1)
     assert y == PLOT and t == list(range(11))
     assert run_listing(0, 10, 5, 30, 1, number=float)[1] == PLOT
@@ -202,7 +202,7 @@ def test_listing_makes_the_plot():
     assert time_bresenham(5, 30, 10).tolist() == [5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]
 
 
-def test_listing_is_floating_point():
+def test_listing_floats():
     # nx and e are no integers; in floating point some ties tip over. Scaled by N nothing does.
     _, rounded = run_listing(0, 30, 0, 13, 1, number=float)
     odd = []
@@ -215,7 +215,7 @@ def test_listing_is_floating_point():
     assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
 
 
-def test_listing_ignores_the_sampling_time():
+def test_listing_slope():
     for T, end in [(Fraction(1, 2), 55), (2, 17)]:
         assert run_listing(0, 10, 5, 30, T)[1][-1] == end  # printed: the slope of a second
         assert listing(0, 10, 5, 30, float(T))[1][-1] == end
@@ -225,7 +225,7 @@ def test_listing_ignores_the_sampling_time():
         assert y == time_bresenham(5, 30, ticks, tie="down").tolist()
 
 
-def test_listing_division_must_floor():
+def test_listing_division():
     # "simulate int division command of modern CPUs": theirs truncates.
     assert (trunc(-2.5), floor(-2.5)) == (-2, -3)
     assert run_listing(0, 10, 30, 5, 1, int_division=trunc)[1][-1] == 10
@@ -236,7 +236,7 @@ def test_listing_division_must_floor():
     assert line(block, 30, 5, 10) == time_bresenham(30, 5, 10).tolist()
 
 
-def test_listing_needs_no_ifs_for_four_quadrants():
+def test_listing_quadrants():
     for start, stop in [(5, 30), (30, 5), (-5, -30), (-30, -5), (-7, 8), (8, -7), (3, 3)]:
         for ticks in (1, 7, 10):
             printed = run_listing(0, ticks, start, stop, 1)[1]
@@ -244,7 +244,7 @@ def test_listing_needs_no_ifs_for_four_quadrants():
             assert printed[-1] == stop
 
 
-def test_listing_ties_are_not_symmetric():
+def test_listing_ties():
     # e > emax lets a tie pass: half a count goes down, also where the move goes down.
     up, down = run_listing(0, 10, 0, 25, 1)[1], run_listing(0, 10, 0, -25, 1)[1]
     assert down != [-y for y in up]
@@ -257,7 +257,7 @@ def test_listing_ties_are_not_symmetric():
         assert time_bresenham(25, 0, 10, tie=tie).tolist() == line_up[::-1].tolist()
 
 
-def test_listing_ideal_line_needs_the_start_time():
+def test_listing_ideal_line():
     y1, y2, t1, t2, t = sp.symbols("y1 y2 t1 t2 t")
     nx = (y2 - y1) / (t2 - t1)
     printed, corrected = y1 + t * nx, y1 + (t - t1) * nx
@@ -266,14 +266,14 @@ def test_listing_ideal_line_needs_the_start_time():
     assert sp.simplify(printed.subs(t1, 0) - corrected.subs(t1, 0)) == 0
 
 
-def test_listing_rectangles_lose_their_height():
+def test_listing_rectangles():
     # A rectangle of height nxi must be above zero: only slopes of 1 and more are drawn.
     heights = {floor(Fraction(k, 10)): k for k in (25, 10, 7, 0, -7, -25)}
     assert {h for h in heights if h <= 0} == {0, -1, -3}
     assert floor(Fraction(25, 10)) > 0
 
 
-def test_listing_axes_cut_off_the_plot():
+def test_listing_axes():
     # axis([0 t2+1 0 y2+5]) holds the printed example, but no falling and no negative line.
     def inside(y1, y2):
         return all(0 <= y <= y2 + 5 for y in run_listing(0, 10, y1, y2, 1)[1])
@@ -282,7 +282,7 @@ def test_listing_axes_cut_off_the_plot():
     assert not inside(30, 5) and not inside(-30, -5)
 
 
-def test_each_axis_needs_its_own_line():
+def test_line_each_axis():
     start, stop = np.array([5, -3, 0, 100]), np.array([30, 4, 0, -900])
     together = time_bresenham(start, stop, 17)
     for axis in range(4):
@@ -290,7 +290,7 @@ def test_each_axis_needs_its_own_line():
         assert line(block, int(start[axis]), int(stop[axis]), 17) == together[axis].tolist()
 
 
-def test_time_coordinates_any_number_of_axes():
+def test_time_axis():
     rng = np.random.default_rng(5)
     knots = rng.integers(-(2**15), 2**15, (30, 7))
     times = np.concatenate([[0], np.cumsum(rng.uniform(0.02, 0.7, 29))])
@@ -304,7 +304,7 @@ def test_time_coordinates_any_number_of_axes():
 # ---- 4.4: multitasking ----------------------------------------------------------------------
 
 
-def test_figure_seven_tasks_keep_their_times():
+def test_figure_seven():
     tasks = [*FAST, Task("segments", 100_000, 30_000)]
     _, jobs = schedule(tasks, 400_000)
     longest = [max(j.done - j.release for j in jobs if j.name == t.name) for t in tasks]
@@ -313,7 +313,7 @@ def test_figure_seven_tasks_keep_their_times():
     assert longest[:2] == response_times(FAST)
 
 
-def test_preparation_has_time_if_segments_are_long_enough():
+def test_preparation_time():
     cost = 30_000
     response = background_response(FAST, cost)
     enough = math.ceil(response / FAST[0].period)

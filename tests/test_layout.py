@@ -134,7 +134,10 @@ def child(code):
                           capture_output=True).stdout  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["tunneller_lib", "tunneller_lib.surfaces", "tunneller_lib.paths"])
+@pytest.mark.parametrize(
+    "name",
+    ["tunneller_lib", "tunneller_lib.surfaces", "tunneller_lib.paths", "tunneller_lib.motion"],
+)
 def test_import_is_quick(name):
     code = f"import time; t = time.perf_counter(); import {name}; print(time.perf_counter() - t)"
     assert min(float(child(code)) for _ in range(5)) < 0.3
