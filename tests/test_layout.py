@@ -135,7 +135,10 @@ def child(code):
                           capture_output=True).stdout  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["tunneller_lib", "tunneller_lib.surfaces", "tunneller_lib.paths"])
+@pytest.mark.parametrize(
+    "name", ["tunneller_lib", *(f"tunneller_lib.{room}" for room in FLOORS if FLOORS[room] in (1, 2)
+                                and (LIBRARY / room).is_dir())]
+)  # fmt: skip
 def test_import_takes_hardly_longer_than_that_of_numpy(name):
     code = (
         "from time import process_time as t; a = t(); import numpy; b = t(); "

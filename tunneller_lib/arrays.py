@@ -59,6 +59,20 @@ def finite(name, value):
     return float(number)
 
 
+def whole(name, value, low, high):
+    """Return `value` as an int64 array of any shape with low <= value <= high.
+
+    The argument's name is for the message.
+    """
+    try:
+        array = np.asarray(value)
+    except (ValueError, OverflowError):
+        array = np.asarray(None)
+    if array.dtype.kind not in "iu" or np.any((array < low) | (array > high)):
+        raise ValueError(f"{name}: must hold whole numbers from {low} to {high}; got {value!r}.")
+    return array.astype(np.int64)
+
+
 def instance(name, value, kind):
     """Return `value`, which must be an instance of the class `kind`."""
     if not isinstance(value, kind):

@@ -74,7 +74,7 @@ def surface(points):
     return grid.extract_surface(algorithm="geometry").clean()
 
 
-def curve(points, radius):
+def curve(points, radius, values=None):
     """Return a tube along a curve, which unlike a line keeps its width at any resolution.
 
     Parameters
@@ -83,15 +83,18 @@ def curve(points, radius):
         Points of the curve, in m; it is closed where the last one is the first.
     radius : float
         Of the tube, in m.
+    values : (n,) float, optional
+        What colours it: scalars of the mesh, named ``values``.
 
     Returns
     -------
     mesh : pyvista.PolyData
         The tube.
     """
-    return pyvista.lines_from_points(np.asarray(points, dtype=float)).tube(
-        radius=radius, n_sides=12
-    )
+    line = pyvista.lines_from_points(np.asarray(points, dtype=float))
+    if values is not None:
+        line["values"] = np.asarray(values, dtype=float)
+    return line.tube(radius=radius, n_sides=12)
 
 
 def ball(centre, radius):

@@ -20,6 +20,13 @@ COLOURS = {
     "error": "#A3123A",
     "machine": "#F0C83C",
     "cutter": "#4D4D4D",
+    "T0": "#9A9A9A",
+    "T1": "#56B4E9",
+    "T2": "#009E73",
+    "T3": "#6A3D9A",
+    "interpolation": "#1B6CA8",
+    "servo": "#7FB3D5",
+    "preparation": "#D98E2B",
 }
 
 STYLE = {

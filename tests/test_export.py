@@ -1,0 +1,121 @@
+"""The exported texts, run: C by the machine's compiler, Structured Text on its syntax tree."""
+
+import ctypes
+import io
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from tests.structured_text import FunctionBlock
+from tunneller_lib.motion import polyline, time_bresenham
+from tunneller_lib.motion.export import c99, csv, structured_text
+
+MOVES = 10_000
+EDGES = [
+    (0, 2**31 - 1, 1), (0, -(2**31), 1), (-(2**31), -1, 2), (2**31 - 1, 0, 3), (5, 30, 10),
+    (30, 5, 10), (0, 0, 7), (-3, -3, 1), (0, 1, 2), (0, -1, 2), (0, -1, 1), (1, 2, 64),
+]  # fmt: skip
+ties = pytest.mark.parametrize("tie", ["up", "down"])
+# Those that this machine has; exported C is only run where there is one.
+COMPILERS = [found for found in map(shutil.which, ("gcc", "clang")) if found]
+
+
+def moves(seed, longest):
+    """Return random moves, a third of them over the whole 32-bit range."""
+    rng = np.random.default_rng(seed)
+    size = 2.0 ** rng.choice([6, 16, 30], (MOVES, 1))
+    ends = np.rint(rng.uniform(-size, size, (MOVES, 2))).astype(int)
+    return [*EDGES, *np.column_stack([ends, rng.integers(1, longest, MOVES)]).tolist()]
+
+
+def line(block, start, stop, ticks):
+    block(bLoad=True, nStart=start, nStop=stop, nTicks=ticks)
+    values = [block.state["nSet"]]
+    while block.state["nLeft"] > 0:
+        block(bLoad=False)
+        values.append(block.state["nSet"])
+    return values
+
+
+@ties
+def test_structured_text_is_the_line_bit_for_bit(tie):
+    block = FunctionBlock(structured_text(tie=tie))
+    for start, stop, ticks in moves(1, 12):
+        expected = time_bresenham(start, stop, ticks, tie=tie)
+        assert line(block, start, stop, ticks) == expected.tolist(), (start, stop, ticks)
+
+
+def test_structured_text_of_long_moves():
+    block = FunctionBlock(structured_text())
+    for start, stop, ticks in [(-(2**31), -1, 9973), (2**30, -(2**30), 4096)]:
+        assert line(block, start, stop, ticks) == time_bresenham(start, stop, ticks).tolist()
+
+
+def test_structured_text_of_no_ticks_stays():
+    block = FunctionBlock(structured_text())
+    assert line(block, 3, 9, 2) == [3, 6, 9]
+    for ticks in (0, -5):
+        assert line(block, 1, 2, ticks) == [9]
+
+
+def test_structured_text_interpreter_is_strict():
+    text = structured_text()
+    with pytest.raises(OverflowError):
+        FunctionBlock(text)(bLoad=True, nStart=-(2**31), nStop=2**31 - 1, nTicks=3)
+    with pytest.raises(NameError):
+        FunctionBlock(text.replace("nQuot,", ""))
+    with pytest.raises(KeyError):
+        FunctionBlock(text)(nOther=1)
+    block = FunctionBlock(text)
+    for a, b, quotient, remainder in [(7, 2, 3, 1), (-7, 2, -3, -1), (-6, 3, -2, 0), (0, 5, 0, 0)]:
+        block(bLoad=True, nStart=0, nStop=a, nTicks=b)
+        floored = (quotient - 1, remainder + b) if remainder < 0 else (quotient, remainder)
+        assert (block.state["nQuot"], block.state["nRem"]) == floored
+
+
+@ties
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
+    (tmp_path / "line.c").write_text(c99(tie=tie))
+    command = [compiler, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic",
+               "-O2", "-ftrapv", "-shared", "-fPIC", "line.c", "-o", "line.so"]  # fmt: skip
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    fill = ctypes.CDLL(str(tmp_path / "line.so")).time_line_fill
+    for start, stop, ticks in moves(2, 200):
+        values = np.empty(ticks + 1, dtype=np.int32)
+        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
+        np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks, tie=tie))
+
+
+def test_csv_comes_back():
+    values = polyline([[0, 0], [-70000, 2**31 - 1], [5, 5]], [300, 200])
+    text = csv(values, ["theta", "phi"])
+    assert text.splitlines()[0].split() == ["tick", "theta", "phi"]
+    read = np.loadtxt(io.StringIO(text), skiprows=1, dtype=np.int64)
+    np.testing.assert_array_equal(read, np.column_stack([np.arange(501), values]))
+
+
+@pytest.mark.parametrize("call", [structured_text, c99])
+def test_export_refuses_wrong_options(call):
+    with pytest.raises(ValueError, match=r'tie: must be "up" or "down"; got \'even\'\.'):
+        call(tie="even")
+    for name in ("", "2nd", "a b", None):
+        with pytest.raises(ValueError, match=r"name: must be a letter"):
+            call(name=name)
+
+
+def test_export_takes_a_name():
+    assert "FUNCTION_BLOCK FB_Lift" in structured_text(name="FB_Lift")
+    assert "lift_fill" in c99(name="lift") and "time_line" not in c99(name="lift")
+
+
+def test_csv_refuses_wrong_values():
+    with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
+        csv([[0.5, 1]], ["theta", "phi"])
+    with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
+        csv([[2**31, 1]], ["theta", "phi"])
+    for values in ([[1, 2, 3]], [1, 2]):
+        with pytest.raises(ValueError, match=r"setvalues: must have a column for each of 2 names"):
+            csv(values, ["theta", "phi"])

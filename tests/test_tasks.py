@@ -1,0 +1,157 @@
+"""Fig. 7 as tasks: response times against a run event by event, starvation, buffers."""
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tunneller_lib.motion.tasks import (
+    Task,
+    background_response,
+    buffer_depth,
+    hand_over,
+    load,
+    response_times,
+    schedule,
+)
+
+FAST = [Task("interpolation", 5000, 400), Task("servo", 5000, 600), Task("watch", 20000, 1500)]
+
+
+def random_tasks(draw):
+    """Return up to four tasks, rate-monotonic, that take less than the whole processor."""
+    periods = sorted(draw(st.lists(st.sampled_from([20, 30, 40, 60, 100, 120]), min_size=1,
+                                   max_size=4)))  # fmt: skip
+    return [
+        Task(f"t{i}", p, draw(st.integers(1, max(1, p // (len(periods) + 1)))))
+        for i, p in enumerate(periods)
+    ]
+
+
+@given(st.data())
+def test_response_times_are_the_longest_of_a_run(data):
+    tasks = random_tasks(data.draw)
+    times = response_times(tasks)
+    _, jobs = schedule(tasks, 4 * math.lcm(*(t.period for t in tasks)))
+    for task, time in zip(tasks, times):
+        if math.inf not in times:
+            assert max(job.done - job.release for job in jobs if job.name == task.name) == time
+
+
+@given(st.data(), st.integers(1, 300))
+def test_background_response_is_that_of_a_run(data, cost):
+    tasks = random_tasks(data.draw)
+    if math.inf in response_times(tasks) or load(tasks) >= 1:
+        return
+    found = background_response(tasks, cost)
+    slow = Task("slow", 10**6, cost)
+    _, jobs = schedule([*tasks, slow], found + 1000)
+    assert next(job.done for job in jobs if job.name == "slow") == found
+
+
+@given(st.data())
+def test_schedule_gives_each_job_its_cost_and_the_urgent_the_processor(data):
+    tasks = random_tasks(data.draw)
+    horizon = 2 * math.lcm(*(t.period for t in tasks))
+    slices, jobs = schedule(tasks, horizon)
+    assert all(a.stop <= b.start for a, b in pairwise(slices))
+    if load(tasks) <= 1 and math.inf not in response_times(tasks):
+        for task in tasks:
+            used = sum(s.stop - s.start for s in slices if s.name == task.name)
+            assert used == task.cost * horizon // task.period
+    priority = {task.name: i for i, task in enumerate(tasks)}
+    for job in jobs:
+        lower = [s for s in slices if priority[s.name] > priority[job.name]]
+        assert not any(s.start < job.done and s.stop > job.release for s in lower)
+
+
+def test_response_times_of_a_known_set():
+    # Three tasks whose responses can be counted off by hand on a sheet of paper.
+    tasks = [Task("a", 7, 3), Task("b", 12, 3), Task("c", 20, 5)]
+    assert response_times(tasks) == [3, 6, 20]
+    assert response_times([*tasks[:2], Task("c", 20, 6)])[2] == math.inf
+    assert load(tasks) == pytest.approx(3 / 7 + 3 / 12 + 5 / 20)
+
+
+def by_events(tasks, costs, ticks, depth):
+    """Return when segments are ready and start, unit of time by unit of time."""
+    slices, _ = schedule(tasks, 40 * math.lcm(*(t.period for t in tasks)))
+    busy = {t for s in slices for t in range(s.start, s.stop)}
+    tick, now, left = tasks[0].period, 0, costs[0]
+    ready, started, end = [], [], 0
+    while len(started) < len(costs):
+        if now % tick == 0 and len(started) < len(ready) and now >= end:
+            end = now + ticks[len(started)] * tick
+            started.append(now)
+        if len(ready) < len(costs) and len(ready) - len(started) < depth and now not in busy:
+            left -= 1
+            if left == 0:
+                ready.append(now + 1)
+                left = costs[len(ready)] if len(ready) < len(costs) else 0
+        now += 1
+    return tuple(ready), tuple(started)
+
+
+@given(st.lists(st.tuples(st.integers(1, 90), st.integers(1, 6)), min_size=1, max_size=7),
+       st.integers(1, 3))  # fmt: skip
+def test_hand_over_is_what_happens_unit_by_unit(segments, depth):
+    tasks = [Task("line", 10, 2), Task("servo", 20, 3)]
+    costs, ticks = zip(*segments)
+    run = hand_over(tasks, costs, ticks, depth=depth)
+    assert (run.ready, run.started) == by_events(tasks, costs, ticks, depth)
+    for k, wait in enumerate(run.starved):
+        assert (wait > 0) == (run.ready[k] > run.needed[k])
+        assert run.started[k] == run.needed[k] + 10 * wait
+
+
+@given(st.lists(st.tuples(st.integers(1, 50_000), st.integers(1, 40)), min_size=2, max_size=12))
+def test_hand_over_of_a_sufficient_double_buffer_never_starves(segments):
+    costs, ticks = zip(*segments)
+    run = hand_over(FAST, costs, ticks)
+    if background_response(FAST, max(costs)) <= min(ticks) * FAST[0].period:
+        assert not any(run.starved[1:])
+
+
+def test_buffer_depth_evens_out_segments():
+    costs, ticks = [10_000] * 8, [10, 10, 10, 1, 1, 10, 10, 10]
+    assert hand_over(FAST, costs, ticks).starved[1:] != (0,) * 7
+    depth = buffer_depth(FAST, costs, ticks)
+    assert depth > 1
+    assert not any(hand_over(FAST, costs, ticks, depth=depth).starved[1:])
+    assert any(hand_over(FAST, costs, ticks, depth=depth - 1).starved[1:])
+    assert buffer_depth(FAST, [100_000] * 8, ticks) is None
+
+
+def test_starvation_costs_time_and_nothing_else():
+    run = hand_over(FAST, [40_000] * 4, [2] * 4)
+    assert all(wait > 0 for wait in run.starved)
+    total = run.started[-1] + 2 * 5000
+    assert total == (sum(run.starved) + 4 * 2) * 5000
+
+
+@pytest.mark.parametrize("value", [0, -1, 0.5, None, "1", [1, 2]], ids=repr)
+def test_tasks_refuse_wrong_times(value):
+    for name, call in [("period", lambda x: Task("a", x, 1)), ("cost", lambda x: Task("a", 1, x)),
+                       ("cost", lambda x: background_response(FAST, x)),
+                       ("horizon", lambda x: schedule(FAST, x)),
+                       ("depth", lambda x: hand_over(FAST, [1], [1], depth=x)),
+                       ("costs", lambda x: hand_over(FAST, [x], [1])),
+                       ("ticks", lambda x: hand_over(FAST, [1], [x]))]:  # fmt: skip
+        with pytest.raises(ValueError, match=f"^{name}: must "):
+            call(value)
+
+
+def test_tasks_refuse_what_cannot_be():
+    full = [Task("a", 10, 10)]
+    for call in (lambda: background_response(full, 1), lambda: hand_over(full, [1], [1])):
+        with pytest.raises(ValueError, match=r"^tasks: must keep their periods and leave time"):
+            call()
+    for tasks in ([], None, 3):
+        with pytest.raises(ValueError, match=r"^tasks: must be a sequence of at least one task"):
+            response_times(tasks)
+    with pytest.raises(ValueError, match=r"^tasks: must be of class Task"):
+        load(["a"])
+    with pytest.raises(ValueError, match=r"^ticks: needs one entry for each cost"):
+        hand_over(FAST, [1, 2], [1])

@@ -1,0 +1,183 @@
+"""Linear models of an axis, from valve command to joint angle, exact from tick to tick.
+
+Each plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
+command), `transfer`, `stepper` (the next state, for `simulate`), `command` (static inverse).
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..arrays import positive
+
+
+class _Linear:
+    """What the linear plants share; their fields must be above zero."""
+
+    def __post_init__(self):
+        for field in fields(self):
+            value = positive(field.name, getattr(self, field.name))
+            object.__setattr__(self, field.name, value)
+
+    def command(self, rate, position=0.0):
+        """Return the command that gives a steady rate, in rad/s; the same at every position."""
+        return rate / self.gain
+
+    def rest(self, position):
+        """Return the state at rest at a position, in rad."""
+        return (position,) + (0.0,) * (len(self.matrices()[1]) - 1)
+
+    def transfer(self, s):
+        """Return the angle over the command at complex frequencies s, in rad/s."""
+        s = np.asarray(s, complex)
+        A, B = self.matrices()
+        eye = np.eye(len(B))
+        response = np.linalg.solve(s[..., None, None] * eye - A, np.broadcast_to(
+            B[:, None], (*s.shape, len(B), 1)).astype(complex))  # fmt: skip
+        return response[..., 0, 0]
+
+
+@dataclass(frozen=True)
+class Integrator(_Linear):
+    """T0: x' = K u, the first-order model of the document's position loop.
+
+    Parameters
+    ----------
+    gain : float
+        K, in rad/s for the full command 1.
+
+    Raises
+    ------
+    ValueError
+        If the gain isn't above zero.
+
+    Examples
+    --------
+    >>> Integrator(0.5).discrete(0.01)[1]
+    array([0.005])
+    """
+
+    gain: float
+
+    def matrices(self):
+        """Return A and B of state' = A state + B command."""
+        return np.zeros((1, 1)), np.array([self.gain])
+
+    def discrete(self, tick):
+        """Return Ad and Bd of a command held for a tick, in s."""
+        return np.eye(1), np.array([self.gain * positive("tick", tick)])
+
+    def stepper(self, tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        b = self.gain * positive("tick", tick)
+        return lambda state, u: (state[0] + b * u,)
+
+
+@dataclass(frozen=True)
+class Lag(_Linear):
+    """T1: K / (s (lag s + 1)), a rate that follows the command with a lag.
+
+    Parameters
+    ----------
+    gain : float
+        K, in rad/s for the full command 1.
+    lag : float
+        Time constant, in s.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't above zero.
+
+    Examples
+    --------
+    >>> Lag(0.5, 0.02).discrete(0.01)[0].round(6)
+    array([[1.      , 0.007869],
+           [0.      , 0.606531]])
+    """
+
+    gain: float
+    lag: float
+
+    def matrices(self):
+        """Return A and B of state' = A state + B command; the state is angle and rate."""
+        return np.array([[0, 1], [0, -1 / self.lag]]), np.array([0, self.gain / self.lag])
+
+    def discrete(self, tick):
+        """Return Ad and Bd of a command held for a tick, in s."""
+        x = positive("tick", tick) / self.lag
+        fall = -np.expm1(-x)  # 1 - exp(-x) loses its digits for a tick far below the lag
+        moved = _beyond(x)
+        Ad = np.array([[1, self.lag * fall], [0, np.exp(-x)]])
+        return Ad, self.gain * np.array([self.lag * moved, fall])
+
+    def stepper(self, tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete(tick))
+        return lambda state, u: (state[0] + a01 * state[1] + b0 * u, a11 * state[1] + b1 * u)
+
+
+@dataclass(frozen=True)
+class Resonance(_Linear):
+    """K w^2 / (s (s^2 + 2 zeta w s + w^2)): load and oil as mass and spring, small motions.
+
+    Parameters
+    ----------
+    gain : float
+        K, in rad/s for the full command 1.
+    frequency : float
+        Natural frequency w, in rad/s.
+    damping : float
+        Damping ratio zeta.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't above zero.
+    """
+
+    gain: float
+    frequency: float
+    damping: float
+
+    def matrices(self):
+        """Return A and B of state' = A state + B command; the state is angle, rate, change."""
+        w, zeta = self.frequency, self.damping
+        A = np.array([[0, 1, 0], [0, 0, 1], [0, -(w**2), -2 * zeta * w]])
+        return A, np.array([0, 0, self.gain * w**2])
+
+    def discrete(self, tick):
+        """Return Ad and Bd of a command held for a tick, in s."""
+        from scipy.linalg import expm
+
+        A, B = self.matrices()
+        w = self.frequency
+        units = np.array([1.0, w, w**2])  # of one size, else expm loses digits of the small entries
+        block = np.zeros((4, 4))
+        block[:3, :3] = A / units[:, None] * units
+        block[:3, 3] = B / units
+        Ad = expm(block * positive("tick", tick))
+        return Ad[:3, :3] * units[:, None] / units, Ad[:3, 3] * units
+
+    def stepper(self, tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        Ad, Bd = (m.tolist() for m in self.discrete(tick))
+        (_, a, b), (_, c, d), (_, e, f) = Ad
+        g, h, i = Bd
+
+        def step(state, u):
+            x, v, w = state
+            return x + a * v + b * w + g * u, c * v + d * w + h * u, e * v + f * w + i * u
+
+        return step
+
+
+def _beyond(x):
+    """Return x - 1 + exp(-x), by its series where the difference would cancel."""
+    if x > 0.5:
+        return x + np.expm1(-x)
+    term = total = x * x / 2
+    for k in range(3, 20):
+        term *= -x / k
+        total += term
+    return total

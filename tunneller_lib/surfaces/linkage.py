@@ -1,0 +1,174 @@
+"""The cylinders that turn a joint: law of cosines, moment arms, stroke, oil volumes."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..arrays import finite, instance, positive, real
+from .machine import Machine
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """A cylinder between frame and arm, or a push-pull pair of them, that turns one joint.
+
+    Parameters
+    ----------
+    a, b : float
+        Distances of the cylinder's two pivots from the joint, in m.
+    mounting : float
+        Angle gamma between them at joint angle 0, in rad.
+    sense : {1, -1}
+        Whether gamma grows or shrinks as the joint angle grows.
+    bore, rod : float
+        Diameters, in m; the rod is thinner than the bore.
+    dead_length : float
+        Length of the cylinder that isn't stroke: pistons, ends and eyes, in m.
+    pair : bool
+        Whether a second, mirrored cylinder is cross-connected with the first.
+
+    Raises
+    ------
+    ValueError
+        If a size isn't above zero, an angle isn't between 0 and pi, the rod isn't thinner, or
+        `sense` is another number.
+
+    Notes
+    -----
+    The document names hydraulic axes and gives no linkage; this one is the study's assumption.
+    Joint angles are floats or arrays, in rad. The side "plus" is that of the chambers which drive
+    the joint towards positive angles, "minus" the other.
+
+    Examples
+    --------
+    >>> lever = Linkage(0.45, 0.11, 1.3, -1, 0.05, 0.028, 0.2)
+    >>> round(lever.length(0.0), 4)
+    0.4337
+    """
+
+    a: float
+    b: float
+    mounting: float
+    sense: int
+    bore: float
+    rod: float
+    dead_length: float
+    pair: bool = False
+
+    def __post_init__(self):
+        for field in fields(self):
+            if field.name not in ("sense", "pair"):
+                value = positive(field.name, getattr(self, field.name))
+                object.__setattr__(self, field.name, value)
+        if self.mounting >= np.pi:
+            raise ValueError(f"mounting: must be below pi; got {self.mounting!r}.")
+        if self.sense not in (1, -1):
+            raise ValueError(f"sense: must be 1 or -1; got {self.sense!r}.")
+        if self.rod >= self.bore:
+            raise ValueError(f"rod: must be thinner than the bore {self.bore:g} m; "
+                             f"got {self.rod:g} m.")  # fmt: skip
+
+    @property
+    def areas(self):
+        """Return the piston's areas, whole and beside the rod, in m^2."""
+        whole = math.pi / 4 * self.bore**2
+        return whole, whole - math.pi / 4 * self.rod**2
+
+    def length(self, angle):
+        """Return the cylinder's length, in m, at joint angles."""
+        return self._triangle(angle, self.sense)[0]
+
+    def arm(self, angle):
+        """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
+        return self._triangle(angle, self.sense)[1]
+
+    def displacements(self, angle):
+        """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
+        whole, ring = self.areas
+        arm = abs(self._triangle(angle, self.sense)[1])
+        plus, minus = (whole, ring) if self.sense > 0 else (ring, whole)
+        plus, minus = plus * arm, minus * arm
+        if self.pair:
+            mirrored = abs(self._triangle(angle, -self.sense)[1])
+            first, second = (ring, whole) if self.sense > 0 else (whole, ring)
+            plus, minus = plus + first * mirrored, minus + second * mirrored
+        return plus, minus
+
+    def volumes(self, angle, low, high):
+        """Return the oil volumes of the plus and the minus side, in m^3, at joint angles.
+
+        `low` and `high` are the angles at the ends of the stroke; hoses and ports are no part.
+        """
+        whole, ring = self.areas
+        shortest, longest = sorted((self.length(float(low)), self.length(float(high))))
+        length = self._triangle(angle, self.sense)[0]
+        pushing, pulling = whole * (length - shortest), ring * (longest - length)
+        plus, minus = (pushing, pulling) if self.sense > 0 else (pulling, pushing)
+        if self.pair:
+            length = self._triangle(angle, -self.sense)[0]
+            pushing, pulling = whole * (length - shortest), ring * (longest - length)
+            first, second = (pulling, pushing) if self.sense > 0 else (pushing, pulling)
+            plus, minus = plus + first, minus + second
+        return plus, minus
+
+    def check(self, low, high):
+        """Raise ValueError where joint angles from `low` to `high` ask for a stroke too long.
+
+        The triangle must not close or stretch, and the shortest cylinder must hold its stroke and
+        its dead length. A pair needs limits that are as far to either side.
+        """
+        low, high = finite("low", low), finite("high", high)
+        gamma = sorted(self.mounting + self.sense * angle for angle in (low, high))
+        if not (low < high and 0 < gamma[0] and gamma[1] < np.pi):
+            raise ValueError(
+                "stroke: between the limits gamma must stay inside 0 to 180 deg; "
+                f"got {np.degrees(gamma[0]):.1f} to {np.degrees(gamma[1]):.1f} deg."
+            )
+        if self.pair and not math.isclose(-low, high):
+            raise ValueError(f"low: a pair needs limits as far to either side; got {low:g} rad "
+                             f"and {high:g} rad.")  # fmt: skip
+        shortest, longest = sorted((self.length(low), self.length(high)))
+        if longest - shortest + self.dead_length > shortest:
+            raise ValueError(
+                f"stroke: {longest - shortest:.3f} m and the dead length {self.dead_length:.3f} m "
+                f"must fit into the shortest cylinder; got {shortest:.3f} m."
+            )
+
+    def _triangle(self, angle, sense):
+        """Return length and arm of the cylinder whose gamma is mounting + sense angle."""
+        # In a simulation plain floats come one by one, for which math is ten times as fast.
+        m = math if isinstance(angle, float) else np
+        gamma = self.mounting + sense * (angle if m is math else real("angle", angle))
+        # (a - b)^2 + 4 a b sin^2(gamma / 2) is a^2 + b^2 - 2 a b cos(gamma) without the difference
+        # that cancels where the triangle is nearly closed.
+        length = m.hypot(self.a - self.b, 2 * math.sqrt(self.a * self.b) * m.sin(gamma / 2))
+        return length, sense * self.a * self.b * m.sin(gamma) / length
+
+
+def linkages(machine):
+    """Return the study's linkages of the joints theta and phi of a machine, checked.
+
+    Lengths are those of a tube radius of 0.80 m, the reference machine's, and grow with
+    `machine.R`. One cylinder lifts the arm; a pair swings it.
+
+    Raises
+    ------
+    ValueError
+        If the machine's joint limits ask for a stroke that can't be had.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
+    >>> lift, swing = linkages(REFERENCE_MACHINE)
+    >>> round(lift.length(0.0), 4)
+    0.4347
+    """
+    scale = instance("machine", machine, Machine).R / 0.80
+    lift = Linkage(a=0.45 * scale, b=0.11 * scale, mounting=np.radians(75), sense=-1,
+                   bore=0.050 * scale, rod=0.028 * scale, dead_length=0.20 * scale)  # fmt: skip
+    swing = Linkage(a=0.30 * scale, b=0.07 * scale, mounting=np.radians(90), sense=1, pair=True,
+                    bore=0.040 * scale, rod=0.022 * scale, dead_length=0.16 * scale)  # fmt: skip
+    lift.check(machine.theta_min, machine.theta_max)
+    swing.check(machine.phi_min, machine.phi_max)
+    return lift, swing
