@@ -64,8 +64,10 @@ def outer(torus, a, b, u):
     rising = u > 0
     high = np.where(rising, u / X, 0)
     x = np.where(rising, X * np.tanh(high), u)
-    # X - x without cancellation where u is great; past 300 the geodesic runs into the node.
-    gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, 300))), X - x)
+    # X - x without cancellation where u is great; at such bounds the geodesic runs into the node,
+    # with a turn too sharp for the quadrature if it were followed farther, or turns many times.
+    bound = 300 if r > R else 30
+    gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, bound))), X - x)
     e = gap * (X + x)
     d = np.sin((a + b) / 2) * np.sin((a - b) / 2)  # sin^2(a/2) - sin^2(b/2)
     W = np.sqrt(np.maximum(d + x * x, 0))
@@ -84,7 +86,7 @@ def outer(torus, a, b, u):
     slope_a, slope_b = np.sqrt(2 * R * (rho_a + c)), np.sqrt(2 * R * (r + R * np.cos(b) + c))
     return Track(
         c=c, A=A, B=np.where(free, 1, k2), E=np.where(free, A, 0),
-        first=np.where(free, (np.pi - a) / 2, first), span=np.where(free, (a - b) / 2, span),
+        first=np.where(free, below_pi(a) / 2, first), span=np.where(free, (a - b) / 2, span),
         cos_a=x * slope_a / rho_a, cos_b=-W * slope_b / (r + R * np.cos(b)),
     )  # fmt: skip
 
@@ -110,12 +112,17 @@ def inner(torus, a, b, u):
     c = (r - R) * np.tanh(u)
     kappa2 = (r - R) / R / (1 + np.exp(2 * np.minimum(u, 300)))
     rho_a, rho_b = r + R * np.cos(a), r + R * np.cos(b)
-    start, stop = (np.pi - a) / 2, (np.pi - np.abs(b)) / 2
+    start, stop = below_pi(a) / 2, below_pi(np.abs(b)) / 2
     cosines = [
         np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho
         for t, rho in ((start, rho_a), (stop, rho_b))
     ]
     return Track(c, kappa2, np.ones_like(c), kappa2, -start, start + stop, *cosines)
+
+
+def below_pi(phi):
+    """Return how far angles are below pi, to the last digit: np.pi is less than pi by 1.2e-16."""
+    return (np.pi - phi) + 1.2246467991473532e-16
 
 
 def nodes_for(torus, a, angle):
@@ -161,12 +168,16 @@ def integrate(torus, track, count):
     c, A, B, E, first, span = (array[..., None] for array in track[:6])
     peak = np.sqrt(np.minimum(A, E + c / (2 * torus.R)) / B)
     a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
-    low, high = np.arcsinh(first / a0), np.arcsinh((first + span) / a0)
-    y = low + (high - low) * (1 + nodes) / 2
+    x, z = first / a0, (first + span) / a0
+    low, width = np.arcsinh(x), np.arcsinh(z) - np.arcsinh(x)
+    # Far from the turning point that difference cancels, on a short way nearly all of it.
+    shared = np.where(x > 0, z * np.hypot(1, x) + x * np.hypot(1, z), 1)
+    width = np.where(x > 0, np.arcsinh(span / a0 * (x + z) / shared), width)
+    y = low + width * (1 + nodes) / 2
     t = a0 * np.sinh(y)
     sin2 = np.sin(t) ** 2
     rho = c + 2 * torus.R * (E + B * sin2)
-    step = weights * (high - low) / 2 * np.hypot(a0, t) * np.sqrt(2 * torus.R)
+    step = weights * width / 2 * np.hypot(a0, t) * np.sqrt(2 * torus.R)
     density = step / np.sqrt((rho + c) * (A + B * sin2))
     return np.sum(c / rho * density, axis=-1), np.sum(rho * density, axis=-1)
 
