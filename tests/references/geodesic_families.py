@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 from mpmath import mp, mpf
 
+from .geodesic_rivals import waves
 from .torus_geodesics import LIMIT, Start, from_azimuth
 
 RIM = math.pi
@@ -65,11 +67,7 @@ def working_sheet(rng):
 
 
 def turned(start):
-    """Return roughly by how much a start turns: a short quadrature, in floating point."""
-    from .geodesic_rivals import waves  # the same integrals, in double precision
-
-    import numpy as np
-
+    """Return by how much a start turns, in floating point."""
     m = float(mp.hypot(start.a, start.unknown))
     c = np.array([start.r + start.R * math.cos(m)])
     first, last = (np.arccos(np.array([phi / m])) for phi in (start.a, start.b))

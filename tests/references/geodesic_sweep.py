@@ -37,7 +37,8 @@ ANSWERS = ("azimuth1", "azimuth2", "length", "clairaut", "reduced")
 COLUMNS = [
     "family", "tori", "pairs", "seed", "failures", "wrong branches",
     "worst length error, relative", "worst length error over R",
-    "degenerate pairs", "worst azimuth error elsewhere", "worst azimuth error times reduced over length",
+    "degenerate pairs", "worst azimuth error elsewhere",
+    "worst azimuth error times reduced over length",
     "references in mpmath", "worst reference length error", "worst reference azimuth error",
     "pairs searched for rivals", "rivals",
 ]  # fmt: skip
@@ -98,7 +99,8 @@ def wave(r, R, a, b, t, step):
     first, last = np.arctan2(t, a), np.arctan2(rest, b)
     total = quadrature(rates, np.maximum(first, 0), last, step)
     (rising,) = np.nonzero(first < 0)
-    total[:, rising] += quadrature(partial(rates, pick=rising), 0 * first[rising], -first[rising], step)
+    before = -first[rising]
+    total[:, rising] += quadrature(partial(rates, pick=rising), 0 * before, before, step)
     slope_a, slope_b = (wave_slope(r, R, phi, m, c) for phi in (a, b))
     return Track(*total, c, -t * slope_a, -rest * slope_b)
 
@@ -289,16 +291,20 @@ def compared(inputs, known, found):
     ]  # fmt: skip
 
 
-def again(inputs, known, index):
-    """Return the errors in length, relative, and azimuth of references, by mpmath."""
+def exactly(x):
+    """Return a float of 80 bits in mpmath's numbers."""
+    return mpf(float(x)) + mpf(float(x - LONG(float(x))))
+
+
+def against_mpmath(inputs, known, index):
+    """Return the worst errors of some references, in length, relative, and azimuths."""
     worst = [0.0, 0.0]
     for i in index:
         r, R, phi1, phi2, theta2 = (float(array[i]) for array in inputs)
-        azimuths = [mpf(repr(x).split("'")[1]) for x in (known["azimuth1"][i], known["azimuth2"][i])]
+        *azimuths, length = (exactly(known[name][i]) for name in ANSWERS[:3])
         exact = torus_geodesics.again(r, R, phi1, theta2, phi2, *azimuths)
-        errors = [abs(mpf(repr(known["length"][i]).split("'")[1]) / exact[2] - 1)]
-        errors.append(max(abs(x - y) for x, y in zip(azimuths, exact)))
-        worst = [max(x, float(y)) for x, y in zip(worst, errors)]
+        off = max(abs(x - y) for x, y in zip(azimuths, exact))
+        worst = [max(x, float(y)) for x, y in zip(worst, (abs(length / exact[2] - 1), off))]
     return worst
 
 
@@ -321,7 +327,7 @@ def main():
         row = compared(inputs, known, library(inputs))
         say(f"{family}: {row}; mpmath and rivals")
         index = np.linspace(0, chosen.pairs - 1, chosen.checked).astype(int)
-        exact = again(inputs, known, index)
+        exact = against_mpmath(inputs, known, index)
         rivals = [
             shortest_rival(r, R, phi1, phi2, abs(theta2), float(length))
             for r, R, phi1, phi2, theta2, length in zip(

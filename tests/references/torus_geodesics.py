@@ -162,9 +162,12 @@ def solve(start, angle=None):
     def geodesic(x):
         return wave(start, x)[0] if start.way == "wave" else pass_by(start, x)
 
+    def around(x):  # the turned angle and its rate, to 1e-28
+        before, after = geodesic(x - step).turned, geodesic(x + step).turned
+        return (after + before) / 2, (after - before) / (2 * step)
+
     step *= mpf("1e-15")
-    before, after = geodesic(x - step).turned, geodesic(x + step).turned
-    rate, turned = (after - before) / (2 * step), (after + before) / 2
+    turned, rate = around(x)
     angle = mpf(float(turned) if angle is None else angle)
     for _ in range(12):
         x += (angle - turned) / rate
@@ -174,6 +177,7 @@ def solve(start, angle=None):
             break
     else:
         raise ArithmeticError(f"{start}: the turned angle isn't met.")
+    rate = around(x)[1]
     if start.way == "wave":
         m = mp.hypot(start.a, x)
         return here, abs(rate * here.cos_b) * wave(start, x)[1] / (R * ratio(m))
@@ -247,26 +251,33 @@ def again(r, R, phi1, theta2, phi2, azimuth1, azimuth2):
     return answers(*solve(start, abs(theta2)), swap, mirror, -1 if theta2 < 0 else 1)
 
 
-def main():
-    """Write the table."""
+def rows(family):
+    """Yield the rows of a family, in the order of the table."""
     from .geodesic_families import FAMILIES  # here: it draws with the functions above
 
+    count, draw = FAMILIES[family]
+    rng = random.Random(f"{SEED} {family}")
+    while count:
+        start, flips = draw(rng), [rng.random() < 0.5 for _ in range(2)]
+        cells = row(family, start, *flips, rng.choice([-1, 1]))
+        if cells:
+            count -= 1
+            yield cells
+
+
+def main():
+    """Write the table."""
+    from .geodesic_families import FAMILIES
+
     mp.dps = DIGITS
-    fresh, beside, total = [], TABLE.with_suffix(".part"), 0
-    for family, (count, draw) in FAMILIES.items():
-        rng = random.Random(f"{SEED} {family}")
-        rows = []
-        while len(rows) < count:
-            cells = row(family, draw(rng), *(rng.random() < 0.5 for _ in range(2)),
-                        rng.choice([-1, 1]))  # fmt: skip
-            total += 1
-            if cells:
-                rows.append(cells)
-            print(f"\r{family}: {len(rows)} of {count}  ", end="", file=sys.stderr, flush=True)
-        fresh += rows
-        print(f"\r{family}: {count}; {len(fresh)} of {total} drawn so far", file=sys.stderr)
+    table, beside = [COLUMNS], TABLE.with_suffix(".part")
+    for family, (count, _) in FAMILIES.items():
+        for number, cells in enumerate(rows(family), start=1):
+            table.append(cells)
+            print(f"\r{family}: {number} of {count}  ", end="", file=sys.stderr, flush=True)
+        print(file=sys.stderr)
     with open(beside, "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *fresh])
+        csv.writer(file, lineterminator="\n").writerows(table)
     os.replace(beside, TABLE)
 
 

@@ -8,10 +8,13 @@ with D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+
+rule = cache(leggauss)  # an eigenvalue problem each time
 
 
 class Track(NamedTuple):
@@ -164,7 +167,7 @@ def integrate(torus, track, count):
     turned, length : (n,) float
         In rad and m. In t = a0 sinh(y), which spreads out the peak at the turning point.
     """
-    nodes, weights = leggauss(count)
+    nodes, weights = rule(count)
     c, A, B, E, first, span = (array[..., None] for array in track[:6])
     peak = np.sqrt(np.minimum(A, E + c / (2 * torus.R)) / B)
     a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
