@@ -30,17 +30,17 @@ TABLE = Path(__file__).with_suffix(".csv")
 LONG = np.longdouble
 # pi in two parts: the first is a float of 53 bits, the second what it lacks.
 PI, PI_REST = LONG(np.pi), LONG("1.2246467991473531772260659322749979970830539012e-16")
-BLOCK, CHECKED, SEED = 2000, 2000, 22
+PAIRS, BLOCK, CHECKED, SEED = 100_000, 2000, 2000, 22
 MACHINES = 200  # tori of the working sheet
 DEGENERATE = 1e-3  # of the length: a reduced length below that leaves the azimuths uncertain
 ANSWERS = ("azimuth1", "azimuth2", "length", "clairaut", "reduced")
+CHECKS = ("worst reference length error", "worst reference azimuth error", "rivals")
 COLUMNS = [
     "family", "tori", "pairs", "seed", "failures", "wrong branches",
     "worst length error, relative", "worst length error over R",
     "degenerate pairs", "worst azimuth error elsewhere",
     "worst azimuth error times reduced over length",
-    "references in mpmath", "worst reference length error", "worst reference azimuth error",
-    "pairs searched for rivals", "rivals",
+    "pairs checked", *CHECKS,
 ]  # fmt: skip
 
 
@@ -137,17 +137,16 @@ def candidate(form, low, high, ends, angle):
     return np.where(found.success, found.x, np.nan)
 
 
-def forms(r, R, a, b, angle):
-    """Yield the classes: form, who may belong to it, limits of the unknown. All in doubles."""
-    ring = r > R
+def classes(r, R, a, b):
+    """Yield the classes of geodesics: form, who may belong to it, limits of the unknown."""
+    ring, shy = r > R, 1 - 1e-14
     top = np.where(ring, np.pi, np.arccos(np.maximum(-r / R, -1)))
-    width = np.sqrt((top - a) * (top + a))
-    everyone = np.ones(a.shape, dtype=bool)
-    margin = 1e-14
-    yield wave, everyone, -width * (1 - margin), width * (1 - margin)
+    width = shy * np.sqrt((top - a) * (top + a))
+    yield wave, np.ones(a.shape, dtype=bool), -width, width
     if np.any(ring):
-        yield partial(pass_by, over=False), ring, (r - R) * margin, (r - R) * (1 - margin)
-        yield partial(pass_by, over=True), ring & (b < 0), (r - R) * margin, (r - R) * (1 - margin)
+        limits = (r - R) * (1 - shy), (r - R) * shy
+        yield partial(pass_by, over=False), ring, *limits
+        yield partial(pass_by, over=True), ring & (b < 0), *limits
 
 
 def references(r, R, phi1, phi2, theta2):
@@ -158,43 +157,41 @@ def references(r, R, phi1, phi2, theta2):
     """
     swap = np.abs(phi2) > np.abs(phi1)
     a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
-    mirror = np.where(a < 0, -1.0, 1.0)
-    a, b, angle = a * mirror, b * mirror, np.abs(theta2)
-    best = {"length": np.full(a.size, np.inf), "form": np.zeros(a.size, int), "x": 0 * a}
-    count = 0
-    for round_ in (angle, 2 * np.pi - angle):
-        for form, who, low, high in forms(r, R, a, b, round_):
-            (index,) = np.nonzero(who)
-            ends = [array[index] for array in (r, R, a, b)]
-            with np.errstate(all="ignore"):
-                x = candidate(form, low[index], high[index], ends, round_[index])
-                length = form(*ends, np.where(np.isnan(x), high[index] / 2, x), 0.05).length
-            shorter = ~np.isnan(x) & (length < best["length"][index])
-            index = index[shorter]
-            best["length"][index], best["x"][index] = length[shorter], x[shorter]
-            best["form"][index] = count
-            count += 1
+    mirror, sign = np.where(a < 0, -1, 1), np.where(theta2 < 0, -1, 1)
+    ends, angle = (r, R, a * mirror, b * mirror), np.abs(theta2)
+    back = mirror * np.where(swap, -1, 1)
+    routes = [
+        (goal, side, *each)
+        for goal, side in ((angle, sign), (2 * np.pi - angle, -sign))
+        for each in classes(*ends)
+    ]
+    shortest, best, unknown = np.full(a.size, np.inf), np.full(a.size, -1), np.zeros(a.size)
+    for number, (goal, _, form, who, low, high) in enumerate(routes):
+        index = np.flatnonzero(who)
+        some = [array[index] for array in ends]
+        with np.errstate(all="ignore"):
+            x = candidate(form, low[index], high[index], some, goal[index])
+            length = form(*some, x, 0.05).length
+        shorter = length < shortest[index]  # not where there is none, NaN
+        index = index[shorter]
+        shortest[index], unknown[index], best[index] = length[shorter], x[shorter], number
+    if np.any(best < 0):
+        raise ArithmeticError(f"{np.sum(best < 0)} pairs have no reference.")
     out = {name: np.zeros(a.size, dtype=LONG) for name in ANSWERS}
     out["kind"] = np.full(a.size, "outer")
-    per_round = count // 2
-    for k in range(count):
-        (index,) = np.nonzero(best["form"] == k)
-        if index.size:
-            form = [each[0] for each in forms(r, R, a, b, angle)][k % per_round]
-            goal = (angle if k < per_round else 2 * np.pi - angle)[index]
-            ends = [array[index].astype(LONG) for array in (r, R, a, b)]
-            track, reduced = polish(form, ends, best["x"][index].astype(LONG), goal.astype(LONG))
-            side = np.where(theta2 < 0, -1, 1)[index] * (1 if k < per_round else -1)
-            back = (mirror * np.where(swap, -1, 1))[index]
-            far, near = (
-                np.arctan2(side * track.c, back * cosine) for cosine in (track.cos_a, track.cos_b)
-            )
-            first, second = np.where(swap[index], (near, far), (far, near))
-            values = (first, second, track.length, side * track.c, reduced)
-            for name, value in zip(ANSWERS, values):
-                out[name][index] = value
-            if getattr(form, "keywords", {}).get("over"):
-                out["kind"][index] = "inner"
+    for number, (goal, side, form, *_) in enumerate(routes):
+        index = np.flatnonzero(best == number)
+        some, x, goal = [array[index].astype(LONG) for array in ends], unknown[index], goal[index]
+        track, out["reduced"][index] = polish(form, some, x.astype(LONG), goal.astype(LONG))
+        out["length"][index], out["clairaut"][index] = track.length, side[index] * track.c
+        far, near = (
+            np.arctan2(side[index] * track.c, back[index] * cosine)
+            for cosine in (track.cos_a, track.cos_b)
+        )
+        out["azimuth1"][index], out["azimuth2"][index] = np.where(
+            swap[index], (near, far), (far, near)
+        )
+        out["kind"][index] = "inner" if form is not wave and form.keywords["over"] else "outer"
     return out
 
 
@@ -234,26 +231,50 @@ def pairs(family, count, rng):
     return r, np.full(count, machine.R), phi1, phi2, stop - start
 
 
+class Kept:
+    """Results by name, kept in a file where one is given."""
+
+    def __init__(self, path=None):
+        self.path, self.results = path, {}
+        if path and path.exists():
+            with np.load(path) as file:
+                self.results = dict(file)
+
+    def get(self, name, make):
+        """Return a result, a dict of arrays, made now if it isn't there yet."""
+        names = [key for key in self.results if key.startswith(f"{name}: ")]
+        if names:
+            return {key.removeprefix(f"{name}: "): self.results[key] for key in names}
+        made = make()
+        self.results |= {f"{name}: {key}": value for key, value in made.items()}
+        if self.path:
+            beside = self.path.with_suffix(".part.npz")
+            np.savez(beside, **self.results)
+            os.replace(beside, self.path)
+            print(name, file=sys.stderr, flush=True)
+        return made
+
+
 def solved(family, count, seed=SEED, kept=None):
-    """Return inputs and references of a family, taken from a file as far as they are there."""
-    inputs = pairs(family, count, np.random.default_rng([seed, len(family)]))
-    done, rows = {}, []
-    if kept and kept.exists():
-        with np.load(kept) as file:
-            done = dict(file)
+    """Return inputs and references of a family, from what is kept as far as they are there."""
+    inputs, kept = pairs(family, count, np.random.default_rng([seed, len(family)])), kept or Kept()
+    blocks = []
     for start in range(0, count, BLOCK):
-        name = f"{family} {count} {start}"
         part = [array[start : start + BLOCK] for array in inputs]
-        if f"{name} length" not in done:
-            for key, value in references(*part).items():
-                done[f"{name} {key}"] = value
-            if kept:
-                beside = kept.with_suffix(".part.npz")
-                np.savez(beside, **done)
-                os.replace(beside, kept)
-            say(f"{family}: references {start + len(part[0])} of {count}")
-        rows.append({key: done[f"{name} {key}"] for key in (*ANSWERS, "kind")})
-    return inputs, {key: np.concatenate([row[key] for row in rows]) for key in rows[0]}
+        name = f"{family}, {count} from seed {seed}, block {start}"
+        blocks.append(kept.get(name, lambda part=part: references(*part)))
+    return inputs, {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+
+
+def checked(inputs, known, index):
+    """Return the errors of some references by mpmath, and how many of them have rivals."""
+    length, azimuth = against_mpmath(inputs, known, index)
+    rivals = 0
+    for i in index:
+        r, R, phi1, phi2, theta2 = (array[i] for array in inputs)
+        reach = float(known["length"][i])
+        rivals += shortest_rival(r, R, phi1, phi2, abs(theta2), reach) is not None
+    return {name: np.array(x) for name, x in zip(CHECKS, (length, azimuth, rivals))}
 
 
 def library(inputs):
@@ -272,7 +293,8 @@ def library(inputs):
 
 def angle_between(one, other):
     """Return the angle between directions."""
-    return np.abs(np.remainder(one - other + PI, 2 * PI) - PI)
+    half = PI + PI_REST
+    return np.abs(np.remainder(one - other + half, 2 * half) - half)
 
 
 def compared(inputs, known, found):
@@ -284,6 +306,7 @@ def compared(inputs, known, found):
     off = np.max([angle_between(found[n], known[n])[sound] for n in ANSWERS[:2]], axis=0)
     clear = reduced >= DEGENERATE * length
     wrong = (error > 1e-9 * length) | (off > 1e-6) & clear
+    wrong |= (found["kind"] != known["kind"])[sound]
     return [
         int(np.sum(~sound)), int(np.sum(wrong)), np.max(error / length),
         np.max(error / R[sound]), int(np.sum(~clear)), np.max(off[clear]),
@@ -308,36 +331,21 @@ def against_mpmath(inputs, known, index):
     return worst
 
 
-def say(text):
-    print(text, file=sys.stderr, flush=True)
-
-
 def main():
     """Write the table."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--references", type=Path, help="where references are kept (.npz)")
-    options.add_argument("--pairs", type=int, default=100_000, help="of each family")
-    options.add_argument("--checked", type=int, default=CHECKED, help="of them, by mpmath")
-    chosen = options.parse_args()
+    kept = Kept(options.parse_args().references)
     mp.dps = torus_geodesics.DIGITS
     table = [COLUMNS]
+    index = np.linspace(0, PAIRS - 1, CHECKED).astype(int)
     for family in ("working sheet", "ring"):
-        inputs, known = solved(family, chosen.pairs, kept=chosen.references)
-        say(f"{family}: the library")
-        row = compared(inputs, known, library(inputs))
-        say(f"{family}: {row}; mpmath and rivals")
-        index = np.linspace(0, chosen.pairs - 1, chosen.checked).astype(int)
-        exact = against_mpmath(inputs, known, index)
-        rivals = [
-            shortest_rival(r, R, phi1, phi2, abs(theta2), float(length))
-            for r, R, phi1, phi2, theta2, length in zip(
-                *(array[index] for array in (*inputs, known["length"]))
-            )
-        ]
-        tori = len(np.unique(inputs[0]))
-        row = [family, tori, chosen.pairs, SEED, *row, len(index), *exact, len(index),
-               sum(rival is not None for rival in rivals)]  # fmt: skip
-        table.append([f"{x:.3g}" if isinstance(x, np.floating | float) else x for x in row])
+        inputs, known = solved(family, PAIRS, kept=kept)
+        checks = kept.get(f"{family}, checks", lambda: checked(inputs, known, index))  # noqa: B023
+        row = [family, len(np.unique(inputs[0])), PAIRS, SEED]
+        row += compared(inputs, known, library(inputs))
+        row += [CHECKED, *(checks[name] for name in CHECKS)]
+        table.append([f"{x:.3g}" if np.asarray(x).dtype.kind == "f" else x for x in row])
     beside = TABLE.with_suffix(".part")
     with open(beside, "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(table)

@@ -236,9 +236,10 @@ def again(r, R, phi1, theta2, phi2, azimuth1, azimuth2):
     answers : list of mpf
         Of the columns `ANSWERS`.
     """
-    swap = abs(phi2) > abs(phi1)
+    # Of two ends as far from the equator, the one comes first that the vertex is near.
+    swap = abs(phi2) > abs(phi1) or (phi1 == -phi2 and phi2 * mp.cos(azimuth2) < 0)
     a, b, azimuth = (phi2, phi1, azimuth2 + mp.pi) if swap else (phi1, phi2, azimuth1)
-    mirror = a < 0
+    mirror = a < 0 or (a == b == 0 and mp.cos(azimuth) < 0)
     cosine = mp.cos(azimuth) * (-1 if mirror else 1)
     a, b = abs(a), -b if mirror else b
     if theta2 == 0:

@@ -127,9 +127,9 @@ def geodesic_inverse(torus, p, q):
     A shortest geodesic turns by at most pi in theta and crosses each of the circles phi = 0 and
     phi = pi at most once. That leaves two classes, and in each the turned angle grows with one
     unknown: a root each, and the shorter one is returned. That it grows was found numerically and
-    isn't proved. Ends half a turn apart have a mirror image of the answer beside it. Lengths
-    are right to rounding; on spindle and horn tori less so within a few hundredths of a radian
-    of a node, and where the quadrature can't tell there is no answer.
+    isn't proved. Ends half a turn apart have a mirror image of the answer beside it. Lengths are
+    right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node: see
+    tests/references for a table of hard ones.
 
     Examples
     --------
