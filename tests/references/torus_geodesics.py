@@ -206,6 +206,7 @@ def row(family, start, swap=False, mirror=False, side=1):
         return None
     theta, phis = float(found.turned), [-phi if mirror else phi for phi in start[2:4]]
     phi1, phi2 = phis[::-1] if swap else phis
+    side = -side if swap else side  # it was from a to b
     if shortest_rival(start.r, start.R, phi1, phi2, theta, float(found.length)) is not None:
         return None
     inputs = [start.r, start.R, 0.0, phi1, side * theta, phi2]
