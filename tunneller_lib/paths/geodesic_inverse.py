@@ -74,8 +74,8 @@ def geodesic_inverse(torus, p, q):
     theta, "compared" the shorter root only. Ends half a turn apart have a mirror image of the
     answer beside it.
 
-    Lengths are right to rounding; on spindle and horn tori less so within a few hundredths of a
-    radian of a node, and where the quadrature can't tell there is no answer.
+    Lengths are right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node:
+    see tests/references for a table of hard ones.
 
     Examples
     --------

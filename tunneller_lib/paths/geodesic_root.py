@@ -8,10 +8,11 @@ from numpy.polynomial import legendre
 
 from .geodesic_classes import outer
 
-leggauss = cache(legendre.leggauss)
+leggauss = cache(legendre.leggauss)  # an eigenvalue problem each time
 
 BLOCK = 4096  # pairs at a time, so that the quadrature's arrays stay in the cache
 ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
+NEAR = 1e-5  # rad
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
 
 
@@ -146,7 +147,8 @@ def _newton(family, torus, a, b, angle, u, scale, low, count):
         sound = (low <= u + step) & (u + step <= high)
         halved = np.where(np.isinf(high), 2 * np.abs(u) + 0.5, (low + high) / 2)
         new = np.where(sound, u + step, halved)
-        done = sound & (np.abs(step) <= STEP * (np.abs(u) + scale))
+        # The second condition: where nothing turns so far, u grows until any step is small.
+        done = sound & (np.abs(step) <= STEP * (np.abs(u) + scale)) & (np.abs(miss) < NEAR)
         if np.any(done):
             end = family(torus, a[done], b[done], new[done])
             # For a given angle the length is stationary in c: what u lacked hardly matters.
