@@ -274,7 +274,7 @@ def checked(inputs, known, index):
     for i in index:
         r, R, phi1, phi2, theta2 = (array[i] for array in inputs)
         reach = float(known["length"][i])
-        rivals += shortest_rival(r, R, phi1, phi2, abs(theta2), reach) is not None
+        rivals += shortest_rival(r, R, phi1, phi2, abs(theta2), reach, 1e-4) is not None
     return {name: np.array(x) for name, x in zip(CHECKS, (length, azimuth, rivals))}
 
 
