@@ -66,8 +66,9 @@ def figure_files(notebook):
 def notebook_sources(notebook):
     """Return the digest of all that the results of a notebook depend on."""
     root = notebook.parent.parent
-    code, data = (root / "tunneller_lib").rglob("*.py"), (root / "notebooks").glob("*.csv")
-    shared = [root / "environment.txt", *sorted(code), *sorted(data)]
+    code, folders = (root / "tunneller_lib").rglob("*.py"), ("notebooks", "tests/references")
+    data = [file for folder in folders for file in sorted((root / folder).glob("*.csv"))]
+    shared = [root / "environment.txt", *sorted(code), *data]
     return digest(json.dumps(cells(notebook)).encode(), file_digest(root, shared).encode())
 
 
