@@ -174,8 +174,8 @@ class Rod:
         Examples
         --------
         >>> enter, leave = Rod((0, 0, 0), (90, 0, 120), 25).meet_line((16, 15, 0), (0, 0, 1))
-        >>> float(enter), float(leave)
-        (-12.0, 54.666666666666664)
+        >>> float(enter), round(float(leave), 3)
+        (-12.0, 54.667)
         """
         p, u = finite_points("point", point), directions("direction", direction)
         if u.ndim > 1 or method != "exact":
