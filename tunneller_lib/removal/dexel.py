@@ -134,13 +134,11 @@ class DexelGrid:
 
     def cut(self, rod):
         """Remove a rod, or a ball as a round rod without length, and return the volume, in m^3."""
-        instance("rod", rod, Rod)
-        a, b = np.array([rod.a, rod.b])
-        reach = np.linalg.norm(b - a) / 2 + rod.radius if self.lines.rays else rod.radius
-        middle = (a + b) / 2
-        ends = (middle, middle) if self.lines.rays else (a, b)
-        window = self.lines.windows(ends[0][None], ends[1][None], reach, self._nearest)[0]
-        return self._cut(a, b, rod.radius, rod.ends == "round", window)
+        return sum(self._subtract(*touched) for touched in self._touched_by(rod))
+
+    def overlap(self, rod):
+        """Return the volume, in m^3, that a rod shares with the material: 0 without a collision."""
+        return sum(self._shared(*touched)[0] for touched in self._touched_by(rod))
 
     def cut_path(self, centres, radius):
         """Remove what a ball sweeps along a path.
@@ -164,42 +162,55 @@ class DexelGrid:
         if len(centres) == 1:
             a = b = centres
         windows = self.lines.windows(a, b, radius, self._nearest)
-        return sum(self._cut(*step, radius, True, w) for *step, w in zip(a, b, windows))
-
-    def overlap(self, rod):
-        """Return the volume, in m^3, that a rod shares with the material: 0 without a collision."""
-        return self.copy().cut(rod)
-
-    def _cut(self, a, b, radius, round_ends, window):
-        first, last, start, stop = window
-        if last <= first or stop <= start or (not round_ends and np.array_equal(a, b)):
-            return 0.0
-        removed, m, rows = 0.0, len(self.lines.cos), slice(first, last)
-        # Rays that go round are taken in two parts.
-        for piece in _parts(start, stop, m):
-            enter, leave = self.lines.meet(a, b, radius, round_ends, rows, piece)
-            for slot in range(len(self.low)):
-                low, high = self.low[slot][rows, piece], self.high[slot][rows, piece]
-                touched = np.nonzero(
-                    (leave > low) & (enter < high) & (enter < leave) & (low < high)
-                )
-                if len(touched[0]):
-                    removed += self._subtract(slot, touched, (low, high), enter[touched],
-                                              leave[touched], (first, piece.start))  # fmt: skip
+        removed = 0.0
+        for start, end, window in zip(a, b, windows):
+            for touched in self._touched(start, end, radius, True, window):
+                removed += self._subtract(*touched)
         return removed
 
-    def _subtract(self, slot, touched, material, enter, leave, corner):
-        """Cut the intervals of one slot that are touched, and return the volume."""
-        low, high = (side[touched] for side in material)
-        place = tuple(index + shift for index, shift in zip(touched, corner))
-        removed = self.lines.measure(np.maximum(low, enter), np.minimum(high, leave))
+    def _touched_by(self, rod):
+        """Return `_touched` for one rod of any length."""
+        instance("rod", rod, Rod)
+        ends = np.array([[rod.a], [rod.b]])
+        reach = rod.radius
+        if self.lines.rays:  # whose window is that of a ball
+            reach += rod.length / 2
+            ends[:] = ends.mean(axis=0)
+        window = self.lines.windows(*ends, reach, self._nearest)[0]
+        a, b = np.array([rod.a, rod.b])
+        return self._touched(a, b, rod.radius, rod.ends == "round", window)
+
+    def _touched(self, a, b, radius, round_ends, window):
+        """Yield slot, places, and where the rod enters and leaves, of the intervals it meets."""
+        first, last, start, stop = window
+        if last <= first or stop <= start:
+            return
+        rows = slice(first, last)
+        for columns in _parts(start, stop, len(self.lines.cos)):
+            enter, leave = self.lines.meet(a, b, radius, round_ends, rows, columns)
+            for slot in range(len(self.low)):
+                low, high = self.low[slot, rows, columns], self.high[slot, rows, columns]
+                met = (leave > low) & (enter < high) & (enter < leave) & (low < high)
+                i, j = np.nonzero(met)
+                if len(i):
+                    yield slot, (i + first, j + columns.start), enter[met], leave[met]
+
+    def _shared(self, slot, place, enter, leave):
+        """Return the volume that intervals share with a rod, and the intervals."""
+        low, high = self.low[slot][place], self.high[slot][place]
+        shared = self.lines.measure(np.maximum(low, enter), np.minimum(high, leave))
+        return float(np.sum(shared)), low, high
+
+    def _subtract(self, slot, place, enter, leave):
+        """Take a rod from intervals of one slot, and return the volume."""
+        removed, low, high = self._shared(slot, place, enter, leave)
         below, above = enter > low, leave < high
         self.high[slot][place] = np.where(below, enter, high)
         self.low[slot][place] = np.where(below, low, np.where(above, leave, high))
         both = below & above
         if np.any(both):
             self._add(tuple(index[both] for index in place), leave[both], high[both])
-        return float(np.sum(removed))
+        return removed
 
     def _add(self, place, low, high):
         """Put intervals into the first slots that are free at their places."""
@@ -214,7 +225,7 @@ class DexelGrid:
 
 
 def _parts(start, stop, count):
-    """Return the slices of 0 to count that a range of indices covers, going round."""
+    """Return the slices of 0 to count that a range of indices covers; rays may go round."""
     start, stop = start % count, start % count + stop - start
     return [slice(start, min(stop, count)), *([slice(0, stop - count)] if stop > count else [])]
 

@@ -70,7 +70,7 @@ def flat_interval(run, rise, length, radius, s, m):
     empty = length == 0
     guard, length, parallel, s = _sizes(run, length, radius, s, m)
     # A tilt too small to tell: on the end's disc it comes to less than the guard.
-    level = rise * radius <= guard * length
+    level = ~parallel & (rise * radius <= guard * length)
     wide = radius + guard
     k = rise / length * np.sqrt(np.maximum((wide - s) * (wide + s), 0))
     hit = (s <= wide) & (parallel | ((m >= -k - guard) & (m <= run + k + guard))) & ~empty

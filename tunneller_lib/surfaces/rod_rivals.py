@@ -11,8 +11,8 @@ from ..arrays import dot, norm
 EPSILON = 0.00001  # as printed; once a share of the length, once a length
 
 
-def three_surfaces(a, b, radius, p, direction, *, epsilon=0.0):
-    """Return `enter` and `leave` from the meetings with wall and discs, each on its own.
+def crossings(a, b, radius, p, direction, *, epsilon=0.0):
+    """Return where lines cross the three surfaces, each on its own, and which crossings count.
 
     Parameters
     ----------
@@ -27,36 +27,48 @@ def three_surfaces(a, b, radius, p, direction, *, epsilon=0.0):
 
     Returns
     -------
-    enter, leave : (...) float
-        Least and greatest meeting that was accepted.
-
-    Notes
-    -----
-    "The cylinder considered as independent surfaces", with the parentheses that its zb lacks.
+    t : (4, ...) float
+        Wall, wall, disc at a, disc at b; in lengths of the direction.
+    accepted : (4, ...) bool
+        Whether the surface reaches that far.
     """
     q, v, along, shift, speed = _setting(a, b, radius, p, direction)
     vsq, vz, vq, wide = dot(v, v), dot(along, v), dot(q, v), radius + epsilon
     with np.errstate(all="ignore"):
         low, high, _ = _wall(q, v, vz, radius)
         za, zb = -vq / vz, (vsq - vq) / vz
-        accepted = [(z, _within(vq + vz * z, vsq, epsilon)) for z in (low, high)]
+        accepted = [_within(vq + vz * z, vsq, epsilon) for z in (low, high)]
         for z, centre in ((za, 0.0), (zb, v)):
             off = q + z[..., None] * along - centre
-            accepted.append((z, wide * wide >= dot(off, off)))
-    enter = np.min([np.where(good, z, np.inf) for z, good in accepted], axis=0)
-    leave = np.max([np.where(good, z, -np.inf) for z, good in accepted], axis=0)
-    return ((enter - shift) / speed)[()], ((leave - shift) / speed)[()]
+            accepted.append(wide * wide >= dot(off, off))
+        t = (np.stack(np.broadcast_arrays(low, high, za, zb)) - shift) / speed
+    return t, np.stack(np.broadcast_arrays(*accepted))
+
+
+def three_surfaces(a, b, radius, p, direction, *, epsilon=0.0):
+    """Return `enter` and `leave`, the least and the greatest of the `crossings` that count.
+
+    "The cylinder considered as independent surfaces", with the parentheses that its zb lacks;
+    arguments a, b, radius, p, direction and epsilon as of `crossings`.
+    """
+    t, accepted = crossings(a, b, radius, p, direction, epsilon=epsilon)
+    enter = np.min(np.where(accepted, t, np.inf), axis=0)
+    return enter[()], np.max(np.where(accepted, t, -np.inf), axis=0)[()]
 
 
 def epsilon(a, b, radius, p, direction):
-    """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`."""
+    """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`.
+
+    Arguments a, b, radius, p and direction as there.
+    """
     return three_surfaces(a, b, radius, p, direction, epsilon=EPSILON)
 
 
 def slab(a, b, radius, p, direction):
     """Return `enter` and `leave` as the interval of the endless cylinder within the two planes.
 
-    "The finite cylinder expressed as an intersection of two volumes".
+    "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius, p
+    and direction as of `three_surfaces`.
     """
     q, v, along, shift, speed = _setting(a, b, radius, p, direction)
     vsq, vz, vq = dot(v, v), dot(along, v), dot(q, v)
