@@ -54,12 +54,14 @@ def draw_two_balls(ax, radius, advance):
     first = np.sqrt(np.clip(radius**2 - x**2, 0, None))
     second = np.sqrt(np.clip(radius**2 - (x - advance) ** 2, 0, None))
     between = (x >= 0) & (x <= advance)
+    look = {"color": COLOURS["tangent sphere"], "alpha": 0.45, "lw": 0}
+    cusp = {"color": COLOURS["error"], "where": between, "lw": 0}
     areas = {}
     for side in (1, -1):
-        areas["bowl"] = ax.fill_between(x, side * first, side * second, where=second > first,
-                                        color=COLOURS["tangent sphere"], alpha=0.45, lw=0)  # fmt: skip
-        areas["ring"] = ax.fill_between(x, side * np.maximum(first, second), side * radius,
-                                        where=between, color=COLOURS["error"], lw=0)  # fmt: skip
+        outside = second > first
+        areas["bowl"] = ax.fill_between(x, side * first, side * second, where=outside, **look)
+        top = side * np.maximum(first, second)
+        areas["ring"] = ax.fill_between(x, top, side * radius, **cusp)
         ax.plot([0, advance], [side * radius] * 2, color=COLOURS["cutter"], lw=0.8)
     turn = np.linspace(0, 2 * np.pi, 241)
     for centre, style in ((0, "--"), (advance, "-")):

@@ -59,16 +59,24 @@ def _check(ends, method="exact"):
         raise ValueError(f'method: must be "exact" for round ends; got {method!r}.')
 
 
-def _meet(axis, radius, round_ends, p, direction):
-    """Return `enter` and `leave` of any lines, from the point of each next to `axis.start`."""
+def nearest_point(axis, p, direction):
+    """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
+
+    Parameters: axis, the points p (..., 3) and the direction of each line, in m.
+    """
     q, q_low = two_sum(p, -axis.start)
     shift = -dot(q, axis.along) / axis.speed
     step, step_low = two_product(shift[..., None], direction)
     q, low = two_sum(q, step)
     q = q + (low + (step_low + q_low))  # at most one rounding, however far away p is
-    s, m, z = dot(q, axis.across), dot(q, axis.flat), dot(q, axis.along)
     # Without a run the axis has no plane of its own: any length across will do.
-    s = np.where(axis.run > 0, s, norm(q))
+    s = np.where(axis.run > 0, dot(q, axis.across), norm(q))
+    return s, dot(q, axis.flat), dot(q, axis.along), shift
+
+
+def _meet(axis, radius, round_ends, p, direction):
+    """Return `enter` and `leave` of any lines."""
+    s, m, z, shift = nearest_point(axis, p, direction)
     inside = round_interval if round_ends else flat_interval
     hit, enter, leave = inside(axis.run, axis.rise, axis.length, radius, s, m)
     enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
