@@ -19,7 +19,7 @@ from tunneller_lib.removal import (
     ring,
     rod_clearance,
 )
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Rod, Torus, meet_rods
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Frustum, Rod, Torus, meet_rods
 from tunneller_lib.surfaces.torus_quartic import foot_quartic, line_quartic
 
 EPS = np.finfo(float).eps
@@ -91,6 +91,7 @@ class Call(NamedTuple):
 
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
 _ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
+_FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)
 _ALIGNED = Circuit(REFERENCE_MACHINE, _EGG)
 _TILTED = Circuit(REFERENCE_MACHINE, _EGG, 0.01, 0.02)
 _LINE = ("point", "direction"), ((3,), (3,)), ((), ())
@@ -128,6 +129,8 @@ CALLS = {
         meet_rods, ("a", "b", "radius", "point", "direction"), ((3,), (3,), (), (3,), (3,)),
         ((), ()),
     ),
+    "Frustum.contains": Call(_FRUSTUM.contains, ("points",), _POINT, ((),)),
+    "Frustum.meet_line": Call(_FRUSTUM.meet_line, *_LINE),
     "half_lens": Call(partial(half_lens, 5), ("advance",), ((),), ((),)),
     "bowl": Call(partial(bowl, 5), ("advance",), ((),), ((),)),
     "ring": Call(partial(ring, 5), ("advance",), ((),), ((),)),

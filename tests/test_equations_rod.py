@@ -7,7 +7,7 @@ report/ledger/line-cylinder.toml.
 import numpy as np
 import sympy as sp
 
-from tunneller_lib.surfaces import Rod, meet_rods
+from tunneller_lib.surfaces import Frustum, Rod, meet_box, meet_rods
 from tunneller_lib.surfaces import rod_cases as cases
 from tunneller_lib.surfaces.rod_exact import judge
 from tunneller_lib.surfaces.rod_interval import frame
@@ -257,3 +257,18 @@ def test_always_reliable():
         k = 2.0**power
         scaled = meet_rods(a * k, b * k, radius * k, point * k, u)
         assert np.array_equal(scaled, np.multiply((enter, leave), k))
+
+
+def test_part_two():
+    # The line grown to a box, and the truncated cone; the note stops before either.
+    lying = Rod((0, 0, 0), (8, 0, 0), 2)
+    np.testing.assert_allclose(meet_box(lying, (3, 1), (4, 9)), (-np.sqrt(3), np.sqrt(3)))
+    low, high = np.array([70.0, 5]), np.array([100.0, 20])
+    xy = np.stack(np.meshgrid(*np.linspace(low, high, 200).T), axis=-1)
+    enter, leave = ROD.meet_line(np.concatenate([xy, 0 * xy[..., :1]], axis=-1), UP)
+    bottom, top = meet_box(ROD, low, high)
+    assert 0 <= top - leave.max() < 0.1 and 0 <= enter.min() - bottom < 0.1
+    a, b, _, point, u = float_rods(10, 200)
+    for i in range(5):
+        cone, rod = Frustum(a[i], b[i], 0.3, 0.3), Rod(a[i], b[i], 0.3)
+        np.testing.assert_allclose(cone.meet_line(point, u), rod.meet_line(point, u), atol=1e-6)

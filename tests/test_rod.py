@@ -176,8 +176,24 @@ def test_parallel_lines_are_as_one_by_one(ends):
         fast = rod.meet_line(p.reshape(200, 200, 3), direction)
         slow = rod.meet_line(p, np.broadcast_to(np.array(direction, float), p.shape))
         for one, other in zip(fast, slow):
-            np.testing.assert_array_equal(one, other.reshape(200, 200))
+            np.testing.assert_allclose(one, other.reshape(200, 200), rtol=1e-11, atol=1e-12)
         assert np.isfinite(fast[0]).any() and not np.isfinite(fast[0]).all()
+
+
+@every_end
+@pytest.mark.parametrize("far", [0, 2**20])
+@pytest.mark.parametrize("direction", [(0, 0, 1), (-3, 0, 0), (1, -2, 2), (90, 0, 120), (4, 0, -3)])
+def test_parallel_lines_through_rims(direction, far, ends):
+    rod = Rod((1, 2, 3), (91, 2, 123), 25, ends=ends)
+    turn = np.array([[7, 24], [24, 7], [15, 20], [20, 15], [25, 0], [0, 25]])
+    turn = np.concatenate([turn * sign for sign in ([1, 1], [-1, 1], [1, -1], [-1, -1])])
+    rim = turn[:, :1] * np.array([0.8, 0, -0.6]) + turn[:, 1:] * np.array([0, 1, 0])
+    level = np.linspace(0, 1, 7)[:, None, None] * rod.axis
+    p = (np.add(rod.a, level + rim) - far * np.array(direction)).reshape(-1, 3)
+    lines = tuple(np.broadcast_to(x, (len(p), 3)) for x in (rod.a, rod.b))
+    lines += np.full(len(p), 25.0), p, np.broadcast_to(np.array(direction, float), p.shape)
+    verdicts = judge(rod.meet_line(p, direction), lines, margin(*lines), ends=ends)
+    assert not np.any(verdicts)
 
 
 def test_meet_line_edge_cases():

@@ -1,51 +1,14 @@
-"""How fast the torus answers, against the least that could be done and against the quartics.
-
-Each ratio is of the best of several rounds in which both sides take turns, so that a busy moment
-of the computer hits both.
-"""
-
-import platform
-import time
-from pathlib import Path
+"""How fast the torus answers, against the least that could be done and against the quartics."""
 
 import numpy as np
-import pytest
 
+from tests.bench.conftest import best_times
 from tunneller_lib.surfaces import Torus
 from tunneller_lib.surfaces.torus_quartic import foot_quartic
 
 TORUS = Torus(0.08, 0.8)
 POINTS = np.random.default_rng(0).uniform(-1, 1, (100_000, 3))
 FEW = 2_000
-
-
-def processor():
-    """Return the name of the processor, where the system tells."""
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
-
-
-def best_times(*functions, rounds=15):
-    """Return the least time of each function over rounds in which they take turns, in s."""
-    times = []
-    for _ in range(rounds):
-        for function in functions:
-            start = time.perf_counter()
-            function()
-            times.append(time.perf_counter() - start)
-    return np.min(np.reshape(times, (rounds, -1)), axis=0)
-
-
-@pytest.fixture
-def say(capsys, benchmark):
-    def print_and_keep(what, ratio):
-        benchmark.extra_info[what] = ratio
-        with capsys.disabled():
-            print(f"\n{what}: {ratio:.2f} (numpy {np.__version__}, {processor()})")
-
-    return print_and_keep
 
 
 def arctan2_pair():

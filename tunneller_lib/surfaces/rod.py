@@ -185,23 +185,47 @@ class Rod:
         >>> float(enter), round(float(leave), 3)
         (-12.0, 54.667)
         """
-        p, u = finite_points("point", point), directions("direction", direction)
+        p, u = arrays.points("point", point), directions("direction", direction)
         if u.ndim > 1 or method != "exact":
             return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends, method=method)
-        axis = frame(np.array(self.a), np.array(self.b), u)
         enter, leave = np.full(p.shape[:-1], np.inf), np.full(p.shape[:-1], -np.inf)
         rows, firsts, lasts = p.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
+        axis = frame(np.array(self.a), np.array(self.b), u)
         for start in range(0, len(rows), BLOCK):
             block = slice(start, start + BLOCK)
-            near, *found = self._meet_parallel(axis, rows[block], u)
-            firsts[block][near], lasts[block][near] = found
+            self._meet_parallel(axis, rows[block], u, firsts[block], lasts[block])
         return enter[()], leave[()]
 
-    def _meet_parallel(self, axis, p, direction):
-        """Return which of the lines p (n, 3) of one direction come near, their `enter`, `leave`."""
-        q = p - axis.start
-        s, m = q @ axis.across, q @ axis.flat
-        reach = self.radius + GUARD * (self.radius + axis.run + np.max(np.abs(q)))
-        near = (np.abs(s) <= reach) & (m >= -reach) & (m <= axis.run + reach)
-        near = np.flatnonzero(near)
-        return near, *_meet(axis, self.radius, self.ends == "round", p[near], direction)
+    def _meet_parallel(self, axis, p, u, enter, leave):
+        """Write `enter` and `leave` of lines p (n, 3) of one direction."""
+        bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
+        if not np.isfinite(bound):
+            finite_points("point", p)
+        s, m = _along(p, axis.start, axis.across), _along(p, axis.start, axis.flat)
+        side, r, run, rise = np.abs(s), self.radius, axis.run, axis.rise
+        # Off the coordinate axes the product with a far point isn't good enough to go on with.
+        noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
+        reach = r + 2 * GUARD * (r + run) + noise
+        near = np.flatnonzero((side <= reach) & (m >= -reach) & (m <= run + reach))
+        plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
+        if not plain or self.ends == "round":
+            enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
+            return
+        side, m = side[near], m[near]
+        w = np.sqrt(np.maximum((r - side) * (r + side), 0))
+        k = rise / axis.length * w
+        clear = (side <= r) & (m >= -k) & (m <= run + k)
+        edge = near[~clear]  # what the guard must decide
+        enter[edge], leave[edge] = _meet(axis, r, False, p[edge], u)
+        near, m, w = near[clear], m[clear], w[clear] * (axis.length / run)
+        z = _along(p[near], axis.start, axis.along)
+        middle = m * (rise / run)
+        first = np.maximum(middle - w, m * (-run / rise))
+        last = np.minimum(middle + w, rise + (run - m) * (run / rise))
+        enter[near] = (first - z) / axis.speed
+        leave[near] = (np.maximum(first, last) - z) / axis.speed
+
+
+def _along(p, start, unit):
+    """Return the products of p - start with a unit vector, without its zeros."""
+    return sum((p[:, i] - start[i]) * unit[i] for i in range(3) if unit[i] != 0) + np.zeros(len(p))
