@@ -9,7 +9,7 @@ from ..arrays import cross, directions, dot, finite_points, norm, real, two_prod
 from . import rod_rivals
 from .rod_interval import GUARD, flat_interval, frame, round_interval
 
-BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
+BLOCK = 32768  # parallel lines treated at once, so that they stay in the cache
 
 
 def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
@@ -201,24 +201,31 @@ class Rod:
         bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
         if not np.isfinite(bound):
             finite_points("point", p)
-        s, m = _along(p, axis.start, axis.across), _along(p, axis.start, axis.flat)
-        side, r, run, rise = np.abs(s), self.radius, axis.run, axis.rise
+        r, run, rise = self.radius, axis.run, axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
-        near = np.flatnonzero((side <= reach) & (m >= -reach) & (m <= run + reach))
+        side = np.abs(_along(p, axis.start, axis.across))
+        near = np.flatnonzero(side <= reach)
+        q, side = p[near], side[near]
+        m = _along(q, axis.start, axis.flat)
         plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
         if not plain or self.ends == "round":
-            enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
+            within = (m >= -reach) & (m <= run + reach)
+            near, q = near[within], q[within]
+            enter[near], leave[near] = _meet(axis, r, self.ends == "round", q, u)
             return
-        side, m = side[near], m[near]
         w = np.sqrt(np.maximum((r - side) * (r + side), 0))
         k = rise / axis.length * w
         clear = (side <= r) & (m >= -k) & (m <= run + k)
-        edge = near[~clear]  # what the guard must decide
-        enter[edge], leave[edge] = _meet(axis, r, False, p[edge], u)
-        near, m, w = near[clear], m[clear], w[clear] * (axis.length / run)
-        z = _along(p[near], axis.start, axis.along)
+        # Within the guard, whose root is the most that it adds to k, the careful way decides.
+        more = np.sqrt((reach - r) * (reach + r))
+        edge = np.flatnonzero(~clear & (m >= -k - more) & (m <= run + k + more))
+        if len(edge):
+            enter[near[edge]], leave[near[edge]] = _meet(axis, r, False, q[edge], u)
+        clear = np.flatnonzero(clear)
+        near, q, m, w = near[clear], q[clear], m[clear], w[clear] * (axis.length / run)
+        z = _along(q, axis.start, axis.along)
         middle = m * (rise / run)
         first = np.maximum(middle - w, m * (-run / rise))
         last = np.minimum(middle + w, rise + (run - m) * (run / rise))
@@ -228,4 +235,8 @@ class Rod:
 
 def _along(p, start, unit):
     """Return the products of p - start with a unit vector, without its zeros."""
-    return sum((p[:, i] - start[i]) * unit[i] for i in range(3) if unit[i] != 0) + np.zeros(len(p))
+    used = np.flatnonzero(unit)
+    total = (p[:, used[0]] - start[used[0]]) * unit[used[0]] if len(used) else np.zeros(len(p))
+    for i in used[1:]:
+        total += (p[:, i] - start[i]) * unit[i]
+    return total
