@@ -9,7 +9,17 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tunneller_lib.paths import Circuit, ConeChord, project_chord, projected_length
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
+from tunneller_lib.removal import (
+    advance_for_volume,
+    arm_ends,
+    bowl,
+    groove_area,
+    half_lens,
+    removed_volume,
+    ring,
+    rod_clearance,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Frustum, Rod, Torus, meet_rods
 from tunneller_lib.surfaces.torus_quartic import foot_quartic, line_quartic
 
 EPS = np.finfo(float).eps
@@ -80,8 +90,11 @@ class Call(NamedTuple):
 
 
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
+_ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
+_FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)
 _ALIGNED = Circuit(REFERENCE_MACHINE, _EGG)
 _TILTED = Circuit(REFERENCE_MACHINE, _EGG, 0.01, 0.02)
+_LINE = ("point", "direction"), ((3,), (3,)), ((), ())
 _ANGLES, _JOINT, _POINT = (("theta", "phi"), ((), ())), ((2,),), ((3,),)
 
 CALLS = {
@@ -105,6 +118,34 @@ CALLS = {
     "Cone.point": Call(_CONE.point, ("distance", "azimuth"), ((), ()), ((3,),)),
     "Cone.feet": Call(_CONE.feet, ("m",), _POINT, ((2, 3),)),
     "Cone.development": Call(_CONE.development, ("distance", "azimuth"), ((), ()), ((2,),)),
+    "Rod.contains": Call(_ROD.contains, ("points",), _POINT, ((),)),
+    "Rod.contains round": Call(_ROUND.contains, ("points",), _POINT, ((),)),
+    "Rod.meet_line": Call(_ROD.meet_line, *_LINE),
+    "Rod.meet_line round": Call(_ROUND.meet_line, *_LINE),
+    "Rod.meet_line parallel": Call(
+        lambda point: _ROD.meet_line(point, (0.1, 0.2, 0.9)), ("point",), _POINT, ((), ())
+    ),
+    "meet_rods": Call(
+        meet_rods, ("a", "b", "radius", "point", "direction"), ((3,), (3,), (), (3,), (3,)),
+        ((), ()),
+    ),
+    "Frustum.contains": Call(_FRUSTUM.contains, ("points",), _POINT, ((),)),
+    "Frustum.meet_line": Call(_FRUSTUM.meet_line, *_LINE),
+    "half_lens": Call(partial(half_lens, 5), ("advance",), ((),), ((),)),
+    "bowl": Call(partial(bowl, 5), ("advance",), ((),), ((),)),
+    "ring": Call(partial(ring, 5), ("advance",), ((),), ((),)),
+    "groove_area": Call(partial(groove_area, 5), ("depth",), ((),), ((),)),
+    "removed_volume": Call(
+        lambda advance, depth: removed_volume(5, advance, depth, wall=20, pitch=0.1),
+        ("advance", "depth"), ((), ()), ((),),
+    ),
+    "advance_for_volume": Call(
+        partial(advance_for_volume, 5), ("volume", "depth"), ((), ()), ((),)
+    ),
+    "rod_clearance": Call(
+        partial(rod_clearance, _EGG), ("a", "b", "radius"), ((3,), (3,), ()), ((),)
+    ),
+    "arm_ends": Call(partial(arm_ends, REFERENCE_MACHINE), ("position",), _JOINT, ((3,), (3,))),
     "Machine.within_limits": Call(REFERENCE_MACHINE.within_limits, ("position",), _JOINT, ((),)),
     **{
         f"project_chord {spacing}": Call(

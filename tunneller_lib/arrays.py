@@ -73,6 +73,14 @@ def whole(name, value, low, high):
     return array.astype(np.int64)
 
 
+def not_negative(name, value):
+    """Return `value` as a float, which must be one finite number, zero or above."""
+    number = real(name, value)
+    if number.ndim or not (np.isfinite(number) and number >= 0):
+        raise ValueError(f"{name}: must be one finite number, not below zero; got {value!r}.")
+    return float(number)
+
+
 def instance(name, value, kind):
     """Return `value`, which must be an instance of the class `kind`."""
     if not isinstance(value, kind):
@@ -83,6 +91,31 @@ def instance(name, value, kind):
 def points(name, value):
     """Return `value` as a float array (..., 3) of points."""
     return _last_axis(name, value, 3, "x, y, z")
+
+
+def finite_points(name, value):
+    """Return `value` as a float array (..., 3) of points, none of them NaN or infinite."""
+    array = points(name, value)
+    sound = np.isfinite(array)
+    if not sound.all():
+        raise ValueError(f"{name}: must hold finite numbers; got {array[~sound][0]}.")
+    return array
+
+
+def directions(name, value):
+    """Return `value` as a float array (..., 3) of finite vectors, none of them zero."""
+    array = finite_points(name, value)
+    if not np.all(np.any(array != 0, axis=-1)):
+        raise ValueError(f"{name}: must not be zero; got (0, 0, 0).")
+    return array
+
+
+def point(name, value):
+    """Return `value` as a tuple of three floats: one finite point."""
+    array = finite_points(name, value)
+    if array.ndim != 1:
+        raise ValueError(f"{name}: must be one point (3,); got {array.shape}.")
+    return tuple(array.tolist())
 
 
 def positions(name, value):

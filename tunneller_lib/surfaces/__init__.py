@@ -1,9 +1,24 @@
-"""Shapes: the torus of the cutter's centre, cone, sewer section, machine and its cylinders."""
+"""Shapes: the torus of the cutter's centre, cone, rod, sewer section, machine, its cylinders."""
 
 from .cone import Cone
 from .egg import Egg
+from .frustum import Frustum
 from .linkage import Linkage, linkages
 from .machine import REFERENCE_MACHINE, Machine
+from .rod import Rod, meet_rods
+from .rod_box import meet_box
 from .torus import Torus
 
-__all__ = ["REFERENCE_MACHINE", "Cone", "Egg", "Linkage", "Machine", "Torus", "linkages"]
+__all__ = [
+    "REFERENCE_MACHINE",
+    "Cone",
+    "Egg",
+    "Frustum",
+    "Linkage",
+    "Machine",
+    "Rod",
+    "Torus",
+    "linkages",
+    "meet_box",
+    "meet_rods",
+]

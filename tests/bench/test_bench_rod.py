@@ -1,0 +1,108 @@
+"""How fast parallel lines are held against a rod, and how rightly: slab, three surfaces, meshes.
+
+Lines along z over the square about a leaning rod. Each ratio is of the best of several rounds in
+which both sides take turns. The meshes have 64 sides: pyvista (VTK) answers line by line, trimesh
+asks embree.
+"""
+
+import numpy as np
+import pytest
+
+from tests.bench.conftest import best_times
+from tunneller_lib.surfaces import Rod
+
+ROD = Rod((0, 0, 0), (90, 0, 120), 25)
+LINES = 500_000
+SIDES = 64
+rng = np.random.default_rng(0)
+POINTS = np.insert(rng.uniform([-70, -115], [160, 115], (LINES, 2)), 2, -50.0, axis=-1)
+CLOSE = np.insert(rng.uniform([-20, -25], [110, 25], (LINES, 2)), 2, -50.0, axis=-1)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def slab(p):
+    """Return the slab method for lines along z, written for speed, what is common taken out."""
+    enter, leave = np.empty(len(p)), np.empty(len(p))
+    v = ROD.axis
+    vsq, h2 = v @ v, v[0] ** 2 + v[1] ** 2
+    for i in range(0, len(p), 16384):
+        x, y = p[i : i + 16384, 0], p[i : i + 16384, 1]
+        vq = x * v[0] + y * v[1]
+        b = vq * v[2]
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(b * b + h2 * (vq * vq + (ROD.radius**2 - x * x - y * y) * vsq))
+        low = np.maximum((b - root) / h2, -vq / v[2])
+        high = np.minimum((b + root) / h2, (vsq - vq) / v[2])
+        hit = low <= high
+        enter[i : i + 16384] = np.where(hit, low, np.inf)
+        leave[i : i + 16384] = np.where(hit, high, -np.inf)
+    return enter - p[:, 2], leave - p[:, 2]
+
+
+def mesh():
+    """Return the rod with 64 sides as vertices and triangles."""
+    turn = np.arange(SIDES) * 2 * np.pi / SIDES
+    unit = ROD.axis / ROD.length
+    side = np.outer(np.cos(turn), [0, 1, 0]) + np.outer(np.sin(turn), np.cross(unit, [0, 1, 0]))
+    rims = [np.array(end) + ROD.radius * side for end in (ROD.a, ROD.b)]
+    vertices = np.concatenate([*rims, [ROD.a], [ROD.b]])
+    i, j = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES
+    wall = [np.stack([i, j, i + SIDES], axis=-1), np.stack([j, j + SIDES, i + SIDES], axis=-1)]
+    lids = [np.stack([np.full(SIDES, 2 * SIDES), j, i], axis=-1),
+            np.stack([np.full(SIDES, 2 * SIDES + 1), i + SIDES, j + SIDES], axis=-1)]  # fmt: skip
+    return vertices, np.concatenate([*wall, *lids])
+
+
+@pytest.mark.parametrize("points", [POINTS, CLOSE], ids=["all about", "close"])
+def test_parallel_lines_against_the_slab_method(benchmark, say, points):
+    benchmark.pedantic(ROD.meet_line, (points, UP), rounds=3)
+    exact, other = best_times(lambda: ROD.meet_line(points, UP), lambda: slab(points), rounds=7)
+    say("parallel lines, millions per second", len(points) / exact / 1e6)
+    say("exact, lines per second over those of the slab method", other / exact)
+
+
+def test_parallel_lines_against_the_printed_methods(benchmark, say):
+    benchmark.pedantic(ROD.meet_line, (POINTS, UP), rounds=3)
+    for method in ("slab", "three-surfaces"):
+        exact, other = best_times(
+            lambda: ROD.meet_line(POINTS, UP),
+            lambda method=method: ROD.meet_line(POINTS, UP, method=method), rounds=5,
+        )  # fmt: skip
+        say(f"exact, lines per second over those of {method} for any lines", other / exact)
+
+
+def test_parallel_lines_against_embree(benchmark, say):
+    trimesh = pytest.importorskip("trimesh")
+    embree = pytest.importorskip("trimesh.ray.ray_pyembree")
+    vertices, faces = mesh()
+    rays = embree.RayMeshIntersector(trimesh.Trimesh(vertices, faces, process=False))
+    up = np.broadcast_to(UP, POINTS.shape).copy()
+    benchmark.pedantic(ROD.meet_line, (POINTS, UP), rounds=3)
+
+    def ask():
+        return rays.intersects_location(POINTS, up, multiple_hits=True)
+
+    exact, other = best_times(lambda: ROD.meet_line(POINTS, UP), ask, rounds=3)
+    say("exact, lines per second over those of trimesh with embree", other / exact)
+    one = best_times(lambda: rays.intersects_first(POINTS, up), rounds=3)[0]
+    say("the same where embree looks for the entry alone", one / exact)
+    location, line, _ = ask()
+    first = np.full(len(POINTS), np.inf)
+    np.minimum.at(first, line, location[:, 2] + 50)
+    entry = ROD.meet_line(POINTS, UP)[0]
+    both = np.isfinite(first) & np.isfinite(entry)
+    say("embree's error of the entry, median / m", np.median(np.abs(first[both] - entry[both])))
+
+
+def test_parallel_lines_against_vtk(benchmark, say):
+    pyvista = pytest.importorskip("pyvista")
+    vertices, faces = mesh()
+    body = pyvista.PolyData.from_regular_faces(vertices, faces)
+    few = POINTS[:2_000]
+    benchmark.pedantic(ROD.meet_line, (POINTS, UP), rounds=3)
+    exact, other = best_times(
+        lambda: ROD.meet_line(POINTS, UP),
+        lambda: [body.ray_trace(p, p + 300 * UP) for p in few], rounds=3,
+    )  # fmt: skip
+    ratio = (other / len(few)) / (exact / len(POINTS))
+    say("exact, lines per second over those of pyvista's ray_trace", ratio)

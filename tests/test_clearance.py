@@ -1,0 +1,76 @@
+"""Clearance in closed form against samples of the arm, the section and a grid of intervals."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.removal import DexelGrid, arm_ends, circuit_clearance, rod_clearance
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
+
+EGG = Egg(0.5)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-3, 1e3), st.floats(0, 0.7))
+def test_rod_clearance_is_the_least_over_the_axis(seed, a, offset):
+    section = Egg(a).offset(offset * a)
+    ends = np.random.default_rng(seed).uniform(-2, 2, (2, 40, 3)) * a
+    found = rod_clearance(section, *ends, 0.1 * a)
+    share = np.linspace(0, 1, 101)[:, None, None]
+    along = ends[0] + share * (ends[1] - ends[0])
+    depth = section.depth(along[..., 1], along[..., 2]).min(axis=0) - 0.1 * a
+    np.testing.assert_allclose(found, depth, atol=1e-12 * a)
+
+
+def test_arm_ends_are_an_arm_apart():
+    position = np.random.default_rng(0).uniform(-0.6, 0.6, (50, 2))
+    joint, centre = arm_ends(REFERENCE_MACHINE, position)
+    np.testing.assert_allclose(np.linalg.norm(centre - joint, axis=-1), REFERENCE_MACHINE.R)
+    np.testing.assert_allclose(joint[:, 1], 0)
+    from_axis = np.hypot(joint[:, 0], joint[:, 2] - REFERENCE_MACHINE.height)
+    np.testing.assert_allclose(from_axis, REFERENCE_MACHINE.r)
+
+
+@pytest.mark.parametrize("arm_radius", [0.0, 0.1, 0.25])
+def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
+    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
+    low, high = circuit.reach()
+    found = circuit_clearance(REFERENCE_MACHINE, EGG, low[0], high[0], arm_radius)
+    s = np.linspace(0, EGG.offset(REFERENCE_MACHINE.offset).perimeter, 5001)
+    ends = arm_ends(REFERENCE_MACHINE, circuit.position(s))
+    sampled = rod_clearance(EGG, *ends, arm_radius)
+    np.testing.assert_allclose(found.arm, sampled.min(), atol=1e-9)
+    cutter = EGG.depth(ends[1][:, 1], ends[1][:, 2]) - REFERENCE_MACHINE.cutter_radius
+    np.testing.assert_allclose(found.cutter, cutter, atol=1e-9)
+    assert found.cutter == pytest.approx(-REFERENCE_MACHINE.depth)
+
+
+def test_grid_sees_the_same_collision():
+    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
+    clearance = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.0).arm
+    s = circuit.knots(tolerance=1e-3)
+    joint, centre = arm_ends(REFERENCE_MACHINE, circuit.position(s))
+    angle = (np.arange(360) + 0.5) * np.pi / 180
+    reach = np.linspace(0, 1.2, 24_001)[:, None]
+    inner = reach[np.argmax(EGG.depth(reach * np.cos(angle), reach * np.sin(angle)) < 0, axis=0), 0]
+    tunnel = DexelGrid.radial(-0.3, 1.3, inner, inner + 0.2, (200, 360))
+    for radius, collides in ((clearance - 1e-3, False), (clearance + 5e-3, True)):
+        rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre)]
+        assert any(tunnel.overlap(rod) > 0 for rod in rods) is collides
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: rod_clearance(1, (0, 0, 0), (1, 0, 0), 1), "section: must be of class Section"),
+        (lambda: rod_clearance(EGG, (0, 0, np.nan), (1, 0, 0), 1), "a: must hold finite numbers"),
+        (lambda: arm_ends(EGG, (0, 0)), "machine: must be of class Machine"),
+        (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, 1, 0, 0), "lowest: must be at most"),
+        (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, np.nan, 0, 0), "lowest: must be one"),
+        (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, 0, 0, -1), "arm_radius: must be one"),
+    ],
+)
+def test_wrong_input_is_told(call, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        call()

@@ -1,0 +1,238 @@
+"""Grids of intervals against exact volumes and sets of intervals kept line by line."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tunneller_lib.removal import DexelGrid, removed_volume
+from tunneller_lib.surfaces import Rod
+
+
+def block(n=40, m=50, **options):
+    return DexelGrid.cartesian((-1, -1.2, -1), (1, 1.2, 1), (n, m), **options)
+
+
+def wall(n=40, m=90, inner=0.5, outer=0.8):
+    return DexelGrid.radial(-1, 1, inner, outer, (n, m))
+
+
+GRIDS = {"cartesian": block, "radial": wall, "massive": lambda: wall(inner=0.0)}
+every_grid = pytest.mark.parametrize("grid", GRIDS.values(), ids=GRIDS)
+
+
+def rods(rng, n, ends=("flat", "round")):
+    """Return rods, capsules and balls of all sizes in and about the grids."""
+    out = []
+    for _ in range(n):
+        a, b = rng.uniform(-1, 1, (2, 3))
+        kind = rng.integers(0, 4)
+        b = np.stack([b, a, np.add(a, (0.5, 0, 0)), np.add(a, (0, 0, 0.7))])[kind]
+        out.append(Rod(a, b, rng.uniform(0.02, 0.6), ends=rng.choice(ends)))
+    return out
+
+
+def lines_of(grid):
+    """Return one point and the direction of each line (n, m, 3), from their meaning."""
+    x, lines = grid.lines.x, grid.lines
+    if lines.rays:
+        angle = (np.arange(len(lines.cos)) + 0.5) / len(lines.cos) * 2 * np.pi
+        unit = np.stack([0 * angle, np.cos(angle), np.sin(angle)], axis=-1)
+        start = np.zeros_like(unit)
+    else:
+        start = np.stack([0 * lines.aside, lines.aside, 0 * lines.aside], axis=-1)
+        unit = np.broadcast_to([0.0, 0.0, 1.0], start.shape)
+    points = start[None] + x[:, None, None] * np.array([1.0, 0, 0])
+    return points, np.broadcast_to(unit, points.shape).copy()
+
+
+def kept_by_hand(low, high, cuts):
+    """Return the intervals that are left of one after cuts, ascending."""
+    pieces = [(low, high)] if low < high else []
+    for enter, leave in cuts:
+        if enter < leave:
+            halves = [((lo, min(hi, enter)), (max(lo, leave), hi)) for lo, hi in pieces]
+            pieces = [piece for pair in halves for piece in pair if piece[0] < piece[1]]
+    return pieces
+
+
+@every_grid
+def test_cut_leaves_what_lines_one_by_one_leave(grid):
+    rng = np.random.default_rng(0)
+    grid, shapes = grid(), rods(rng, 12)
+    first = grid.copy()
+    for shape in shapes:
+        grid.cut(shape)
+    points, unit = lines_of(grid)
+    meetings = [shape.meet_line(points, unit) for shape in shapes]
+    assert grid.splits > 0 and len(grid.low) > 1
+    for i, j in np.ndindex(*grid.low.shape[1:]):
+        cuts = [(enter[i, j], leave[i, j]) for enter, leave in meetings]
+        expected = kept_by_hand(first.low[0, i, j], first.high[0, i, j], cuts)
+        sides = grid.low[:, i, j], grid.high[:, i, j]
+        found = sorted((lo, hi) for lo, hi in zip(*sides) if lo < hi)
+        # Slivers of rounding are neither here nor there.
+        expected = [p for p in expected if p[1] - p[0] > 1e-9]
+        found = [p for p in found if p[1] - p[0] > 1e-9]
+        np.testing.assert_allclose(np.array(found), np.array(expected), atol=1e-9)
+
+
+@every_grid
+def test_removed_and_left_are_the_initial_volume(grid):
+    grid = grid()
+    initial, removed = grid.volume, 0.0
+    for shape in rods(np.random.default_rng(1), 60):
+        share = grid.overlap(shape)
+        before = grid.volume
+        taken = grid.cut(shape)
+        assert taken == share and abs(grid.volume + taken - before) < 1e-13 * initial
+        removed += taken
+    assert abs(grid.volume + removed - initial) < 1e-13 * initial
+
+
+@every_grid
+def test_order_of_cuts_and_repeats_do_not_matter(grid):
+    shapes = rods(np.random.default_rng(2), 20)
+    one, other = grid(), grid()
+    for shape in shapes:
+        one.cut(shape)
+    for shape in shapes[::-1]:
+        other.cut(shape)
+    sets = [np.sort(np.where(g.high > g.low, g.low, np.inf), axis=0) for g in (one, other)]
+    slots = min(len(side) for side in sets)
+    np.testing.assert_array_equal(*(side[:slots] for side in sets))
+    assert all(np.all(side[slots:] == np.inf) for side in sets)
+    assert abs(one.volume - other.volume) < 1e-14
+    for shape in shapes:
+        assert one.cut(shape) == 0
+
+
+def test_cut_path_is_the_sum_of_its_moves():
+    rng = np.random.default_rng(3)
+    path = np.add(np.cumsum(rng.uniform(-0.1, 0.1, (30, 3)), axis=0), (0, 0.3, 0.4))
+    for grid in (block(), wall()):
+        moves, first = grid.copy(), grid.volume
+        expected = sum(moves.cut(Rod(a, b, 0.2, ends="round")) for a, b in pairwise(path))
+        assert grid.cut_path(path, 0.2) == pytest.approx(expected, abs=1e-14)
+        assert grid.volume == pytest.approx(moves.volume, abs=1e-14)
+        assert grid.volume < first
+        assert grid.cut_path(path[:1], 0.2) < 1e-15
+
+
+def errors_of(make, volume, sizes):
+    """Return the errors of a cut's volume at several sizes, rms over shifts of the grid."""
+    rng = np.random.default_rng(4)
+    shifts = rng.uniform(-1, 1, (16, 3))
+    return [
+        np.sqrt(np.mean([(make(n, shift / n) / volume - 1) ** 2 for shift in shifts]))
+        for n in sizes
+    ]
+
+
+def ball_in_block(n, shift):
+    grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (n, n))
+    return grid.cut(Rod(shift, shift, 0.7, ends="round"))
+
+
+HALF, BESIDE = np.array([0.3, 0.2, 0.4]), np.array([0, 0.8, 0.5])
+
+
+def rod_in_block(n, shift):
+    grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (n, n))
+    return grid.cut(Rod(shift - HALF, shift + HALF, 0.3))
+
+
+def ball_in_wall(n, shift):
+    grid = DexelGrid.radial(-1, 1, 0.2, 2, (n, 3 * n))
+    return grid.cut(Rod(shift + BESIDE, shift + BESIDE, 0.4, ends="round"))
+
+
+@pytest.mark.parametrize(
+    ("make", "volume", "least"),
+    [
+        (ball_in_block, 4 / 3 * np.pi * 0.7**3, 1.8),
+        (ball_in_wall, 4 / 3 * np.pi * 0.4**3, 1.8),
+        # Straight sides of the shadow, where the chord begins as a root: 3/2 to 2.
+        (rod_in_block, np.pi * 0.3**2 * 2 * np.sqrt(0.29), 1.5),
+    ],
+)
+def test_volumes_converge_at_order_two(make, volume, least):
+    sizes = np.array([20, 40, 80, 160])
+    order = -np.polyfit(np.log(sizes), np.log(errors_of(make, volume, sizes)), 1)[0]
+    assert order > least
+
+
+def test_groove_has_the_closed_form():
+    # Along a plane wall, and round a concave one: between two positions of the cutter.
+    R, g, c = 0.2, 0.02, 0.05
+    plane = DexelGrid.cartesian((-0.3, -0.2, 0), (0.3, 0.2, 0.1), (400, 300))
+    away = plane.cut_path([[-0.1, 0, -R + g], [0, 0, -R + g]], R)
+    step = plane.cut_path([[0, 0, -R + g], [c, 0, -R + g]], R)
+    assert step == pytest.approx(removed_volume(R, c, g), rel=1e-3) and away > step
+    tunnel = DexelGrid.radial(-0.15, 0.15, 0.5, 0.6, (200, 2000))
+    path = 0.5 - R + g
+    angle = np.linspace(0, c / path, 40)
+    centres = path * np.stack([0 * angle, np.cos(angle), np.sin(angle)], axis=-1)
+    tunnel.cut_path(np.stack([[0, path * np.cos(t), path * np.sin(t)] for t in
+                              np.linspace(-0.4, 0, 300)]), R)  # fmt: skip
+    step = tunnel.cut_path(centres, R)
+    assert step == pytest.approx(removed_volume(R, c, g, wall=0.5), rel=2e-3)
+
+
+def test_overlap_tells_a_collision():
+    tunnel = wall()
+    assert tunnel.overlap(Rod((-1, 0, 0), (1, 0, 0), 0.49)) == 0
+    assert tunnel.overlap(Rod((-1, 0, 0), (1, 0, 0), 0.51)) > 0
+    before = tunnel.volume
+    assert tunnel.overlap(Rod((0, 0.5, 0), (0, 0.9, 0), 0.2, ends="round")) > 0.001
+    assert tunnel.volume == before
+
+
+def test_degenerate_cuts_remove_nothing():
+    for grid in (block(), wall()):
+        at = (0, 0.6, 0)
+        for rod in (Rod(at, at, 0.1), Rod((0, 0, 0), (0, 1, 0.2), 0),
+                    Rod((9, 9, 9), (9, 9, 8), 1), Rod(at, at, 0, ends="round")):  # fmt: skip
+            assert grid.cut(rod) == 0 and grid.splits == 0
+
+
+def test_grid_too_large_is_refused_with_the_size_that_fits():
+    message = "shape: 200000 x 200000 lines in 1 slots need 1.28e"
+    with pytest.raises(ValueError, match=message):
+        DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (200_000, 200_000), memory=1e9)
+    with pytest.raises(ValueError, match=r"5590 x 5590 would fit\.$"):
+        DexelGrid.radial(0, 1, 1, 2, (200_000, 200_000), memory=1e9)
+    with pytest.raises(ValueError, match="would fit"):
+        DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (10**9, 10**9))
+    full = block(40, 50, memory=64_000)  # one slot fits, a second one doesn't
+    full.cut(Rod((0, 0, 0), (0, 0, 1), 0.1))
+    with pytest.raises(ValueError, match="in 2 slots"):
+        full.cut(Rod((0.5, 0, 0), (0.5, 0, 0), 0.1, ends="round"))
+    assert block(40, 50, memory=64_000).volume == pytest.approx(2 * 2.4 * 2)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 0, 1), (2, 2)), "low: must be below high"),
+        (lambda: DexelGrid.cartesian((0, 0, np.nan), (1, 1, 1), (2, 2)), "low: must hold finite"),
+        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2, 0)), "shape: must be two whole"),
+        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must be two whole"),
+        (lambda: DexelGrid.radial(1, 0, 1, 2, (2, 2)), "start: must be below stop"),
+        (lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)), "start: must be below stop"),
+        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one distance"),
+        (lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)), "outer: must be one distance"),
+        (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
+        (lambda: wall().cut("rod"), "rod: must be of class Rod; got 'rod'"),
+        (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),
+        (lambda: wall().cut_path([[0, 0, np.nan]], 1), "centres: must hold finite"),
+        (lambda: wall().cut_path([[0, 0, 0]], 0), "radius: must be one finite number above zero"),
+    ],
+)
+def test_wrong_input_is_told(call, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        call()
+
+
+def test_empty_path_removes_nothing():
+    assert wall().cut_path(np.empty((0, 3)), 0.1) == 0

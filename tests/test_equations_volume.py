@@ -1,0 +1,65 @@
+"""Section 3.3.2 beyond Eq. 12: the figure, the step that is adjusted; see tests/test_equations.py.
+
+The verdicts stand in report/ledger/tunneller.toml.
+"""
+
+import numpy as np
+import sympy as sp
+
+from tunneller_lib.paths import project_chord
+from tunneller_lib.removal import (
+    DexelGrid,
+    advance_for_volume,
+    bowl,
+    half_lens,
+    removed_volume,
+    ring,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod
+
+R, c = 0.7, 0.25
+
+
+def test_fig6_cutter_groove():
+    # Bowl, half lens and ring are those of two balls and their cylinder, cut out of a block.
+    grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (240, 240))
+    first, image = ([0, 0, -c / 2],) * 2, ([0, 0, c / 2],) * 2
+    ball = grid.cut(Rod(*first, R, ends="round"))
+    crescent = grid.cut(Rod(*image, R, ends="round"))
+    cusp = grid.cut(Rod(first[0], image[0], R))
+    for found, exact in ((ball, 4 / 3 * np.pi * R**3), (crescent, bowl(R, c)), (cusp, ring(R, c))):
+        assert abs(found / exact - 1) < 2e-3
+    assert abs((ball - crescent) / (2 * half_lens(R, c)) - 1) < 1e-3
+
+
+def test_groove_along_a_wall():
+    # The volume between two positions, at a plane wall and behind a round one.
+    radius, g, step = 0.2, 0.02, 0.05
+    plane = DexelGrid.cartesian((-0.3, -0.2, 0), (0.3, 0.2, 0.1), (400, 300))
+    level = -radius + g
+    plane.cut_path([[-0.1, 0, level], [0, 0, level]], radius)
+    exact = removed_volume(radius, step, g)
+    assert abs(plane.cut_path([[0, 0, level], [step, 0, level]], radius) / exact - 1) < 1e-3
+    printed = 2 * np.arccos((radius - g) / radius) * (bowl(radius, step) + ring(radius, step))
+    assert 40 < printed / exact < 60
+    # Pappus: a segment about the axis, each strip x by the height beyond W.
+    r_, g_, x, W = sp.symbols("r g x W", positive=True)
+    path = W - r_ + g_
+    strip = ((path + sp.sqrt(r_**2 - x**2)) ** 2 - W**2) / 2
+    parts = path * (sp.sqrt(r_**2 - x**2) - (r_ - g_)) + (r_**2 - x**2 - (r_ - g_) ** 2) / 2
+    assert sp.simplify(sp.expand(strip - parts)) == 0
+
+
+def test_single_change():
+    # Proportional to the arc: one division is enough. Not to the chord's parameter.
+    machine = REFERENCE_MACHINE
+    size, depth, wanted = machine.cutter_radius, machine.depth, 2e-5
+    tried = 0.03
+    once = tried * wanted / removed_volume(size, tried, depth, wall=0.5)
+    assert np.isclose(once, advance_for_volume(size, wanted, depth, wall=0.5), rtol=1e-14)
+    P, Q = np.radians([-60, -40]), np.radians([35, 40])
+    path = project_chord(machine.torus, P, Q, 4001)
+    small = np.linalg.norm(np.diff(machine.torus.point(*path.T), axis=0), axis=-1)
+    arc = np.concatenate([[0], np.cumsum(small)])
+    error = (arc[200:-200] - arc[:-400]) / ((arc[400:] - arc[:-400]) / 2) - 1
+    assert np.max(np.abs(error)) > 0.02

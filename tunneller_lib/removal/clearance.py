@@ -1,0 +1,109 @@
+"""How far the arm and the cutter keep from the wall that isn't cut yet, in closed form."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import finite, finite_points, instance, not_negative, positions, real
+from ..surfaces import Machine
+from ..surfaces.egg import Section
+
+
+class Clearance(NamedTuple):
+    """What is left between arm and wall over a circuit, and how deep the cutter goes, in m."""
+
+    arm: float
+    cutter: float
+
+
+def rod_clearance(section, a, b, radius):
+    """Return how far round-ended rods stay inside a section, in closed form.
+
+    Parameters
+    ----------
+    section : Section
+        The tunnel's, which is convex.
+    a, b : (..., 3) float
+        Ends of the rods' axes in the frame of the tunnel, in m.
+    radius : (...) float
+        Of the rods, in m.
+
+    Returns
+    -------
+    clearance : (...) float
+        Least distance to the wall, in m; if negative, how deep the rod is in the ground.
+
+    Notes
+    -----
+    The depth inside a convex curve is concave along a segment, so the least is at an end. In the
+    ground the distance is convex and the greatest is at an end again.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Egg
+    >>> float(rod_clearance(Egg(0.5), (0, 0, -0.4), (0.8, 0.3, 0), 0.1).round(12))
+    0.1
+    """
+    instance("section", section, Section)
+    a, b, radius = finite_points("a", a), finite_points("b", b), real("radius", radius)
+    depths = [section.depth(end[..., 1], end[..., 2]) for end in (a, b)]
+    return np.minimum(*depths) - radius
+
+
+def arm_ends(machine, position):
+    """Return the ends of the arm's axis, from the tangential joint to the cutter's centre.
+
+    Parameters
+    ----------
+    machine : Machine
+        The machine, its axes along the tunnel's.
+    position : (..., 2) float
+        Joint positions theta, phi in rad.
+
+    Returns
+    -------
+    joint, centre : (..., 3) float
+        In the frame of the tunnel's section, whose axis goes through the roof's centre, in m.
+    """
+    machine = instance("machine", machine, Machine)
+    theta, phi = np.moveaxis(positions("position", position), -1, 0)
+    lift = np.array([0.0, 0.0, machine.height])
+    ring = np.stack([np.cos(theta), np.zeros_like(theta), -np.sin(theta)], axis=-1)
+    return machine.r * ring + lift, machine.torus.point(theta, phi) + lift
+
+
+def circuit_clearance(machine, section, lowest, highest, arm_radius):
+    """Return the clearance over a whole circuit of the aligned machine, in closed form.
+
+    Parameters
+    ----------
+    machine : Machine
+        Sizes, cutter and height.
+    section : Section
+        The tunnel's, on whose offset the cutter's centre moves.
+    lowest, highest : float
+        Range of theta over the circuit, in rad.
+    arm_radius : float
+        Of the round-ended rod about the arm, in m.
+
+    Returns
+    -------
+    clearance : Clearance
+        Of the arm; of the cutter it is less than zero by the depth of cut.
+
+    Notes
+    -----
+    The cutter's end of the arm keeps the offset; the joint's end moves on the ring in the plane
+    y = 0, where the depth is concave in z, so that its least is at an end of its range. Nothing is
+    sampled.
+    """
+    machine = instance("machine", machine, Machine)
+    instance("section", section, Section)
+    low, high = finite("lowest", lowest), finite("highest", highest)
+    if not -np.pi / 2 <= low <= high <= np.pi / 2:
+        raise ValueError("lowest: must be at most highest, both from -pi/2 to pi/2 rad; "
+                         f"got {low:g} and {high:g}.")  # fmt: skip
+    heights = machine.height - machine.r * np.sin([low, high])
+    joint = np.min(section.depth(np.zeros(2), heights))
+    arm = min(float(joint), machine.offset) - not_negative("arm_radius", arm_radius)
+    return Clearance(arm, machine.offset - machine.cutter_radius)

@@ -1,0 +1,134 @@
+"""The lines of a grid of intervals: parallel, or rays from the tunnel's axis."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..surfaces.rod_interval import ball_sweep, flat_interval
+
+
+class Lines(NamedTuple):
+    """Lines in planes x = const, the same (m,) in each of n planes, none of them along x.
+
+    `x` (n,) in m. A line runs along (0, `cos`, `sin`) and passes the axis at `aside` (m,) to its
+    right, in m. `cell` is what each stands for: an area, or for rays a length times an angle.
+    """
+
+    x: np.ndarray
+    cos: np.ndarray
+    sin: np.ndarray
+    aside: np.ndarray
+    cell: float
+    rays: bool
+
+    def measure(self, low, high):
+        """Return what intervals from `low` to `high` stand for, in m^3."""
+        return self.cell * (high - low) * ((high + low) / 2 if self.rays else 1)
+
+    def windows(self, a, b, radius, nearest):
+        """Return which lines may meet sweeps of balls, as first and last indices.
+
+        Parameters
+        ----------
+        a, b : (k, 3) float
+            Ends of the sweeps, in m.
+        radius : float
+            Of the balls, in m.
+        nearest : (m,) float
+            Where the material begins on the rays of each angle; unused by parallel lines.
+
+        Returns
+        -------
+        windows : (k, 4) int
+            From and to in x, from and to among the lines, which on rays may go round.
+        """
+        if not self.rays:
+            low, high = np.minimum(a, b) - radius, np.maximum(a, b) + radius
+            y = self.aside
+            return np.stack([*_range(self.x, low[:, 0], high[:, 0]),
+                             *_range(y, low[:, 1], high[:, 1])], axis=-1)  # fmt: skip
+        # A ball about the sweep; steps of a path are short.
+        centre = (a + b) / 2
+        reach = radius + np.linalg.norm(b - a, axis=-1) / 2
+        off, angle = np.hypot(*centre.T[1:]), np.arctan2(centre[:, 2], centre[:, 1])
+        half = np.where(
+            off > reach, np.arcsin(np.minimum(reach / np.maximum(off, reach), 1)), np.pi
+        )
+        start, stop = self._turn(angle, half)
+        inner = np.array([np.take(nearest, np.arange(i, j), mode="wrap").min(initial=np.inf)
+                          for i, j in zip(start, stop)])  # fmt: skip
+        # Only where the ball is beyond that: a smaller angle, and a shorter piece of x.
+        chord = inner**2 + off**2 - reach**2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            cos = np.clip(chord / (2 * off * inner), -1, 1)
+        narrow = (inner**2 > off**2 - reach**2) & (off > 0) & (inner > 0) & np.isfinite(inner)
+        half = np.where(narrow, np.arccos(np.where(narrow, cos, 1)), half)
+        width = np.sqrt(np.maximum(reach**2 - np.maximum(inner - off, 0) ** 2, 0))
+        width = np.where(inner - off > reach, -1.0, width)
+        columns = self._turn(angle, half)
+        return np.stack([*_range(self.x, centre[:, 0] - width, centre[:, 0] + width), *columns],
+                        axis=-1)  # fmt: skip
+
+    def _turn(self, angle, half):
+        """Return the first and past-the-last indices of the rays within angle -+ half."""
+        step = 2 * np.pi / len(self.cos)
+        start = np.ceil((angle - half) / step - 0.5 - 1e-9).astype(int)
+        stop = np.floor((angle + half) / step - 0.5 + 1e-9).astype(int) + 1
+        return start, np.minimum(stop, start + len(self.cos))
+
+    def meet(self, a, b, radius, round_ends, rows, columns):
+        """Return `enter` and `leave` (i, j) of the lines of a window against one rod, in m.
+
+        Parameters
+        ----------
+        a, b : (3,) float
+            Ends of the axis, in m.
+        radius : float
+            In m.
+        round_ends : bool
+            As for `Rod`.
+        rows, columns : slice
+            The window. A line that misses gets an empty interval.
+        """
+        cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
+        # In the plane across a line: x, and to its right.
+        (ay, az), (by, bz) = a[1:], b[1:]
+        turned = cos * (by - ay) + sin * (bz - az) < 0
+        length = np.linalg.norm(b - a)
+        sx, sy, sz = (np.where(turned, second, first) for first, second in zip(a, b))
+        vx, vy, vz = (
+            np.where(turned, first - second, second - first) for first, second in zip(a, b)
+        )
+        across, rise = sin * vy - cos * vz, cos * vy + sin * vz
+        run = np.hypot(vx, across)
+        pace = np.where(run > 0, run, 1)
+        fx, fy = np.where(run > 0, vx / pace, 1.0), across / pace
+        qx, qy = self.x[rows, None] - sx, aside - (sin * sy - cos * sz)
+        s, m = qx * fy - fx * qy, qx * fx + qy * fy
+        if round_ends:
+            enter, leave, room = ball_sweep(run, rise, length or 1.0, radius, s, m)
+            hit = room > 0
+        else:
+            hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
+        start = cos * sy + sin * sz
+        return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
+
+
+def parallel(low, high, shape):
+    """Return lines along z at the middles of shape = (n, m) cells from low to high (2,), in m."""
+    x, y = (lo + (np.arange(n) + 0.5) * (hi - lo) / n for lo, hi, n in zip(low, high, shape))
+    cell = (high[0] - low[0]) * (high[1] - low[1]) / (shape[0] * shape[1])
+    return Lines(x, np.zeros(len(y)), np.ones(len(y)), y, cell, False)
+
+
+def fan(start, stop, shape):
+    """Return n x m = shape rays from the x axis, in the middles of cells from start to stop."""
+    n, m = shape
+    x = start + (np.arange(n) + 0.5) * (stop - start) / n
+    angle = (np.arange(m) + 0.5) * 2 * np.pi / m
+    cell = (stop - start) / n * 2 * np.pi / m
+    return Lines(x, np.cos(angle), np.sin(angle), np.zeros(m), cell, True)
+
+
+def _range(values, low, high):
+    return np.searchsorted(values, low), np.searchsorted(values, high, side="right")

@@ -1,0 +1,72 @@
+"""Plane drawings of a rod's shadow along a line, and of two positions of a ball."""
+
+import numpy as np
+from matplotlib.patches import Ellipse, Rectangle
+
+from .plot import equal
+from .style import COLOURS
+
+
+def draw_shadow(ax, radius, run, tilt):
+    """Draw the shadow of a rod as lines along z see it: two ellipses and a rectangle.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    radius, run : float
+        Of the rod, and of its axis as seen, in m.
+    tilt : float
+        Ratio of the ellipses' axes.
+
+    Returns
+    -------
+    patches : list of matplotlib.patches.Patch
+        Rectangle, ellipse of the lower end, ellipse of the upper one.
+    """
+    look = {"fill": False, "edgecolor": COLOURS["torus"], "lw": 1.2}
+    patches = [Rectangle((0, -radius), run, 2 * radius, **look)]
+    patches += [Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **look) for m in (0, run)]
+    for patch in patches:
+        ax.add_patch(patch)
+    ax.plot([0, run], [0, 0], ".-", color=COLOURS["torus"], lw=0.6)
+    equal(ax, "m / m", "s / m")
+    ax.autoscale_view()
+    return patches
+
+
+def draw_two_balls(ax, radius, advance):
+    """Draw a ball and its image after an advance, with the cylinder about both (Fig. 6).
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    radius, advance : float
+        In m.
+
+    Returns
+    -------
+    areas : dict of str to matplotlib.artist.Artist
+        The bowl's and the ring's sections.
+    """
+    x = np.linspace(-radius, advance + radius, 801)
+    first = np.sqrt(np.clip(radius**2 - x**2, 0, None))
+    second = np.sqrt(np.clip(radius**2 - (x - advance) ** 2, 0, None))
+    between = (x >= 0) & (x <= advance)
+    look = {"color": COLOURS["tangent sphere"], "alpha": 0.45, "lw": 0}
+    cusp = {"color": COLOURS["error"], "where": between, "lw": 0}
+    areas = {}
+    for side in (1, -1):
+        outside = second > first
+        areas["bowl"] = ax.fill_between(x, side * first, side * second, where=outside, **look)
+        top = side * np.maximum(first, second)
+        areas["ring"] = ax.fill_between(x, top, side * radius, **cusp)
+        ax.plot([0, advance], [side * radius] * 2, color=COLOURS["cutter"], lw=0.8)
+    turn = np.linspace(0, 2 * np.pi, 241)
+    for centre, style in ((0, "--"), (advance, "-")):
+        ax.plot(centre + radius * np.cos(turn), radius * np.sin(turn), style,
+                color=COLOURS["cutter"], lw=0.8)  # fmt: skip
+        ax.plot(centre, 0, "+", color=COLOURS["cutter"])
+    equal(ax, "along the path / m", "across / m")
+    return areas

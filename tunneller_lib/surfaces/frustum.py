@@ -1,0 +1,121 @@
+"""A truncated cone against lines, to which Line and finite cylinder expects to be extended."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import arrays
+from ..arrays import cross, directions, dot, finite_points, norm
+from .rod import nearest_point
+from .rod_interval import GUARD, frame
+
+
+@dataclass(frozen=True)
+class Frustum:
+    """A cone of revolution cut off at two discs, its surface included: a conical pick.
+
+    Parameters
+    ----------
+    a, b : (3,) float
+        Centres of the discs, in m; not the same.
+    radius_a, radius_b : float
+        Of the discs, in m; one may be zero, for a whole cone.
+
+    Raises
+    ------
+    ValueError
+        If a centre isn't one finite point, the centres coincide or a radius is negative.
+    """
+
+    a: tuple[float, float, float]
+    b: tuple[float, float, float]
+    radius_a: float
+    radius_b: float
+
+    def __post_init__(self):
+        for name in ("a", "b"):
+            object.__setattr__(self, name, arrays.point(name, getattr(self, name)))
+        for name in ("radius_a", "radius_b"):
+            object.__setattr__(self, name, arrays.not_negative(name, getattr(self, name)))
+        if self.a == self.b:
+            raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
+
+    def contains(self, points):
+        """Return whether points (..., 3), in m, are inside or, within rounding, on the surface."""
+        q, v = finite_points("points", points) - self.a, np.subtract(self.b, self.a)
+        length = float(norm(v))
+        along = dot(q, v) / length
+        off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
+        guard = GUARD * (self.radius_a + self.radius_b + length)
+        wide = self.radius_a + (self.radius_b - self.radius_a) * along / length
+        return (along >= -guard) & (along <= length + guard) & (off <= wide + guard)
+
+    def meet_line(self, point, direction):
+        """Return where lines enter and leave the frustum.
+
+        Parameters
+        ----------
+        point, direction : (..., 3) float
+            One point of each line, in m, and its direction, of any length but zero.
+
+        Returns
+        -------
+        enter, leave : (...) float
+            In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
+
+        Notes
+        -----
+        How far a point is inside the cone's wall is a concave function along the line. Its signs
+        at the discs' planes and at its greatest tell the surfaces that are met, each decided
+        once, so that there is no crack at a rim or at the apex; the roots only say where.
+
+        Examples
+        --------
+        >>> enter, leave = Frustum((0, 0, 0), (0, 0, 2), 1, 0).meet_line((-5, 0, 1), (1, 0, 0))
+        >>> float(enter), float(leave)
+        (4.5, 5.5)
+        """
+        p, u = finite_points("point", point), directions("direction", direction)
+        a, b = np.array(self.a), np.array(self.b)
+        axis = frame(a, b, u)
+        turned = np.any(axis.start != a, axis=-1)
+        r = np.where(turned, self.radius_b, self.radius_a)
+        gain = np.where(turned, self.radius_a, self.radius_b) - r
+        s, m, z, shift = nearest_point(axis, p, u)
+        hit, enter, leave = _interval(axis, r, gain, np.abs(s), m)
+        enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
+        leave = np.where(hit, shift + (leave - z) / axis.speed, -np.inf)
+        return enter[()], leave[()]
+
+
+def _interval(axis, r, gain, s, m):
+    """Return hits and intervals along lines at (m, s), of frusta of radii r and r + gain."""
+    run, rise, length = axis.run, axis.rise, axis.length
+    guard = GUARD * (r + np.abs(gain) + run)
+    h, e, g = run / length, rise / length, gain / length
+    level = rise * (r + np.abs(gain)) <= guard * length
+    far = 4 * (r + np.abs(gain) + run)
+    with np.errstate(all="ignore"):
+        first = np.where(level, -far, -run * m / rise)
+        last = np.where(level, far, rise + run * (run - m) / rise)
+        slab = ~level | ((m >= -guard) & (m <= run + guard))
+        k = g * e
+        # The wall is where (r + g tau)^2 - s^2 - sigma^2 = -A z^2 + 2 B z + C vanishes, tau along
+        # the axis and sigma across it; its discriminant is (h r + g m)^2 - A s^2, nothing lost.
+        A = (h - k) * (h + k)
+        wide, aside = r + g * h * m, e * m
+        B, C = wide * k + aside * h, (wide - s) * (wide + s) - aside**2
+        root = np.sqrt(np.maximum((h * r + g * m) ** 2 - A * s * s, 0))
+        enter = np.where(B > 0, -C / (B + root), (B - root) / A)
+        leave = np.where(B >= 0, (B + root) / A, C / (root - B))
+        # Deepest inside the wall: where it's as steep as the line, or at an end.
+        deepest = np.where(A > 0, (aside + k * s / np.sqrt(A)) / h, np.where(k > 0, last, first))
+        deepest = np.clip(np.where(np.isnan(deepest), first, deepest), first, last)
+
+    def depth(z):
+        return r + g * (h * m + e * z) - np.hypot(s, e * m - h * z)
+
+    hit = slab & (depth(deepest) >= -guard)
+    enter = np.clip(np.where(np.isnan(enter), first, enter), first, deepest)
+    leave = np.clip(np.where(np.isnan(leave), last, leave), deepest, last)
+    return hit, np.where(depth(first) >= 0, first, enter), np.where(depth(last) >= 0, last, leave)

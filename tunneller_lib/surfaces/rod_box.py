@@ -1,0 +1,134 @@
+"""A rod against a line grown to a box: what Line and finite cylinder announces as its part two."""
+
+import numpy as np
+
+from ..arrays import instance, real
+from .rod import Rod
+from .rod_interval import GUARD
+
+
+def meet_box(rod, low, high):
+    """Return the lowest and highest points of a rod in boxes that are endless along z.
+
+    Parameters
+    ----------
+    rod : Rod
+        With flat or round ends. For a box in another pose turn the rod instead.
+    low, high : (..., 2) float
+        Opposite corners (x, y) of the boxes' sections, in m; low <= high.
+
+    Returns
+    -------
+    bottom, top : (...) float
+        Heights z between which a rectangular cutter over that section touches the rod, in m;
+        ``inf`` and ``-inf`` where it doesn't.
+
+    Raises
+    ------
+    ValueError
+        If a corner isn't finite or low > high.
+
+    Notes
+    -----
+    The rod is convex, so its highest point in the box is its own highest point, or the highest of
+    its section by one side's plane, or on a corner's line. Each has a closed form: on a rim, on
+    a ruling, on an end's ball. All candidates are points of the rod, so that the greatest of those
+    in the box is the answer, with the rounding of `Rod.meet_line` and no search.
+
+    Examples
+    --------
+    >>> bottom, top = meet_box(Rod((0, 0, 0), (0, 8, 0), 2), (1, 1), (3, 9))
+    >>> float(top.round(6)), float(bottom.round(6))
+    (1.732051, -1.732051)
+    """
+    instance("rod", rod, Rod)
+    low, high = _corners(low, high)
+    guard = GUARD * (rod.radius + rod.length)
+    lines = [_at(x[..., 0], y[..., 1]) for x in (low, high) for y in (low, high)]
+    enter, leave = rod.meet_line(np.stack(lines), (0.0, 0.0, 1.0))
+    bottom, top = enter.min(axis=0), leave.max(axis=0)
+    if rod.length == 0 and rod.ends == "flat":
+        return bottom, top
+    ends = _ball_points if rod.ends == "round" else _rim_points
+    points = ends(rod, None, None)
+    for axis in (0, 1):
+        for side in (low[..., axis], high[..., axis]):
+            points += ends(rod, axis, side) + _ruling_points(rod, axis, side)
+    for point in points:
+        inside = np.all((point[..., :2] >= low - guard) & (point[..., :2] <= high + guard), axis=-1)
+        bottom = np.where(inside, np.minimum(bottom, point[..., 2]), bottom)
+        top = np.where(inside, np.maximum(top, point[..., 2]), top)
+    return bottom[()], top[()]
+
+
+def _ball_points(rod, axis, side):
+    """Return the lowest and highest points of the ends' balls, or of their cuts by a plane."""
+    points = []
+    for end in np.array([rod.a, rod.b]):
+        centre, off = end, 0.0
+        if axis is not None:
+            off = side - end[axis]
+            centre = end + off[..., None] * np.eye(3)[axis]
+        room = (rod.radius - off) * (rod.radius + off)
+        rise = np.where(room >= 0, np.sqrt(np.maximum(room, 0)), np.nan)
+        points += [centre + sign * rise[..., None] * np.eye(3)[2] for sign in (1, -1)]
+    return points
+
+
+def _rim_points(rod, axis, side):
+    """Return the lowest and highest points of the rims, or where they cross a plane."""
+    unit = rod.axis / rod.length
+    run = np.hypot(*unit[:2])
+    level = np.array([-unit[1], unit[0], 0.0]) / run if run > 0 else np.eye(3)[0]
+    steep = np.cross(unit, level)
+    points = []
+    for end in np.array([rod.a, rod.b]):
+        if axis is None:
+            points += [end + sign * rod.radius * steep for sign in (1, -1)]
+            continue
+        # cos level + sin steep, of which the axis' component is the side's.
+        reach = np.hypot(level[axis], steep[axis])
+        if reach * rod.radius > GUARD * (rod.radius + rod.length):
+            off = (side - end[axis]) / (rod.radius * reach)
+            root = np.where(np.abs(off) <= 1, np.sqrt(np.maximum((1 - off) * (1 + off), 0)), np.nan)
+            cos, sin = level[axis] / reach, steep[axis] / reach
+            for sign in (1, -1):
+                first, second = cos * off - sign * sin * root, sin * off + sign * cos * root
+                turned = first[..., None] * level + second[..., None] * steep
+                points.append(end + rod.radius * turned)
+    return points
+
+
+def _ruling_points(rod, axis, side):
+    """Return where the wall's rulings that are lowest and highest at a plane cross it, or NaN."""
+    v = rod.axis
+    if v[axis] == 0:  # such a ruling runs along the plane, from rim to rim
+        return []
+    normal = np.zeros(3)
+    normal[axis], normal[2] = -v[2], v[axis]
+    offset = rod.radius * normal / np.hypot(v[axis], v[2])
+    points = []
+    for sign in (1, -1):
+        start = np.array(rod.a) + sign * offset
+        share = (side - start[axis]) / v[axis]
+        share = np.where((share >= 0) & (share <= 1), share, np.nan)
+        points.append(start + share[..., None] * v)
+    return points
+
+
+def _corners(low, high):
+    corners = [real(name, corner) for name, corner in (("low", low), ("high", high))]
+    for name, corner in zip(("low", "high"), corners):
+        if corner.ndim == 0 or corner.shape[-1] != 2:
+            raise ValueError(f"{name}: the last axis must hold x, y, so its shape must be "
+                             f"(..., 2); got {corner.shape}.")  # fmt: skip
+        if not np.all(np.isfinite(corner)):
+            raise ValueError(f"{name}: must hold finite numbers; got one that isn't.")
+    low, high = np.broadcast_arrays(*corners)
+    if not np.all(low <= high):
+        raise ValueError("low: must not be above high on either axis.")
+    return low, high
+
+
+def _at(x, y):
+    return np.stack([x, y, np.zeros_like(x)], axis=-1)

@@ -1,0 +1,186 @@
+"""Lines against rods in whole numbers, the judge of all methods.
+
+Floats are whole numbers over a power of two, so that every sum and product here is exact; the
+only root is taken to 2^-128, rounded so that a line that touches counts as meeting.
+"""
+
+from math import isqrt
+
+import numpy as np
+
+ROOT_BITS = 128
+
+
+def whole(numbers):
+    """Return floats as whole numbers (object) over one power of two, and its exponent."""
+    numbers = np.asarray(numbers, dtype=float)
+    mantissa, exponent = np.frexp(numbers)
+    used = exponent[numbers != 0]
+    shift = 53 - (used.min() if used.size else 0)
+    units = np.ldexp(mantissa, 53).astype(np.int64).astype(object)
+    scaled = units * (np.array(2, dtype=object) ** np.maximum(exponent + shift - 53, 0))
+    return np.where(numbers != 0, scaled, 0), shift
+
+
+def _in_wall(vv, uv, qv, uu, qu, qq, radius2):
+    """Return the interval in the endless cylinder: ends as fractions (above, below), or None."""
+    A, B = uu * vv - uv * uv, qu * vv - qv * uv
+    C = qq * vv - qv * qv - radius2 * vv
+    return _quadratic(A, B, C)
+
+
+def _quadratic(A, B, C):
+    """Return where A t^2 + 2 B t + C <= 0, A >= 0, as two fractions (above, below), or None."""
+    if A == 0:
+        return ((-1, 0), (1, 0)) if C <= 0 else None
+    D = B * B - A * C
+    if D < 0:
+        return None
+    root = isqrt(D << 2 * ROOT_BITS) + 1 if D else 0
+    B, A = B << ROOT_BITS, A << ROOT_BITS
+    return (-B - root, A), (-B + root, A)
+
+
+def _less(first, second):
+    return first[0] * second[1] < second[0] * first[1]
+
+
+def _common(first, second):
+    """Return the intersection of two intervals of fractions, or None."""
+    if first is None or second is None:
+        return None
+    low = _greater(first[0], second[0])
+    high = first[1] if _less(first[1], second[1]) else second[1]
+    return None if _less(high, low) else (low, high)
+
+
+def _greater(first, second):
+    """Return the greater of two fractions; one over zero is infinite."""
+    if first[1] == 0 and second[1] == 0:
+        return first if first[0] > second[0] else second
+    return second if _less(first, second) else first
+
+
+def _flat(a, b, radius, margin, p, u):
+    """Return the interval in a rod that is grown by a margin, or shrunk by a negative one."""
+    v, q = b - a, p - a
+    vv, uv, qv = v @ v, u @ v, q @ v
+    if vv == 0:
+        return None
+    wide = radius + margin
+    if wide < 0:
+        return None
+    wall = _in_wall(vv, uv, qv, u @ u, q @ u, q @ q, wide * wide)
+    # A length of the axis that is right to 1e-18 moves the planes by the margin.
+    more = margin * isqrt(vv << 128) // 2**64
+    low, high = -more - qv, vv + more - qv
+    if uv == 0:
+        return wall if low <= 0 <= high else None
+    planes = ((low, uv), (high, uv)) if uv > 0 else ((-high, -uv), (-low, -uv))
+    return _common(wall, planes) if low <= high else None
+
+
+def _round(a, b, radius, margin, p, u):
+    """Return the exact interval in a capsule, the union of a rod and two balls."""
+    wide = radius + margin
+    if wide < 0:
+        return None
+    parts = [_flat_endless(a, b, wide, p, u)]
+    for centre in (a, b):
+        q = p - centre
+        parts.append(_quadratic(u @ u, q @ u, q @ q - wide * wide))
+    parts = [part for part in parts if part is not None]
+    if not parts:
+        return None
+    low, high = parts[0]
+    for part in parts[1:]:
+        low = part[0] if _less(part[0], low) else low
+        high = part[1] if _less(high, part[1]) else high
+    return low, high
+
+
+def _flat_endless(a, b, wide, p, u):
+    return _flat(a, b, wide, 0, p, u)
+
+
+def _number(fraction):
+    return fraction[0] / fraction[1] if fraction[1] else np.inf * fraction[0]
+
+
+def exact_intervals(a, b, radius, p, u, *, margin=0.0, ends="flat"):
+    """Return where lines enter and leave rods, one rod a line: the floats nearest to the truth.
+
+    Parameters
+    ----------
+    a, b : (n, 3) float
+        Ends of the axes, in m.
+    radius : (n,) float
+        Of the rods, in m.
+    p, u : (n, 3) float
+        A point and the direction of each line.
+    margin : float or (n,) float
+        Grows the rods, in radius and in length at both ends; shrinks them below zero. In m.
+    ends : {"flat", "round"}
+        As for `Rod`.
+
+    Returns
+    -------
+    intervals : (2, n) float
+        `enter` and `leave`; ``inf`` and ``-inf`` for a line that misses.
+    """
+    n = len(p)
+    margin = np.broadcast_to(margin, n)
+    out = np.empty((2, n))
+    inside = _flat if ends == "flat" else _round
+    for i in range(n):
+        row = np.concatenate([a[i], b[i], p[i], [radius[i], margin[i]]])
+        # Lengths share a power of two; the direction has its own, which is undone at the end.
+        units, shift = whole(row)
+        direction, unit = whole(u[i])
+        found = inside(units[0:3], units[3:6], units[9], units[10], units[6:9], direction)
+        scale = 2.0 ** (unit - shift)
+        out[:, i] = (np.inf, -np.inf) if found is None else [_number(f) * scale for f in found]
+    return out
+
+
+def rounding(lines, found):
+    """Return by how much an end may be off by the rounding of its own parameter, (n,) float."""
+    (a, b, radius, _, u), (enter, leave) = lines, found
+    speed = np.linalg.norm(u, axis=-1)
+    size = (radius + np.linalg.norm(b - a, axis=-1)) / speed
+    ends = [np.where(np.isfinite(end), np.abs(end), 0) for end in (enter, leave)]
+    return 16 * np.finfo(float).eps * np.maximum(size, np.maximum(*ends))
+
+
+def judge(found, lines, margin, *, ends="flat"):
+    """Return which of the intervals found for lines are missed, thin or thick.
+
+    Parameters
+    ----------
+    found : (enter, leave)
+        What a method says, (n,) float each.
+    lines : (a, b, radius, p, u)
+        Rods and lines, as `exact_intervals` takes them.
+    margin : float or (n,) float
+        What a method may be off, in m.
+    ends : {"flat", "round"}
+        As for `Rod`.
+
+    Returns
+    -------
+    missed, thin, thick : (n,) bool
+        The line meets the rod and the answer is empty; the rod shrunk by the margin has more of
+        the line; the rod grown by the margin has less.
+    """
+    enter, leave = found
+    exact = exact_intervals(*lines, ends=ends)
+    least = exact_intervals(*lines, margin=-margin, ends=ends)
+    most = exact_intervals(*lines, margin=margin, ends=ends)
+    slack = rounding(lines, found)
+    empty = ~(enter <= leave)
+    missed = (exact[0] <= exact[1]) & empty
+    real = (least[0] <= least[1]) & ~empty
+    with np.errstate(invalid="ignore"):
+        thin = real & ((enter > least[0] + slack) | (leave < least[1] - slack))
+        thick = ~empty & ~((enter >= most[0] - slack) & (leave <= most[1] + slack))
+    return missed, thin, thick

@@ -1,0 +1,131 @@
+"""A rod as lines of one direction see it, two ellipses and a rectangle."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import cross, dot, norm, two_sum
+
+# Bound of the rounding here, in parts of the rod's size as the line sees it: s and m are sums of
+# three products of numbers that carry at most six roundings each.
+GUARD = 16 * np.finfo(float).eps
+
+
+class Frame(NamedTuple):
+    """An axis as lines of one direction see it, as arrays (...) and unit vectors (..., 3).
+
+    `start` is the end that the lines pass first and the origin; `flat`, `across` and `along`
+    are f, its perpendicular and z of the document, which has d for `run` and vz for `rise`.
+    """
+
+    start: np.ndarray
+    flat: np.ndarray
+    across: np.ndarray
+    along: np.ndarray
+    run: np.ndarray
+    rise: np.ndarray
+    length: np.ndarray
+    speed: np.ndarray
+
+
+def frame(a, b, direction):
+    """Return the `Frame` of axes from a to b (..., 3) for directions (..., 3), none zero."""
+    # A power of two changes no digit of the direction and keeps its square in range.
+    exponent = np.frexp(np.max(np.abs(direction), axis=-1))[1]
+    u = np.ldexp(direction, -exponent[..., None])
+    turn = dot(b - a, u)[..., None] < 0
+    start, end = np.where(turn, b, a), np.where(turn, a, b)
+    v, v_low = two_sum(end, -start)
+    size, length = norm(u), norm(v)
+    # Nearly parallel vectors: their product to its last digits, with what b - a has rounded off.
+    normal = cross(u, v) + np.cross(u, v_low)
+    area = norm(normal)
+    along = u / size[..., None]
+    across = normal / np.where(area > 0, area, 1)[..., None]
+    return Frame(
+        start, np.cross(across, along), across, along, area / size, np.abs(dot(along, v)), length,
+        np.ldexp(size, exponent),
+    )  # fmt: skip
+
+
+def flat_interval(run, rise, length, radius, s, m):
+    """Return where lines are inside flat rods, along the lines from the plane through the start.
+
+    Parameters
+    ----------
+    run, rise, length : (...) float
+        Of the axes, in m, as in `Frame`.
+    radius : (...) float
+        Of the rods, in m.
+    s, m : (...) float
+        Where the lines lie across and along the axes, in m, counted from the start.
+
+    Returns
+    -------
+    hit : (...) bool
+        Whether the line meets the rod, decided in the plane across it.
+    enter, leave : (...) float
+        In m; meaningless where the line misses.
+    """
+    empty = length == 0
+    guard, length, parallel, s = _sizes(run, length, radius, s, m)
+    # A tilt too small to tell: on the end's disc it comes to less than the guard.
+    level = ~parallel & (rise * radius <= guard * length)
+    wide = radius + guard
+    k = rise / length * np.sqrt(np.maximum((wide - s) * (wide + s), 0))
+    hit = (s <= wide) & (parallel | ((m >= -k - guard) & (m <= run + k + guard))) & ~empty
+    m = np.where(parallel, m, np.clip(m, -k, run + k))
+    # The product keeps the digits that r^2 - s^2 would lose near a tangent.
+    w = np.sqrt(np.maximum((radius - s) * (radius + s), 0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        middle, half = m * rise / run, w * length / run
+        first = np.where(parallel, -np.inf, middle - half)
+        last = np.where(parallel, np.inf, middle + half)
+        enter = np.where(level, first, np.maximum(first, -run * m / rise))
+        leave = np.where(level, last, np.minimum(last, rise + run * (run - m) / rise))
+    # A touch: disc and wall ought to agree, and rounding moves the one less than the other.
+    disc = run * run * w <= rise * radius * length
+    touch = np.where((enter > first) == disc, enter, leave)
+    crossed = leave < enter
+    return hit, np.where(crossed, touch, enter), np.where(crossed, touch, leave)
+
+
+def round_interval(run, rise, length, radius, s, m):
+    """Return the same for capsules; parameters and returns as of `flat_interval`.
+
+    Parameters: run, rise, length, radius, s, m.
+    """
+    guard, length, parallel, s = _sizes(run, length, radius, s, m)
+    wide = radius + guard
+    k = np.sqrt(np.maximum((wide - s) * (wide + s), 0)) + guard
+    hit = (s <= wide) & (parallel | ((m >= -k) & (m <= run + k)))
+    m, run = np.where(parallel, 0.0, m), np.where(parallel, 0.0, run)
+    enter, leave, _ = ball_sweep(run, rise, length, radius, s, m)
+    return hit, enter, np.maximum(enter, leave)
+
+
+def ball_sweep(run, rise, length, radius, s, m):
+    """Return where lines enter and leave the sweep of a ball: of those balls that they meet so.
+
+    Parameters as of `flat_interval`: run, rise, length (above zero), radius, s, m. The third
+    answer is negative where a line misses, and tells it without a guard.
+    """
+    room = (radius - s) * (radius + s)
+    k = rise / length * np.sqrt(np.maximum(room, 0))
+    still = run == 0
+    pace = np.where(still, 1.0, run)
+    # How far along the axis those balls are: the ends' beyond the wall's own two crossings.
+    first = np.where(still, 0.0, np.clip((m - k) / pace, 0, 1))
+    last = np.where(still, 1.0, np.clip((m + k) / pace, 0, 1))
+    before, after = room - (m - first * run) ** 2, room - (m - last * run) ** 2
+    enter = first * rise - np.sqrt(np.maximum(before, 0))
+    return enter, last * rise + np.sqrt(np.maximum(after, 0)), before
+
+
+def _sizes(run, length, radius, s, m):
+    """Return the guard, lengths without zeros, which axes lie along the line, and |s| of those."""
+    guard = GUARD * (radius + run)
+    # So small a run moves the surface over the whole rod by less than the guard.
+    parallel = run <= guard
+    return guard, np.where(length > 0, length, 1), parallel, \
+        np.where(parallel, np.hypot(s, m), np.abs(s))  # fmt: skip

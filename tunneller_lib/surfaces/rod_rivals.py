@@ -1,0 +1,113 @@
+"""What the document weighs against its own method, kept for comparison: Line and finite cylinder.
+
+Each takes sound arrays, and answers as `Rod.meet_line` does. All solve
+the printed quadratic, whose leading coefficient vz^2 - vsq cancels for lines along the axis.
+"""
+
+import numpy as np
+
+from ..arrays import dot, norm
+
+EPSILON = 0.00001  # as printed; once a share of the length, once a length
+
+
+def crossings(a, b, radius, p, direction, *, epsilon=0.0):
+    """Return where lines cross the three surfaces, each on its own, and which crossings count.
+
+    Parameters
+    ----------
+    a, b : (..., 3) float
+        Ends of the axes.
+    radius : (...) float
+        Of the rods, whose ends are flat.
+    p, direction : (..., 3) float
+        The lines.
+    epsilon : float
+        By how much the three surfaces are extended.
+
+    Returns
+    -------
+    t : (4, ...) float
+        Wall, wall, disc at a, disc at b; in lengths of the direction.
+    accepted : (4, ...) bool
+        Whether the surface reaches that far.
+    """
+    q, v, along, shift, speed = _setting(a, b, radius, p, direction)
+    vsq, vz, vq, wide = dot(v, v), dot(along, v), dot(q, v), radius + epsilon
+    with np.errstate(all="ignore"):
+        low, high, _ = _wall(q, v, vz, radius)
+        za, zb = -vq / vz, (vsq - vq) / vz
+        accepted = [_within(vq + vz * z, vsq, epsilon) for z in (low, high)]
+        for z, centre in ((za, 0.0), (zb, v)):
+            off = q + z[..., None] * along - centre
+            accepted.append(wide * wide >= dot(off, off))
+        t = (np.stack(np.broadcast_arrays(low, high, za, zb)) - shift) / speed
+    return t, np.stack(np.broadcast_arrays(*accepted))
+
+
+def three_surfaces(a, b, radius, p, direction, *, epsilon=0.0):
+    """Return `enter` and `leave`, the least and the greatest of the `crossings` that count.
+
+    "The cylinder considered as independent surfaces", with the parentheses that its zb lacks;
+    arguments a, b, radius, p, direction and epsilon as of `crossings`.
+    """
+    t, accepted = crossings(a, b, radius, p, direction, epsilon=epsilon)
+    enter = np.min(np.where(accepted, t, np.inf), axis=0)
+    return enter[()], np.max(np.where(accepted, t, -np.inf), axis=0)[()]
+
+
+def epsilon(a, b, radius, p, direction):
+    """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`.
+
+    Arguments a, b, radius, p and direction as there.
+    """
+    return three_surfaces(a, b, radius, p, direction, epsilon=EPSILON)
+
+
+def slab(a, b, radius, p, direction):
+    """Return `enter` and `leave` as the interval of the endless cylinder within the two planes.
+
+    "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius, p
+    and direction as of `three_surfaces`.
+    """
+    q, v, along, shift, speed = _setting(a, b, radius, p, direction)
+    vsq, vz, vq = dot(v, v), dot(along, v), dot(q, v)
+    with np.errstate(all="ignore"):
+        low, high, inside = _wall(q, v, vz, radius)
+        low, high = np.where(inside, -np.inf, low), np.where(inside, np.inf, high)
+        za, zb = -vq / vz, (vsq - vq) / vz
+        level = (vz == 0) & (0 <= vq) & (vq <= vsq)
+        first = np.where(level, -np.inf, np.minimum(za, zb))
+        last = np.where(level, np.inf, np.maximum(za, zb))
+        enter, leave = np.maximum(low, first), np.minimum(high, last)
+        hit = enter <= leave
+    enter = np.where(hit, (enter - shift) / speed, np.inf)
+    return enter[()], np.where(hit, (leave - shift) / speed, -np.inf)[()]
+
+
+METHODS = {"three-surfaces": three_surfaces, "epsilon": epsilon, "slab": slab}
+
+
+def _setting(a, b, radius, p, direction):
+    """Return q across the line, v, the unit direction, where p was along it, and its speed."""
+    speed = norm(direction)
+    along = direction / speed[..., None]
+    q = p - a
+    shift = dot(q, along)
+    return q - shift[..., None] * along, b - a, along, shift, speed
+
+
+def _wall(q, v, vz, radius):
+    """Return both roots of the printed quadratic, and whether it has none but holds everywhere."""
+    vsq, vq = dot(v, v), dot(q, v)
+    A, B = vz * vz - vsq, vq * vz
+    C = vq * vq + radius * radius * vsq - dot(q, q) * vsq
+    root = np.sqrt(B * B - A * C)
+    low, high = (-B + root) / A, (-B - root) / A
+    return low, high, (A == 0) & (C >= 0)
+
+
+def _within(height, vsq, epsilon):
+    """Return whether the share m of the axis lies between 0 and 1, both extended."""
+    share = height / vsq
+    return (-epsilon <= share) & (share <= 1 + epsilon)
