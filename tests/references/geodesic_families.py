@@ -5,8 +5,8 @@ import math
 import numpy as np
 from mpmath import mp, mpf
 
-from .geodesic_rivals import waves
-from .torus_geodesics import LIMIT, Start, from_azimuth
+from tests.references.geodesic_rivals import waves
+from tests.references.torus_geodesics import LIMIT, Start, from_azimuth
 
 RIM = math.pi
 

@@ -23,8 +23,8 @@ from scipy.optimize.elementwise import find_root
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
-from . import torus_geodesics
-from .geodesic_rivals import shortest_rival
+from tests.references. import torus_geodesics
+from tests.references.geodesic_rivals import shortest_rival
 
 TABLE = Path(__file__).with_suffix(".csv")
 LONG = np.longdouble

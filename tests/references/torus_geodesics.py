@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from mpmath import mp, mpf
 
-from .geodesic_rivals import shortest_rival
+from tests.references.geodesic_rivals import shortest_rival
 
 TABLE = Path(__file__).with_suffix(".csv")
 INPUTS = ["family", "r", "R", "theta1", "phi1", "theta2", "phi2"]
