@@ -1,0 +1,207 @@
+"""Surfaces that are known envelopes, six and more of each class, and negative controls.
+
+All are functions of two variables in ordinary arithmetic, as `recognise` takes them.
+"""
+
+import numpy as np
+
+
+def cross(a, b):
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a, b))
+
+
+def add(*vectors):
+    return [sum(parts[1:], start=parts[0]) for parts in zip(*vectors)]
+
+
+def times(c, a):
+    return [c * p for p in a]
+
+
+def unit(a):
+    return times(1 / np.sqrt(dot(a, a)), a)
+
+
+def helix(s, pitch=0.4):
+    """Return a helix, its velocity and its acceleration."""
+    c, d = np.cos(s), np.sin(s)
+    return [c, d, pitch * s], [-d, c, pitch + 0 * s], [-c, -d, 0 * s]
+
+
+def parabola(s):
+    return [s, s * s / 2, 0 * s], [1 + 0 * s, s, 0 * s], [0 * s, 1 + 0 * s, 0 * s]
+
+
+def ellipse(s):
+    c, d = np.cos(s), np.sin(s)
+    return [3 * c, 2 * d, 0 * s], [-3 * d, 2 * c, 0 * s], [-3 * c, -2 * d, 0 * s]
+
+
+def cubic(s):
+    return [s, s**2 / 2, s**3 / 6], [1 + 0 * s, s, s**2 / 2], [0 * s, 1 + 0 * s, s]
+
+
+def wave(s):
+    return [s, np.sin(s), 0 * s], [1 + 0 * s, np.cos(s), 0 * s], [0 * s, -np.sin(s), 0 * s]
+
+
+def knot(s):
+    c, d = np.cos(s), np.sin(s)
+    return (
+        [2 * c, d, np.sin(2 * s) / 2], [-2 * d, c, np.cos(2 * s)], [-2 * c, -d, -2 * np.sin(2 * s)],
+    )  # fmt: skip
+
+
+CURVES = {
+    "helix": helix, "parabola": parabola, "ellipse": ellipse, "cubic": cubic, "wave": wave,
+    "knot": knot,
+}  # fmt: skip
+
+
+def tangents(curve):
+    """Return the tangent developable of a curve."""
+    return lambda s, t: add(curve(s)[0], times(1 + t, curve(s)[1]))
+
+
+def pipe(curve, radius, growth=0.0):
+    """Return the envelope of spheres on a curve, of radius + growth * s."""
+
+    def surface(s, t):
+        c, v, a = curve(s)
+        speed = np.sqrt(dot(v, v))
+        e1 = unit(v)
+        e3 = unit(cross(v, a))
+        e2 = cross(e3, e1)
+        r = radius + growth * s
+        lean = growth / speed  # sine of the contact circle's lag
+        ring = np.sqrt(1 - lean * lean)
+        return add(c, times(-r * lean, e1), times(r * ring * np.cos(t), e2),
+                   times(r * ring * np.sin(t), e3))  # fmt: skip
+
+    return surface
+
+
+def ruled(name, offset=0.0):
+    """Return a skew ruled surface, or a point a constant distance along its normal."""
+
+    def surface(s, t):
+        c, dc, d, dd = RULED[name](s)
+        point = add(c, times(t, d))
+        return add(point, times(offset, unit(cross(add(dc, times(t, dd)), d))))
+
+    return surface
+
+
+def _hyperboloid(s):
+    c, d = np.cos(s), np.sin(s)
+    return [c, d, 0 * s], [-d, c, 0 * s], [-d, c, 1.2 + 0 * s], [-c, -d, 0 * s]
+
+
+def _saddle(s):
+    return [s, 0 * s, 0 * s], [1 + 0 * s, 0 * s, 0 * s], [0 * s, 1 + 0 * s, s], [
+        0 * s, 0 * s, 1 + 0 * s]  # fmt: skip
+
+
+def _helicoid(s):
+    c, d = np.cos(s), np.sin(s)
+    return [0 * s, 0 * s, 0.5 * s], [0 * s, 0 * s, 0.5 + 0 * s], [c, d, 0 * s], [-d, c, 0 * s]
+
+
+def _conoid(s):
+    c, d = np.cos(s), np.sin(s)
+    return [0 * s, 0 * s, 3 * np.sin(2 * s)], [0 * s, 0 * s, 6 * np.cos(2 * s)], [c, d, 0 * s], [
+        -d, c, 0 * s]  # fmt: skip
+
+
+def _binormals(s):
+    c, v, a = cubic(s)
+    return c, v, cross(v, a), cross(v, [0 * s, 0 * s, 1 + 0 * s])
+
+
+def _strip(s):
+    c, d, p, q = np.cos(s), np.sin(s), np.cos(s / 2), np.sin(s / 2)
+    return [2 * c, 2 * d, 0 * s], [-2 * d, 2 * c, 0 * s], [p * c, p * d, q], [
+        -q * c / 2 - p * d, -q * d / 2 + p * c, p / 2]  # fmt: skip
+
+
+RULED = {
+    "hyperboloid": _hyperboloid, "saddle": _saddle, "helicoid": _helicoid, "conoid": _conoid,
+    "binormals": _binormals, "strip": _strip,
+}  # fmt: skip
+
+
+RATE = 0.5  # rad, of a half-angle that varies along the motion
+
+
+def moving_cone(motion, half_angle):
+    """Return the envelope of a cone of revolution that a motion carries (Eq. 5).
+
+    `motion(v)` gives the vertex, its velocity, three axes that turn with the cone (the first is
+    the cone's) and their angular velocity. A half-angle that is a function grows at `RATE`.
+    """
+
+    def surface(u, v):
+        vertex, velocity, axes, omega = motion(v)
+        angle = half_angle(v) if callable(half_angle) else half_angle
+        sine, cosine = np.sin(angle), np.cos(angle)
+        c, s = np.cos(u), np.sin(u)
+        n = add(times(sine, axes[0]), times(cosine * c, axes[1]), times(cosine * s, axes[2]))
+        nu = add(times(-cosine * s, axes[1]), times(cosine * c, axes[2]))
+        nv = cross(omega, n)
+        if callable(half_angle):
+            tilt = add(times(cosine, axes[0]), times(-sine * c, axes[1]), times(-sine * s, axes[2]))
+            nv = add(nv, times(RATE, tilt))
+        # Cramer: n.x = n.m, nu.x = nu.m, nv.x = nv.m + n.m'.
+        first, second, third = cross(nu, nv), cross(nv, n), cross(n, nu)
+        gain = dot(n, velocity) / dot(n, first)
+        return add(vertex, times(gain, third))
+
+    return surface
+
+
+def turning(vertex, velocity, lean, rate=1.0, start=1.0):
+    """Return a motion: axes that turn about z at a rate, the first leaning from z by an angle."""
+
+    def motion(v):
+        c, d = np.cos(rate * v + start), np.sin(rate * v + start)
+        p, q = np.cos(lean), np.sin(lean)
+        axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
+        return vertex(v), velocity(v), axes, [0 * v, 0 * v, rate + 0 * v]
+
+    return motion
+
+
+MOTIONS = {
+    "rotation": turning(lambda v: [2 * np.cos(v), 2 * np.sin(v), 0 * v],
+                        lambda v: [-2 * np.sin(v), 2 * np.cos(v), 0 * v], 1.0),
+    "screw": turning(lambda v: [2 * np.cos(v), 2 * np.sin(v), 0.7 * v],
+                     lambda v: [-2 * np.sin(v), 2 * np.cos(v), 0.7 + 0 * v], 0.8),
+    "straight": turning(lambda v: [0 * v, 3 * v, 0 * v],
+                        lambda v: [0 * v, 3 + 0 * v, 0 * v], 1.2),
+    "parabola": turning(lambda v: [v, v * v, 1 + 0 * v],
+                        lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.7, 0.5),
+    "cubic": turning(lambda v: [v, v * v / 2, v**3 / 3],
+                     lambda v: [1 + 0 * v, v, v * v], 1.1, -0.7),
+    "wave": turning(lambda v: [np.sin(v), 2 * v, np.cos(v)],
+                    lambda v: [np.cos(v), 2 + 0 * v, -np.sin(v)], 0.9, 1.5),
+}  # fmt: skip
+
+
+DEVELOPABLE = {
+    **{f"tangents of the {name}": tangents(CURVES[name]) for name in ("helix", "cubic", "knot")},
+    "cylinder": lambda s, t: [2 * np.cos(s), 2 * np.sin(s), t],
+    "wavy cylinder": lambda s, t: [s, np.sin(s) + 0.5 * t, t + s],
+    "cone": lambda s, t: [(2 + t) * np.cos(s), (2 + t) * np.sin(s), 1.5 * t],
+    "skew cone": lambda s, t: [(2 + t) * s, (2 + t) * (s * s + 1), (2 + t) * np.sin(s)],
+    "plane": lambda s, t: [s + t, s - t + 1, 2 * t],
+}
+GENERAL = {
+    "quartic graph": lambda s, t: [s, t, s**2 - t**2 + 0.3 * s**3 * t + 0.2 * t**4],
+    "sine graph": lambda s, t: [s, t, np.sin(s) * np.cos(2 * t) + 0.3 * s * t],
+    "ellipsoid": lambda s, t: [3 * np.cos(s) * np.cos(t), 2 * np.sin(s) * np.cos(t), np.sin(t)],
+}
+GRID = tuple(a.ravel() for a in np.meshgrid(np.linspace(0.15, 0.75, 5), np.linspace(0.1, 0.6, 4)))
