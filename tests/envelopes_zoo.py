@@ -98,7 +98,7 @@ def ruled(name, offset=0.0):
 
 def _hyperboloid(s):
     c, d = np.cos(s), np.sin(s)
-    return [c, d, 0 * s], [-d, c, 0 * s], [-d, c, 1.2 + 0 * s], [-c, -d, 0 * s]
+    return [2 * c, d, 0 * s], [-2 * d, c, 0 * s], [-2 * d, c, 1.2 + 0 * s], [-2 * c, -d, 0 * s]
 
 
 def _saddle(s):
@@ -113,7 +113,7 @@ def _helicoid(s):
 
 def _conoid(s):
     c, d = np.cos(s), np.sin(s)
-    return [0 * s, 0 * s, 3 * np.sin(2 * s)], [0 * s, 0 * s, 6 * np.cos(2 * s)], [c, d, 0 * s], [
+    return [0 * s, 0 * s, 3 * np.sin(s)], [0 * s, 0 * s, 3 * np.cos(s)], [c, d, 0 * s], [
         -d, c, 0 * s]  # fmt: skip
 
 

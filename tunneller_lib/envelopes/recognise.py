@@ -53,8 +53,8 @@ def recognise(
     s, t : (...) float
         At least 12 points, that is, values of these two variables.
     kind : {"developable", "ruled", "cylinder", "channel", "pipe", "cone"}
-        Envelope of planes; union of lines; envelope of congruent cylinders of revolution, of
-        spheres, of congruent spheres, of congruent cones of revolution.
+        Envelope of planes; union of lines; envelope of congruent cylinders of revolution,
+        of spheres, of congruent spheres, of congruent cones of revolution.
     radius : float, optional
         Of the cylinders or spheres, in m, positive where the normals point to the axis; looked
         for unless given.
@@ -139,15 +139,9 @@ def _developable(found):
 
 
 def _ruled(found):
-    """Theorem 4 on the graphs over the tangent planes: g_ee = g_eee = 0."""
-    bent = found.curvature > FLAT
-    if not bent.any():
-        return _developable(found)
-    g = tangent_graph(found, bent)
-    return max(
-        float(found.curvature[~bent].max(initial=0.0)),
-        float(_line_contact(g, 0.0, size(g, 2) ** 2).max()),
-    )
+    """Theorem 4 on the graphs over the tangent planes: g_ee = g_eee = 0, or Theorem 2."""
+    g = tangent_graph(found, found.curvature > FLAT)
+    return float(_line_contact(g, 0.0, size(g, 2) ** 2).max(initial=0.0))
 
 
 def _line_contact(f, value, beside):
@@ -174,7 +168,7 @@ def _cylinder(f, radius):
     if radius is not None:
         return residual(radius), radius
     angle, _ = circle_roots(lambda a: along(f, a, 3), 3, unit=size(f, 2) + size(f, 3))
-    return _common(np.hstack([along(f, angle, 2), *_principal_values(f)]) / 2, residual)
+    return _common(np.hstack([along(f, angle, 2), _principal_values(f)]) / 2, residual)
 
 
 def _channel(f, _):
@@ -188,7 +182,7 @@ def _channel(f, _):
 
 def _pipe(f, radius):
     """Corollary 29: f_ee = 2 R in a principal direction."""
-    values = np.hstack(_principal_values(f))
+    values = _principal_values(f)
 
     def residual(radius):
         scale = np.abs(values).sum(axis=-1) + 2 * abs(radius)
@@ -250,8 +244,7 @@ def _principal(f):
 
 
 def _principal_values(f):
-    low, high, _ = _principal(f)
-    return low[:, None], high[:, None]
+    return np.stack(_principal(f)[:2], axis=-1)
 
 
 def _nonzero(x):
