@@ -33,8 +33,8 @@ class BladeRing:
     Examples
     --------
     >>> ring = BladeRing(0.06, 0.03, 0.05, 0.0, 0.5, 0.0, 0.0, 6)
-    >>> ring.coordinates(0.0, 0.5)
-    (0.06, 0.0, 0.0)
+    >>> ring.mesh(3).shape
+    (3, 3, 3)
     """
 
     hub: float
@@ -99,8 +99,9 @@ def cone_distance(point, vertex, axis, half_angle, near, far):
 
     Examples
     --------
+    >>> import numpy as np
     >>> cone_distance((0, 0, 3), (0, 0, 0), (0, 0, 1), 0.5, 1 / np.cos(0.5), 2 / np.cos(0.5))
-    1.0
+    np.float64(1.0)
     """
     point, vertex, axis = points("point", point), points("vertex", vertex), points("axis", axis)
     half_angle, far = positive("half_angle", half_angle), positive("far", far)

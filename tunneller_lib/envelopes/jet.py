@@ -44,7 +44,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     --------
     >>> x, y = variables(2.0, 3.0)
     >>> (x**2 * y).derivative(1, 1)
-    array(4.)
+    np.float64(4.0)
     """
 
     def __init__(self, c):
