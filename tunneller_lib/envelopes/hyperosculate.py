@@ -8,6 +8,7 @@ from ..arrays import finite
 from .forms import along, circle_roots, size
 from .frame import FLAT, finite_points, frames, isotropic_jet
 
+BLOCK = 1000  # points at a time, whose jets fit the cache
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
 
 
@@ -108,7 +109,18 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
         raise ValueError("half_angle: must lie between 0 and pi/2, both left out; "
                          f"got {half_angle!r}.")  # fmt: skip
     s, t = finite_points(s, t)
-    found = frames(surface, s.ravel(), t.ravel(), model)
+    flat = s.ravel(), t.ravel()
+    parts = [
+        _of_block(surface, *(a[first : first + BLOCK] for a in flat), first, half_angle, model)
+        for first in range(0, max(s.size, 1), BLOCK)
+    ]
+    *rows, count, state = (np.concatenate(part) for part in zip(*parts))
+    return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
+
+
+def _of_block(surface, s, t, first, half_angle, model):
+    """Return the fields of `Cones` but the angle, for points counted from `first`."""
+    found = frames(surface, s, t, model)
     flat = found.curvature <= FLAT
     state = np.where(flat, "developable" if model == "space" else "singular", "regular")
     state = np.where(found.smooth, state, "outside").astype("<U11")
@@ -120,31 +132,28 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     count[where] = np.isfinite(angle).sum(axis=-1)
     state[where[count[where] == 0]] = "spherical"  # a mean of 0 leaves no other way to none
     point, row = np.nonzero(np.isfinite(angle))
-    e = angle[point, row]
-    fee, order4 = order_four(f, angle, rho)
-    K = f.derivative(2, 0) * f.derivative(0, 2) - f.derivative(1, 1) ** 2
-    fee, order4, K = fee[point, row], order4[point, row], K[point]
+    fee, order4 = (values[point, row] for values in order_four(f, angle, rho))
+    K = (f.derivative(2, 0) * f.derivative(0, 2) - f.derivative(1, 1) ** 2)[point]
     # A vertex nearer than rounding puts it is the contact.
     side = np.where(np.abs(fee) > 1e-12 * size(f, 2)[point], np.sign(fee), 0).astype(int)
-    index = where[point]
-    first, second, third = np.moveaxis(found.axes[index], 1, 0)
-    w = np.cos(e)[:, None] * second - np.sin(e)[:, None] * first
-    contact = found.contact[index]
-    lean = np.cos(half_angle) * w + np.sin(half_angle) * third
-    return Cones(
-        half_angle,
-        index,
+    tangent, other, normal = np.moveaxis(found.axes[where[point]], 1, 0)
+    e = angle[point, row, None]
+    w = np.cos(e) * other - np.sin(e) * tangent
+    contact = found.contact[where[point]]
+    lean = np.cos(half_angle) * w + np.sin(half_angle) * normal
+    return (
+        first + where[point],
         contact,
-        third,
-        vertex=contact - (rho * fee)[:, None] * w,
-        axis=np.where(side < 0, -1, 1)[:, None] * lean,
-        side=side,
-        distance=np.abs(rho * fee),
-        order4=order4,
-        gouges=(K >= 0) | (side * order4 < -_CONTAINED) | (side == 0),
-        multiplicity=multiplicity[point, row],
-        count=count.reshape(s.shape),
-        state=state.reshape(s.shape),
+        normal,
+        contact - (rho * fee)[:, None] * w,
+        np.where(side < 0, -1, 1)[:, None] * lean,
+        side,
+        np.abs(rho * fee),
+        order4,
+        (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0),
+        multiplicity[point, row],
+        count,
+        state,
     )
 
 
