@@ -5,25 +5,10 @@ All are functions of two variables in ordinary arithmetic, as `recognise` takes 
 
 import numpy as np
 
+from tunneller_lib.envelopes import families
+from tunneller_lib.envelopes.families import add, channel, cross, moving_cone, times
 
-def cross(a, b):
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
-
-
-def dot(a, b):
-    return sum(p * q for p, q in zip(a, b))
-
-
-def add(*vectors):
-    return [sum(parts[1:], start=parts[0]) for parts in zip(*vectors)]
-
-
-def times(c, a):
-    return [c * p for p in a]
-
-
-def unit(a):
-    return times(1 / np.sqrt(dot(a, a)), a)
+__all__ = ["moving_cone"]
 
 
 def helix(s, pitch=0.4):
@@ -68,32 +53,13 @@ def tangents(curve):
 
 
 def pipe(curve, radius, growth=0.0):
-    """Return the envelope of spheres on a curve, of radius + growth * s."""
-
-    def surface(s, t):
-        c, v, a = curve(s)
-        speed = np.sqrt(dot(v, v))
-        e1 = unit(v)
-        e3 = unit(cross(v, a))
-        e2 = cross(e3, e1)
-        r = radius + growth * s
-        lean = growth / speed  # sine of the contact circle's lag
-        ring = np.sqrt(1 - lean * lean)
-        return add(c, times(-r * lean, e1), times(r * ring * np.cos(t), e2),
-                   times(r * ring * np.sin(t), e3))  # fmt: skip
-
-    return surface
+    """Return a channel surface on a curve, of radius + growth * s."""
+    return channel(curve, radius, growth=growth)
 
 
 def ruled(name, offset=0.0):
-    """Return a skew ruled surface, or a point a constant distance along its normal."""
-
-    def surface(s, t):
-        c, dc, d, dd = RULED[name](s)
-        point = add(c, times(t, d))
-        return add(point, times(offset, unit(cross(add(dc, times(t, dd)), d))))
-
-    return surface
+    """Return a skew ruled surface, or one at a constant distance along its normal."""
+    return families.ruled(RULED[name], offset=offset)
 
 
 def _hyperboloid(s):
@@ -135,32 +101,6 @@ RULED = {
 
 
 RATE = 0.5  # rad, of a half-angle that varies along the motion
-
-
-def moving_cone(motion, half_angle):
-    """Return the envelope of a cone of revolution that a motion carries (Eq. 5).
-
-    `motion(v)` gives the vertex, its velocity, three axes that turn with the cone (the first is
-    the cone's) and their angular velocity. A half-angle that is a function grows at `RATE`.
-    """
-
-    def surface(u, v):
-        vertex, velocity, axes, omega = motion(v)
-        angle = half_angle(v) if callable(half_angle) else half_angle
-        sine, cosine = np.sin(angle), np.cos(angle)
-        c, s = np.cos(u), np.sin(u)
-        n = add(times(sine, axes[0]), times(cosine * c, axes[1]), times(cosine * s, axes[2]))
-        nu = add(times(-cosine * s, axes[1]), times(cosine * c, axes[2]))
-        nv = cross(omega, n)
-        if callable(half_angle):
-            tilt = add(times(cosine, axes[0]), times(-sine * c, axes[1]), times(-sine * s, axes[2]))
-            nv = add(nv, times(RATE, tilt))
-        # Cramer: n.x = n.m, nu.x = nu.m, nv.x = nv.m + n.m'.
-        first, second, third = cross(nu, nv), cross(nv, n), cross(n, nu)
-        gain = dot(n, velocity) / dot(n, first)
-        return add(vertex, times(gain, third))
-
-    return surface
 
 
 def turning(vertex, velocity, lean, rate=1.0, start=1.0):

@@ -11,6 +11,7 @@ from tunneller_lib.envelopes.blade import BladeRing, cone_distance
 from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
+    cone_rulings,
     cone_vertex,
     conic,
     contact_point,
@@ -103,6 +104,9 @@ def test_cone_planes_touch_the_cone():
     np.testing.assert_allclose(n @ [1, 2, 3] + h, 0, atol=1e-14)
     np.testing.assert_allclose((n * axis).sum(-1), np.sin(0.4), rtol=1e-13)
     np.testing.assert_allclose(np.linalg.norm(n, axis=-1), 1, rtol=1e-14)
+    ruling = cone_rulings(axis, 0.4, 0.7)
+    np.testing.assert_allclose((n * ruling).sum(-1), 0, atol=1e-14)
+    np.testing.assert_allclose((ruling * axis).sum(-1), np.cos(0.4), rtol=1e-13)
 
 
 def test_osculating_conic_leaves_the_graph_at_third_order():
@@ -176,8 +180,7 @@ def test_no_ring_of_wrong_sizes(change):
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])
 def test_cone_distance_is_that_to_sampled_walls(scale):
     vertex, axis, angle, near, far = np.array([0.2, -0.1, 0.3]), directions(RNG, 1)[0], 0.4, 0.5, 2
-    n = cone_planes(vertex, axis, angle, np.linspace(0, 2 * np.pi, 721))[0]
-    ruling = (axis - np.sin(angle) * n) / np.cos(angle)
+    ruling = cone_rulings(axis, angle, np.linspace(0, 2 * np.pi, 721))
     wall = vertex + np.linspace(near, far, 301)[:, None, None] * ruling
     caps = [vertex + np.cos(angle) * e * axis
             + np.linspace(0, 1, 101)[:, None, None] * (e * (ruling - np.cos(angle) * axis))

@@ -104,7 +104,7 @@ def test_half_angle_is_found(name):
 def test_wrong_and_varying_half_angles_are_refused(name):
     surface = moving_cone(MOTIONS[name], ANGLE)
     assert verdict(surface, "cone", half_angle=ANGLE + np.radians(5)).residual > 1e-3
-    varying = moving_cone(MOTIONS[name], lambda v: ANGLE + RATE * v)
+    varying = moving_cone(MOTIONS[name], ANGLE, rate=RATE)
     assert verdict(varying, "cone").residual > 1e-3
 
 

@@ -228,3 +228,27 @@ def cone_planes(vertex, axis, half_angle, azimuth):
     round_ = np.cos(azimuth)[..., None] * first + np.sin(azimuth)[..., None] * second
     n = np.sin(half_angle)[..., None] * axis + np.cos(half_angle)[..., None] * round_
     return n, -dot(n, vertex)
+
+
+def cone_rulings(axis, half_angle, azimuth):
+    """Return unit vectors along rulings, in the planes that `cone_planes` gives for these.
+
+    Parameters
+    ----------
+    axis : (..., 3) float
+        A vector along the axis, from the vertex into the cone.
+    half_angle : (...) float
+        Angle between axis and rulings, in rad.
+    azimuth : (...) float
+        Which ruling, in rad about the axis.
+
+    Returns
+    -------
+    ruling : (..., 3) float
+        From the vertex into the cone.
+    """
+    axis = points("axis", axis)
+    axis = axis / norm(axis)[..., None]
+    n, _ = cone_planes((0.0, 0.0, 0.0), axis, half_angle, azimuth)
+    half_angle = real("half_angle", half_angle)[..., None]
+    return (axis - np.sin(half_angle) * n) / np.cos(half_angle)
