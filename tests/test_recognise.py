@@ -34,7 +34,7 @@ OTHERS = {
     "cylinder": ("channel", "cone"),
     "channel": ("cylinder", "ruled"),
     "pipe": ("cylinder", "channel", "cone"),
-    "cone": ("ruled", "cylinder"),
+    "cone": ("ruled", "cylinder", "pipe"),
 }
 EVERY = [(kind, k) for kind, members in MEMBERS.items() for k in range(len(members))]
 

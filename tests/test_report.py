@@ -77,7 +77,7 @@ def test_wrong_use_is_refused(copy, text, message):
 
 # What may stand in the report's prose as digits: what the documents and the notebooks take as
 # given, section and figure numbers.
-GIVEN = {"0.5", "0.3", "0.1", "1", "3.1", "3.3.1", "3.3.2", "40°", "60°", "35°", "90°", "5°",
+GIVEN = {"0.5", "0.3", "0.1", "1", "3.1", "3.3.1", "3.3.2", "40°", "60°", "35°", "90°", "5°", "10°",
          "30°", "20°"}  # fmt: skip
 # Calls that read records, labels, formulas and code hold no results.
 NOT_PROSE = re.compile(

@@ -11,6 +11,7 @@ from .hyperosculate import order_four, third_order
 
 LEAST_POINTS = 12
 IS_NOT = 1e-3  # a residual above it
+NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
 
@@ -59,7 +60,7 @@ def recognise(
         Of the cylinders or spheres, in m, positive where the normals point to the axis; looked
         for unless given.
     half_angle : float, optional
-        Of the cones, in rad, between 0 and pi/2; looked for unless given.
+        Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given.
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
     tolerance : float
@@ -204,7 +205,7 @@ def _cone(f, half_angle):
     angle, _ = circle_roots(lambda b: _eliminated(f, b / 2), 4, unit=_eliminated_size(f))
     angle = angle / 2
     found = np.arctan2(np.abs(along(f, angle, 3)), 6 * np.abs(along(f, angle, 1, 1)))
-    found[(found < 1e-9) | (found > np.pi / 2 - 1e-9)] = np.nan
+    found[(found < NEEDLE) | (found > np.pi / 2 - NEEDLE)] = np.nan
     if np.isnan(found).all():  # a sphere fits every angle, and what fits none fits not this one
         return residual(np.pi / 4), None
     return _common(found, residual)

@@ -20,6 +20,11 @@ COLOURS = {
     "error": "#A3123A",
     "machine": "#F0C83C",
     "cutter": "#4D4D4D",
+    "design surface": "#9AA8B8",
+    "cone": "#2A9D76",
+    "generator": "#E69F00",
+    "top view": "#D8B400",
+    "plane": "#CC79A7",
 }
 
 STYLE = {
