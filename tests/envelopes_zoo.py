@@ -100,7 +100,7 @@ RULED = {
 }  # fmt: skip
 
 
-RATE = 0.5  # rad, of a half-angle that varies along the motion
+RATE = 0.4  # rad, of a half-angle that varies along the motion
 
 
 def turning(vertex, velocity, lean, rate=1.0, start=1.0):

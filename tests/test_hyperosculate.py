@@ -203,10 +203,10 @@ def test_point_shapes_and_rows():
 
 
 @pytest.mark.parametrize(("surface", "state"), [
-    (lambda s, t: [s, t, 0 * s], "developable"),
-    (lambda s, t: [s + t**3, t, 2 * s + 2 * t**3 - t], "developable"),
-    (lambda s, t: [np.cos(s), np.sin(s), t], "developable"),
-    (lambda s, t: [(1 + t) * np.cos(s), (1 + t) * np.sin(s), t], "developable"),
+    (lambda s, t: [s, t, 0 * s], "flat"),
+    (lambda s, t: [s + t**3, t, 2 * s + 2 * t**3 - t], "flat"),
+    (lambda s, t: [np.cos(s), np.sin(s), t], "flat"),
+    (lambda s, t: [(1 + t) * np.cos(s), (1 + t) * np.sin(s), t], "flat"),
     (lambda s, t: [np.cos(s) * np.cos(t), np.sin(s) * np.cos(t), np.sin(t)], "spherical"),
     (lambda s, t: [s, t, np.sqrt(0.01 - s * s - t * t)], "outside"),
     (lambda s, t: [s * s, s * t + t * t, s + t - s], "regular"),
@@ -229,6 +229,23 @@ def test_state_of_points_in_space(surface, state):
 def test_state_of_points_in_the_model(surface, x, state):
     cones = hyperosculating_cones(surface, x, 0.0, half_angle=0.4)
     assert cones.state == state and cones.count == 0 and len(cones.vertex) == 0
+
+
+@pytest.mark.parametrize(("d", "error"), [(1e-2, 1e-10), (1e-4, 1e-6), (1e-7, None)])
+def test_digits_are_lost_towards_curvature_zero_and_refused_there(d, error):
+    def sheet(s, t):
+        height = s * s / 2 * (1 + s) - d * t * t / 2 + 0.3 * s**2 * t + 0.1 * s * t**2 + 0.2 * t**3
+        return [s, t, height + 0.05 * s**4]
+
+    plain, turned = (
+        hyperosculating_cones(surface, 0.0, 0.0, half_angle=0.3, model="space")
+        for surface in (sheet, lambda s, t: sheet(0.6 * s + 0.8 * t, -0.8 * s + 0.6 * t))
+    )
+    if error is None:
+        assert plain.state == turned.state == "flat" and plain.count == 0
+    else:
+        gap = np.linalg.norm(plain.vertex[:, None] - turned.vertex, axis=-1).min(axis=1)
+        assert plain.count == turned.count and np.all(gap < error * plain.distance)
 
 
 def test_umbilics_have_the_cones_of_their_cubic_form():

@@ -1,6 +1,7 @@
 """The library behind an open study of a hydraulically actuated tunnelling robot.
 
-Floors, each importing only from those below: `reporting`; `paths`; `surfaces`; `arrays`.
+Floors, each importing only from those below: `reporting`; `paths`; `surfaces` and `envelopes`;
+`arrays`.
 Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
 """
 

@@ -43,9 +43,9 @@ class Cones:
         Number of cones at each of the points, multiple ones once.
     state : (...) str
         What each point is: "regular"; "outside", where the surface isn't defined or smooth;
-        "developable", where its Gaussian curvature is 0 (no isotropic model there), or
-        "singular" where that is infinite; "spherical", where every direction has its cone. Only
-        regular points have rows.
+        "flat", where its Gaussian curvature is 0 (no isotropic model there), or "singular",
+        where that is infinite; "spherical", where every direction has its cone. Only regular
+        points have rows.
     """
 
     half_angle: float
@@ -96,7 +96,7 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     multiplicities. The contact is one of tangent planes, and free of gouging only where K < 0
     and rho^2 f_eeee + 6 rho f_eew + 3 (f_ww - f_ee) doesn't have the sign opposite to f_ee; the
     document says always. The verdict is local: other parts of a cone may meet other parts of
-    the surface.
+    the surface. Towards points of curvature 0 the vertices lose digits, see `frame.FLAT`.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def _of_block(surface, s, t, first, half_angle, model):
     """Return the fields of `Cones` but the angle, for points counted from `first`."""
     found = frames(surface, s, t, model)
     flat = found.curvature <= FLAT
-    state = np.where(flat, "developable" if model == "space" else "singular", "regular")
+    state = np.where(flat, "flat" if model == "space" else "singular", "regular")
     state = np.where(found.smooth, state, "outside").astype("<U11")
     where = np.flatnonzero(state == "regular")
     f = isotropic_jet(found, where)

@@ -11,6 +11,7 @@ from .hyperosculate import order_four, third_order
 
 LEAST_POINTS = 12
 IS_NOT = 1e-3  # a residual above it
+TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
@@ -139,7 +140,7 @@ def _developable(found):
 
 def _ruled(found):
     """Theorem 4 on the graphs over the tangent planes: g_ee = g_eee = 0, or Theorem 2."""
-    g = tangent_graph(found, found.curvature > FLAT)
+    g = tangent_graph(found, found.curvature > TORSAL)
     return float(_line_contact(g, 0.0, size(g, 2) ** 2).max(initial=0.0))
 
 
@@ -173,8 +174,7 @@ def _cylinder(f, radius):
 def _channel(f, _):
     """Corollary 28: f_ew = f_eee = 0."""
     low, high, turn = _principal(f)
-    left = np.abs(along(f, turn[:, None] + [0.0, np.pi / 2], 3)).min(axis=-1)
-    left = left / (size(f, 3) + size(f, 2))
+    left = np.abs(along(f, turn[:, None] + [0.0, np.pi / 2], 3)).min(-1) / (size(f, 3) + size(f, 2))
     # In an umbilic every direction is principal, and in some of them f_eee vanishes.
     return float(np.max(np.where(high - low > UMBILIC * size(f, 2), left, 0.0))), None
 
