@@ -6,9 +6,7 @@ All are functions of two variables in ordinary arithmetic, as `recognise` takes 
 import numpy as np
 
 from tunneller_lib.envelopes import families
-from tunneller_lib.envelopes.families import add, channel, cross, moving_cone, times
-
-__all__ = ["moving_cone"]
+from tunneller_lib.envelopes.families import add, channel, cross, times
 
 
 def helix(s, pitch=0.4):
@@ -100,7 +98,7 @@ RULED = {
 }  # fmt: skip
 
 
-RATE = 0.4  # rad, of a half-angle that varies along the motion
+RATE = -0.25  # rad, by which a half-angle that varies grows with the time
 
 
 def turning(vertex, velocity, lean, rate=1.0, start=1.0):

@@ -7,20 +7,11 @@ it and the corrected form is proved.
 import numpy as np
 import sympy as sp
 
-from tests.envelopes_zoo import (
-    CURVES,
-    DEVELOPABLE,
-    GENERAL,
-    GRID,
-    MOTIONS,
-    RULED,
-    moving_cone,
-    pipe,
-    ruled,
-)  # fmt: skip
+from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RULED, pipe, ruled
 from tests.shapes import directions
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.blade import BladeRing, cone_distance
+from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,

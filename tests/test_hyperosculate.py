@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tests.envelopes_zoo import GENERAL, GRID, MOTIONS, moving_cone
+from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.forms import circle_roots
 from tunneller_lib.envelopes.isotropic import contact_point
 from tunneller_lib.envelopes.jet import variables

@@ -11,11 +11,11 @@ from tests.envelopes_zoo import (
     MOTIONS,
     RATE,
     RULED,
-    moving_cone,
     pipe,
     ruled,
-)  # fmt: skip
+)
 from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.families import moving_cone
 
 ANGLE, RADIUS = np.radians(20), 0.1
 MEMBERS = {
