@@ -78,7 +78,8 @@ UT, VT = x * W - 2 * u * tan**2, y * W - 2 * v * tan**2  # Eq. 15, corrected
 def eq14(ut, vt):
     return (F("xxx") * v**2 * ut + F("xxy") * v * (v * vt - 2 * u * ut)
             + F("xyy") * u * (u * ut - 2 * v * vt) + F("yyy") * u**2 * vt
-            + (F("xx") - F("yy")) * (u * ut - v * vt) + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
+            + (F("xx") - F("yy")) * (u * ut - v * vt)
+            + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
 
 
 def zero(expression):
@@ -111,7 +112,7 @@ def general_jet(surface, s, t):
     fx, fy = compose([fx, fy], *inverse(px, py))
     c = np.zeros_like(fx.c)
     c[0] = value.value
-    for (i, j), s in NAMES.items():
+    for i, j in NAMES:
         if i + j:
             part, k, m = (fx, i - 1, j) if i else (fy, i, j - 1)
             place = _place(i, j)
@@ -665,7 +666,7 @@ def _offset_conic(radius=-0.1):
 
 
 def test_prop22_cylinders_to_conics():
-    px, py, jet, centre, points, radius = _offset_conic()
+    px, py, jet, _, points, radius = _offset_conic()
     assert np.allclose(points[0], (px, py, jet.value[0]), atol=1e-12)
     assert abs(intrinsic_radius(points) - np.pi / 2) < 1e-9
     plane = np.linalg.det(points - [0, 0, radius])
@@ -707,7 +708,7 @@ def test_eq23_eq24_prop24_cylinder_conditions():
 
 
 def test_corollary25_ruled_offsets():
-    px, py, jet, centre, _, radius = _offset_conic()
+    px, py, jet, centre, *_ = _offset_conic()
     here = {"x": px, "y": py, "u": centre[0], "v": centre[1]}
     assert abs(at(EQ11, jet, **here)) < 1e-9
     for name in RULED:
@@ -740,14 +741,14 @@ def test_prop26_channels_to_paraboloids():
 def test_eq25_prop27_tangent_planes_meet_over_the_centre():
     eq25 = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
     for growth in (0.0, 0.1):
-        px, py, jet, centre, *_ = _channel_conic(growth)
+        jet, centre = _channel_conic(growth)[2:4]
         assert abs(at(eq25, jet, u=centre[0], v=centre[1])) < 1e-9
         assert abs(at(eq25, jet, u=centre[0], v=-centre[1])) > 1e-3
 
 
 def test_eq26_corollary28_channels():
     cubic = EQ11 - 3 * ((F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2))
-    px, py, jet, centre, *_ = _channel_conic(0.1)
+    jet, centre = _channel_conic(0.1)[2:4]
     assert abs(at(cubic, jet, u=centre[0], v=centre[1])) < 1e-8
     for curve in CURVES.values():
         surface = pipe(curve, 0.3, 0.1)
@@ -894,7 +895,7 @@ def _along_helix(s):
 
 
 def test_fig4_osculating_circle_in_the_top_view():
-    """The osculating cone's planes lie over the top view's osculating circle; vertex on the edge."""
+    """The osculating cone lies over the top view's osculating circle; its vertex on the edge."""
     s0 = 0.6
     near = _along_helix(s0 + np.array([-1e-3, 0, 1e-3]))
     centre = circle_centre(near)

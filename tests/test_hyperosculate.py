@@ -78,8 +78,9 @@ def test_cones_touch_the_surface(name):
     assert np.max(np.abs((ruling * cones.normal).sum(-1)) / scale) < 1e-14
     along = (ruling * cones.axis).sum(-1)
     np.testing.assert_allclose(along, cones.distance * np.cos(ANGLE), atol=1e-13 * scale.max())
-    np.testing.assert_allclose((cones.axis * cones.normal).sum(-1),
-                               np.where(cones.side < 0, -1, 1) * np.sin(ANGLE), rtol=1e-12)  # fmt: skip
+    sides = np.where(cones.side < 0, -1, 1)
+    lean = (cones.axis * cones.normal).sum(-1)
+    np.testing.assert_allclose(lean, sides * np.sin(ANGLE), rtol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ruling, axis=-1), cones.distance,
                                rtol=1e-9, atol=1e-12 * scale.max())  # fmt: skip
 

@@ -98,8 +98,10 @@ def test_jet_is_not_finite_where_the_function_is_not_smooth():
         assert not np.isfinite(jet.c[:, 0]).all()
 
 
-@pytest.mark.parametrize("call", [np.abs, np.arcsin, lambda x: x > 0, lambda x: x // 2,
-                                  lambda x: np.add.reduce(x), lambda x: np.sin(x, where=True)])  # fmt: skip
+@pytest.mark.parametrize("call", [
+    np.abs, np.arcsin, lambda x: x > 0, lambda x: x // 2, np.add.reduce,
+    lambda x: np.sin(x, where=True),
+])  # fmt: skip
 def test_functions_out_of_reach_are_refused(call):
     with pytest.raises(ValueError, match=r"^surface: must be built from .* got \w+\.$"):
         call(variables(1.0, 2.0)[0])

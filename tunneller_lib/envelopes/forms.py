@@ -1,5 +1,7 @@
 """Derivatives of a jet in turning directions, and where a trigonometric polynomial vanishes."""
 
+from itertools import pairwise
+
 import numpy as np
 
 SAME = 2e-5  # rad, roots nearer than this are one multiple root
@@ -28,7 +30,7 @@ def along(f, angle, e, w=0):
     degree = e + w
     form = [f.derivative(degree - k, k)[:, None] for k in range(degree + 1)]
     for x, y in [(c, s)] * e + [(-s, c)] * w:
-        form = [x * first + y * second for first, second in zip(form, form[1:])]
+        form = [x * first + y * second for first, second in pairwise(form)]
     return form[0]
 
 

@@ -4,6 +4,7 @@ A function built from ordinary arithmetic and numpy's elementary functions, call
 arguments, returns its Taylor polynomial: all derivatives to order 4, without differences.
 """
 
+from functools import partial
 from itertools import product
 from math import factorial
 
@@ -19,9 +20,9 @@ _PLACE = {exponents: place for place, exponents in enumerate(EXPONENTS)}
 
 # Pairs of coefficients whose product belongs to one coefficient, in the order of that.
 _PAIRS = sorted(
-    (_PLACE[i + k, j + l], _PLACE[i, j], _PLACE[k, l])
-    for (i, j), (k, l) in product(EXPONENTS, EXPONENTS)
-    if i + j + k + l <= ORDER
+    (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
+    for (i, j), (k, m) in product(EXPONENTS, EXPONENTS)
+    if i + j + k + m <= ORDER
 )
 _TARGET, _LEFT, _RIGHT = np.array(_PAIRS).T
 _STARTS = np.searchsorted(_TARGET, np.arange(len(EXPONENTS)))
@@ -209,6 +210,10 @@ def _series(a, coefficients):
     return result + coefficients[0]
 
 
+def _elementary(coefficients, a):
+    return _series(a, coefficients(a.value))
+
+
 _FUNCTIONS = {
     np.add: _add,
     np.subtract: lambda a, b: _add(a, -b),
@@ -222,7 +227,7 @@ _FUNCTIONS = {
     np.arctan2: _arctan2,
     np.hypot: lambda a, b: _power(a * a + b * b, 0.5),
 } | {
-    getattr(np, name): lambda a, f=getattr(elementary, name): _series(a, f(a.value))
+    getattr(np, name): partial(_elementary, getattr(elementary, name))
     for name in (
         "reciprocal", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan"
     )

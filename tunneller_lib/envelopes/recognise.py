@@ -122,7 +122,7 @@ def recognise(
         return Recognition(kind, _verdict(residual, tolerance), residual)
     if (found.curvature <= FLAT).any():
         i = np.argmin(found.curvature)
-        raise ValueError(f"surface: must have a Gaussian curvature neither 0 nor infinite for {kind}; "
+        raise ValueError(f"surface: must have a Gaussian curvature not 0 nor infinite for {kind}; "
                          f"got one at ({s.flat[i]}, {t.flat[i]}).")  # fmt: skip
     f = isotropic_jet(found, slice(None))
     residual, parameter = _TESTS[kind](f, radius if half_angle is None else half_angle)

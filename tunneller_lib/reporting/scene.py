@@ -123,7 +123,7 @@ def cone(vertex, axis, half_angle, near, far):
 
 
 def arrow(start, vector, radius):
-    """Return a mesh of an arrow from a point `start` along a `vector`, its shaft's `radius` in m."""
+    """Return a mesh of an arrow from `start` along `vector`, its shaft's `radius` in m."""
     length = float(np.linalg.norm(vector))
     return pyvista.Arrow(
         start=start, direction=vector, scale=length, shaft_radius=radius / length,
