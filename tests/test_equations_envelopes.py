@@ -406,7 +406,7 @@ def test_eq10_second_order():
     b += F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
     assert zero(plain(on_circle(f, 1)) - a)
     assert zero(plain(on_circle(f, 2)) - b)
-    z, found_a, found_b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)), 0.5, 0.3)
+    z, found_a, found_b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
     jet = example(*variables(0.5, 0.3))
     assert np.isclose(found_a, at(a, jet, u=0.4, v=0.2)) and z == jet.value
     assert np.isclose(found_b, at(b, jet, u=0.4, v=0.2))
@@ -433,7 +433,7 @@ def test_prop11_contact_orders():
         here = plane_to_point(cones.normal[k], -cones.normal[k] @ cones.contact[k])
         centre = circle_centre(points) - here[:2]
         jet = example(*variables(0.5, 0.3))
-        _, a, b = osculating_conic(centre, jet, 0.5, 0.3)
+        _, a, b = osculating_conic(centre, jet)
         gaps = []
         for step in np.array([2e-3, 4e-3]) / np.hypot(*centre):
             px, py, pz = conic(here, centre, a, b, step)
@@ -444,7 +444,7 @@ def test_prop11_contact_orders():
             assert max(gaps) < 1e-13
         else:
             assert 14 < gaps[1] / gaps[0] < 18
-    _, a, b = osculating_conic((0.4, 0.1), jet, 0.5, 0.3)
+    _, a, b = osculating_conic((0.4, 0.1), jet)
     gaps = [
         abs(c[2] - example(c[0], c[1]))
         for c in (conic((0.5, 0.3, float(jet.value)), (0.4, 0.1), a, b, h) for h in (1e-2, 2e-2))
@@ -932,7 +932,7 @@ def test_fig7_contact_curve_crosses_the_circles():
 
 
 def test_fig8_circle_through_the_point():
-    z, a, b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)), 0.5, 0.3)
+    z, a, b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
     points = conic((0.5, 0.3, z), (0.4, 0.2), a, b, np.linspace(0, 6, 7))
     assert np.allclose(points[0], (0.5, 0.3, z))
     assert np.allclose(np.linalg.norm(points[:, :2] - (0.9, 0.5), axis=1), np.hypot(0.4, 0.2))

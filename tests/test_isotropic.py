@@ -114,7 +114,7 @@ def test_osculating_conic_leaves_the_graph_at_third_order():
         return np.sin(x) * np.cos(2 * y) + x * y
 
     x, y, centre = 0.3, 0.5, (0.4, -0.7)
-    z, a, b = osculating_conic(centre, f(*variables(x, y)), x, y)
+    z, a, b = osculating_conic(centre, f(*variables(x, y)))
     gaps = []
     for t in (1e-2, 2e-2):
         px, py, pz = conic((x, y, z), centre, a, b, t)

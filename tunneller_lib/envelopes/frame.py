@@ -97,7 +97,7 @@ def isotropic_jet(frames, where):
     ----------
     frames : Frames
         Of n points.
-    where : (n,) bool
+    where : (n,) bool, indices or slice
         Which: smooth ones where the curvature isn't 0.
 
     Returns
@@ -124,7 +124,7 @@ def tangent_graph(frames, where):
     ----------
     frames : Frames
         Of n points.
-    where : (n,) bool
+    where : (n,) bool, indices or slice
         Which; only smooth ones.
 
     Returns

@@ -145,7 +145,7 @@ def conic(point, centre, a, b, t):
     return np.stack([x + v * sin + u * rise, y - u * sin + v * rise, z + a * sin + b * rise], -1)
 
 
-def osculating_conic(centre, f, x, y):
+def osculating_conic(centre, f):
     """Return z, a, b of the conic over a circle that osculates a graph (Eq. 10).
 
     Parameters
@@ -154,8 +154,6 @@ def osculating_conic(centre, f, x, y):
         (u, v), from the point to the circle's centre.
     f : Jet
         The function, at the one point.
-    x, y : float
-        The point.
 
     Returns
     -------
