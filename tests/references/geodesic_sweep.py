@@ -20,11 +20,10 @@ import numpy as np
 from mpmath import mp, mpf
 from scipy.optimize.elementwise import find_root
 
+from tests.references import torus_geodesics
+from tests.references.geodesic_rivals import shortest_rival
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
-
-from tests.references. import torus_geodesics
-from tests.references.geodesic_rivals import shortest_rival
 
 TABLE = Path(__file__).with_suffix(".csv")
 LONG = np.longdouble

@@ -9,6 +9,8 @@ if "DISPLAY" not in os.environ:
 import numpy as np
 import pyvista
 
+from ..envelopes.isotropic import cone_rulings
+
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 MARGIN = 20  # px of white left around a picture
@@ -100,6 +102,48 @@ def curve(points, radius, values=None):
 def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
+
+
+def cone(vertex, axis, half_angle, near, far):
+    """Return a mesh of a truncated cone's wall.
+
+    Parameters
+    ----------
+    vertex, axis : (3,) float
+        Vertex in m, and a vector along the axis into the cone.
+    half_angle : float
+        Between axis and rulings, in rad.
+    near, far : float
+        Where the rulings begin and end, as distances from the vertex, in m.
+
+    Returns
+    -------
+    mesh : pyvista.PolyData
+        The wall, without its ends.
+    """
+    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 121))
+    return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
+
+
+def arrow(start, vector, radius):
+    """Return a mesh of an arrow from `start` along `vector`, its shaft's `radius` in m."""
+    length = float(np.linalg.norm(vector))
+    return pyvista.Arrow(
+        start=start, direction=vector, scale=length, shaft_radius=radius / length,
+        tip_radius=2.5 * radius / length, tip_length=min(0.4, 8 * radius / length),
+        shaft_resolution=24, tip_resolution=24,
+    )  # fmt: skip
+
+
+def beside(*pictures):
+    """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
+    height = max(len(picture) for picture in pictures)
+    padded = []
+    for picture in pictures:
+        above = (height - len(picture)) // 2
+        below = height - len(picture) - above
+        padded.append(np.pad(picture, ((above, below), (0, 0), (0, 0)), constant_values=255))
+    return np.concatenate(padded, axis=1)
 
 
 def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):

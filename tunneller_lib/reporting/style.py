@@ -27,6 +27,11 @@ COLOURS = {
     "interpolation": "#1B6CA8",
     "servo": "#7FB3D5",
     "preparation": "#D98E2B",
+    "design surface": "#9AA8B8",
+    "cone": "#2A9D76",
+    "generator": "#E69F00",
+    "top view": "#D8B400",
+    "plane": "#CC79A7",
 }
 
 STYLE = {

@@ -1,0 +1,943 @@
+"""Envelopes of moving cones, claim by claim: one proof a row of report/ledger/cone-envelopes.toml.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it and the corrected form is proved.
+"""
+
+import numpy as np
+import sympy as sp
+
+from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RULED, pipe, ruled
+from tests.shapes import directions
+from tunneller_lib.envelopes import hyperosculating_cones, recognise
+from tunneller_lib.envelopes.blade import BladeRing, cone_distance
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
+from tunneller_lib.envelopes.isotropic import (
+    cone_planes,
+    cone_vertex,
+    conic,
+    contact_point,
+    isotropic_derivatives,
+    normal,
+    osculating_conic,
+    plane_to_point,
+    sphere_point,
+)  # fmt: skip
+from tunneller_lib.envelopes.jet import Jet, compose, inverse, variables
+
+x, y, u, v, t, g, tan = sp.symbols("x y u v t g tan", real=True)
+f = sp.Function("f")(x, y)
+p, W = 1 + x**2 + y**2, 1 + x**2 + y**2 + 2 * x * u + 2 * y * v
+ANGLE, SMALL = np.radians(30), np.radians(20)
+
+
+def d(*order):
+    """Return a partial derivative of f."""
+    return f.diff(*order)
+
+
+# The graph's derivatives as plain symbols, for polynomial identities.
+NAMES = {(i, j): sp.Symbol(f"f{'x' * i}{'y' * j}") for i in range(5) for j in range(5 - i)}
+PLAIN = {d(*([(x, i)] if i else []), *([(y, j)] if j else [])): s
+         for (i, j), s in sorted(NAMES.items(), reverse=True) if i + j}  # fmt: skip
+
+
+def plain(expression):
+    for derivative, symbol in sorted(PLAIN.items(), key=lambda pair: -len(str(pair[1]))):
+        expression = expression.subs(derivative, symbol)
+    return sp.expand(expression)
+
+
+def F(name):
+    return NAMES[name.count("x"), name.count("y")]
+
+
+def on_circle(expression, order):
+    """Return the derivative at t = 0 along the circle (8), of an expression in x and y."""
+    X = x + v * sp.sin(t) + u * (1 - sp.cos(t))
+    Y = y - u * sp.sin(t) + v * (1 - sp.cos(t))
+    # Derivatives by the chain rule: d/dt along a motion with x' = v cos + u sin, y' = ...
+    xs, ys = X.diff(t), Y.diff(t)
+    for _ in range(order):
+        expression = expression.diff(x) * xs + expression.diff(y) * ys + expression.diff(t)
+    return sp.expand(expression.subs(t, 0))
+
+
+EQ11 = (F("xxx") * v**3 - 3 * F("xxy") * v**2 * u + 3 * F("xyy") * v * u**2 - F("yyy") * u**3
+        + 3 * (F("xx") - F("yy")) * u * v + 3 * F("xy") * (v**2 - u**2))  # fmt: skip
+LOWER = (6 * u * v**2 * F("xxx") + 6 * v * (v**2 - 2 * u**2) * F("xxy")
+         + 6 * u * (u**2 - 2 * v**2) * F("xyy") + 6 * u**2 * v * F("yyy")
+         + 3 * (u**2 - v**2) * (F("xx") - F("yy")) + 12 * u * v * F("xy"))  # fmt: skip
+EQ12 = (F("xxxx") * v**4 - 4 * F("xxxy") * v**3 * u + 6 * F("xxyy") * v**2 * u**2
+        - 4 * F("xyyy") * v * u**3 + F("yyyy") * u**4 + LOWER)  # fmt: skip
+EQ9 = W**2 - 4 * tan**2 * (u**2 + v**2)
+UT, VT = x * W - 2 * u * tan**2, y * W - 2 * v * tan**2  # Eq. 15, corrected
+
+
+def eq14(ut, vt):
+    return (F("xxx") * v**2 * ut + F("xxy") * v * (v * vt - 2 * u * ut)
+            + F("xyy") * u * (u * ut - 2 * v * vt) + F("yyy") * u**2 * vt
+            + (F("xx") - F("yy")) * (u * ut - v * vt)
+            + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
+
+
+def zero(expression):
+    return sp.simplify(expression) == 0
+
+
+def example(a, b):
+    return b**2 / (a**2 + b**2)
+
+
+def values(jet):
+    """Return a jet's derivatives at its one point, for substitution into the symbols."""
+    return {s: float(np.ravel(jet.derivative(*order))[0]) for order, s in NAMES.items()}
+
+
+def at(expression, jet, **more):
+    more = {sp.Symbol(name, real=True): value for name, value in more.items()}
+    return float(expression.subs(values(jet)).subs(more))
+
+
+def general_jet(surface, s, t):
+    """Return x, y and f's jet in the model's own frame, at one point of a surface in space."""
+    found = frames(surface, np.array([s]), np.array([t]), "space")
+    r, n = (
+        [sum(jets[k] * found.axes[:, k, i] for k in range(3)) for i in range(3)]
+        for jets in (found.r, found.n)
+    )
+    r = [c + found.contact[:, i] for i, c in enumerate(r)]
+    px, py, value, fx, fy = isotropic_derivatives(r, n)
+    fx, fy = compose([fx, fy], *inverse(px, py))
+    c = np.zeros_like(fx.c)
+    c[0] = value.value
+    for i, j in NAMES:
+        if i + j:
+            part, k, m = (fx, i - 1, j) if i else (fy, i, j - 1)
+            place = _place(i, j)
+            c[place] = part.derivative(k, m) / sp.factorial(i) / sp.factorial(j)
+    return float(px.value[0]), float(py.value[0]), Jet(c)
+
+
+def _place(i, j):
+    return (i + j) * (i + j + 1) // 2 + j
+
+
+def circle_centre(points):
+    """Return the centre of the circle through the top views of three points."""
+    points = np.asarray(points)[:, :2]
+    square = (points**2).sum(axis=1)
+    return np.linalg.solve(2 * (points[1:3] - points[0]), square[1:3] - square[0])
+
+
+def circle_planes(centre, radius, rulings):
+    """Return points of the planes through a centre's tangent sphere with given normals."""
+    return plane_to_point(rulings, radius - rulings @ centre)
+
+
+def intrinsic_radius(points):
+    """Return the radius on the unit sphere of the circle over which planes' points lie."""
+    n = np.stack(normal(points[:, 0], points[:, 1]), axis=-1)
+    pole = np.cross(n[1] - n[0], n[2] - n[0])
+    angle = np.arccos(np.clip(n @ pole / np.linalg.norm(pole), -1, 1))
+    assert np.ptp(angle) < 1e-9
+    return min(angle[0], np.pi - angle[0])
+
+
+def cone_points(vertex, axis, half_angle, n=9):
+    return plane_to_point(*cone_planes(vertex, axis, half_angle, 2 * np.pi * np.arange(n) / n))
+
+
+# ---- section 2: developable surfaces ----------------------------------------------------------
+
+
+def test_eq01_derivative_along_the_ruling():
+    fxx, fxy, fyy = d(x, x), d(x, y), d(y, y)
+    length = sp.sqrt(fyy**2 + fxy**2)
+    assert zero(fxx * fyy / length + fxy * (-fxy / length) - (fxx * fyy - fxy**2) / length)
+
+
+def test_eq02_derivative_along_the_curve():
+    a, b = sp.Function("a")(t), sp.Function("b")(t)
+    h = sp.Function("h")
+    fxx, fxy = h(x, y).diff(x, x), h(x, y).diff(x, y)
+    along = [e.diff(x) * a + e.diff(y) * b for e in (fxx, fxy)]
+    left = along[0] * a + fxx * a.diff(t) + along[1] * b + fxy * b.diff(t)
+    third = fxx.diff(x) * a**2 + 2 * fxx.diff(y) * a * b + fxy.diff(y) * b**2
+    assert zero(left - third - fxx * a.diff(t) - fxy * b.diff(t))
+    # The next display: the third-order part follows from the derivative of K by x.
+    K = d(x, x) * d(y, y) - d(x, y) ** 2
+    shown = d(x, x, x) * d(y, y) - 2 * d(x, x, y) * d(x, y) + d(x, y, y) * d(x, x)
+    assert zero(K.diff(x) - shown)
+
+
+def test_theorem2_developable_surfaces():
+    for surface in DEVELOPABLE.values():
+        assert recognise(surface, *GRID, "developable", model="space").residual < 1e-10
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "developable", model="space").residual > 1e-3
+    # The tangent plane stays along a ruling.
+    s, w = np.full(7, 0.4), np.linspace(0.1, 0.7, 7)
+    normals = frames(DEVELOPABLE["tangents of the cubic"], s, w, "space").axes[:, 2]
+    assert np.abs(normals - normals[0]).max() < 1e-12
+
+
+def test_example1_boundary_of_positive_measure():
+    """The fat Cantor set: stage k leaves 2^k intervals shorter than 2^-k, of total above 1/2."""
+    removed = sum(sp.Integer(2) ** k / sp.Integer(4) ** (k + 1) for k in range(40))
+    left = 1 - removed
+    assert left > sp.Rational(1, 2) and left / 2**40 < sp.Rational(1, 2**40)
+    assert sp.limit(sp.Rational(1, 2) * (1 + sp.Integer(2) ** (-t)), t, sp.oo) == sp.Rational(1, 2)
+    column = sp.Function("h")(x)  # f depends on x only
+    assert zero(column.diff(x, x) * column.diff(y, y) - column.diff(x, y) ** 2)
+
+
+# ---- section 3: ruled surfaces ----------------------------------------------------------------
+
+QUADRATIC = F("xx") * u**2 + 2 * F("xy") * u * v + F("yy") * v**2
+CUBIC = F("xxx") * u**3 + 3 * F("xxy") * u**2 * v + 3 * F("xyy") * u * v**2 + F("yyy") * v**3
+_a, _b, _c = F("xx"), F("xy"), F("yy")
+_k, _l, _m, _n = F("xxx"), F("xxy"), F("xyy"), F("yyy")
+EQ4 = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _m * _a
+       - 6 * _n * _m * _a**2 * _b + 9 * _c * _m**2 * _a**2 - 6 * _b * _c**2 * _l * _k
+       + 12 * _b**2 * _l * _n * _a - 18 * _b * _c * _l * _m * _a + 12 * _c * _m * _b**2 * _k
+       - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _l**2 - 6 * _c * _l * _n * _a**2
+       + _n**2 * _a**3)  # fmt: skip
+EQ4_PRINTED = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _b * _a
+               - 6 * _n * _b * _a**2 * _b + 9 * _c * _b**2 * _a**2 - 6 * _b * _c**2 * _b * _k
+               + 12 * _b**2 * _b * _n * _a - 18 * _b * _c * _b * _n * _a
+               + 12 * _c * _b * _b**2 * _k - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _b**2
+               - 6 * _c * _k * _n * _a**2 + _n**2 * _a**3)  # fmt: skip
+
+
+def test_eq03_line_contact():
+    derivative = f
+    for order in (1, 2, 3):
+        derivative = sp.expand(derivative.diff(x) * u + derivative.diff(y) * v)
+        form = {1: F("x") * u + F("y") * v, 2: QUADRATIC, 3: CUBIC}[order]
+        assert zero(plain(derivative) - form)
+
+
+def test_eq04_resultant():
+    resultant = sp.resultant(QUADRATIC.subs(v, 1), CUBIC.subs(v, 1), u)
+    assert sp.expand(resultant - EQ4) == 0
+    assert sp.expand(resultant - EQ4_PRINTED) != 0
+    # The printed terms aren't of one degree in third derivatives, and fail on a ruled surface.
+    third = sp.Symbol("lambda")
+    graded = sp.Poly(EQ4_PRINTED.subs({s: third * s for s in (_k, _l, _m, _n)}), third)
+    assert len(graded.monoms()) > 1
+    jet = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*variables(0.3, 0.4))
+    assert abs(at(EQ4, jet)) < 1e-10 < 1e-3 < abs(at(EQ4_PRINTED, jet))
+
+
+def test_discriminant_of_the_asymptotic_directions():
+    discriminant = sp.discriminant(QUADRATIC.subs(v, 1), u)
+    assert sp.expand(discriminant + 4 * (_a * _c - _b**2)) == 0
+
+
+def test_theorem4_ruled_surfaces():
+    for name in RULED:
+        assert recognise(ruled(name), *GRID, "ruled", model="space").residual < 1e-10
+        found = frames(ruled(name), *GRID, "space")
+        graph = tangent_graph(found, found.smooth)
+        for k in range(0, 20, 5):
+            jet = Jet(graph.c[:, k : k + 1])
+            scale = 1e-9 * (1 + max(abs(value) for value in values(jet).values())) ** 5
+            assert abs(at(EQ4, jet)) < scale
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "ruled", model="space").residual > 1e-3
+    # K <= 0 is needed: x^2 + y^2 divides both forms here, and no real line does.
+    jet = (lambda a, b: (a * a + b * b) * (0.5 + a))(*variables(0.0, 0.0))
+    assert at(EQ4, jet) == 0 and at(_a * _c - _b**2, jet) > 0
+
+
+# ---- section 4: planes as points --------------------------------------------------------------
+
+
+def test_eq05_envelope_of_moving_planes():
+    """The library's moving cone is Eq. 5: its point lies on the cone and is touched there."""
+    for name, motion in MOTIONS.items():
+        surface = moving_cone(motion, ANGLE)
+        found = frames(surface, *GRID, "space")
+        vertex, _, axes, _ = motion(GRID[1])
+        sine, cosine = np.sin(ANGLE), np.cos(ANGLE)
+        a, b, c = (np.stack([w + 0 * GRID[0] for w in axis], -1) for axis in axes)
+        n = sine * a + cosine * (np.cos(GRID[0])[:, None] * b + np.sin(GRID[0])[:, None] * c)
+        m = np.stack([w + 0 * GRID[0] for w in vertex], -1)
+        assert np.abs(((found.contact - m) * n).sum(-1)).max() < 1e-10, name
+        assert np.abs(np.abs((found.axes[:, 2] * n).sum(-1)) - 1).max() < 1e-10, name
+
+
+def test_eq06_planes_to_points():
+    n, h = directions(np.random.default_rng(0), 20), np.linspace(-3, 3, 20)
+    expected = np.column_stack([n[:, :2], h]) / (n[:, 2:] + 1)
+    assert np.allclose(plane_to_point(n, h), expected, rtol=1e-12)
+
+
+def test_eq07_spheres_to_paraboloids():
+    n = directions(np.random.default_rng(1), 50)
+    m, radius = np.array([0.3, -0.7, 0.5]), 0.8
+    a, b, c = plane_to_point(n, radius - n @ m).T  # inward normals
+    assert np.allclose(sphere_point(m, radius, a, b) / c, 1, rtol=1e-9)
+
+
+def test_top_view_is_the_stereographic_projection():
+    n = directions(np.random.default_rng(2), 50)
+    a, b, _ = plane_to_point(n, 0.0).T
+    south = np.array([0, 0, -1.0])
+    picture = south + (n - south) / (n[:, 2:] + 1)  # meets z = 0
+    assert np.allclose(np.column_stack([a, b]), picture[:, :2], rtol=1e-10)
+
+
+def test_prop6_cones_to_special_conics():
+    rng = np.random.default_rng(3)
+    for angle in (0.2, ANGLE, 1.2):
+        points = cone_points(rng.normal(size=3), directions(rng, 1)[0], angle)
+        assert abs(intrinsic_radius(points) - (np.pi / 2 - angle)) < 1e-9
+        flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        assert flat[2] < 1e-10 * flat[0]  # a planar curve
+        centre = circle_centre(points)
+        assert np.ptp(np.linalg.norm(points[:, :2] - centre, axis=1)) < 1e-9 * flat[0]
+
+
+def test_prop7_tangent_cones_are_conics_in_the_surface():
+    surface = moving_cone(MOTIONS["screw"], ANGLE)
+    s, w = np.linspace(0.2, 0.7, 9), np.full(9, 0.3)
+    found = frames(surface, s, w, "space")
+    n = found.axes[:, 2]
+    points = plane_to_point(n, -(n * found.contact).sum(-1))
+    flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    assert flat[2] < 1e-10 * flat[0]
+    assert abs(intrinsic_radius(points) - (np.pi / 2 - ANGLE)) < 1e-9
+
+
+def test_sphere_and_cone_touch_to_first_order_only():
+    """All planes of a circumscribed cone touch the sphere; its rulings leave it at second order."""
+    radius, vertex = 1.0, np.array([0, 0, -2.0])
+    n, h = cone_planes(vertex, (0, 0, 1), np.arcsin(0.5), np.linspace(0, 6, 7))
+    assert np.allclose(h, radius)  # the distance of the sphere's centre
+    touch = -n
+    away = touch + 1e-3 * (touch - vertex) / np.sqrt(3)
+    assert np.allclose(np.linalg.norm(away, axis=1) - radius, 0.5e-6, rtol=1e-3)
+
+
+def test_osculating_cones_touch_mannheims_sphere():
+    """For one ruling the osculating cones of all angles have a common inscribed sphere."""
+    found = frames(GENERAL["quartic graph"], np.array([0.3]), np.array([0.2]), "space")
+    jet = isotropic_jet(found, slice(None))
+    first, second, n = found.axes[0]
+    a = 0.7
+    e, w = (np.cos(a), np.sin(a)), np.cos(a) * second - np.sin(a) * first
+    fee = e[0] ** 2 * jet.derivative(2, 0) + 2 * e[0] * e[1] * jet.derivative(1, 1)
+    fee = (fee + e[1] ** 2 * jet.derivative(0, 2))[0]
+    centre = found.contact[0] + fee / 2 * n
+    for angle in (0.2, 0.5, 1.0):
+        rho = 0.5 / np.tan(angle)
+        point = cone_vertex((0, 0, 0), (-e[1] * rho, e[0] * rho), 0, fee * rho**2)
+        vertex = found.contact[0] + point[0] * first + point[1] * second
+        axis = np.cos(angle) * w + np.sin(angle) * n
+        assert np.allclose(np.cross(centre - vertex, axis), 0, atol=1e-12)
+        assert np.isclose(np.linalg.norm(centre - vertex) * np.sin(angle), abs(fee) / 2)
+
+
+def test_appropriate_direction_is_not_conjugate_to_the_ruling():
+    """The characteristic's tangent is conjugate to the cone's ruling."""
+    surface = moving_cone(MOTIONS["wave"], ANGLE)
+    r = surface(*variables(*GRID))
+    found = frames(surface, *GRID, "space")
+    along = np.stack([c.derivative(1, 0) for c in r], axis=-1)
+    vertex = np.stack([c + 0 * GRID[0] for c in MOTIONS["wave"](GRID[1])[0]], axis=-1)
+    ruling = found.contact - vertex
+    graph = tangent_graph(found, found.smooth)
+    e, w = (np.einsum("nij,nj->ni", found.axes[:, :2], vector) for vector in (along, ruling))
+    bend = (graph.derivative(2, 0) * e[:, 0] * w[:, 0] + graph.derivative(0, 2) * e[:, 1] * w[:, 1]
+            + graph.derivative(1, 1) * (e[:, 0] * w[:, 1] + e[:, 1] * w[:, 0]))  # fmt: skip
+    scale = np.linalg.norm(e, axis=1) * np.linalg.norm(w, axis=1)
+    assert np.abs(bend / scale).max() < 1e-10
+
+
+def test_third_order_contact_is_not_always_free():
+    """Four of the six cones of Example 31 hold points of the surface next to the contact."""
+    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    near = np.linspace(-0.04, 0.04, 121)
+    a, b = np.meshgrid(0.5 + near, 0.3 + near)
+    jet = example(*variables(a, b))
+    r = np.stack(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
+    depths = [
+        cone_distance(r, cones.vertex[k], cones.axis[k], ANGLE, cones.distance[k] / 2,
+                      2 * cones.distance[k]).min() for k in range(6)
+    ]  # fmt: skip
+    assert np.sum(np.less(depths, -1e-9)) == 4
+    # And what decides: the sign of the fourth order against that of f_ee.
+    assert np.array_equal(np.less(depths, -1e-9), cones.gouges)
+    assert np.all(cones.gouges == (cones.side * cones.order4 < -1e-9))
+
+
+# ---- section 5: conics ------------------------------------------------------------------------
+
+
+def test_eq08_eq09_prop9_special_conics():
+    rng = np.random.default_rng(4)
+    for angle in (0.2, ANGLE, 1.2):
+        points = cone_points(rng.normal(size=3), directions(rng, 1)[0], angle)
+        centre = circle_centre(points)
+        for point in points:
+            here = {x: point[0], y: point[1], u: centre[0] - point[0], v: centre[1] - point[1]}
+            size = float((W**2).subs(here))
+            assert abs(EQ9.subs({**here, tan: np.tan(angle)})) < 1e-8 * (size + 1)
+            assert abs(EQ9.subs({**here, tan: np.tan(angle + 0.1)})) > 1e-3 * size
+
+
+def test_example10_conics_in_a_graph():
+    graph = y**2 / (x**2 + y**2)
+    U, V = -x / 2, -y / 2
+    a, b = x * y / (x**2 + y**2), (x**2 - y**2) / (2 * (x**2 + y**2))
+    X = x + V * sp.sin(t) + U * (1 - sp.cos(t))
+    Y = y - U * sp.sin(t) + V * (1 - sp.cos(t))
+    Z = graph + a * sp.sin(t) + b * (1 - sp.cos(t))
+    assert zero(Z - Y**2 / (X**2 + Y**2))
+    circle = sp.expand(EQ9.subs({u: U, v: V}))
+    assert zero(circle - (1 - tan**2 * (x**2 + y**2)))
+
+
+def test_eq10_second_order():
+    a, b = F("x") * v - F("y") * u, F("x") * u + F("y") * v
+    b += F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
+    assert zero(plain(on_circle(f, 1)) - a)
+    assert zero(plain(on_circle(f, 2)) - b)
+    z, found_a, found_b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
+    jet = example(*variables(0.5, 0.3))
+    assert np.isclose(found_a, at(a, jet, u=0.4, v=0.2)) and z == jet.value
+    assert np.isclose(found_b, at(b, jet, u=0.4, v=0.2))
+
+
+def test_eq11_third_order():
+    # z'''(0) = -a = -f'; the sum f''' + f' must vanish.
+    assert zero(plain(on_circle(f, 3)) + plain(on_circle(f, 1)) - EQ11)
+
+
+def test_eq12_fourth_order():
+    # z''''(0) = -b = -f''.
+    printed = (F("xxxx") * v**4 - 4 * F("xxx") * v**3 * u + 6 * F("xxy") * v**2 * u**2
+               - 4 * F("xyy") * v * u**3 + F("yyy") * u**4 + LOWER)  # fmt: skip
+    left = plain(on_circle(f, 4)) + plain(on_circle(f, 2))
+    assert zero(left - EQ12) and not zero(left - printed)
+
+
+def test_prop11_contact_orders():
+    """Gaps between conic and graph shrink as the order says, each order by the next equation."""
+    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    for k in range(6):
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        here = plane_to_point(cones.normal[k], -cones.normal[k] @ cones.contact[k])
+        centre = circle_centre(points) - here[:2]
+        jet = example(*variables(0.5, 0.3))
+        _, a, b = osculating_conic(centre, jet)
+        gaps = []
+        for step in np.array([2e-3, 4e-3]) / np.hypot(*centre):
+            px, py, pz = conic(here, centre, a, b, step)
+            gaps.append(abs(pz - example(px, py)))
+        eleven, twelve = (at(e, jet, u=centre[0], v=centre[1]) for e in (EQ11, EQ12))
+        assert abs(eleven) < 1e-8
+        if abs(twelve) < 1e-8:
+            assert max(gaps) < 1e-13
+        else:
+            assert 14 < gaps[1] / gaps[0] < 18
+    _, a, b = osculating_conic((0.4, 0.1), jet)
+    gaps = [
+        abs(c[2] - example(c[0], c[1]))
+        for c in (conic((0.5, 0.3, float(jet.value)), (0.4, 0.1), a, b, h) for h in (1e-2, 2e-2))
+    ]
+    assert 7 < gaps[1] / gaps[0] < 9
+
+
+def test_corollary12_common_solution():
+    for name in ("screw", "cubic"):
+        surface = moving_cone(MOTIONS[name], ANGLE)
+        px, py, jet = general_jet(surface, 0.4, 0.3)
+        vertex, _, axes, _ = MOTIONS[name](0.3)
+        found = frames(surface, np.array([0.4]), np.array([0.3]), "space")
+        n = found.axes[0, 2]
+        sign = np.sign(n @ np.array(axes[0], dtype=float))
+        points = cone_points(np.array(vertex, dtype=float), sign * np.array(axes[0], float), ANGLE)
+        centre = circle_centre(points) - (px, py)
+        for equation in (EQ9, EQ11, EQ12):
+            left = at(equation, jet, x=px, y=py, tan=np.tan(ANGLE), u=centre[0], v=centre[1])
+            size = max(map(abs, values(jet).values())) * (1 + np.hypot(*centre)) ** 4
+            assert abs(left) < 1e-9 * size
+
+
+def _eq13(px, py, jet, angle):
+    """Return the coefficients of Eq. 13, by descending powers of t."""
+    poly = p * ((t**2 - 1) ** 3 * F("xxx") - 6 * (t**2 - 1) ** 2 * t * F("xxy")
+                + 12 * (t**2 - 1) * t**2 * F("xyy") - 8 * t**3 * F("yyy"))  # fmt: skip
+    poly += (
+        6
+        * (2 * (t**3 - t) * (F("xx") - F("yy")) + (t**4 - 6 * t**2 + 1) * F("xy"))
+        * (t**2 * tan - t**2 * y - 2 * t * x + y + tan)
+    )
+    poly = poly.subs(values(jet)).subs({x: px, y: py, tan: np.tan(angle)})
+    return [float(c) for c in sp.Poly(poly, t).all_coeffs()]
+
+
+def test_eq13_loses_a_root_at_infinity():
+    px, py = 0.5, 0.3
+    jet = example(*variables(px, py))
+    coefficients = _eq13(px, py, jet, ANGLE)
+    leading = (p * F("xxx") + 6 * F("xy") * (tan - y)).subs(values(jet))
+    assert np.isclose(coefficients[0], float(leading.subs({x: px, y: py, tan: np.tan(ANGLE)})))
+    roots = np.roots(coefficients)
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    assert len(real) == 6  # one equation for both branches of (9)
+    for root in real:
+        below = root**2 * np.tan(ANGLE) - root**2 * py - 2 * root * px + py + np.tan(ANGLE)
+        square = 1 + px**2 + py**2
+        U, V = root * square / below, (root**2 - 1) * square / 2 / below
+        for equation in (EQ9, EQ11):
+            left = at(equation, jet, x=px, y=py, tan=np.tan(ANGLE), u=U, v=V)
+            assert abs(left) < 1e-7 * (1 + abs(U) + abs(V)) ** 3
+
+    # Where f_xy = f_xxx = 0 the degree falls, and a cone is lost.
+    def graph(a, b):
+        return a * a / 2 - b * b + a * b * b + 0.1 * b**3
+
+    jet = graph(*variables(0.5, 0.0))
+    coefficients = _eq13(0.5, 0.0, jet, ANGLE)
+    assert len(coefficients) < 7
+    roots = np.roots(coefficients)
+    count = hyperosculating_cones(graph, 0.5, 0.0, half_angle=ANGLE).count
+    assert np.sum(np.abs(roots.imag) < 1e-9) < count
+
+
+def test_theorem13_conics_of_fourth_order_stay_in_the_graph():
+    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    here = plane_to_point(cones.normal[0], -cones.normal[0] @ cones.contact[0])
+    gaps = []
+    for k in np.flatnonzero(np.abs(cones.order4) < 1e-9):
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE, 40)
+        centre = circle_centre(points)
+        turn = np.angle(((points[:, :2] - centre) @ [1, 1j]) / ((here[:2] - centre) @ [1, 1j]))
+        arc = points[(np.abs(turn) < 1.5) & (np.hypot(*points[:, :2].T) > 1e-3)]
+        gaps.append(np.abs(arc[:, 2] - example(arc[:, 0], arc[:, 1])).max())
+    assert len(gaps) == 2 and max(gaps) < 1e-9
+    # The proof's last step: derivative of (11) less (12) is 3 g times (14), by (16).
+    ut, vt = -v - g * VT, u + g * UT
+    moved = sum(sp.diff(EQ11, s) * (NAMES[i + 1, j] * v - NAMES[i, j + 1] * u)
+                for (i, j), s in NAMES.items() if i + j in (2, 3))  # fmt: skip
+    moved += EQ11.diff(u) * ut + EQ11.diff(v) * vt
+    assert sp.expand(moved - EQ12 - 3 * g * eq14(UT, VT)) == 0
+
+
+def test_eq14_jacobian():
+    jacobian = sp.Matrix([EQ9, EQ11]).jacobian([u, v]).det()
+    assert sp.expand(jacobian - 12 * eq14(UT, VT)) == 0
+
+
+def test_eq15_gradient():
+    printed = x * W - 4 * u * tan**2, y * W - 4 * v * tan**2
+    gradient = [EQ9.diff(u), EQ9.diff(v)]
+    assert all(sp.expand(a - 4 * b) == 0 for a, b in zip(gradient, (UT, VT)))
+    # Neither half of the gradient nor parallel to it.
+    assert sp.expand(gradient[0] - 2 * printed[0]) != 0
+    assert sp.expand(gradient[0] * printed[1] - gradient[1] * printed[0]) != 0
+
+
+def test_derivative_of_eq09():
+    du, dv = sp.symbols("du dv")
+    moved = EQ9.diff(x) * v - EQ9.diff(y) * u + EQ9.diff(u) * du + EQ9.diff(v) * dv
+    bracket = x * (v + du) + y * (dv - u)
+    rest = 8 * tan**2 * (u * du + v * dv)
+    assert sp.expand(moved - (4 * bracket * W - rest)) == 0
+    assert sp.expand(moved - (2 * bracket * W - rest)) != 0
+    assert sp.expand(moved / 4 - ((v + du) * UT - (u - dv) * VT)) == 0
+
+
+def test_eq16_motion_of_the_centre():
+    du, dv = -v - g * VT, u + g * UT
+    assert sp.expand((v + du) * UT - (u - dv) * VT) == 0
+
+
+def test_problem15_multiple_conics():
+    """Evidence: channels of constant slope have multiple conics, and are such envelopes."""
+    surface, angle = pipe(CURVES["helix"], 0.3, 0.1), np.arcsin(0.1 / np.sqrt(1.16))
+    cones = hyperosculating_cones(surface, *GRID, half_angle=angle, model="space")
+    double = cones.multiplicity == 2
+    assert np.array_equal(np.sort(cones.index[double]), np.arange(20))
+    assert np.abs(cones.order4[double]).max() < 1e-10
+    for name, motion in MOTIONS.items():
+        cones = hyperosculating_cones(moving_cone(motion, 0.35), *GRID, half_angle=0.35,
+                                      model="space")  # fmt: skip
+        assert np.all(cones.multiplicity[np.abs(cones.order4) < 1e-10] == 1), name
+
+
+# ---- section 6: envelopes of cones ------------------------------------------------------------
+
+
+def test_theorem16_envelopes_of_cones():
+    for motion in MOTIONS.values():
+        surface = moving_cone(motion, SMALL)
+        assert recognise(surface, *GRID, "cone", half_angle=SMALL, model="space").residual < 1e-10
+        wrong = recognise(surface, *GRID, "cone", half_angle=SMALL + 0.1, model="space")
+        assert wrong.residual > 1e-3
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "cone", model="space").residual > 1e-3
+
+
+def test_prop17_positive_curvature():
+    vertex, angle = np.array([0, 0, -2.0]), np.arcsin(0.5)
+    sphere = directions(np.random.default_rng(5), 4000)
+    distance = cone_distance(sphere, vertex, (0, 0, 1), angle, 0.1, 10.0)
+    assert np.mean(distance < -1e-3) > 0.9
+    cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
+    assert cones.gouges.all()
+
+
+def test_eq17_to_eq20_prop18_surface_and_graph():
+    a, b = 0.5, 0.3
+    jet = example(*variables(a, b))
+    r = np.array(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)))
+    fx, fy, value = jet.derivative(1, 0), jet.derivative(0, 1), jet.value
+    square = a**2 + b**2 + 1
+    printed = np.array([
+        (a**2 - b**2 - 1) * fx + 2 * a * b * fy - 2 * a * value,
+        (b**2 - a**2 - 1) * fy + 2 * a * b * fx - 2 * b * value,
+        2 * a * fx + 2 * b * fy - 2 * value,
+    ]) / square  # fmt: skip
+    assert np.allclose(r, printed, atol=1e-13)
+    back = isotropic_derivatives(r, normal(a, b))
+    assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
+    # The surface has these normals: derivatives of its points are across them.
+    s, w = variables(a, b)
+    f4 = example(s, w)
+    moving = contact_point(s, w, f4, f4.d(0), f4.d(1))
+    for order in ((1, 0), (0, 1)):
+        step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b)))
+        assert abs(step) < 1e-12
+
+
+def test_eq21_normal():
+    n = np.stack(normal(0.4, -1.3), axis=-1)
+    assert np.isclose(np.linalg.norm(n), 1) and np.allclose(n[:2] / (n[2] + 1), (0.4, -1.3))
+
+
+def test_eq22_prop19_vertex():
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        vertex, axis, angle = rng.normal(size=3), directions(rng, 1)[0], rng.uniform(0.2, 1.3)
+        points = cone_points(vertex, axis, angle)
+        U, V = circle_centre(points) - points[0, :2]
+        slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
+        found = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V])
+        assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
+
+
+def test_prop20_side():
+    x0, y0 = np.random.default_rng(7).uniform(0.3, 1.2, (2, 30))
+    cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
+    for k in range(len(cones.vertex)):
+        i = cones.index[k]
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        opposite = 2 * circle_centre(points) - (x0[i], y0[i])
+        side = np.sign(np.array(normal(*opposite)) @ (cones.contact[k] - cones.vertex[k]))
+        assert side == cones.side[k]
+
+
+def test_remark21_distance():
+    cones = hyperosculating_cones(example, *GRID, half_angle=ANGLE)
+    measured = np.linalg.norm(cones.vertex - cones.contact, axis=1)
+    assert np.allclose(measured, cones.distance, atol=1e-9)
+
+
+# ---- sections 7 and 8: cylinders, channels, pipes ---------------------------------------------
+
+
+def _offset_conic(radius=-0.1):
+    """Return the model's point, f's jet and (u, v) of a cylinder on an offset ruled surface."""
+    surface = ruled("saddle", 0.1)
+    px, py, jet = general_jet(surface, 0.4, 0.3)
+    n = frames(surface, np.array([0.4]), np.array([0.3]), "space").axes[0, 2]
+    c, _, ruling, _ = (np.array(part, dtype=float) for part in RULED["saddle"](0.4))
+    across = np.cross(ruling, n) / np.linalg.norm(ruling)
+    turns = np.array([0.0, 0.5, 1.3])[:, None]
+    normals = np.cos(turns) * n + np.sin(turns) * across
+    points = circle_planes(c, radius, normals)
+    return px, py, jet, circle_centre(points) - (px, py), points, radius
+
+
+def test_prop22_cylinders_to_conics():
+    px, py, jet, _, points, radius = _offset_conic()
+    assert np.allclose(points[0], (px, py, jet.value[0]), atol=1e-12)
+    assert abs(intrinsic_radius(points) - np.pi / 2) < 1e-9
+    plane = np.linalg.det(points - [0, 0, radius])
+    assert abs(plane) < 1e-12 < 1e-4 < abs(np.linalg.det(points - [0, 0, radius + 0.1]))
+
+
+def test_remark23_outward_normals():
+    """The same cylinder with the other normals: its plane passes through (0, 0, -R)."""
+    rng = np.random.default_rng(8)
+    c, ruling = rng.normal(size=3), directions(rng, 1)[0]
+    n = np.cross(ruling, directions(rng, 3))
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    for radius in (0.7, -0.7):  # inwards, outwards
+        points = circle_planes(c, radius, n)
+        scale = np.abs(points).max() ** 3
+        assert abs(np.linalg.det(points - [0, 0, radius])) < 1e-12 * scale
+        assert abs(np.linalg.det(points - [0, 0, -radius])) > 1e-4
+
+
+def _eq24(radius):
+    return 2 * (u**2 + v**2) * (F("") - x * F("x") - y * F("y") - radius) + p * (
+        F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
+    )
+
+
+def test_eq23_eq24_prop24_cylinder_conditions():
+    px, py, jet, centre, _, radius = _offset_conic()
+    here = {"x": px, "y": py, "u": centre[0], "v": centre[1]}
+    assert abs(at(W, jet, **here)) < 1e-10
+    assert abs(at(_eq24(radius), jet, **here)) < 1e-10
+    assert abs(at(_eq24(-radius), jet, **here)) > 1e-3
+    # The determinant of the proof, with (10) and (23) put in.
+    a = F("x") * v - F("y") * u
+    b = F("x") * u + F("y") * v + F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
+    R = sp.Symbol("R")
+    determinant = sp.Matrix([[x, y, F("") - R], [v, -u, a], [u, v, b]]).det()
+    on = {u: (-p / 2 - y * v) / x}  # Eq. 23 solved for u
+    assert sp.simplify((2 * determinant - _eq24(R)).subs(on)) == 0
+
+
+def test_corollary25_ruled_offsets():
+    px, py, jet, centre, *_ = _offset_conic()
+    here = {"x": px, "y": py, "u": centre[0], "v": centre[1]}
+    assert abs(at(EQ11, jet, **here)) < 1e-9
+    for name in RULED:
+        found = recognise(ruled(name, 0.1), *GRID, "cylinder", model="space")
+        assert found.residual < 1e-10 and abs(abs(found.radius) - 0.1) < 1e-9
+        assert recognise(ruled(name), *GRID, "cylinder", radius=0.0, model="space").residual < 1e-10
+
+
+def _channel_conic(growth):
+    """Return the model's point, f's jet and (u, v) of a characteristic circle of a channel."""
+    surface = pipe(CURVES["cubic"], 0.3, growth)
+    s = 0.4
+    px, py, jet = general_jet(surface, s, 0.5)
+    found = frames(surface, np.full(9, s), 0.5 + 0.3 * np.arange(9), "space")
+    n = found.axes[:, 2]
+    points = plane_to_point(n, -(n * found.contact).sum(-1))
+    return px, py, jet, circle_centre(points) - (px, py), points, found
+
+
+def test_prop26_channels_to_paraboloids():
+    *_, points, found = _channel_conic(0.1)
+    flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    assert flat[2] < 1e-10 * flat[0]
+    # The paraboloid (7) of the sphere holds the conic.
+    c = np.array(CURVES["cubic"](0.4)[0], dtype=float)
+    radius = 0.34 * np.sign(((c - found.contact[0]) * found.axes[0, 2]).sum())
+    assert np.allclose(sphere_point(c, radius, *points[:, :2].T), points[:, 2], atol=1e-10)
+
+
+def test_eq25_prop27_tangent_planes_meet_over_the_centre():
+    eq25 = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
+    for growth in (0.0, 0.1):
+        jet, centre = _channel_conic(growth)[2:4]
+        assert abs(at(eq25, jet, u=centre[0], v=centre[1])) < 1e-9
+        assert abs(at(eq25, jet, u=centre[0], v=-centre[1])) > 1e-3
+
+
+def test_eq26_corollary28_channels():
+    cubic = EQ11 - 3 * ((F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2))
+    jet, centre = _channel_conic(0.1)[2:4]
+    assert abs(at(cubic, jet, u=centre[0], v=centre[1])) < 1e-8
+    for curve in CURVES.values():
+        surface = pipe(curve, 0.3, 0.1)
+        assert recognise(surface, *GRID, "channel", model="space").residual < 1e-10
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "channel", model="space").residual > 1e-3
+
+
+def test_corollary29_pipes():
+    px, py, jet, centre, _, found = _channel_conic(0.0)
+    c = np.array(CURVES["cubic"](0.4)[0], dtype=float)
+    radius = 0.3 * np.sign((c - found.contact[0]) @ found.axes[0, 2])
+    here = {"x": px, "y": py, "u": centre[0], "v": centre[1]}
+    assert abs(at(_eq24(radius), jet, **here)) < 1e-9
+    assert abs(at(_eq24(1.1 * radius), jet, **here)) > 1e-3
+    for curve in CURVES.values():
+        assert recognise(pipe(curve, 0.3), *GRID, "pipe", model="space").residual < 1e-10
+        assert recognise(pipe(curve, 0.3, 0.1), *GRID, "pipe", model="space").residual > 1e-3
+
+
+def test_problem30_converses():
+    """Evidence: what solves the equations at every point is an envelope, wherever we looked.
+
+    With f_ee = 2 R and f_eee = 0 the offset by R has a direction of line contact of order 3 at
+    each point (Theorem 4 makes it ruled); the two conditions are the same function of the jet.
+    """
+    for name in RULED:
+        surface = frames(ruled(name, 0.1), *GRID, "space")
+        found = recognise(ruled(name, 0.1), *GRID, "cylinder", model="space")
+        contact, n = surface.contact, surface.axes[:, 2]
+        back = contact + found.radius * n  # the offset: points of the rulings
+        s, w = GRID
+        expected = np.stack([c + 0 * s for c in ruled(name)(s, w)], axis=-1)
+        assert np.abs(back - expected).max() < 1e-9
+
+
+# ---- section 9: examples ----------------------------------------------------------------------
+
+
+def test_example31_two_generators():
+    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    exact = np.abs(cones.order4) < 1e-9
+    assert exact.sum() == 2 and not cones.gouges[exact].any()
+    for k in np.flatnonzero(exact):
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        centre = circle_centre(points)
+        assert np.isclose(np.hypot(*centre), 0.5 / np.tan(ANGLE))  # through the origin
+        radius = np.linalg.norm(points[:, :2] - centre, axis=1)
+        assert np.allclose(radius, 0.5 / np.tan(ANGLE), rtol=1e-9)
+
+
+def test_example31_six_positions():
+    """Six inside the circle |(x, y)| < cot(theta), four outside, of which four always gouge."""
+    rng = np.random.default_rng(9)
+    turn = rng.uniform(0.1, 1.4, 400)
+    for low, high, count in ((0.2, 0.999, 6), (1.001, 3, 4)):
+        r = rng.uniform(low, high, 400) / np.tan(ANGLE)
+        cones = hyperosculating_cones(example, r * np.cos(turn), r * np.sin(turn), half_angle=ANGLE)
+        assert np.all(cones.count == count)
+        assert np.all(np.bincount(cones.index[cones.gouges]) == 4)
+    on = 1 / np.tan(ANGLE)
+    cones = hyperosculating_cones(example, on * np.cos(turn), on * np.sin(turn), half_angle=ANGLE)
+    assert np.all(cones.count == 5) and np.all(np.bincount(cones.index, cones.multiplicity) == 6)
+
+
+def test_example31_cyclide():
+    jet = example(*variables(*GRID))
+    X, Y, Z = contact_point(*GRID, jet.value, jet.derivative(1, 0), jet.derivative(0, 1))
+    assert np.abs(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2)).max() < 1e-12
+
+
+def test_example32_noise_enters_at_second_order():
+    """Planes turned about exact contact points leave the graph by the square of the turn."""
+    rng = np.random.default_rng(10)
+    jet = example(*variables(*GRID))
+    r = np.stack(contact_point(*GRID, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
+    n = np.stack(normal(*GRID), axis=-1)
+    turn = directions(rng, len(n))
+    turn -= (turn * n).sum(-1, keepdims=True) * n
+    errors = []
+    for size in (1e-3, 1e-2):
+        noisy = n + size * turn
+        px, py, pz = plane_to_point(noisy, -(noisy * r).sum(-1)).T
+        errors.append(np.abs(pz - example(px, py)).max())
+    assert 80 < errors[1] / errors[0] < 125
+
+
+def _ring():
+    mm, deg = 1e-3, np.pi / 180
+    return BladeRing(60 * mm, 30 * mm, 50 * mm, -40 * deg, 70 * deg, -6 * mm, -6 * mm, 6)
+
+
+def test_example33_blades():
+    """On a substitute: cones from below and above, of which collisions leave some."""
+    s, w = (a.ravel() for a in np.meshgrid([0.2, 0.5, 0.8], [0.2, 0.5, 0.8]))
+    ring, angle = _ring(), np.radians(10)
+    cones = hyperosculating_cones(ring.coordinates, s, w, half_angle=angle, model="space")
+    assert {-1, 1} <= set(cones.side[~cones.gouges])
+    lengths = [cones.distance[cones.index == i] for i in range(9)]
+    assert all(np.ptp(each) > 1e-3 for each in lengths)  # "the tool size varies"
+    found = frames(ring.coordinates, s, w, "space")
+    jet = isotropic_jet(found, slice(None))
+    hessian = jet.derivative(2, 0) * jet.derivative(0, 2) - jet.derivative(1, 1) ** 2
+    assert np.all(hessian < 0)  # hyperbolic
+    assert 0 < np.sum(~cones.gouges) < len(cones.gouges)
+
+
+# ---- figures ----------------------------------------------------------------------------------
+
+
+def test_fig1_characteristic_of_degree_four():
+    """On a cone the normal is linear in the point, so is velocity: their product cuts a quartic."""
+    X = sp.Matrix(sp.symbols("X Y Z"))
+    k = sp.Symbol("k", positive=True)
+    gradient = sp.Matrix([X[0], X[1], -k * X[2]])
+    c, w = sp.Matrix(sp.symbols("c1:4")), sp.Matrix(sp.symbols("w1:4"))
+    speed = gradient.dot(c + w.cross(X))
+    assert sp.Poly(speed, *X).total_degree() == 2  # with the cone: degree 2 times 2
+    assert sp.Poly(gradient.dot(c), *X).homogeneous_order() == 1  # a plane through the vertex
+    # Velocities have the same component along the axis all along it.
+    a = sp.Matrix([0, 0, 1])
+    assert (c + w.cross(t * a)).dot(a) == c.dot(a)
+
+
+def test_fig2_tangent_planes_turn_along_a_skew_ruling():
+    s, w = np.full(5, 0.4), np.linspace(0.1, 0.5, 5)
+    turned = frames(ruled("saddle"), s, w, "space").axes[:, 2]
+    fixed = frames(DEVELOPABLE["tangents of the helix"], s, w, "space").axes[:, 2]
+    assert np.abs(turned - turned[0]).max() > 0.1 and np.abs(fixed - fixed[0]).max() < 1e-12
+
+
+def test_fig3_gaussian_image_of_a_cone():
+    n, _ = cone_planes((0, 0, 0), (0.3, 0.2, 1), ANGLE, np.linspace(0, 6, 9))
+    axis = np.array([0.3, 0.2, 1]) / np.linalg.norm([0.3, 0.2, 1])
+    assert np.allclose(np.arccos(n @ axis), np.pi / 2 - ANGLE)
+
+
+def _along_helix(s):
+    """Return isotropic points of the planes of the helix' tangent developable."""
+    c, first, second = CURVES["helix"](s)
+    n = np.cross(np.stack(first, -1), np.stack(second, -1))
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return plane_to_point(n, -(n * np.stack([w + 0 * s for w in c], -1)).sum(-1))
+
+
+def test_fig4_osculating_circle_in_the_top_view():
+    """The osculating cone lies over the top view's osculating circle; its vertex on the edge."""
+    s0 = 0.6
+    near = _along_helix(s0 + np.array([-1e-3, 0, 1e-3]))
+    centre = circle_centre(near)
+    slope = np.linalg.solve(near[[0, 2], :2] - near[1, :2], near[[0, 2], 2] - near[1, 2])
+    U, V = centre - near[1, :2]
+    vertex = cone_vertex(near[1], (U, V), slope @ [V, -U], slope @ [U, V])
+    assert np.allclose(vertex, CURVES["helix"](s0)[0], atol=1e-5)
+
+
+def test_fig5_hyperosculation_of_a_developable():
+    """A helix is the same everywhere: each osculating cone of its tangents hyperosculates."""
+    s0, gaps = 0.6, []
+    for step in (0.02, 0.04):
+        near = _along_helix(s0 + np.array([-1e-3, 0, 1e-3]))
+        far = _along_helix(np.array([s0 + step]))[0]
+        centre = circle_centre(near)
+        gaps.append(abs(np.linalg.norm(far[:2] - centre) - np.linalg.norm(near[1, :2] - centre)))
+    assert max(gaps) < 1e-9  # its normals are a circle on the sphere
+
+
+def test_fig6_common_plane():
+    near = _along_helix(0.6 + np.array([-1e-3, 0, 1e-3]))
+    found = _along_helix(np.array([0.6]))[0]
+    assert np.allclose(found, near[1], atol=1e-15)
+
+
+def test_fig7_contact_curve_crosses_the_circles():
+    """Along the motion the planes leave the cone's circle, where the envelope is regular."""
+    surface = moving_cone(MOTIONS["screw"], ANGLE)
+    n = frames(surface, *GRID, "space").n
+    across = n[0].derivative(1, 0) * n[1].derivative(0, 1)
+    across = across - n[0].derivative(0, 1) * n[1].derivative(1, 0)
+    assert np.abs(across).min() > 1e-3
+
+
+def test_fig8_circle_through_the_point():
+    z, a, b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
+    points = conic((0.5, 0.3, z), (0.4, 0.2), a, b, np.linspace(0, 6, 7))
+    assert np.allclose(points[0], (0.5, 0.3, z))
+    assert np.allclose(np.linalg.norm(points[:, :2] - (0.9, 0.5), axis=1), np.hypot(0.4, 0.2))
+
+
+def test_fig9_six_rulings_two_generators():
+    cones = hyperosculating_cones(example, 0.9, 0.6, half_angle=ANGLE)
+    assert cones.count == 6 and np.sum(np.abs(cones.order4) < 1e-9) == 2

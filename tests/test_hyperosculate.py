@@ -1,0 +1,335 @@
+"""Hyperosculating cones: contact by an independent series, all of them found, nothing else."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+
+from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
+from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.forms import circle_roots
+from tunneller_lib.envelopes.isotropic import contact_point
+from tunneller_lib.envelopes.jet import variables
+
+ANGLE = np.radians(30)
+GRAPHS = {
+    "example 31": lambda x, y: y**2 / (x**2 + y**2),
+    "waves": lambda x, y: np.sin(2 * x) * np.cos(y) + 0.3 * x * y,
+    "quintic": lambda x, y: x**3 - 2 * x * y**2 + 0.2 * y**5 + x * y,
+}
+EXACT = {
+    "example 31": lambda x, y: y**2 / (x**2 + y**2),
+    "waves": lambda x, y: mp.sin(2 * x) * mp.cos(y) + mp.mpf(0.3) * x * y,
+    "quintic": lambda x, y: x**3 - 2 * x * y**2 + mp.mpf(0.2) * y**5 + x * y,
+}
+every_graph = pytest.mark.parametrize("name", GRAPHS)
+
+
+def series(cones, k, f):
+    """Return Taylor coefficients of height over f along the planes of cone k, from its contact.
+
+    In 40 digits, from vertex and axis alone: the cone's tangent planes as points, by Eq. 6.
+    """
+    with mp.workdps(40):
+        axis = [mp.mpf(float(a)) for a in cones.axis[k]]
+        ruling = cones.contact[k] - cones.vertex[k]
+        start = cones.side[k] * cones.normal[k]
+        across = np.cross(ruling / np.linalg.norm(ruling), start)
+        sine, cosine = mp.sin(cones.half_angle), mp.cos(cones.half_angle)
+        # Normals n(t) = side (sin axis + cos (p cos t + q sin t)), with n(0) the contact's.
+        p = [(mp.mpf(float(n)) - sine * a) / cosine for n, a in zip(start, axis)]
+
+        def gap(t):
+            n = [
+                cones.side[k] * (sine * a + cosine * (u * mp.cos(t) + mp.mpf(float(v)) * mp.sin(t)))
+                for a, u, v in zip(axis, p, across)
+            ]
+            h = -sum(a * mp.mpf(float(m)) for a, m in zip(n, cones.vertex[k]))
+            return h / (n[2] + 1) - f(n[0] / (n[2] + 1), n[1] / (n[2] + 1))
+
+        return np.array([float(c) for c in mp.taylor(gap, 0, 4)])
+
+
+@every_graph
+@pytest.mark.parametrize("angle", [0.1, ANGLE, 1.3])
+def test_contact_is_of_third_order_by_an_independent_series(name, angle):
+    cones = hyperosculating_cones(GRAPHS[name], [0.5, 0.9], [0.3, -0.4], half_angle=angle)
+    assert len(cones.vertex) >= 4
+    for k in np.flatnonzero(cones.multiplicity == 1):
+        c = series(cones, k, EXACT[name])
+        # The vertex is known to 1e-13 of its distance.
+        assert np.abs(c[:4]).max() < 1e-10 * (1 + np.abs(cones.vertex[k]).max())
+        if abs(cones.order4[k]) < 1e-9:
+            assert abs(c[4]) < 1e-9
+        else:
+            assert np.sign(c[4]) == -np.sign(cones.order4[k])
+
+
+@every_graph
+def test_cones_touch_the_surface(name):
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(0.2, 1.5, (2, 200))
+    cones = hyperosculating_cones(GRAPHS[name], x, y, half_angle=ANGLE)
+    scale = np.abs(cones.vertex).max(axis=-1) + np.abs(cones.contact).max(axis=-1)
+    ruling = cones.contact - cones.vertex
+    assert np.max(np.abs((ruling * cones.normal).sum(-1)) / scale) < 1e-14
+    along = (ruling * cones.axis).sum(-1)
+    np.testing.assert_allclose(along, cones.distance * np.cos(ANGLE), atol=1e-13 * scale.max())
+    sides = np.where(cones.side < 0, -1, 1)
+    lean = (cones.axis * cones.normal).sum(-1)
+    np.testing.assert_allclose(lean, sides * np.sin(ANGLE), rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(ruling, axis=-1), cones.distance,
+                               rtol=1e-9, atol=1e-12 * scale.max())  # fmt: skip
+
+
+@every_graph
+def test_no_cone_is_missed(name):
+    """Against sign changes of Eq. 11 along the circle of Eq. 9, in the frame of the model."""
+    rng = np.random.default_rng(4)
+    x, y = rng.uniform(0.2, 1.5, (2, 500))
+    cones = hyperosculating_cones(GRAPHS[name], x, y, half_angle=ANGLE)
+    f = GRAPHS[name](*variables(x, y))
+    b = np.linspace(0, 2 * np.pi, 20_001)[:-1, None]
+    u, v = np.cos(b), np.sin(b)
+    cubic = (f.derivative(3, 0) * v**3 - 3 * f.derivative(2, 1) * v**2 * u
+             + 3 * f.derivative(1, 2) * v * u**2 - f.derivative(0, 3) * u**3)  # fmt: skip
+    square = (f.derivative(2, 0) - f.derivative(0, 2)) * u * v + f.derivative(1, 1) * (v**2 - u**2)
+    value = (1 + x**2 + y**2) * cubic + 6 * square * (np.tan(ANGLE) - x * u - y * v)
+    changes = np.sum(np.sign(value) != np.sign(np.roll(value, 1, axis=0)), axis=0)
+    assert np.mean(cones.count == changes) > 0.995  # closer pairs than the samples' step
+    assert np.all(cones.count >= changes)
+
+
+def test_both_models_find_the_same_cones():
+    def space(x, y):
+        square = (x * x + y * y) ** 2
+        derivatives = -2 * x * y * y / square, 2 * x * x * y / square
+        return contact_point(x, y, y**2 / (x**2 + y**2), *derivatives)
+
+    x, y = GRID
+    one = hyperosculating_cones(GRAPHS["example 31"], x, y, half_angle=ANGLE)
+    two = hyperosculating_cones(space, x, y, half_angle=ANGLE, model="space")
+    np.testing.assert_array_equal(one.count, two.count)
+    for i in range(x.size):
+        a, b = (c.vertex[c.index == i] for c in (one, two))
+        np.testing.assert_allclose(
+            np.linalg.norm(a[:, None] - b, axis=-1).min(axis=1), 0, atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_cones_move_with_the_surface(scale):
+    turn = np.linalg.qr(np.random.default_rng(6).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    plain = moving_cone(MOTIONS["screw"], 0.35)
+
+    def moved(s, t):
+        r = plain(s, t)
+        return [scale * (sum(turn[i, k] * r[k] for k in range(3)) + i) for i in range(3)]
+
+    a = hyperosculating_cones(plain, *GRID, half_angle=0.35, model="space")
+    b = hyperosculating_cones(moved, *GRID, half_angle=0.35, model="space")
+    np.testing.assert_array_equal(a.count, b.count)
+    np.testing.assert_array_equal(a.gouges, b.gouges)
+    expected = scale * (a.vertex @ turn.T + np.arange(3))
+    np.testing.assert_allclose(b.vertex, expected, atol=1e-9 * scale * np.abs(a.vertex).max())
+    np.testing.assert_allclose(b.axis, a.axis @ turn.T, atol=1e-9)
+
+
+def test_cones_do_not_depend_on_the_side_of_the_normal():
+    plain = GENERAL["quartic graph"]
+    a = hyperosculating_cones(plain, *GRID, half_angle=0.35, model="space")
+    b = hyperosculating_cones(lambda s, t: plain(t, s), *GRID[::-1], half_angle=0.35, model="space")
+    np.testing.assert_allclose(a.normal, -b.normal[_match(a, b)], atol=1e-12)
+    for name in ("vertex", "axis", "gouges", "distance"):
+        expected, other = getattr(a, name), getattr(b, name)[_match(a, b)]
+        np.testing.assert_allclose(expected, other, atol=1e-9 * (1 + np.abs(expected).max()))
+
+
+def _match(a, b):
+    gap = np.linalg.norm(a.axis[:, None] - b.axis, axis=-1) + 10 * (a.index[:, None] != b.index)
+    return gap.argmin(axis=1)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_generator_of_an_envelope_is_among_its_cones(name):
+    cones = hyperosculating_cones(moving_cone(MOTIONS[name], 0.35), *GRID, half_angle=0.35,
+                                  model="space")  # fmt: skip
+    vertex, _, axes, _ = MOTIONS[name](GRID[1])
+    for i in range(GRID[0].size):
+        rows = np.flatnonzero(cones.index == i)
+        at = np.array([np.broadcast_to(c, 20)[i] for c in vertex])
+        axis = np.array([np.broadcast_to(c, 20)[i] for c in axes[0]])
+        near = rows[np.linalg.norm(cones.vertex[rows] - at, axis=-1).argmin()]
+        np.testing.assert_allclose(cones.vertex[near], at, atol=1e-9)
+        assert abs(cones.axis[near] @ axis) == pytest.approx(1, abs=1e-12)
+        assert abs(cones.order4[near]) < 1e-10
+
+
+def test_gouging_is_seen_in_space():
+    """A cone that gouges holds points of the surface near the contact; one that doesn't, none."""
+    f = GRAPHS["example 31"]
+    x0, y0 = 0.5, 0.3
+    cones = hyperosculating_cones(f, x0, y0, half_angle=ANGLE)
+    near = np.linspace(-0.04, 0.04, 161)
+    x, y = np.meshgrid(x0 + near, y0 + near)
+    jet = f(*variables(x, y))
+    r = np.stack(contact_point(x, y, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
+    for k in range(len(cones.vertex)):
+        axis, distance = cones.axis[k], cones.distance[k]
+        d = cone_distance(r, cones.vertex[k], axis, ANGLE, 0.5 * distance, 2 * distance)
+        assert (d.min() < -1e-9) == cones.gouges[k]
+
+
+def test_every_cone_gouges_where_the_curvature_is_positive():
+    cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
+    assert len(cones.gouges) and cones.gouges.all()
+
+
+# ---- what is no generic point -----------------------------------------------------------------
+
+
+def test_point_shapes_and_rows():
+    x, y = np.meshgrid(np.linspace(0.2, 0.9, 4), np.linspace(0.3, 0.8, 3))
+    for a in (x, y):
+        a.flags.writeable = False
+    cones = hyperosculating_cones(GRAPHS["example 31"], x, y, half_angle=ANGLE)
+    assert cones.count.shape == cones.state.shape == (3, 4)
+    assert len(cones.vertex) == cones.count.sum() == len(cones.index)
+    assert np.all(np.bincount(cones.index, minlength=12) == cones.count.ravel())
+    none = hyperosculating_cones(GRAPHS["example 31"], [], [], half_angle=ANGLE)
+    assert none.vertex.shape == (0, 3) and none.count.shape == (0,)
+
+
+@pytest.mark.parametrize(("surface", "state"), [
+    (lambda s, t: [s, t, 0 * s], "flat"),
+    (lambda s, t: [s + t**3, t, 2 * s + 2 * t**3 - t], "flat"),
+    (lambda s, t: [np.cos(s), np.sin(s), t], "flat"),
+    (lambda s, t: [(1 + t) * np.cos(s), (1 + t) * np.sin(s), t], "flat"),
+    (lambda s, t: [np.cos(s) * np.cos(t), np.sin(s) * np.cos(t), np.sin(t)], "spherical"),
+    (lambda s, t: [s, t, np.sqrt(0.01 - s * s - t * t)], "outside"),
+    (lambda s, t: [s * s, s * t + t * t, s + t - s], "regular"),
+    (lambda s, t: [s + t, s + t, (s + t) ** 2], "outside"),
+])  # fmt: skip
+def test_state_of_points_in_space(surface, state):
+    cones = hyperosculating_cones(surface, [0.3, 0.4], [0.5, 0.2], half_angle=0.4, model="space")
+    assert set(cones.state) == {state}
+    assert (len(cones.vertex) > 0) == (state == "regular")
+
+
+@pytest.mark.parametrize(("surface", "x", "state"), [
+    (lambda x, y: y**2 / (x**2 + y**2), 0.0, "outside"),
+    (lambda x, y: 3.0, 0.2, "spherical"),
+    (lambda x, y: 1 + x * x + y * y - 2 * x, 0.2, "spherical"),
+    (lambda x, y: x + 2 * y, 0.2, "singular"),  # the planes through one point
+    (lambda x, y: 1 - x * x - y * y, 0.2, "singular"),
+    (lambda x, y: np.log(x - 1), 0.2, "outside"),
+])  # fmt: skip
+def test_state_of_points_in_the_model(surface, x, state):
+    cones = hyperosculating_cones(surface, x, 0.0, half_angle=0.4)
+    assert cones.state == state and cones.count == 0 and len(cones.vertex) == 0
+
+
+@pytest.mark.parametrize(("d", "error"), [(1e-2, 1e-10), (1e-4, 1e-6), (1e-7, None)])
+def test_digits_are_lost_towards_curvature_zero_and_refused_there(d, error):
+    def sheet(s, t):
+        height = s * s / 2 * (1 + s) - d * t * t / 2 + 0.3 * s**2 * t + 0.1 * s * t**2 + 0.2 * t**3
+        return [s, t, height + 0.05 * s**4]
+
+    plain, turned = (
+        hyperosculating_cones(surface, 0.0, 0.0, half_angle=0.3, model="space")
+        for surface in (sheet, lambda s, t: sheet(0.6 * s + 0.8 * t, -0.8 * s + 0.6 * t))
+    )
+    if error is None:
+        assert plain.state == turned.state == "flat" and plain.count == 0
+    else:
+        gap = np.linalg.norm(plain.vertex[:, None] - turned.vertex, axis=-1).min(axis=1)
+        assert plain.count == turned.count and np.all(gap < error * plain.distance)
+
+
+def test_umbilics_have_the_cones_of_their_cubic_form():
+    """At an umbilic that is no sphere's, f_ew = 0: only the cubic form chooses directions."""
+
+    def monkey(s, t):
+        return [s, t, s * s + t * t + s**3 - 3 * s * t**2]
+
+    cones = hyperosculating_cones(monkey, 0.0, 0.0, half_angle=0.4, model="space")
+    assert cones.count == 6 and cones.gouges.all()
+    np.testing.assert_allclose(cones.distance, np.full(6, 0.5 / np.tan(0.4)), rtol=1e-12)
+
+
+def test_double_cone_on_the_circle_of_example_31():
+    x, y = (np.sqrt(3) * f(0.7) for f in (np.cos, np.sin))
+    cones = hyperosculating_cones(GRAPHS["example 31"], x, y, half_angle=ANGLE)
+    assert sorted(cones.multiplicity) == [1, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize("angle", [0, np.pi / 2, -0.1, 2.0, np.nan, np.inf, "a", [0.3]], ids=repr)
+def test_no_cone_of_a_wrong_angle(angle):
+    with pytest.raises(ValueError, match=r"^half_angle: must .*got .*\.$"):
+        hyperosculating_cones(GRAPHS["waves"], 0.3, 0.4, half_angle=angle)
+
+
+@pytest.mark.parametrize(("s", "t", "message"), [
+    (np.nan, 0.0, r"^s: must hold finite numbers; got nan\.$"),
+    (0.0, [1.0, np.inf], r"^t: must hold finite numbers; got inf\.$"),
+    ("a", 0.0, r"^s: must hold real numbers"),
+    ([1, 2], [1, 2, 3], r"^t: must go with the shape \(2,\) of s; got \(3,\)\.$"),
+])  # fmt: skip
+def test_points_must_be_finite(s, t, message):
+    with pytest.raises(ValueError, match=message):
+        hyperosculating_cones(GRAPHS["waves"], s, t, half_angle=0.3)
+
+
+@pytest.mark.parametrize(("surface", "model", "message"), [
+    (lambda x, y: (x, y, x), "isotropic", r"^surface: must return one value"),
+    (lambda x, y: x, "space", r"^surface: must return three coordinates"),
+    (lambda x, y: (x, y), "space", r"^surface: must return three coordinates"),
+    (lambda x, y: x, "graph", r'^model: must be "isotropic" or "space"; got \'graph\'\.$'),
+    (lambda x, y: np.abs(x), "isotropic", r"^surface: must be built from"),
+])  # fmt: skip
+def test_surface_must_fit_the_model(surface, model, message):
+    with pytest.raises(ValueError, match=message):
+        hyperosculating_cones(surface, 0.3, 0.4, half_angle=0.3, model=model)
+
+
+# ---- zeros on the circle ----------------------------------------------------------------------
+
+
+@given(st.lists(st.floats(-3.1, 3.1), min_size=6, max_size=6), st.floats(0.1, 10))
+def test_circle_roots_finds_given_zeros(zeros, size):
+    """A product of sines of half-angle differences is a trigonometric cubic with these zeros."""
+    zeros = np.sort(zeros)
+    if np.min(np.append(np.diff(zeros), 2 * np.pi - np.ptp(zeros))) < 0.05:
+        return
+
+    def product(a):
+        return size * np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
+
+    angle, multiplicity = circle_roots(product, 3, unit=np.array([size]))
+    np.testing.assert_allclose(angle[0], zeros, atol=1e-8)
+    assert multiplicity.sum() == 6
+
+
+@pytest.mark.parametrize(("zeros", "expected"), [
+    ([0.5, 0.5, 1, 2, -2, -1], [1, 1, 2, 1, 1]),
+    ([3.14159265, -3.14159265, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
+    ([0.5, 0.5, 0.5, 2, -2, -1], [1, 1, 3, 1]),
+])  # fmt: skip
+def test_circle_roots_counts_multiple_zeros(zeros, expected):
+    def product(a):
+        return np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
+
+    _, multiplicity = circle_roots(product, 3, unit=np.ones(1))
+    assert sorted(multiplicity[multiplicity > 0]) == sorted(expected)
+
+
+def test_circle_roots_of_lower_degree_and_of_nothing():
+    angle, _ = circle_roots(lambda a: np.sin(2 * a), 3, unit=np.ones(1))
+    np.testing.assert_allclose(np.sort(np.abs(angle[0, :4])), [0, np.pi / 2, np.pi / 2, np.pi],
+                               atol=1e-12)  # fmt: skip
+    angle, multiplicity = circle_roots(lambda a: 0 * a, 3, unit=np.ones(1))
+    assert np.isnan(angle).all() and not multiplicity.any()

@@ -1,0 +1,148 @@
+"""Jets against mpmath, and their inverse, composition and refusals."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+
+from tunneller_lib.envelopes.jet import EXPONENTS, Jet, compose, inverse, variables
+
+FUNCTIONS = {
+    "rational": lambda m, x, y: y**2 / (x**2 + y**2),
+    "polynomial": lambda m, x, y: 3 * x**4 - x**3 * y + 2 * (x - y) ** 5 / 7 - y + 1,
+    "roots": lambda m, x, y: m.sqrt(1 + x * x + 2 * y) / (2 + x * y) ** 0.3,
+    "negative powers": lambda m, x, y: (x + 2 * y) ** -3 + 1 / (x * y),
+    "exponential": lambda m, x, y: m.exp(-x * y) * m.log(3 + x - y),
+    "power of jets": lambda m, x, y: (1 + x) ** y,
+    "base and jet": lambda m, x, y: 2.5 ** (x - y),
+    "trigonometric": lambda m, x, y: m.sin(2 * x) * m.cos(x - y) + m.tan(x * y / 2),
+    "hyperbolic": lambda m, x, y: m.sinh(x) * m.cosh(y) - m.tanh(x + 2 * y),
+    "angles": lambda m, x, y: m.atan(3 * x - y) + m.atan2(y + x, x - 2 * y),
+    "distance": lambda m, x, y: m.hypot(x, y - 2),
+}
+
+
+class Numpy:
+    """Numpy's functions under mpmath's names."""
+
+    atan, atan2 = np.arctan, np.arctan2
+
+    def __getattr__(self, name):
+        return getattr(np, name)
+
+
+def exact(function, x, y):
+    """Return all derivatives to order 4 by 60-digit differences in mpmath."""
+    with mp.workdps(60):
+        parts = [mp.diff(lambda a, b: function(mp, a, b), (mp.mpf(x), mp.mpf(y)), orders)
+                 for orders in EXPONENTS]  # fmt: skip
+        return np.array([float(part) for part in parts])
+
+
+def found(jet):
+    return np.array([jet.derivative(i, j) for i, j in EXPONENTS])
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("point", [(0.7, 0.4), (0.05, 1.3)])
+def test_jet_has_the_derivatives_of_mpmath(name, point):
+    function = FUNCTIONS[name]
+    expected = exact(function, *point)
+    jet = function(Numpy(), *variables(*point))
+    for degree in range(5):
+        of_degree = [i for i, exponents in enumerate(EXPONENTS) if sum(exponents) == degree]
+        bound = 1e-11 * np.abs(expected[of_degree]).max()
+        assert np.max(np.abs(found(jet) - expected)[of_degree]) <= bound
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_jet_keeps_its_digits_at_any_scale(scale):
+    def function(m, x, y):
+        return m.sqrt((x / scale) ** 2 + (y / scale) ** 2 + 1)
+
+    x, y = 0.3 * scale, -0.8 * scale
+    expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8)
+    powers = np.array([scale ** (i + j) for i, j in EXPONENTS])
+    jet = function(Numpy(), *variables(x, y))
+    np.testing.assert_allclose(found(jet) * powers, expected, rtol=1e-12, atol=1e-13)
+
+
+def test_jet_of_many_points_is_that_of_each():
+    x, y = np.random.default_rng(1).uniform(0.2, 1, (2, 7))
+    for function in FUNCTIONS.values():
+        every = function(Numpy(), *variables(x, y)).c
+        for k in range(7):
+            one = function(Numpy(), *variables(x[k], y[k])).c
+            np.testing.assert_allclose(every[:, k], one, rtol=1e-13, atol=1e-15)
+
+
+def test_jet_takes_numbers_and_arrays_on_either_side():
+    x, _ = variables(np.array([1.0, 2.0]), 0.5)
+    step = np.array([3.0, 4.0])
+    for a, b in [(x + step, step + x), (x * step, step * x), (2 - x, -(x - 2)), (+x, x)]:
+        np.testing.assert_array_equal(a.c, b.c)
+    np.testing.assert_allclose((step / x).c, (step * x**-1).c, rtol=1e-15)
+    np.testing.assert_allclose(np.square(x).c, np.power(x, 2).c)
+
+
+def test_whole_powers_are_smooth_at_zero():
+    x, y = variables(0.0, 0.0)
+    assert np.isfinite((x**3 + y**0 + x**1).c).all()
+    assert (x**4).derivative(4, 0) == 24
+
+
+def test_jet_is_not_finite_where_the_function_is_not_smooth():
+    x, y = variables([0.0, 1.0], [0.0, 1.0])
+    for jet in (1 / x, np.sqrt(x - 1e-3 - x), np.log(x), (x * x + y * y) ** 0.5, x**0.5):
+        assert not np.isfinite(jet.c[:, 0]).all()
+
+
+@pytest.mark.parametrize("call", [
+    np.abs, np.arcsin, lambda x: x > 0, lambda x: x // 2, np.add.reduce,
+    lambda x: np.sin(x, where=True),
+])  # fmt: skip
+def test_functions_out_of_reach_are_refused(call):
+    with pytest.raises(ValueError, match=r"^surface: must be built from .* got \w+\.$"):
+        call(variables(1.0, 2.0)[0])
+
+
+def test_d_is_the_derivative():
+    x, y = variables(0.4, 0.9)
+    f = np.sin(x * y) + x**3
+    for i, j in EXPONENTS[:10]:
+        assert f.d(0).derivative(i, j) == pytest.approx(f.derivative(i + 1, j), rel=1e-14)
+        assert f.d(1).derivative(i, j) == pytest.approx(f.derivative(i, j + 1), rel=1e-14)
+
+
+def test_compose_is_substitution():
+    h, k = variables(np.zeros(2), np.zeros(2))
+    s, t = np.sin(h + k**2), np.exp(2 * k - h) - 1
+    f = np.cos(0.5 + h) / (2 + k)
+    composed = compose([f], s, t)[0]
+    np.testing.assert_allclose(composed.c, (np.cos(0.5 + s) / (2 + t)).c, rtol=1e-13, atol=1e-14)
+
+
+@given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]))
+def test_inverse_is_undone_by_composition(seed, scale):
+    c = np.random.default_rng(seed).uniform(-1, 1, (2, 15, 1))
+    c[0, 1] += 3
+    c[1, 2] += 3  # a Jacobian away from zero
+    scales = np.array([scale ** (i + j) for i, j in EXPONENTS])[:, None]
+    x, y = Jet(c[0] / scales), Jet(c[1] / scales)
+    back = compose([x - x.value, y - y.value], *inverse(x, y))
+    for jet, place in zip(back, (1, 2)):
+        expected = np.zeros((15, 1))
+        expected[place] = 1.0
+        np.testing.assert_allclose(jet.c, expected, atol=1e-11)
+
+
+def test_inverse_is_not_finite_where_the_jacobian_vanishes():
+    x, y = variables([0.0, 1.0], [0.0, 1.0])
+    s, _ = inverse(x * x, y)
+    assert not np.isfinite(s.c[:, 0]).all() and np.isfinite(s.c[:, 1]).all()
+
+
+def test_variables_refuses_what_is_no_number():
+    with pytest.raises(ValueError, match="s: must hold real numbers"):
+        variables("a", 1.0)

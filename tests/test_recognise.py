@@ -1,0 +1,181 @@
+"""Six classes of envelopes recognised, at least six members of each, and told from others."""
+
+import numpy as np
+import pytest
+
+from tests.envelopes_zoo import (
+    CURVES,
+    DEVELOPABLE,
+    GENERAL,
+    GRID,
+    MOTIONS,
+    RATE,
+    RULED,
+    pipe,
+    ruled,
+)
+from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.families import moving_cone
+
+ANGLE, RADIUS = np.radians(20), 0.1
+MEMBERS = {
+    "developable": list(DEVELOPABLE.values()),
+    "ruled": [ruled(name) for name in RULED],
+    "cylinder": [ruled(name, RADIUS) for name in RULED],
+    "channel": [pipe(curve, 0.3, 0.1) for curve in CURVES.values()],
+    "pipe": [pipe(curve, 0.3) for curve in CURVES.values()],
+    "cone": [moving_cone(motion, ANGLE) for motion in MOTIONS.values()],
+}
+# Members of other classes that aren't in this one: a pipe is a channel and an envelope of
+# cylinders, a developable surface is ruled.
+OTHERS = {
+    "developable": ("ruled", "cylinder", "channel", "pipe", "cone"),
+    "ruled": ("cylinder", "channel", "pipe", "cone"),
+    "cylinder": ("channel", "cone"),
+    "channel": ("cylinder", "ruled"),
+    "pipe": ("cylinder", "channel", "cone"),
+    "cone": ("ruled", "cylinder", "pipe"),
+}
+EVERY = [(kind, k) for kind, members in MEMBERS.items() for k in range(len(members))]
+
+
+def verdict(surface, kind, **options):
+    return recognise(surface, *GRID, kind, model="space", **options)
+
+
+@pytest.mark.parametrize(("kind", "k"), EVERY)
+def test_members_are_recognised(kind, k):
+    found = verdict(MEMBERS[kind][k], kind)
+    assert found.verdict == "is" and found.residual < 1e-10
+
+
+@pytest.mark.parametrize("kind", MEMBERS)
+def test_there_are_six_members_and_as_many_others(kind):
+    assert len(MEMBERS[kind]) >= 6
+
+
+@pytest.mark.parametrize(("kind", "other", "k"), [(kind, other, k) for kind, others in
+                         OTHERS.items() for other in others for k in range(6)])  # fmt: skip
+def test_others_are_told_apart(kind, other, k):
+    found = verdict(MEMBERS[other][k], kind)
+    assert found.verdict == "is not" and found.residual > 1e-3
+
+
+@pytest.mark.parametrize("kind", MEMBERS)
+@pytest.mark.parametrize("name", GENERAL)
+def test_general_surfaces_are_nothing(kind, name):
+    assert verdict(GENERAL[name], kind).residual > 1e-3
+
+
+@pytest.mark.parametrize("k", range(6))
+def test_cylinder_radius_is_found(k):
+    for radius in (0.1, 0.05):
+        surface = ruled(list(RULED)[k], radius)
+        assert abs(abs(verdict(surface, "cylinder").radius) - radius) < 1e-9 * radius * 10
+    # Normals of these surfaces point away from the axes; on the other side is none.
+    sign = np.sign(verdict(surface, "cylinder").radius)
+    assert verdict(surface, "cylinder", radius=sign * radius).residual < 1e-10
+    assert verdict(surface, "cylinder", radius=-sign * radius).residual > 1e-3
+    assert verdict(surface, "cylinder", radius=sign * 2 * radius).residual > 1e-3
+
+
+@pytest.mark.parametrize("k", range(6))
+def test_pipe_radius_is_found(k):
+    surface = MEMBERS["pipe"][k]
+    assert verdict(surface, "pipe").radius == pytest.approx(0.3, rel=1e-9)
+    assert verdict(surface, "pipe", radius=0.3).residual < 1e-10
+    assert verdict(surface, "pipe", radius=0.33).residual > 1e-3
+    assert verdict(surface, "channel").residual < 1e-10
+    assert verdict(surface, "cylinder").radius == pytest.approx(0.3, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_half_angle_is_found(name):
+    surface = moving_cone(MOTIONS[name], ANGLE)
+    found = verdict(surface, "cone")
+    if name == "rotation":  # of revolution: cones of the axis' lean exchange with the half-angle
+        assert min(abs(found.half_angle - a) for a in (ANGLE, np.pi / 2 - 1)) < 1e-9
+    else:
+        assert found.half_angle == pytest.approx(ANGLE, rel=1e-9)
+    assert verdict(surface, "cone", half_angle=ANGLE).residual < 1e-10
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_wrong_and_varying_half_angles_are_refused(name):
+    surface = moving_cone(MOTIONS[name], ANGLE)
+    assert verdict(surface, "cone", half_angle=ANGLE + np.radians(5)).residual > 1e-3
+    varying = moving_cone(MOTIONS[name], ANGLE, rate=RATE)
+    assert verdict(varying, "cone").residual > 1e-3
+
+
+def test_channels_of_constant_slope_are_envelopes_of_cones():
+    """The helix has a constant speed: radius and centre's arc grow in one proportion."""
+    found = verdict(pipe(CURVES["helix"], 0.3, 0.1), "cone")
+    assert found.residual < 1e-10
+    assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-6)  # a double zero
+    assert verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone").residual > 1e-3
+
+
+def test_example_31_by_its_graph():
+    found = recognise(lambda x, y: y**2 / (x**2 + y**2), *GRID, "cone", half_angle=np.radians(30))
+    assert found.verdict == "is" and found.half_angle == np.radians(30)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+@pytest.mark.parametrize("kind", MEMBERS)
+def test_verdicts_do_not_depend_on_the_unit(kind, scale):
+    plain = MEMBERS[kind][1]
+    found = verdict(lambda s, t: [scale * c for c in plain(s, t)], kind)
+    assert found.residual < 1e-10
+    if found.radius is not None:
+        assert found.radius / scale == pytest.approx(verdict(plain, kind).radius, rel=1e-9)
+
+
+def test_between_the_bounds_nothing_is_decided():
+    def nearly(s, t):
+        x, y, z = MEMBERS["ruled"][0](s, t)
+        return [x, y, z + 1e-5 * s * s * t**3]
+
+    found = verdict(nearly, "ruled")
+    assert found.verdict == "undecided" and 1e-8 < found.residual < 1e-3
+    assert verdict(nearly, "ruled", tolerance=1e-3).verdict == "is"
+
+
+def test_spheres_are_everything_that_rolls():
+    def sphere(s, t):
+        return [np.cos(s) * np.cos(t), np.sin(s) * np.cos(t), np.sin(t)]
+
+    assert verdict(sphere, "pipe").radius == pytest.approx(-1, rel=1e-9)
+    assert verdict(sphere, "cylinder").radius == pytest.approx(-1, rel=1e-9)
+    assert verdict(sphere, "channel").verdict == "is"
+    found = verdict(sphere, "cone")
+    assert found.verdict == "is" and found.half_angle is None
+    assert verdict(sphere, "ruled").verdict == "is not"
+
+
+@pytest.mark.parametrize("kind", ["cylinder", "channel", "pipe", "cone"])
+def test_developable_surfaces_have_no_isotropic_model(kind):
+    with pytest.raises(
+        ValueError, match=rf"^surface: must have a Gaussian curvature .* {kind}; got"
+    ):
+        verdict(DEVELOPABLE["cylinder"], kind)
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"kind": "torus"}, r"^kind: must be one of developable, .*; got 'torus'\.$"),
+    ({"kind": "cone", "radius": 1.0}, r"^radius: belongs to cylinder and pipe only; got .*\.$"),
+    ({"kind": "pipe", "half_angle": 1.0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
+    ({"kind": "cone", "half_angle": np.pi / 2}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
+    ({"kind": "cone", "half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
+    ({"kind": "pipe", "radius": np.nan}, r"^radius: must be one finite number; got nan\.$"),
+    ({"kind": "pipe", "s": GRID[0][:11], "t": 0.3}, r"^s, t: must hold at least 12 .*11\.$"),
+    ({"kind": "pipe", "s": GRID[0] * np.nan}, r"^s: must hold finite numbers; got nan\.$"),
+    ({"kind": "pipe", "s": GRID[0] + 9e9}, r"^surface: must be defined and smooth at every"),
+])  # fmt: skip
+def test_wrong_questions_are_refused(options, message):
+    def dome(s, t):
+        return [s, t, np.sqrt(1 - 0.1 * s * s - 0.2 * t * t)]
+
+    options = {"s": GRID[0], "t": GRID[1], "model": "space"} | options
+    with pytest.raises(ValueError, match=message):
+        recognise(dome, **options)

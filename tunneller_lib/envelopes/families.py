@@ -1,0 +1,125 @@
+"""Surfaces that tools envelop, made from their motions, as functions for the recognisers.
+
+Coordinates are lists of three numbers, arrays or jets: what these functions return is a surface
+for `recognise` and `hyperosculating_cones` with model="space".
+"""
+
+import numpy as np
+
+
+def moving_cone(motion, half_angle, *, rate=0.0):
+    """Return the envelope of a cone of revolution that a motion carries (Eq. 5).
+
+    Parameters
+    ----------
+    motion : callable
+        Of the time v: returns the cone's vertex in m, the vertex' velocity, three unit vectors
+        that turn with the cone, the first along its axis, and their angular velocity.
+    half_angle : float
+        Of the cone at v = 0, in rad.
+    rate : float
+        How it grows with v; 0 for congruent cones.
+
+    Returns
+    -------
+    surface : callable
+        Coordinates, in m, by the azimuth u of the tangent plane in rad, and v.
+
+    Notes
+    -----
+    The planes T, T_u and T_v of Eq. 5 by Cramer's rule. The surface isn't regular where the
+    characteristic isn't: for a translation, whose characteristic is two rulings, nowhere.
+    """
+
+    def surface(u, v):
+        vertex, velocity, axes, omega = motion(v)
+        angle = half_angle + rate * v
+        sine, cosine, c, s = np.sin(angle), np.cos(angle), np.cos(u), np.sin(u)
+        across = add(times(c, axes[1]), times(s, axes[2]))
+        n = add(times(sine, axes[0]), times(cosine, across))
+        nu = times(cosine, add(times(-s, axes[1]), times(c, axes[2])))
+        nv = add(cross(omega, n), times(rate, add(times(cosine, axes[0]), times(-sine, across))))
+        # n.x = n.m and nu.x = nu.m by the vertex; nv.x = nv.m + n.m' adds along the ruling.
+        return add(vertex, times(dot(n, velocity) / dot(nv, cross(n, nu)), cross(n, nu)))
+
+    return surface
+
+
+def channel(curve, radius, *, growth=0.0):
+    """Return the envelope of spheres on a curve, a pipe surface where they are congruent.
+
+    Parameters
+    ----------
+    curve : callable
+        Of a parameter s: centre in m, its first and its second derivative, not parallel.
+    radius : float
+        Of the sphere at s = 0, in m.
+    growth : float
+        How it grows with s, in m, slower than the centre moves.
+
+    Returns
+    -------
+    surface : callable
+        Coordinates, in m, by s and the angle around the characteristic circle in rad.
+    """
+
+    def surface(s, t):
+        centre, velocity, acceleration = curve(s)
+        e1, e3 = unit(velocity), unit(cross(velocity, acceleration))
+        size = radius + growth * s
+        lag = growth / np.sqrt(dot(velocity, velocity))  # sine of the circle's lag on the sphere
+        around = add(times(np.cos(t), cross(e3, e1)), times(np.sin(t), e3))
+        return add(centre, times(-size * lag, e1), times(size * np.sqrt(1 - lag * lag), around))
+
+    return surface
+
+
+def ruled(lines, *, offset=0.0):
+    """Return a ruled surface, or one at a distance: the envelope of cylinders about its rulings.
+
+    Parameters
+    ----------
+    lines : callable
+        Of a parameter s: a point in m, its derivative, the ruling's direction, its derivative.
+    offset : float
+        Along the normal of the ruled surface, in m.
+
+    Returns
+    -------
+    surface : callable
+        Coordinates, in m, by s and the multiple t of the direction.
+    """
+
+    def surface(s, t):
+        point, velocity, direction, turn = lines(s)
+        n = unit(cross(add(velocity, times(t, turn)), direction))
+        return add(point, times(t, direction), times(offset, n))
+
+    return surface
+
+
+def cross(a, b):
+    """Return the vector product of two lists of coordinates a and b."""
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def dot(a, b):
+    """Return the scalar product of two lists of coordinates a and b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def add(first, *others):
+    """Return the sum of lists of coordinates, the first and the others."""
+    for other in others:
+        first = [a + b for a, b in zip(first, other)]
+    return first
+
+
+def times(c, a):
+    """Return the multiple c of a list of coordinates a."""
+    return [c * part for part in a]
+
+
+def unit(a):
+    """Return a list of coordinates a, scaled to length 1."""
+    return times(1 / np.sqrt(dot(a, a)), a)

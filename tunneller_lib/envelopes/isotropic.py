@@ -1,0 +1,252 @@
+"""Planes as points: the isotropic model of Laguerre geometry (Envelopes of cones, section 4).
+
+An oriented plane n.x + h = 0 with unit normal n is the point (n1, n2, h)/(n3 + 1); the tangent
+planes of a surface become a surface z = f(x, y), those of a cone a conic over a circle.
+"""
+
+import numpy as np
+
+from ..arrays import dot, norm, points, real
+
+
+def plane_to_point(n, h):
+    """Return the points of oriented planes n.x + h = 0 (Eq. 6).
+
+    Parameters
+    ----------
+    n : (..., 3) float
+        Oriented normals, of any length but zero.
+    h : (...) float
+        Constant terms of the equations, in m times the normal's length.
+
+    Returns
+    -------
+    point : (..., 3) float
+        The first two coordinates are numbers, the third is in m.
+
+    Raises
+    ------
+    ValueError
+        If a normal is zero, or has the direction (0, 0, -1), which has no point.
+
+    Examples
+    --------
+    >>> plane_to_point((0, 0, 1), -3)
+    array([ 0. ,  0. , -1.5])
+    """
+    n, h = points("n", n), real("h", h)
+    x, y, z = np.moveaxis(n, -1, 0)
+    # |n| + n3 cancels for a normal that points downwards.
+    length, flat = norm(n), x * x + y * y
+    denominator = np.where(z > 0, length + z, flat / (length + np.abs(z) + (length == 0)))
+    if np.any(denominator == 0):
+        raise ValueError("n: a normal must not be zero nor have the direction (0, 0, -1), "
+                         "whose planes have no point; got one that is.")  # fmt: skip
+    return np.stack(np.broadcast_arrays(x, y, h), axis=-1) / denominator[..., None]
+
+
+def point_to_plane(point):
+    """Return the oriented planes of points: unit normals (..., 3), constant terms (...) in m."""
+    x, y, z = np.moveaxis(points("point", point), -1, 0)
+    n = np.stack(normal(x, y), axis=-1)
+    return n, z * (n[..., 2] + 1)
+
+
+def normal(x, y):
+    """Return the three components of the unit normal over (x, y) (Eq. 21), arrays or jets."""
+    p = x * x + y * y + 1
+    return 2 * x / p, 2 * y / p, 2 / p - 1
+
+
+def sphere_point(centre, radius, x, y):
+    """Return the third coordinate of the paraboloid that stands for a sphere (Eq. 7).
+
+    Parameters
+    ----------
+    centre : (..., 3) float
+        Of the sphere, in m.
+    radius : (...) float
+        In m, positive where normals point inwards, negative outwards, 0 for the planes through
+        a point.
+    x, y : (...) float
+        Where to evaluate.
+
+    Returns
+    -------
+    z : (...) float
+        In m.
+    """
+    m1, m2, m3 = np.moveaxis(points("centre", centre), -1, 0)
+    radius, x, y = real("radius", radius), real("x", x), real("y", y)
+    return (radius + m3) / 2 * (x * x + y * y) - m1 * x - m2 * y + (radius - m3) / 2
+
+
+def contact_point(x, y, f, fx, fy):
+    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
+
+    Parameters
+    ----------
+    x, y : float, array or Jet
+        Place in the isotropic model.
+    f, fx, fy : float, array or Jet
+        The function and its first derivatives there, in m.
+
+    Returns
+    -------
+    r : tuple of three
+        Coordinates in m.
+    """
+    p = x * x + y * y + 1
+    # Eqs 18 and 19 for r1 and r2, which says the same as the printed matrix.
+    r3 = 2 * (x * fx + y * fy - f) / p
+    return x * r3 - fx, y * r3 - fy, r3
+
+
+def isotropic_derivatives(r, n):
+    """Return x, y, f, fx, fy from points of a surface and unit normals there (Eqs 17 to 19).
+
+    Parameters
+    ----------
+    r, n : sequence of three float, array or Jet
+        Points, in m, and oriented unit normals other than (0, 0, -1).
+
+    Returns
+    -------
+    x, y, f, fx, fy : float, array or Jet
+        The place in the isotropic model, the function there and its derivatives.
+    """
+    below = n[2] + 1
+    x, y = n[0] / below, n[1] / below
+    f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
+    return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
+
+
+def conic(point, centre, a, b, t):
+    """Return points of a conic over a circle (Eq. 8).
+
+    Parameters
+    ----------
+    point : (3,) float
+        The conic's point at t = 0.
+    centre : (2,) float
+        (u, v), from that point to the circle's centre.
+    a, b : float
+        The third coordinate is z + a sin(t) + b (1 - cos(t)), in m.
+    t : (...) float
+        Parameter, in rad.
+
+    Returns
+    -------
+    points : (..., 3) float
+        On the conic.
+    """
+    (x, y, z), (u, v), t = point, centre, real("t", t)
+    sin, rise = np.sin(t), 2 * np.sin(t / 2) ** 2
+    return np.stack([x + v * sin + u * rise, y - u * sin + v * rise, z + a * sin + b * rise], -1)
+
+
+def osculating_conic(centre, f):
+    """Return z, a, b of the conic over a circle that osculates a graph (Eq. 10).
+
+    Parameters
+    ----------
+    centre : (2,) float
+        (u, v), from the point to the circle's centre.
+    f : Jet
+        The function, at the one point.
+
+    Returns
+    -------
+    z, a, b : float
+        Coefficients for `conic`, in m.
+    """
+    u, v = centre
+    a = f.derivative(1, 0) * v - f.derivative(0, 1) * u
+    b = f.derivative(1, 0) * u + f.derivative(0, 1) * v
+    b = b + f.derivative(2, 0) * v**2 - 2 * f.derivative(1, 1) * u * v + f.derivative(0, 2) * u**2
+    return f.value, a, b
+
+
+def cone_vertex(point, centre, a, b):
+    """Return the vertex of the cone that a conic stands for (Eq. 22).
+
+    Parameters
+    ----------
+    point : (3,) float
+        The conic's point at t = 0.
+    centre : (2,) float
+        (u, v), from that point to the circle's centre.
+    a, b : float
+        As in `conic`, in m.
+
+    Returns
+    -------
+    vertex : (3,) float
+        In m; not finite for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0.
+    """
+    (x, y, z), (u, v) = point, centre
+    square = u * u + v * v
+    along, across = a * v + b * u, b * v - a * u
+    vertex = [
+        (x * x - y * y - 1) * along + 2 * x * y * across - 2 * square * (u * z + x * z + a * y),
+        (y * y - x * x - 1) * across + 2 * x * y * along - 2 * square * (v * z + y * z - a * x),
+        2 * x * along + 2 * y * across - 2 * square * z,
+    ]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.array(vertex) / (square * (x * x + y * y + 1 + 2 * u * x + 2 * v * y))
+
+
+def cone_planes(vertex, axis, half_angle, azimuth):
+    """Return the tangent planes of cones, as normals and constant terms.
+
+    Parameters
+    ----------
+    vertex, axis : (..., 3) float
+        Vertex in m, and a vector along the axis from the vertex into the cone.
+    half_angle : (...) float
+        Angle between axis and rulings, in rad.
+    azimuth : (...) float
+        Which plane, in rad about the axis.
+
+    Returns
+    -------
+    n : (..., 3) float
+        Unit normals that point into the cone.
+    h : (...) float
+        Constant terms, in m.
+    """
+    vertex, axis = points("vertex", vertex), points("axis", axis)
+    half_angle, azimuth = real("half_angle", half_angle), real("azimuth", azimuth)
+    axis = axis / norm(axis)[..., None]
+    # A unit vector across: from the coordinate axis that the cone's is farthest from.
+    away = np.eye(3)[np.argmin(np.abs(axis), axis=-1)]
+    first = np.cross(axis, away)
+    first = first / norm(first)[..., None]
+    second = np.cross(axis, first)
+    round_ = np.cos(azimuth)[..., None] * first + np.sin(azimuth)[..., None] * second
+    n = np.sin(half_angle)[..., None] * axis + np.cos(half_angle)[..., None] * round_
+    return n, -dot(n, vertex)
+
+
+def cone_rulings(axis, half_angle, azimuth):
+    """Return unit vectors along rulings, in the planes that `cone_planes` gives for these.
+
+    Parameters
+    ----------
+    axis : (..., 3) float
+        A vector along the axis, from the vertex into the cone.
+    half_angle : (...) float
+        Angle between axis and rulings, in rad.
+    azimuth : (...) float
+        Which ruling, in rad about the axis.
+
+    Returns
+    -------
+    ruling : (..., 3) float
+        From the vertex into the cone.
+    """
+    axis = points("axis", axis)
+    axis = axis / norm(axis)[..., None]
+    n, _ = cone_planes((0.0, 0.0, 0.0), axis, half_angle, azimuth)
+    half_angle = real("half_angle", half_angle)[..., None]
+    return (axis - np.sin(half_angle) * n) / np.cos(half_angle)

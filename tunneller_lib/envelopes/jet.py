@@ -1,0 +1,239 @@
+"""Truncated Taylor series of order 4 in two variables, at many points at once.
+
+A function built from ordinary arithmetic and numpy's elementary functions, called with two `Jet`
+arguments, returns its Taylor polynomial: all derivatives to order 4, without differences.
+"""
+
+from functools import partial
+from itertools import product
+from math import factorial
+
+import numpy as np
+
+from ..arrays import real
+from . import elementary
+
+ORDER = 4
+# Exponents (i, j) of h^i k^j, by degree: 1, h, k, h^2, hk, k^2, ..., k^4.
+EXPONENTS = tuple((d - j, j) for d in range(ORDER + 1) for j in range(d + 1))
+_PLACE = {exponents: place for place, exponents in enumerate(EXPONENTS)}
+
+# Pairs of coefficients whose product belongs to one coefficient, in the order of that.
+_PAIRS = sorted(
+    (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
+    for (i, j), (k, m) in product(EXPONENTS, EXPONENTS)
+    if i + j + k + m <= ORDER
+)
+_TARGET, _LEFT, _RIGHT = np.array(_PAIRS).T
+_STARTS = np.searchsorted(_TARGET, np.arange(len(EXPONENTS)))
+
+
+class Jet(np.lib.mixins.NDArrayOperatorsMixin):
+    """The Taylor polynomial of order 4 of a function of two variables, at an array of points.
+
+    Parameters
+    ----------
+    c : (15, ...) float
+        Coefficients of h^i k^j in the order of `EXPONENTS`, one polynomial a point.
+
+    Notes
+    -----
+    Works with numbers, arrays of one value a point, + - * / ** and the numpy functions of
+    `_FUNCTIONS`. Where a function isn't smooth the coefficients are NaN or infinite, as numpy's.
+
+    Examples
+    --------
+    >>> x, y = variables(2.0, 3.0)
+    >>> (x**2 * y).derivative(1, 1)
+    np.float64(4.0)
+    """
+
+    def __init__(self, c):
+        self.c = c
+
+    @property
+    def value(self):
+        """Return the function's values (...), the coefficients of order 0."""
+        return self.c[0]
+
+    def derivative(self, i, j):
+        """Return the values (...) of the derivative, `i` times by the first, `j` by the second."""
+        return factorial(i) * factorial(j) * self.c[_PLACE[i, j]]
+
+    def d(self, axis):
+        """Return the derivative's jet, of order 3, by the first (0) or second (1) variable."""
+        c = np.zeros_like(self.c)
+        for place, exponents in enumerate(EXPONENTS):
+            if exponents[axis]:
+                lower = (exponents[0] - (axis == 0), exponents[1] - (axis == 1))
+                c[_PLACE[lower]] = exponents[axis] * self.c[place]
+        return Jet(c)
+
+    def __array_ufunc__(self, ufunc, method, *arguments, **options):
+        function = _FUNCTIONS.get(ufunc)
+        if function is None or method != "__call__" or options:
+            raise ValueError(
+                f"surface: must be built from + - * / ** and {', '.join(_names())}; "
+                f"got {ufunc.__name__}."
+            )
+        with np.errstate(all="ignore"):
+            return function(*arguments)
+
+
+def variables(s, t):
+    """Return the two variables (h + s, k + t) as jets at points.
+
+    Parameters
+    ----------
+    s, t : (...) float
+        The points.
+
+    Returns
+    -------
+    s, t : Jet
+        At points of the common shape.
+    """
+    s, t = np.broadcast_arrays(real("s", s), real("t", t))
+    jets = []
+    for place, value in ((1, s), (2, t)):
+        c = np.zeros((len(EXPONENTS), *value.shape))
+        c[0], c[place] = value, 1.0
+        jets.append(Jet(c))
+    return tuple(jets)
+
+
+def compose(jets, s, t):
+    """Return jets of functions of (h, k), with the jets `s` and `t`, of value 0, put for h and k.
+
+    Parameters
+    ----------
+    jets : sequence of Jet
+        Functions of (h, k).
+    s, t : Jet
+        Functions of two new variables, of value 0.
+
+    Returns
+    -------
+    composed : list of Jet
+        Functions of the new variables, to the order that all of them have.
+    """
+    powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
+    for i, j in EXPONENTS[3:]:
+        powers[i, j] = s * powers[i - 1, j] if i else t * powers[0, j - 1]
+    terms = [powers[exponents] for exponents in EXPONENTS[1:]]
+    return [
+        sum((term * c for term, c in zip(terms, jet.c[1:])), start=terms[0] * 0.0) + jet.value
+        for jet in jets
+    ]
+
+
+def inverse(x, y):
+    """Return the variables as functions of two jets, where these have a regular Jacobian.
+
+    Parameters
+    ----------
+    x, y : Jet
+        Functions of (h, k); their values don't matter.
+
+    Returns
+    -------
+    h, k : Jet
+        Functions of (x - x0, y - y0), of value 0; not finite where the Jacobian vanishes.
+    """
+    h, k = variables(np.zeros_like(x.value), np.zeros_like(x.value))
+    (_, xh, xk), (_, yh, yk) = x.c[:3], y.c[:3]
+    with np.errstate(all="ignore"):
+        determinant = xh * yk - xk * yh
+        xh, xk, yh, yk = (entry / determinant for entry in (xh, xk, yh, yk))
+    bent = [Jet(np.concatenate([np.zeros_like(j.c[:3]), j.c[3:]])) for j in (x, y)]
+    s, t = yk * h - xk * k, xh * k - yh * h
+    for _ in range(ORDER - 1):  # each round makes one more order right
+        x_bent, y_bent = compose(bent, s, t)
+        s, t = yk * (h - x_bent) - xk * (k - y_bent), xh * (k - y_bent) - yh * (h - x_bent)
+    return s, t
+
+
+def _constant(value, like):
+    c = np.zeros((len(EXPONENTS), *np.broadcast_shapes(np.shape(value), like.c.shape[1:])))
+    c[0] = value
+    return Jet(c)
+
+
+def _both(a, b):
+    """Return two operands as jets, of which at least one is."""
+    return (
+        a if isinstance(a, Jet) else _constant(a, b),
+        b if isinstance(b, Jet) else _constant(b, a),
+    )
+
+
+def _add(a, b):
+    a, b = _both(a, b)
+    return Jet(a.c + b.c)
+
+
+def _multiply(a, b):
+    if isinstance(a, Jet) and isinstance(b, Jet):
+        return Jet(np.add.reduceat(a.c[_LEFT] * b.c[_RIGHT], _STARTS, axis=0))
+    return Jet(a.c * b) if isinstance(a, Jet) else Jet(a * b.c)
+
+
+def _divide(a, b):
+    return _multiply(a, np.reciprocal(b)) if isinstance(b, Jet) else Jet(a.c / b)
+
+
+def _power(a, p):
+    if isinstance(p, Jet):
+        return np.exp(p * np.log(a))
+    if np.ndim(p) == 0 and 0 <= p == int(p):  # whole powers are smooth at zero, too
+        result = _constant(1.0, a)
+        for bit in bin(int(p))[2:]:
+            result = result * result
+            result = result * a if bit == "1" else result
+        return result
+    return _series(a, elementary.power(a.value, p))
+
+
+def _arctan2(y, x):
+    y, x = _both(y, x)
+    angle = np.arctan2(y.value, x.value)
+    s, c = np.sin(angle), np.cos(angle)
+    return np.arctan((y * c - x * s) / (x * c + y * s)) + angle
+
+
+def _series(a, coefficients):
+    """Return sum of coefficients[n] (a - a0)^n, by Horner."""
+    step = Jet(np.concatenate([np.zeros_like(a.c[:1]), a.c[1:]]))
+    result = step * coefficients[-1]
+    for coefficient in coefficients[-2:0:-1]:
+        result = (result + coefficient) * step
+    return result + coefficients[0]
+
+
+def _elementary(coefficients, a):
+    return _series(a, coefficients(a.value))
+
+
+_FUNCTIONS = {
+    np.add: _add,
+    np.subtract: lambda a, b: _add(a, -b),
+    np.multiply: _multiply,
+    np.divide: _divide,
+    np.power: _power,
+    np.negative: lambda a: Jet(-a.c),
+    np.positive: lambda a: a,
+    np.square: lambda a: a * a,
+    np.sqrt: lambda a: _power(a, 0.5),
+    np.arctan2: _arctan2,
+    np.hypot: lambda a, b: _power(a * a + b * b, 0.5),
+} | {
+    getattr(np, name): partial(_elementary, getattr(elementary, name))
+    for name in (
+        "reciprocal", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan"
+    )
+}  # fmt: skip
+
+
+def _names():
+    operators = {"add", "subtract", "multiply", "divide", "power", "negative", "positive"}
+    return sorted({f.__name__ for f in _FUNCTIONS} - operators)
