@@ -95,7 +95,7 @@ def bvp_length(torus, p, q, tolerance):
     return abs(way.p[0]) if way.success else np.nan
 
 
-@pytest.mark.parametrize("tolerance, least", [(1e-6, 20), (1e-10, 100)])
+@pytest.mark.parametrize("tolerance, least", [(1e-6, 100), (1e-10, 400)])
 def test_against_solve_bvp(benchmark, say, tolerance, least):
     p, q = random_pairs(MACHINE, 100)
 
