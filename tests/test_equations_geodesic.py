@@ -3,10 +3,6 @@
 import numpy as np
 import sympy as sp
 
-from tests.test_equations import TORUS
-from tests.test_equations import x as X
-from tests.test_equations import y as Y
-from tests.test_equations import z as Z
 from tunneller_lib.paths import (
     competing_geodesics,
     geodesic_direct,
@@ -22,14 +18,6 @@ LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.ph
 
 def pairs(n):
     return np.random.default_rng(33).uniform(LOW, HIGH, (2, n, 2))
-
-
-def test_no_straight_line():
-    # A line on the torus would make the quartic vanish, whose leading term is |direction|^4.
-    a, u, s = sp.symbols("a1:4", real=True), sp.symbols("u1:4", real=True), sp.symbols("s")
-    line = dict(zip((X, Y, Z), (p + s * d for p, d in zip(a, u))))
-    leading = sp.Poly(sp.expand(TORUS.subs(line)), s).coeff_monomial(s**4)
-    assert sp.expand(leading - (u[0] ** 2 + u[1] ** 2 + u[2] ** 2) ** 2) == 0
 
 
 def test_several_geodesics():

@@ -87,6 +87,8 @@ def test_position_control():
         assert track.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
     ahead = simulate(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
     assert abs(ahead.error[-1]) < 1e-9
+    whole = simulate(plant, Loop(10.0, 0.005, integral=20.0), ramp)
+    assert abs(whole.error[-1]) < 1e-9
 
 
 def test_resonance_intervals():
@@ -175,7 +177,7 @@ def test_major_axis():
 
 
 def test_slope_above_one():
-    # Right, but once a move and not once a step; and the "simple subtraction" needs a product.
+    # Once a move, as the listing prepares it; in whole numbers the remainder needs a product too.
     text = structured_text()
     preparation, tick = text.split("\nELSE\n")
     assert (preparation.count(" / nTicks"), preparation.count(" MOD ")) == (1, 1)

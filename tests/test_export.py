@@ -16,6 +16,7 @@ MOVES = 10_000
 EDGES = [
     (0, 2**31 - 1, 1), (0, -(2**31), 1), (-(2**31), -1, 2), (2**31 - 1, 0, 3), (5, 30, 10),
     (30, 5, 10), (0, 0, 7), (-3, -3, 1), (0, 1, 2), (0, -1, 2), (0, -1, 1), (1, 2, 64),
+    (-1, -(2**31), 3), (-(2**31) + 5, -(2**31), 3),
 ]  # fmt: skip
 ties = pytest.mark.parametrize("tie", ["up", "down"])
 # Those that this machine has; exported C is only run where there is one.
@@ -25,8 +26,11 @@ COMPILERS = [found for found in map(shutil.which, ("gcc", "clang")) if found]
 def moves(seed, longest):
     """Return random moves, a third of them over the whole 32-bit range."""
     rng = np.random.default_rng(seed)
-    size = 2.0 ** rng.choice([6, 16, 30], (MOVES, 1))
-    ends = np.rint(rng.uniform(-size, size, (MOVES, 2))).astype(int)
+    size = 2.0 ** rng.choice([6, 16, 31], (MOVES, 1))
+    ends = np.clip(np.rint(rng.uniform(-size, size, (MOVES, 2))), -(2**31), 2**31 - 1).astype(int)
+    # A move's difference has to fit, too: the farther ends come half way back.
+    ends[:, 1] = np.where(np.abs(ends[:, 1] - ends[:, 0]) < 2**31, ends[:, 1], ends[:, 1] // 2)
+    ends[:, 1] = np.where(np.abs(ends[:, 1] - ends[:, 0]) < 2**31, ends[:, 1], ends[:, 0] // 2)
     return [*EDGES, *np.column_stack([ends, rng.integers(1, longest, MOVES)]).tolist()]
 
 

@@ -26,6 +26,10 @@ def main(arguments=None):
     command.add_argument("--jobs", type=int, help="local processes, one a core unless told")
     command.set_defaults(run=run_atlas)
     options = parser.parse_args(arguments)
+    if not options.table.parent.is_dir():
+        parser.error(f"--table: there is no folder {options.table.parent}.")
+    if options.jobs is not None and options.jobs < 1:
+        parser.error(f"--jobs: must be at least 1; got {options.jobs}.")
     options.run(options)
 
 

@@ -16,10 +16,10 @@ HALF = {"up": "nTicks / 2", "down": "(nTicks - 1) / 2"}
 TICK = [
     ("IF", "nLeft > 0", [
         ("nLeft", "nLeft - 1"),
-        ("nSet", "nSet + nQuot"),
+        # In one step: a floored quotient alone may lead below the least number.
         ("IF", "nRest >= nComp",
-            [("nRest", "nRest - nComp"), ("nSet", "nSet + 1")],
-            [("nRest", "nRest + nRem")]),
+            [("nRest", "nRest - nComp"), ("nSet", "nSet + (nQuot + 1)")],
+            [("nRest", "nRest + nRem"), ("nSet", "nSet + nQuot")]),
     ], []),
 ]  # fmt: skip
 

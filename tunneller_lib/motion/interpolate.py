@@ -73,13 +73,14 @@ def line_ticks(start, stop, ticks, *, tie="up"):
     value = start
     yield value
     for _ in range(ticks):
-        value = value + quotient
-        # Comparing with the complement keeps accumulator + remainder from overflowing.
+        # Comparing with the complement keeps accumulator + remainder from overflowing; adding the
+        # carry to the quotient keeps the value from leaving the range below and coming back.
         if accumulator >= complement:
             accumulator = accumulator - complement
-            value = value + 1
+            value = value + (quotient + 1)
         else:
             accumulator = accumulator + remainder
+            value = value + quotient
         yield value
 
 
@@ -112,6 +113,8 @@ def tick_counts(times, tick):
     times, tick = real("times", times), positive("tick", tick)
     if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)):
         raise ValueError(f"times: must be a list of at least two finite times; got {times!r}.")
+    if np.any(np.abs(times) > HIGH * tick):
+        raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; got {times!r}.")
     ticks = np.diff(np.floor(times / tick + 0.5).astype(np.int64))
     if np.any(ticks < 1):
         k = int(np.argmax(ticks < 1))

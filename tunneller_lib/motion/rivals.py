@@ -95,7 +95,7 @@ def single_dda(start, stop, ticks):
     Section 4.1: "consecutively adding a value to y", so that rounding errors add up; what is sent
     for (start, stop, ticks) is the sum rounded to the nearest count.
     """
-    start, difference = _move(start, stop)
+    start, difference = _move(start, stop, ticks)
     step = (difference / ticks).astype(np.float32)
     value, sums = start.astype(np.float32), []
     for _ in range(ticks + 1):
@@ -116,14 +116,14 @@ def fixed_truncated(start, stop, ticks):
 
 def naive_floor(start, stop, ticks):
     """Return the set-values start + floor(n D / N), with a product and a quotient a tick."""
-    start, difference = _move(start, stop)
+    start, difference = _move(start, stop, ticks)
     n = np.arange(ticks + 1)
     return start[..., None] + np.floor_divide(n * difference[..., None], ticks)
 
 
 def integer_slope(start, stop, ticks):
     """Return the set-values with the slope's whole part alone, its fraction forgotten."""
-    start, difference = _move(start, stop)
+    start, difference = _move(start, stop, ticks)
     return start[..., None] + np.arange(ticks + 1) * (difference // ticks)[..., None]
 
 
@@ -139,13 +139,14 @@ RIVALS = {
 }
 
 
-def _move(start, stop):
+def _move(start, stop, ticks):
     start, stop = whole("start", start, LOW, HIGH), whole("stop", stop, LOW, HIGH)
+    whole("ticks", ticks, 1, HIGH)
     return np.broadcast_arrays(start, stop - start)
 
 
 def _fixed(start, stop, ticks, half):
-    start, difference = _move(start, stop)
+    start, difference = _move(start, stop, ticks)
     whole("stop - start", difference, -FIXED_RANGE, FIXED_RANGE)
     step = (difference * ONE + (ticks // 2 if half else 0)) // ticks
     return start[..., None] + (np.arange(ticks + 1) * step[..., None] + half) // ONE

@@ -131,6 +131,8 @@ def ripple(plant, gain, tick, harmonic=1):
     It doesn't depend on the speed. The amplitude is that of a sine; tick and harmonic broadcast.
     """
     tick, gain = np.asarray(tick, float), positive("gain", gain)
+    if not np.all(tick > 0):
+        raise ValueError(f"tick: must be above zero, in s; got {tick!r}.")
     open_loop = gain / plant.gain * plant.transfer(2j * np.pi * harmonic / tick)
     return 2 * np.abs(open_loop / (1 + open_loop))
 

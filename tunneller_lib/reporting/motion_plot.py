@@ -88,7 +88,7 @@ def draw_responses(ax, models, loop, setvalues):
     for name, track in tracks.items():
         ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
     unstable = [name for name, track in tracks.items() if track.stable == (False,)]
-    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "linear loops stable")
+    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "linear loops (T0, T1) stable")
     ax.set(xlabel="$t$ / s", ylabel="position / deg")
     return tracks
 

@@ -26,8 +26,8 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     blocks : list of tuple of int
         The blocks.
     folder : path-like
-        Where they are kept, a file each, in a subfolder named after this package's digest. Each
-        is written whole or not at all: an interrupted sweep goes on from there.
+        Where they are kept, a file each, in a subfolder named after the survey and this package's
+        digest. Each is written whole or not at all: an interrupted sweep goes on from there.
     scheduler : str, optional
         Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
         them. Without it the local cores work. The same blocks give the same bits.
@@ -46,7 +46,7 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     """
     if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
         raise ValueError(f"jobs: must be a whole number of at least 1 process; got {jobs!r}.")
-    folder = Path(folder) / digest()
+    folder = Path(folder) / f"{survey.__name__}-{digest()}"
     folder.mkdir(parents=True, exist_ok=True)
     files = {block: folder / ("-".join(map(str, block)) + ".npy") for block in blocks}
     missing = [block for block in blocks if not files[block].exists()]
@@ -55,10 +55,11 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     if missing:
         with cluster(scheduler) if scheduler else cores(jobs) as results:
             for block, table in results(survey, missing):
-                beside = files[block].with_suffix(".part")
-                with beside.open("wb") as file:
-                    np.save(file, table)
-                os.replace(beside, files[block])
+                with tempfile.NamedTemporaryFile(
+                    dir=folder, suffix=".part", delete=False
+                ) as beside:  # a name of its own: another sweep may fill the same folder
+                    np.save(beside, table)
+                os.replace(beside.name, files[block])
                 done += 1
                 pace = (time.monotonic() - start) / (done - len(blocks) + len(missing))
                 say(f"{done} of {len(blocks)} blocks, {pace * (len(blocks) - done):.0f} s to go")
@@ -66,8 +67,9 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
 
 
 def digest():
-    """Return what tells one state of this package from another."""
+    """Return what tells one state of this package, and one numpy, from another."""
     parts = [path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))]
+    parts.append(np.__version__.encode())
     return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
 
 
@@ -90,7 +92,7 @@ def cores(jobs):
         try:
             yield results
         except BaseException:  # an interrupt, too: what hasn't begun isn't begun
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(wait=True, cancel_futures=True)
             raise
 
 
