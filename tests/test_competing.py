@@ -7,11 +7,12 @@ from tunneller_lib.paths import competing_geodesics, geodesic_direct, geodesic_i
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 RING, NARROW, SPINDLE = Torus(3, 1), Torus(1.05, 1), Torus(0.5, 1)
-every_torus = pytest.mark.parametrize("torus", [RING, NARROW, SPINDLE], ids=str)
+MACHINE = REFERENCE_MACHINE.torus
+every_torus = pytest.mark.parametrize("torus", [RING, NARROW, SPINDLE, MACHINE], ids=str)
 
 
 def random_pairs(torus, n, seed=0):
-    reach = (np.pi, np.pi) if torus.r > torus.R else (np.pi, 1.5)
+    reach = (np.pi, np.pi) if torus.r > torus.R else (np.pi, 1.2)
     return np.random.default_rng(seed).uniform(-1, 1, (2, n, 2)) * reach
 
 

@@ -5,14 +5,18 @@ from .cone_chord import ConeChord
 from .geodesic import geodesic_direct
 from .geodesic_inverse import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
+from .rivals import RIVALS, one_third_rule, path_length
 
 __all__ = [
+    "RIVALS",
     "Circuit",
     "ConeChord",
     "competing_geodesics",
     "cutting_circuit",
     "geodesic_direct",
     "geodesic_inverse",
+    "one_third_rule",
+    "path_length",
     "project_chord",
     "projected_length",
 ]

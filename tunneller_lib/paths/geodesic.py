@@ -131,7 +131,9 @@ def geodesic_direct(torus, p, azimuth, length, n=2):
     Returns
     -------
     samples : Samples
-        The last one is the end. NaN where an argument is NaN or a start isn't on the working sheet.
+        The last one is the end. NaN where an argument is NaN or a start isn't on the working sheet,
+        and for all of them where the solver gives up, as it may close by a node. A meridian is
+        followed through a node onto the inner sheet.
 
     Raises
     ------
@@ -171,7 +173,8 @@ def geodesic_direct(torus, p, azimuth, length, n=2):
             rates, (0, 1), start[:, sound].ravel(), "DOP853", steps,
             rtol=3e-14, atol=1e-15, max_step=step,
         )  # fmt: skip
-        track[:, sound] = way.y.reshape(3, -1, n)
+        if way.success:
+            track[:, sound] = way.y.reshape(3, -1, n)
     track = track.reshape(3, *theta.shape, n)
     return Samples(torus, length[..., None] * steps, np.stack(track[:2], axis=-1), track[2])
 

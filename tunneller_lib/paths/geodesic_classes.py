@@ -80,7 +80,7 @@ def outer(torus, a, b, u):
 
 
 def inner(torus, a, b, u):
-    """Return the geodesics that rise from a over phi = pi, on a ring torus.
+    """Return the geodesics that rise from a over phi = pi to b + 2 pi, on a ring torus.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def inner(torus, a, b, u):
     slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))
     c, kappa2 = (r - R) * np.tanh(u), (r - R) / R * slow
     rho_a, rho_b = r + R * np.cos(a), r + R * np.cos(b)
-    start, stop = below_pi(a) / 2, below_pi(np.abs(b)) / 2
+    start, stop = below_pi(a) / 2, below_pi(-b) / 2
     dc, dkappa2 = 4 * (r - R) * slow * (1 - slow), -2 * kappa2 * (1 - slow)
     cosines = [
         np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho

@@ -66,11 +66,13 @@ def geodesic_inverse(torus, p, q):
     phi = pi at most once. That leaves two classes, and in each the turned angle grows with one
     unknown (found numerically, not proved): a root each, and the shorter one is returned.
 
-    It needs no such trust where the certificate is "curvature": the Gaussian curvature is at most
-    1 / (R (r + R)), so two ways between the same ends that can be drawn into each other can't both
-    be geodesics shorter than pi sqrt(R (r + R)); a way that turns by more than pi in theta can be
-    reflected in a meridian plane to one that turns by less; and one round the tube the other way
-    is longer than that way along a meridian. "meridian" is the arc between ends with the same
+    It needs no such trust where the certificate is "curvature". The Gaussian curvature is at most
+    1 / (R (r + R)), and on the unrolled torus no geodesic closes, since theta grows all along; so
+    two geodesics shorter than pi sqrt(R (r + R)) between the same ends can't be drawn into each
+    other (Klingenberg). A way that turns by more than pi in theta can be reflected in a meridian
+    plane, piece by piece, to one that turns by less; one round the tube the other way is longer
+    than that way along a meridian; and a shortest way doesn't pass a node, where there is less
+    than a full turn of surface. "meridian" is the arc between ends with the same
     theta, "compared" the shorter root only. Ends half a turn apart have a mirror image of the
     answer beside it.
 
@@ -84,7 +86,8 @@ def geodesic_inverse(torus, p, q):
     (0.63, 'meridian')
     """
     p, q, ends = _normal_form(torus, p, q)
-    outside, inside = _near_side(torus, ends), _inside(torus, ends)
+    # Over the inner equator only between opposite halves: else the outside is shorter.
+    outside, inside = _near_side(torus, ends), _inside(torus, ends, ends.b < 0)
     nearer = inside.length < np.where(outside.kind == "none", np.inf, outside.length)
     shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside)))
     return _geodesic(torus, p, q, ends, shortest)
@@ -110,8 +113,10 @@ def competing_geodesics(torus, p, q):
     -----
     Three classes, each for the short and for the long way round the axis: over the side of the
     farther end, over the other side behind the first conjugate point, and over the inner equator
-    of a ring. On the outer equator, past that point, the equator itself takes the place of the
-    third. Ways that wind about the tube or the axis more than once are left out.
+    of a ring, on the side of the farther end. On the outer equator, past that point, the equator
+    itself takes the place of the third. There are others, which swing over the outer equator
+    more than once or wind about the tube or the axis farther; they may be shorter than the last
+    of these, not than the first.
     """
     p, q, ends = _normal_form(torus, p, q)
     ways = []
@@ -178,19 +183,19 @@ def _far_side(torus, ends):
     return ways._replace(cos_a=-ways.cos_a, cos_b=-ways.cos_b)
 
 
-def _inside(torus, ends):
+def _inside(torus, ends, allowed=True):
     """Return the ways over a ring's inner equator, or along either equator."""
     ways, (a, b, angle) = _nothing(ends), ends[:3]
     span, narrow = torus.r + torus.R, torus.r - torus.R
     ways.settle((a == 0) & _past_conjugate(torus, ends), "outer", span * angle, span, 0.0, 0.0)
     if narrow <= 0:
         return ways
-    meridian = (angle == 0) & (b < 0)
+    meridian = (angle == 0) & ((b < 0) | (a > b)) & allowed
     ways.settle(meridian, "meridian", torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
     both = (a == np.pi) & (np.abs(b) == np.pi)
     ways.settle(both, "inner", narrow * angle, narrow, 0.0, 0.0)
     ways.settle(both & (angle == 0), "point", 0.0, 0.0, np.nan, np.nan)
-    _search(torus, inner, ends, (angle > 0) & (b < 0) & (ways.kind == "none"), ways)
+    _search(torus, inner, ends, (angle > 0) & (a > 0) & allowed & (ways.kind == "none"), ways)
     return ways
 
 
