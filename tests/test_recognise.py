@@ -168,7 +168,7 @@ def test_developable_surfaces_have_no_isotropic_model(kind):
     ({"kind": "cone", "half_angle": np.pi / 2}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
     ({"kind": "cone", "half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
     ({"kind": "pipe", "radius": np.nan}, r"^radius: must be one finite number; got nan\.$"),
-    ({"kind": "pipe", "s": GRID[0][:11], "t": 0.3}, r"^s, t: must hold at least 12 .*11\.$"),
+    ({"kind": "pipe", "s": GRID[0][:11], "t": 0.3}, r"^s, t: must hold at least 12"),
     ({"kind": "pipe", "s": GRID[0] * np.nan}, r"^s: must hold finite numbers; got nan\.$"),
     ({"kind": "pipe", "s": GRID[0] + 9e9}, r"^surface: must be defined and smooth at every"),
 ])  # fmt: skip

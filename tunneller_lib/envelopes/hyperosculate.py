@@ -36,7 +36,9 @@ class Cones:
         Residual of fourth-order contact (Eq. 12 in the adapted frame) over the sum of its terms,
         -1 to 1; 0 where the contact is of order 4.
     gouges : (k,) bool
-        Whether the cone enters the surface in every neighbourhood of the contact.
+        Whether the cone enters the surface in every neighbourhood of the contact, as far as order
+        4 tells: False where `order4` vanishes, though a term of order 5 may make it enter; True
+        where `side` is 0.
     multiplicity : (k,) int
         How many cones fell together in this one.
     count : (...) int

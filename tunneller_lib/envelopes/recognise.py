@@ -53,7 +53,7 @@ def recognise(
     surface : callable
         A function of two variables, built from ordinary arithmetic and numpy's functions.
     s, t : (...) float
-        At least 12 points, that is, values of these two variables.
+        At least 12 different points, values of these two variables.
     kind : {"developable", "ruled", "cylinder", "channel", "pipe", "cone"}
         Envelope of planes; union of lines; envelope of congruent cylinders of revolution,
         of spheres, of congruent spheres, of congruent cones of revolution.
@@ -65,8 +65,7 @@ def recognise(
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
     tolerance : float
-        Residual below which the verdict is "is": 1e-8 suits exact functions, 1e-4 fits to
-        measured data.
+        Residual below which the verdict is "is": 1e-8 for exact functions, 1e-4 for fits.
 
     Returns
     -------
@@ -98,9 +97,10 @@ def recognise(
     'is'
     """
     s, t = finite_points(s, t)
-    if s.size < LEAST_POINTS:
-        raise ValueError(f"s, t: must hold at least {LEAST_POINTS} points, for one residual of "
-                         f"zero proves nothing; got {s.size}.")  # fmt: skip
+    if (n := len({*zip(s.flat, t.flat)})) < LEAST_POINTS:  # one residual of zero proves nothing
+        raise ValueError(f"s, t: must hold at least {LEAST_POINTS} different points; got {n}.")
+    if not 0 < finite("tolerance", tolerance) <= IS_NOT:
+        raise ValueError(f"tolerance: must be above 0, at most {IS_NOT}; got {tolerance!r}.")
     if kind not in _TESTS:
         raise ValueError(f"kind: must be one of {', '.join(_TESTS)}; got {kind!r}.")
     if radius is not None:
