@@ -264,3 +264,25 @@ ROD = Rod(*ENDS, 1)
 def test_wrong_input_is_told(call, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         call()
+
+
+def test_meet_line_touches_the_rim_of_a_nearly_vertical_rod_where_it_is():
+    axis = (-3.8534266197128644e-14, 3.084093971681962e-14, 16.978424326584722)
+    rod = Rod((0, 0, 0), axis, 0.08605578297597163)
+    point = (-0.07904269999452951, 0.03402718561959727, 16.978424326584722)
+    enter, leave = rod.meet_line(point, (0, 0, 1.0))
+    assert enter <= leave <= 1e-14
+
+
+def test_meet_line_of_a_rod_shorter_than_its_rounding_keeps_to_its_disc():
+    # A disc tilted by half a right angle: its shadow is as wide as 0.7071.
+    rod = Rod((0, 0, 0), (1e-15, 0, 1e-15), 1.0)
+    enter, leave = rod.meet_line((0.9, 0, 0), (0, 0, 1.0))
+    assert leave < enter
+    enter, leave = rod.meet_line((0.7, 0, 0), (0, 0, 1.0))
+    assert enter == pytest.approx(-0.7) and leave == pytest.approx(-0.7)
+
+
+def test_slab_finds_nothing_in_a_rod_of_no_length():
+    enter, leave = Rod((0, 0, 0), (0, 0, 0), 1.0).meet_line((0, 0, 0), (0, 0, 1.0), method="slab")
+    assert leave < enter

@@ -224,13 +224,18 @@ class Rod:
         if len(edge):
             enter[near[edge]], leave[near[edge]] = _meet(axis, r, False, q[edge], u)
         clear = np.flatnonzero(clear)
-        near, q, m, w = near[clear], q[clear], m[clear], w[clear] * (axis.length / run)
-        z = _along(q, axis.start, axis.along)
+        near, m, w = near[clear], m[clear], w[clear] * (axis.length / run)
+        z = _along(q[clear], axis.start, axis.along)
         middle = m * (rise / run)
         first = np.maximum(middle - w, m * (-run / rise))
         last = np.minimum(middle + w, rise + (run - m) * (run / rise))
         enter[near] = (first - z) / axis.speed
-        leave[near] = (np.maximum(first, last) - z) / axis.speed
+        leave[near] = (last - z) / axis.speed
+        # Disc and wall ought to agree at a rim; where rounding parts them the careful way decides.
+        crossed = np.flatnonzero(last < first)
+        if len(crossed):
+            some = near[crossed]
+            enter[some], leave[some] = _meet(axis, r, False, q[clear[crossed]], u)
 
 
 def _along(p, start, unit):

@@ -67,8 +67,11 @@ def flat_interval(run, rise, length, radius, s, m):
     enter, leave : (...) float
         In m; meaningless where the line misses.
     """
-    empty = length == 0
+    empty, across = length == 0, s
     guard, length, parallel, s = _sizes(run, length, radius, s, m)
+    # A short rod is a disc, which such a run may tilt by any angle.
+    parallel = parallel & (run * radius <= guard * length)
+    s = np.where(parallel, s, np.abs(across))
     # A tilt too small to tell: on the end's disc it comes to less than the guard.
     level = ~parallel & (rise * radius <= guard * length)
     wide = radius + guard

@@ -80,7 +80,7 @@ def slab(a, b, radius, p, direction):
         first = np.where(level, -np.inf, np.minimum(za, zb))
         last = np.where(level, np.inf, np.maximum(za, zb))
         enter, leave = np.maximum(low, first), np.minimum(high, last)
-        hit = enter <= leave
+        hit = (enter <= leave) & (vsq > 0)  # a rod of no length is empty
     enter = np.where(hit, (enter - shift) / speed, np.inf)
     return enter[()], np.where(hit, (leave - shift) / speed, -np.inf)[()]
 
