@@ -192,9 +192,9 @@ OFFSET_TOO_GREAT = replace(REFERENCE_MACHINE, depth=-0.05)
 
 
 @pytest.mark.parametrize("machine, egg, pitch, message", [
-    (OFFSET_TOO_GREAT, EGG, 0, "invert, offset < a/2: 0.25 m < 0.25 m fails"),
+    (OFFSET_TOO_GREAT, EGG, 0, "bend, offset < least radius: 0.25 m < 0.25 m fails"),
     (replace(REFERENCE_MACHINE, cutter_radius=0.7), EGG, 0, "0.68 m < 0.25 m fails"),
-    (REFERENCE_MACHINE, Egg(0.3), 0, "invert, offset < a/2"),
+    (REFERENCE_MACHINE, Egg(0.3), 0, "bend, offset < least radius"),
     (REFERENCE_MACHINE, Egg(0.9), 0, "width"),
     (replace(REFERENCE_MACHINE, R=0.3), EGG, 0, "width.*crown.*floor"),
     (REFERENCE_MACHINE, EGG, 0.3, "it needs theta from .* deg, beyond its limits"),
@@ -207,7 +207,7 @@ def test_cutting_circuit_refuses_in_one_sentence(machine, egg, pitch, message):
 
 
 def test_tilted_circuit_beyond_degeneration_is_refused():
-    with pytest.raises(ValueError, match="invert, offset < a/2"):
+    with pytest.raises(ValueError, match="bend, offset < least radius"):
         of(replace(WIDE, depth=-0.07), pitch=0.01)
 
 
@@ -224,9 +224,9 @@ def test_path_overcut_refuses_anything_but_a_list_of_knots(s):
         of(REFERENCE_MACHINE).path_overcut(s)
 
 
-@pytest.mark.parametrize("kind", ["machine", "egg"])
+@pytest.mark.parametrize("kind", ["machine", "section"])
 def test_circuit_refuses_other_things(kind):
-    wrong = {"machine": REFERENCE_MACHINE, "egg": Egg(0.5)} | {kind: "a drawing"}
+    wrong = {"machine": REFERENCE_MACHINE, "section": Egg(0.5)} | {kind: "a drawing"}
     with pytest.raises(ValueError, match=rf"^{kind}: must be of class {kind.title()}; got"):
         cutting_circuit(**wrong)
 

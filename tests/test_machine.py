@@ -12,7 +12,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Torus
 
 EGG = Egg(0.5)
 FAILURES = {
-    "invert": {"depth": -0.05},
+    "bend": {"depth": -0.05},
     "width": {"phi_max": 0.3},
     "crown": {"theta_min": -0.85},
     "floor": {"theta_max": 0.3},
@@ -60,7 +60,7 @@ def test_requirements_are_necessary_and_sufficient(machine, a):
 
 def test_requirements_of_the_reference_machine_hold():
     needed = REFERENCE_MACHINE.requirements(EGG)
-    assert [str(need).split(",")[0] for need in needed] == ["invert", "width", "crown", "floor"]
+    assert [str(need).split(",")[0] for need in needed] == ["bend", "width", "crown", "floor"]
     assert all(need.met and str(need).endswith("holds") for need in needed)
     assert REFERENCE_MACHINE.check(EGG) is None
 

@@ -5,20 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import finite, instance, points, positions, positive, real
-from ..surfaces import Egg, Machine
+from ..surfaces import Machine, Section
 from .projection import project_chord
 
 SAMPLES = 33  # points of each projected chord at which its depth is looked at
 
 
-def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
+def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
     """Return the circuit of a machine in a tunnel, after checking that it can be run.
 
     Parameters
     ----------
     machine : Machine
         Sizes, limits, cutter and height of the torus in the section.
-    egg : Egg
+    section : Section
         The tunnel's section.
     pitch, yaw : float
         Pose of the machine in the tunnel, right-handed about its own y axis (left) and then
@@ -42,8 +42,8 @@ def cutting_circuit(machine, egg, *, pitch=0.0, yaw=0.0):
     >>> len(circuit.knots(tolerance=1e-3))
     36
     """
-    circuit = Circuit(machine, egg, pitch, yaw)
-    machine.check(egg, aligned=circuit.aligned)
+    circuit = Circuit(machine, section, pitch, yaw)
+    machine.check(section, aligned=circuit.aligned)
     low, high = circuit.reach()
     if not (machine.within_limits(low) and machine.within_limits(high)):
         needs = ", ".join(
@@ -68,13 +68,13 @@ class Circuit:
     """
 
     machine: Machine
-    egg: Egg
+    section: Section
     pitch: float = 0.0
     yaw: float = 0.0
 
     def __post_init__(self):
         instance("machine", self.machine, Machine)
-        instance("egg", self.egg, Egg)
+        instance("section", self.section, Section)
         for name in ("pitch", "yaw"):
             object.__setattr__(self, name, finite(name, getattr(self, name)))
 
@@ -86,7 +86,7 @@ class Circuit:
     @property
     def profile(self):
         """Return the offset section on which the centre of the cutter stays."""
-        return self.egg.offset(self.machine.offset)
+        return self.section.offset(self.machine.offset)
 
     @property
     def axes(self):
@@ -193,8 +193,9 @@ class Circuit:
         """
         tolerance = positive("tolerance", tolerance)
         blends = self.profile.blends
-        radius = np.diff(blends) / [arc.sweep for arc in self.profile.arcs]
-        counts = np.ceil(np.diff(blends) / np.sqrt(8 * radius * tolerance) / 2).astype(int)
+        radius = np.array([arc.radius for arc in self.profile.arcs])
+        steps = np.diff(blends) / np.sqrt(8 * radius * tolerance)
+        counts = np.maximum(np.ceil(steps / 2), 1).astype(int)
         while True:
             arcs = zip(blends, blends[1:], counts)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])

@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import finite, finite_points, instance, not_negative, positions, real
-from ..surfaces import Machine
-from ..surfaces.egg import Section
+from ..surfaces import Machine, Section
 
 
 class Clearance(NamedTuple):

@@ -5,19 +5,25 @@ from .egg import Egg
 from .frustum import Frustum
 from .linkage import Linkage, linkages
 from .machine import REFERENCE_MACHINE, Machine
+from .pieces import Arc, Line
 from .rod import Rod, meet_rods
 from .rod_box import meet_box
+from .section import Section, closed_profile
 from .torus import Torus
 
 __all__ = [
     "REFERENCE_MACHINE",
+    "Arc",
     "Cone",
     "Egg",
     "Frustum",
+    "Line",
     "Linkage",
     "Machine",
     "Rod",
+    "Section",
     "Torus",
+    "closed_profile",
     "linkages",
     "meet_box",
     "meet_rods",

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import finite, instance, positions, positive
-from .egg import Egg
+from .section import Section
 from .torus import Torus
 
 
@@ -102,52 +102,54 @@ class Machine:
         high = np.array([self.theta_max, self.phi_max])
         return np.all((low <= position) & (position <= high), axis=-1)
 
-    def requirements(self, egg):
+    def requirements(self, section):
         """Return what the machine must meet to cut the whole of a section.
 
         Parameters
         ----------
-        egg : Egg
-            The tunnel's section.
+        section : Section
+            The tunnel's, symmetric about the vertical plane or not.
 
         Returns
         -------
         requirements : tuple of Requirement
-            Invert, width, crown and floor; each says itself, with its numbers.
+            Bend, width, crown and floor; each says itself, with its numbers. For the egg with the
+            roof's radius a its least radius is a/2, its box from -2a to a.
         """
-        a, d = instance("egg", egg, Egg).a, self.offset
-        reach = self.r + self.R
+        d, reach = self.offset, self.r + self.R
+        (right, floor), (left, crown) = instance("section", section, Section).box
         # The sine's greatest value within each range of angles.
         swing, lift, drop = (
             np.sin(min(angle, np.pi / 2))
             for angle in (min(self.phi_max, -self.phi_min), -self.theta_min, self.theta_max)
         )
         return (
-            Requirement("invert, offset < a/2", d, True, a / 2),
-            Requirement("width, a - offset <= R sin(phi)", a - d, False, self.R * swing),
-            Requirement("crown, a - offset - height <= (r + R) sin(-theta_min)",
-                        a - d - self.height, False, reach * lift),
-            Requirement("floor, 2a - offset + height <= (r + R) sin(theta_max)",
-                        2 * a - d + self.height, False, reach * drop),
+            Requirement("bend, offset < least radius", d, True, section.least_radius),
+            Requirement("width, half width - offset <= R sin(phi)",
+                        max(left, -right) - d, False, self.R * swing),
+            Requirement("crown, roof - offset - height <= (r + R) sin(-theta_min)",
+                        crown - d - self.height, False, reach * lift),
+            Requirement("floor, height - floor - offset <= (r + R) sin(theta_max)",
+                        self.height - floor - d, False, reach * drop),
         )  # fmt: skip
 
-    def heights(self, egg):
+    def heights(self, section):
         """Return the lowest and the highest `height` that reach crown and floor, in m."""
-        crown, floor = self.requirements(egg)[2:]
+        crown, floor = self.requirements(section)[2:]
         return self.height + crown.left - crown.right, self.height - floor.left + floor.right
 
-    def check(self, egg, *, aligned=True):
+    def check(self, section, *, aligned=True):
         """Raise ValueError with the inequalities that fail where the machine can't cut a section.
 
         Parameters
         ----------
-        egg : Egg
-            The tunnel's section.
+        section : Section
+            The tunnel's.
         aligned : bool
-            Whether the machine's axes are the tunnel's; if not, only the invert is looked at,
-            because the reach depends on the pose.
+            Whether the machine's axes are the tunnel's; if not, only the tightest bend is looked
+            at, because the reach depends on the pose.
         """
-        requirements = self.requirements(egg)[: None if aligned else 1]
+        requirements = self.requirements(section)[: None if aligned else 1]
         failing = [str(requirement) for requirement in requirements if not requirement.met]
         if failing:
             raise ValueError(f"machine: can't cut this section; {'; '.join(failing)}.")

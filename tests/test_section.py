@@ -1,0 +1,142 @@
+"""Sections made of arcs and lines: circle, horseshoe, and what is refused."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
+
+QUARTER = np.pi / 2
+CIRCLE = [Arc(0.0, 0.0, 0.6, 0.0, 2 * np.pi)]
+
+
+def horseshoe(radius=0.5, wall=0.4, bend=0.25):
+    """Return the pieces of a roof's half circle, straight walls, rounded bends, a flat floor."""
+    floor = 2 * (radius - bend)
+    return [
+        Arc(0.0, 0.0, radius, 0.0, np.pi),
+        Line(-radius, 0.0, -QUARTER, wall),
+        Arc(bend - radius, -wall, bend, np.pi, QUARTER),
+        Line(bend - radius, -wall - bend, 0.0, floor),
+        Arc(radius - bend, -wall, bend, -QUARTER, QUARTER),
+        Line(radius, -wall, QUARTER, wall),
+    ]
+
+
+CORNERS = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+SQUARE = [Line(y, z, k * QUARTER, 1.0) for k, (y, z) in enumerate(CORNERS)]
+WEDGE = [
+    Arc(-0.2, -0.3, 1.0, 0.0, QUARTER),
+    Line(-0.2, 0.7, -QUARTER, 1.0),
+    Line(-0.2, -0.3, 0.0, 1.0),
+]
+SHAPES = pytest.mark.parametrize(
+    "pieces, area, perimeter",
+    [
+        (WEDGE, np.pi / 4, np.pi / 2 + 2),
+        (CIRCLE, np.pi * 0.36, np.pi * 1.2),
+        (horseshoe(), np.pi * 0.125 + 0.4 + 0.25 * 0.5 + np.pi * 0.03125,
+         np.pi * 0.5 + 0.8 + 0.5 + np.pi * 0.25),
+        (SQUARE, 1.0, 4.0),
+        (list(Egg(0.5).arcs), Egg(0.5).area, Egg(0.5).perimeter),
+    ],
+    ids=["wedge", "circle", "horseshoe", "square", "egg"],
+)  # fmt: skip
+
+
+@SHAPES
+def test_closed_profile_has_its_area_and_perimeter(pieces, area, perimeter):
+    section = closed_profile(pieces)
+    assert section.area == pytest.approx(area, rel=1e-14)
+    assert section.perimeter == pytest.approx(perimeter, rel=1e-14)
+    y, z = section.point(np.linspace(0, perimeter, 40_001)).T
+    assert np.sum(y * np.roll(z, -1) - z * np.roll(y, -1)) / 2 == pytest.approx(area, rel=1e-4)
+    np.testing.assert_allclose(section.box, [(y.min(), z.min()), (y.max(), z.max())], atol=1e-6)
+
+
+@SHAPES
+def test_depth_against_the_nearest_of_many_points(pieces, area, perimeter):
+    section = closed_profile(pieces)
+    curve = section.point(np.linspace(0, perimeter, 20_001))
+    points = np.random.default_rng(6).uniform(-1.2, 1.2, (300, 2))
+    far = np.min(np.linalg.norm(points[:, None] - curve, axis=-1), axis=1)
+    depth = section.depth(*points.T)
+    np.testing.assert_allclose(np.abs(depth), far, atol=2e-4)
+    corner, other = curve[:-1], curve[1:] - curve[:-1]
+    side = other[:, 0] * (points[:, None, 1] - corner[:, 1]) - other[:, 1] * (
+        points[:, None, 0] - corner[:, 0]
+    )
+    assert np.array_equal(np.all(side > -1e-9, axis=1)[far > 1e-3], (depth > 0)[far > 1e-3])
+
+
+@SHAPES
+def test_ray_ends_on_the_curve(pieces, area, perimeter):
+    section = closed_profile(pieces)
+    angle = np.linspace(0, 7, 200)
+    distance = section.ray(angle)
+    on = section.depth(distance * np.cos(angle), distance * np.sin(angle))
+    np.testing.assert_allclose(on, 0, atol=1e-13)
+
+
+def test_normal_is_across_the_tangent_on_arcs_and_lines():
+    section = closed_profile(horseshoe())
+    s = np.linspace(0, section.perimeter, 997)
+    tangent = (section.point(s + 1e-6) - section.point(s - 1e-6)) / 2e-6
+    np.testing.assert_allclose(np.sum(tangent * section.normal(s), axis=-1), 0, atol=1e-4)
+    outside = section.point(s) + 0.01 * section.normal(s)
+    np.testing.assert_allclose(section.depth(*outside.T), -0.01, atol=1e-12)
+
+
+def test_offset_of_arcs_and_lines_obeys_steiner():
+    section = closed_profile(horseshoe())
+    for d in (0.2, 0.0, -0.3):
+        inner = section.offset(d)
+        moved = np.pi * d**2 - section.perimeter * d
+        assert inner.area == pytest.approx(section.area + moved, rel=1e-12)
+        s = np.linspace(0, inner.perimeter, 500)
+        np.testing.assert_allclose(section.depth(*inner.point(s).T), d, atol=1e-13)
+
+
+@pytest.mark.parametrize("pieces, d", [(horseshoe(), 0.25), (CIRCLE, 0.7), (SQUARE, 0.01)])
+def test_offset_beyond_the_tightest_bend_is_refused(pieces, d):
+    with pytest.raises(ValueError, match="d: must be below the section's least radius"):
+        closed_profile(pieces).offset(d)
+
+
+def changed(index, **fields):
+    pieces = horseshoe()
+    pieces[index] = pieces[index]._replace(**fields)
+    return pieces
+
+
+@pytest.mark.parametrize(
+    "pieces, message",
+    [
+        ([], "must be at least one"),
+        ([(0, 0, 1)], "must be arcs or lines"),
+        ([Arc(0.0, np.nan, 1.0, 0.0, 7.0)], "must be arcs or lines of finite numbers"),
+        (horseshoe()[:-1], "1 of 5 isn't met: it isn't closed; the gap is 0.4 m"),
+        (changed(1, length=0.41), "3 of 6 doesn't begin where the last one ended"),
+        (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
+        (changed(2, y=-0.2), "3 of 6 doesn't begin"),
+        (2 * CIRCLE, "they turn by 720 deg"),
+        (
+            [Line(-1.0, -1.0, 0.0, 2.0), Line(1.0, -1.0, QUARTER, 2.0), Line(1.0, 1.0, np.pi, 1.0),
+             Line(0.0, 1.0, -QUARTER, 1.0), Line(0.0, 0.0, np.pi, 1.0),
+             Line(-1.0, 0.0, -QUARTER, 1.0)],
+            "must never turn to the right; 5 of 6 begins with 90 deg",
+        ),
+    ],
+)  # fmt: skip
+def test_closed_profile_refuses_with_a_reason(pieces, message):
+    with pytest.raises(ValueError, match=message):
+        closed_profile(pieces)
+
+
+def test_ray_needs_the_origin_inside():
+    with pytest.raises(ValueError, match="must have the origin of its plane inside"):
+        closed_profile([Arc(2.0, 0.0, 0.6, 0.0, 2 * np.pi)]).ray(0.0)
+
+
+def test_requirements_of_a_section_with_a_corner_fail_at_its_bend():
+    need = REFERENCE_MACHINE.requirements(closed_profile(SQUARE))[0]
+    assert not need.met and need.right == 0

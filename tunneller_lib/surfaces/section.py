@@ -1,0 +1,199 @@
+"""Sections of a tunnel: closed convex curves of arcs and lines, and how deep points lie inside."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import finite, real
+from .pieces import Arc, Line
+
+CLOSED = 1e-9  # largest gap between pieces, over the section's size
+SMOOTH = 1e-6  # largest turn at a blend, in rad: beyond it is a corner
+
+
+class Section:
+    """A closed convex curve of arcs and lines in the plane (y, z), counter-clockwise: `arcs`.
+
+    Arc length s runs from the first piece's start and repeats with the perimeter.
+    """
+
+    arcs: tuple
+
+    @property
+    def blends(self):
+        """Return the arc lengths (n + 1,) at which the pieces begin, and the perimeter."""
+        return np.concatenate([[0], np.cumsum([arc.length for arc in self.arcs])])
+
+    @property
+    def perimeter(self):
+        """Return the length of the curve, in m."""
+        return float(self.blends[-1])
+
+    @property
+    def area(self):
+        """Return the area within the curve, in m^2, by Green's theorem on each piece."""
+        return float(sum(arc.swept for arc in self.arcs) / 2)
+
+    @property
+    def box(self):
+        """Return the least and the greatest (y, z), (2, 2), in m."""
+        ends = [arc.locate(np.array([0.0, arc.length]))[0] for arc in self.arcs]
+        for arc in self.arcs:
+            if np.isfinite(arc.radius):
+                quarters = np.arange(-8, 9) * np.pi / 2  # where an arc runs along y or z
+                turned = quarters - arc.start
+                inside = (turned > 0) & (turned < arc.sweep)
+                ends.append(arc.locate(arc.radius * turned[inside])[0])
+        points = np.concatenate(ends)
+        return np.array([points.min(axis=0), points.max(axis=0)])
+
+    @property
+    def least_radius(self):
+        """Return the radius of the tightest bend, in m: 0 where there is a corner."""
+        corner = np.any(self._turns() > SMOOTH)
+        return 0.0 if corner else float(min(arc.radius for arc in self.arcs))
+
+    def _turns(self):
+        """Return by how much the direction turns where each piece begins, in rad."""
+        starts, ends = np.transpose([arc.headings for arc in self.arcs])
+        return np.mod(starts - np.roll(ends, 1) + np.pi, 2 * np.pi) - np.pi
+
+    def point(self, s):
+        """Return the points (..., 2) = (y, z), in m, at arc lengths s (...), in m."""
+        return self._locate(s)[0]
+
+    def normal(self, s):
+        """Return the outward unit normals (..., 2) = (y, z) at arc lengths s (...), in m."""
+        return self._locate(s)[1]
+
+    def _locate(self, s):
+        s = np.mod(real("s", s), self.perimeter)
+        blends = self.blends
+        index = np.clip(np.searchsorted(blends, s, side="right") - 1, 0, len(self.arcs) - 1)
+        point, normal = np.empty((2, *s.shape, 2))
+        for k, arc in enumerate(self.arcs):
+            here = index == k
+            point[here], normal[here] = arc.locate(s[here] - blends[k])
+        return point, normal
+
+    def depth(self, y, z):
+        """Return how far points lie inside the curve.
+
+        Parameters
+        ----------
+        y, z : (...) float
+            In m.
+
+        Returns
+        -------
+        depth : (...) float
+            Distance to the curve, in m: positive inside, negative in the ground.
+
+        Notes
+        -----
+        The nearest point of a convex curve lies on a piece within whose sector or strip the given
+        point is; only outside a corner no such piece exists, and the corner is nearest.
+        """
+        y, z = np.broadcast_arrays(real("y", y), real("z", z))
+        inside, corner = np.full((2, *y.shape), np.inf)
+        for arc in self.arcs:
+            inside = np.minimum(inside, arc.depth(y, z))
+            (start, _) = arc.locate(np.zeros(()))
+            corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
+        return np.where(np.isfinite(inside), inside, -corner)[()]
+
+    def offset(self, d):
+        """Return the `Profile` at a distance d, in m, inside the section; negative: outside.
+
+        Raises
+        ------
+        ValueError
+            If the section's tightest bend isn't wider than d, or it has a corner.
+        """
+        d = finite("d", d)
+        if max(d, 0.0) >= self.least_radius:
+            raise ValueError(f"d: must be below the section's least radius {self.least_radius:g} m"
+                             f", which is 0 at a corner; got {d:g} m.")  # fmt: skip
+        return Profile(tuple(arc.inset(d) for arc in self.arcs))
+
+    def ray(self, angle):
+        """Return the distances (...), in m, from the origin to the curve at angles in rad from y.
+
+        Raises
+        ------
+        ValueError
+            If the origin isn't inside the section.
+        """
+        if not self.depth(0.0, 0.0) > 0:
+            raise ValueError("section: must have the origin of its plane inside; it hasn't.")
+        cos, sin = np.cos(real("angle", angle)), np.sin(real("angle", angle))
+        low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
+        for _ in range(60):  # the depth of a convex section changes its sign once along a ray
+            middle = (low + high) / 2
+            inside = self.depth(middle * cos, middle * sin) > 0
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        return low
+
+
+@dataclass(frozen=True)
+class Profile(Section):
+    """A section given by its pieces, such as the offset of an egg.
+
+    Parameters
+    ----------
+    arcs : tuple of Arc or Line
+        In counter-clockwise order, each starting where the last one ends; `closed_profile` checks
+        that they do.
+    """
+
+    arcs: tuple
+
+
+def closed_profile(pieces):
+    """Return the section that pieces make, after checking that they close.
+
+    Parameters
+    ----------
+    pieces : sequence of Arc or Line
+        In counter-clockwise order.
+
+    Returns
+    -------
+    section : Profile
+        The section.
+
+    Raises
+    ------
+    ValueError
+        With the first piece that is empty, doesn't begin where the last one ended, or turns
+        back; or if the pieces go round more or less than once.
+
+    Examples
+    --------
+    >>> round(closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]).area, 4)
+    0.7854
+    """
+    section = Profile(tuple(pieces))
+    for k, piece in enumerate(section.arcs):
+        if not isinstance(piece, (Arc, Line)) or not np.all(np.isfinite(piece)):
+            raise ValueError(f"pieces: must be arcs or lines of finite numbers; got {piece!r}.")
+        if not piece.length > 0 or not piece.radius > 0:
+            raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
+    if not section.arcs:
+        raise ValueError("pieces: must be at least one; got none.")
+    ends = np.array([arc.locate(np.array([0.0, arc.length]))[0] for arc in section.arcs])
+    gaps = np.linalg.norm(ends[:, 0] - np.roll(ends[:, 1], 1, axis=0), axis=-1)
+    for k in [*range(1, len(gaps)), 0]:
+        if gaps[k] > CLOSED * section.perimeter:
+            what = "doesn't begin where the last one ended" if k else "isn't met: it isn't closed"
+            raise ValueError(f"pieces: {k + 1} of {len(gaps)} {what}; the gap is {gaps[k]:.3g} m.")
+    turns = section._turns()
+    if np.any(turns < -SMOOTH):
+        k = int(np.argmin(turns))
+        raise ValueError(f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins "
+                         f"with {np.degrees(-turns[k]):.3g} deg.")  # fmt: skip
+    round_once = sum(b - a for a, b in (arc.headings for arc in section.arcs)) + turns.sum()
+    if abs(round_once - 2 * np.pi) > SMOOTH:
+        raise ValueError("pieces: must go round once, counter-clockwise; they turn by "
+                         f"{np.degrees(round_once):.4g} deg.")  # fmt: skip
+    return section
