@@ -1,0 +1,140 @@
+"""The planned cut run through controller and axes, and the wall that the cutter leaves."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import instance, whole
+from ..motion import simulate as follow
+from ..motion.servo import Track
+from ..motion.tasks import hand_over
+from ..removal import DexelGrid
+from .plan import Plan, Pose
+from .wall import intact_wall, overbreak
+
+CHUNK = 50  # ticks after which the removed volume is noted
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A cut that was simulated: made by `simulate`, which says what its fields mean."""
+
+    plan: Plan
+    track: Track
+    centres: np.ndarray
+    wall: DexelGrid
+    removed: np.ndarray
+
+    @property
+    def deviation(self):
+        """Return how far (ticks + 1,) the cutter's centre is outside the offset section, in m.
+
+        The over-break, if positive, that it leaves where it is; in the pose that it really has.
+        """
+        return -self.plan.circuit.profile.depth(*self.centres[:, 1:].T)
+
+    @cached_property
+    def overbreak(self):
+        """Return the over-break of the wall (n, m), in m, see `wall.overbreak`."""
+        return overbreak(self.wall, self.plan.circuit)
+
+    @property
+    def around(self):
+        """Return the greatest over-break (m,) on each ray's angle, in m: the groove's bottom."""
+        return self.overbreak.max(axis=0)
+
+    @property
+    def reamed(self):
+        """Return which rays (n, m) are between the bottoms of the first and of the last lap."""
+        circuit, lines = self.plan.circuit, self.wall.lines
+        s = np.linspace(0, circuit.profile.perimeter, 2000)
+        touch = circuit.profile.point(s) + circuit.machine.cutter_radius * circuit.profile.normal(s)
+        angle, x = np.arctan2(touch[:, 1], touch[:, 0]), circuit.in_tunnel(circuit.point(s))[:, 0]
+        first = np.interp(np.arctan2(lines.sin, lines.cos), angle, x, period=2 * np.pi)
+        last = first - self.plan.advance * (self.plan.laps - 1)
+        return (last <= lines.x[:, None]) & (lines.x[:, None] <= first)
+
+    @property
+    def rate(self):
+        """Return the ground removed in a second (chunks,), in m^3/s, CHUNK ticks each."""
+        steps = np.minimum(CHUNK, len(self.centres) - 1 - CHUNK * np.arange(len(self.removed)))
+        return self.removed / (self.plan.tick * steps)
+
+    def power(self, energy):
+        """Return the power at the cutter (chunks,), in W, for a specific `energy` in J/m^3."""
+        return energy * self.rate
+
+
+def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400, 720),
+             thickness=0.1):  # fmt: skip
+    """Run a plan and cut the wall.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant, loop
+        The axes theta and phi and their position loops, as for `motion.simulate`.
+    pose : Pose, optional
+        Where the machine stands instead of where it should.
+    tasks : sequence of Task, optional
+        The controller's tasks, the interpolation first, with a period of the plan's tick in
+        microseconds.
+    cost : int, optional
+        What the slow preparation of a set-point costs, in microseconds; needs `tasks`.
+    shape : (int, int)
+        Rays of the wall along the tunnel and round.
+    thickness : float
+        Of the modelled ground, in m.
+
+    Returns
+    -------
+    cut : Cut
+        ``track`` of the joints; ``centres`` (ticks + 1, 3) of the cutter in the tunnel's frame,
+        in m; ``wall``, what stands; ``removed`` (chunks,), volumes in m^3 of CHUNK ticks each.
+
+    Raises
+    ------
+    ValueError
+        If a loop is unstable or the tasks starve; if the cutter leaves the modelled ground.
+    """
+    instance("plan", plan, Plan)
+    if pose is not None:
+        instance("pose", pose, Pose)
+    laps = np.tile(plan.setvalues[1:], (plan.laps, 1))
+    setvalues = np.concatenate([plan.setvalues[:1], laps])
+    slopes = np.tile(plan.slopes, (plan.laps, 1))
+    if tasks is not None:
+        check_tasks(plan, tasks, cost)
+    track = follow(plant, loop, setvalues, slopes=slopes)
+    for name, stable in zip(("theta", "phi"), track.stable):
+        if stable is False:
+            raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
+    centres = plan.centres(track.position, pose=pose)
+    reach = plan.circuit.machine.cutter_radius
+    ends = centres[:, 0].min() - reach, centres[:, 0].max() + reach
+    wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
+    removed = [
+        wall.cut_path(centres[start : start + CHUNK + 1], reach)
+        for start in range(0, len(centres) - 1, CHUNK)
+    ]
+    return Cut(plan, track, centres, wall, np.array(removed))
+
+
+def check_tasks(plan, tasks, cost):
+    """Raise ValueError if the slow task can't prepare set-points of a `cost` in time.
+
+    The tasks' unit is the microsecond; the first is the interpolation, with the plan's tick.
+    """
+    period = round(1e6 * plan.tick)
+    if tasks[0].period != period:
+        raise ValueError(f"tasks: the first must have the tick's period {period} us; "
+                         f"got {tasks[0].period}.")  # fmt: skip
+    cost = int(whole("cost", cost, 1, 2**31 - 1))
+    starved = np.array(hand_over(tasks, [cost] * len(plan.ticks), plan.ticks.tolist()).starved[1:])
+    if np.any(starved):
+        first = int(np.flatnonzero(starved)[0])
+        raise ValueError(f"tasks: the slow task starves the line at {np.count_nonzero(starved)} of "
+                         f"{len(starved)} set-points, first at {plan.s[first + 1]:.3f} m along the "
+                         f"circuit; {starved.sum() * plan.tick:.2f} s are lost.")  # fmt: skip
