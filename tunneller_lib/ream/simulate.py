@@ -1,6 +1,6 @@
 """The planned cut run through controller and axes, and the wall that the cutter leaves."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,10 +18,10 @@ CHUNK = 50  # ticks after which the removed volume is noted
 
 @dataclass(frozen=True)
 class Cut:
-    """A cut that was simulated: made by `simulate`, which says what its fields mean."""
+    """A cut that was simulated: made by `simulate` and `carve`, which say what its fields mean."""
 
     plan: Plan
-    track: Track
+    track: Track | None
     centres: np.ndarray
     wall: DexelGrid
     removed: np.ndarray
@@ -79,8 +79,7 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     pose : Pose, optional
         Where the machine stands instead of where it should.
     tasks : sequence of Task, optional
-        The controller's tasks, the interpolation first, with a period of the plan's tick in
-        microseconds.
+        The controller's tasks in microseconds, the interpolation first, with the plan's tick.
     cost : int, optional
         What the slow preparation of a set-point costs, in microseconds; needs `tasks`.
     shape : (int, int)
@@ -111,7 +110,31 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     for name, stable in zip(("theta", "phi"), track.stable):
         if stable is False:
             raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
-    centres = plan.centres(track.position, pose=pose)
+    cut = carve(plan, track.position, pose=pose, shape=shape, thickness=thickness)
+    return replace(cut, track=track)
+
+
+def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
+    """Cut the wall with joints that are where they are said to be.
+
+    Parameters
+    ----------
+    plan : Plan
+        Machine, section, laps and advance.
+    position : (ticks + 1, 2) float
+        Joint positions at every tick of all laps, or of one that all repeat, in rad.
+    pose, shape, thickness
+        As for `simulate`.
+
+    Returns
+    -------
+    cut : Cut
+        Without a ``track``.
+    """
+    ticks = int(plan.ticks.sum())
+    if len(position) == ticks + 1:
+        position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
+    centres = plan.centres(position, pose=pose)
     reach = plan.circuit.machine.cutter_radius
     ends = centres[:, 0].min() - reach, centres[:, 0].max() + reach
     wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
@@ -119,7 +142,20 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
         wall.cut_path(centres[start : start + CHUNK + 1], reach)
         for start in range(0, len(centres) - 1, CHUNK)
     ]
-    return Cut(plan, track, centres, wall, np.array(removed))
+    return Cut(plan, None, centres, wall, np.array(removed))
+
+
+def starved(plan, tasks, cost):
+    """Return the plan as it runs if the slow task is late: the last set-value is held.
+
+    The arguments (tasks, cost) are those of `simulate`. A set-point for which the line waits is
+    there twice, the second after the ticks that were lost.
+    """
+    held = _held(plan, tasks, cost)
+    twice = np.repeat(np.arange(len(plan.s)), 1 + np.append(held > 0, False))
+    ticks = np.stack([held, plan.ticks], axis=-1).ravel()
+    return replace(plan, s=plan.s[twice], setpoints=plan.setpoints[twice], feed=plan.feed[twice],
+                   counts=plan.counts[twice], ticks=ticks[ticks > 0])  # fmt: skip
 
 
 def check_tasks(plan, tasks, cost):
@@ -127,14 +163,20 @@ def check_tasks(plan, tasks, cost):
 
     The tasks' unit is the microsecond; the first is the interpolation, with the plan's tick.
     """
+    held = _held(plan, tasks, cost)
+    if np.any(held):
+        first = int(np.flatnonzero(held)[0])
+        raise ValueError(f"tasks: the slow task starves the line at {np.count_nonzero(held)} of "
+                         f"{len(held)} set-points, first {plan.s[first]:.3f} m along the circuit; "
+                         f"{held.sum() * plan.tick:.2f} s are lost.")  # fmt: skip
+
+
+def _held(plan, tasks, cost):
+    """Return how many ticks (m,) the line waits before each move but the first."""
     period = round(1e6 * plan.tick)
     if tasks[0].period != period:
         raise ValueError(f"tasks: the first must have the tick's period {period} us; "
                          f"got {tasks[0].period}.")  # fmt: skip
     cost = int(whole("cost", cost, 1, 2**31 - 1))
-    starved = np.array(hand_over(tasks, [cost] * len(plan.ticks), plan.ticks.tolist()).starved[1:])
-    if np.any(starved):
-        first = int(np.flatnonzero(starved)[0])
-        raise ValueError(f"tasks: the slow task starves the line at {np.count_nonzero(starved)} of "
-                         f"{len(starved)} set-points, first at {plan.s[first + 1]:.3f} m along the "
-                         f"circuit; {starved.sum() * plan.tick:.2f} s are lost.")  # fmt: skip
+    run = hand_over(tasks, [cost] * len(plan.ticks), plan.ticks.tolist())
+    return np.array([0, *run.starved[1:]])
