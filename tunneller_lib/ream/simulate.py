@@ -18,13 +18,21 @@ CHUNK = 50  # ticks after which the removed volume is noted
 
 @dataclass(frozen=True)
 class Cut:
-    """A cut that was simulated: made by `simulate` and `carve`, which say what its fields mean."""
+    """A cut that was simulated.
+
+    Made by `simulate` or `carve`, which say what its fields mean.
+    """
 
     plan: Plan
     track: Track | None
     centres: np.ndarray
     wall: DexelGrid
     removed: np.ndarray
+
+    @property
+    def ends(self):
+        """Return the ends (2,) of the modelled ground along the tunnel's x, in m."""
+        return _ends(self.centres, self.plan.circuit.machine.cutter_radius)
 
     @property
     def deviation(self):
@@ -136,13 +144,18 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
         position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
     centres = plan.centres(position, pose=pose)
     reach = plan.circuit.machine.cutter_radius
-    ends = centres[:, 0].min() - reach, centres[:, 0].max() + reach
+    ends = _ends(centres, reach)
     wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
     removed = [
         wall.cut_path(centres[start : start + CHUNK + 1], reach)
         for start in range(0, len(centres) - 1, CHUNK)
     ]
     return Cut(plan, None, centres, wall, np.array(removed))
+
+
+def _ends(centres, reach):
+    x = centres[:, 0]
+    return float(x.min()) - reach, float(x.max()) + reach
 
 
 def starved(plan, tasks, cost):
