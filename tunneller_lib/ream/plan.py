@@ -67,8 +67,9 @@ class Plan:
         centre = self.circuit.in_tunnel(torus.point(position[..., 0], position[..., 1]))
         if pose is not None:
             centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
-        lap = np.arange(len(centre)) // int(self.ticks.sum())
-        centre[:, 0] -= self.advance * np.minimum(lap, self.laps - 1)
+        # The machine steps in the first tick of the next lap.
+        lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
+        centre[:, 0] -= self.advance * lap
         return centre
 
 
