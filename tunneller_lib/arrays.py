@@ -68,7 +68,11 @@ def whole(name, value, low, high):
         array = np.asarray(value)
     except (ValueError, OverflowError):
         array = np.asarray(None)
-    if array.dtype.kind not in "iu" or np.any((array < low) | (array > high)):
+    # Two passes that keep nothing are twice as fast as comparisons of every number.
+    within = array.dtype.kind in "iu" and (
+        not array.size or (low <= array.min() and array.max() <= high)
+    )
+    if not within:
         raise ValueError(f"{name}: must hold whole numbers from {low} to {high}; got {value!r}.")
     return array.astype(np.int64)
 
