@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import arrays
-from ..arrays import cross, directions, dot, finite_points, norm, real, two_product, two_sum
+from ..arrays import MOST, cross, directions, dot, near_points, norm, real, sizes
 from . import rod_rivals
-from .rod_interval import GUARD, flat_interval, frame, round_interval
+from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 32768  # parallel lines treated at once, so that they stay in the cache
 
@@ -39,11 +39,12 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
     >>> enter.round(3), leave.round(3)
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
-    a, b, p = (finite_points(n, x) for n, x in (("a", a), ("b", b), ("point", point)))
+    a, b, p = (near_points(n, x) for n, x in (("a", a), ("b", b), ("point", point)))
     direction, radius = directions("direction", direction), real("radius", radius)
     if not np.all(np.isfinite(radius) & (radius >= 0)):
         raise ValueError("radius: must hold finite numbers, none below zero.")
     _check(ends, method)
+    sizes("radius", radius), sizes("b - a", np.abs(b - a).max(axis=-1))
     if method != "exact":
         return rod_rivals.METHODS[method](a, b, radius, p, direction)
     return _meet(frame(a, b, direction), radius, ends == "round", p, direction)
@@ -57,21 +58,6 @@ def _check(ends, method="exact"):
         raise ValueError(f"method: must be one of {words}; got {method!r}.")
     if ends == "round" and method != "exact":
         raise ValueError(f'method: must be "exact" for round ends; got {method!r}.')
-
-
-def nearest_point(axis, p, direction):
-    """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
-
-    Parameters: axis, the points p (..., 3) and the direction of each line, in m.
-    """
-    q, q_low = two_sum(p, -axis.start)
-    shift = -dot(q, axis.along) / axis.speed
-    step, step_low = two_product(shift[..., None], direction)
-    q, low = two_sum(q, step)
-    q = q + (low + (step_low + q_low))  # at most one rounding, however far away p is
-    # Without a run the axis has no plane of its own: any length across will do.
-    s = np.where(axis.run > 0, dot(q, axis.across), norm(q))
-    return s, dot(q, axis.flat), dot(q, axis.along), shift
 
 
 def _meet(axis, radius, round_ends, p, direction):
@@ -99,12 +85,14 @@ class Rod:
     Raises
     ------
     ValueError
-        If an end isn't one finite point, the radius is negative or `ends` is another word.
+        If an end isn't one finite point, the radius is negative, `ends` is another word, or a
+        number is too small or too great for its square: radius, length and direction must be 0
+        or from 1e-100 to 1e100, and no coordinate above that.
 
     Notes
     -----
     Line and finite cylinder. A flat rod without length is empty, a round one is a ball. With
-    radius 0 it's the segment. Squares of lengths must neither over- nor underflow.
+    radius 0 it's the segment.
     """
 
     a: tuple[float, float, float]
@@ -116,6 +104,8 @@ class Rod:
         object.__setattr__(self, "a", arrays.point("a", self.a))
         object.__setattr__(self, "b", arrays.point("b", self.b))
         object.__setattr__(self, "radius", arrays.not_negative("radius", self.radius))
+        near_points("a", self.a), near_points("b", self.b)
+        sizes("radius", self.radius), sizes("b - a", np.abs(self.axis).max())
         _check(self.ends)
 
     @property
@@ -136,7 +126,7 @@ class Rod:
         >>> Rod((0, 0, 0), (4, 0, 0), 1).contains([(4, 0, 1), (4.5, 0, 0)])
         array([ True, False])
         """
-        q, v, length = finite_points("points", points) - self.a, self.axis, self.length
+        q, v, length = near_points("points", points) - self.a, self.axis, self.length
         if length == 0:
             return (norm(q) <= self.radius * (1 + GUARD)) & (self.ends == "round")
         guard = GUARD * (self.radius + length)
@@ -169,7 +159,8 @@ class Rod:
         Raises
         ------
         ValueError
-            If a direction is zero, a number isn't finite, or `method` is another word.
+            If a direction is zero, a number isn't finite or too great or small for its square, or
+            `method` is another word.
 
         Notes
         -----
@@ -199,8 +190,8 @@ class Rod:
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
         bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
-        if not np.isfinite(bound):
-            finite_points("point", p)
+        if not bound <= MOST:
+            near_points("point", p)
         r, run, rise = self.radius, axis.run, axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
