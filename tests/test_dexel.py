@@ -1,11 +1,13 @@
 """Grids of intervals against exact volumes and sets of intervals kept line by line."""
 
+import tracemalloc
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from tunneller_lib.removal import DexelGrid, removed_volume
+from tunneller_lib.removal import lines as grids
 from tunneller_lib.surfaces import Rod
 
 
@@ -211,6 +213,36 @@ def test_grid_too_large_is_refused_with_the_size_that_fits():
     assert block(40, 50, memory=64_000).volume == pytest.approx(2 * 2.4 * 2)
 
 
+@pytest.mark.parametrize("radial", [False, True])
+def test_memory_stays_within_what_is_refused_by(radial):
+    # Intervals, room to grow, and the work on one block of lines whatever their number.
+    n, work = (700, 900), 300 * grids.BLOCK
+    tracemalloc.start()
+    grid = wall(*n, inner=0.2, outer=2.0) if radial else block(*n)
+    grid.cut(Rod((0, 0, 0), (0.3, 0.2, 0.4), 0.9))
+    grid.cut_path([[0, 0.1, 0], [0.1, 0.1, 0.1]], 0.95)
+    grid.overlap(Rod((-1, 0, 0), (1, 0, 0), 1.0))
+    assert grid.volume > 0 and grid.splits >= 0
+    grid.cut(Rod((0, 0, 0.9), (0, 0, 0.9), 0.05, ends="round"))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(grid.low) >= 2 and peak < 32 * grid.low.size + work
+
+
+def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
+    # Blocks narrower than a row of the grid, and rows that don't fill a block.
+    for make in (block, wall):
+        whole, parts = make(), make()
+        for shape in rods(np.random.default_rng(5), 15):
+            monkeypatch.undo()
+            removed = whole.cut(shape)
+            monkeypatch.setattr(grids, "BLOCK", 37)
+            assert parts.cut(shape) == pytest.approx(removed, abs=1e-14)
+        np.testing.assert_array_equal(whole.low, parts.low)
+        np.testing.assert_array_equal(whole.high, parts.high)
+        assert parts.volume == pytest.approx(whole.volume, abs=1e-13)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -220,8 +252,17 @@ def test_grid_too_large_is_refused_with_the_size_that_fits():
         (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must be two whole"),
         (lambda: DexelGrid.radial(1, 0, 1, 2, (2, 2)), "start: must be below stop"),
         (lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)), "start: must be below stop"),
-        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one distance"),
-        (lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)), "outer: must be one distance"),
+        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one finite distance"),
+        (
+            lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)),
+            "outer: must be one finite distance",
+        ),
+        (lambda: DexelGrid.radial(0, 1, 1, np.inf, (2, 2)), "outer: must be one finite distance"),
+        (lambda: DexelGrid.radial(0, 1, [np.nan, 1], 2, (2, 2)), "inner: must be one finite"),
+        (
+            lambda: DexelGrid.radial(0, 1, [1, 3], 2, (2, 2)),
+            "inner: must not be above outer on any",
+        ),
         (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
         (lambda: wall().cut("rod"), "rod: must be of class Rod; got 'rod'"),
         (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),
