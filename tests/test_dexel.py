@@ -149,19 +149,33 @@ def ball_in_wall(n, shift):
     return grid.cut(Rod(shift + BESIDE, shift + BESIDE, 0.4, ends="round"))
 
 
+ALONG, OBLIQUE = np.array([0.3, 0, 0.2]), np.array([0.3, 0.15 * (np.sqrt(5) - 1), 0.2])
+
+
+def capsule_in_block(half):
+    def make(n, shift):
+        grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (n, n))
+        return grid.cut(Rod(shift - half, shift + half, 0.3, ends="round"))
+
+    return make, np.pi * 0.3**2 * (0.4 + 2 * np.linalg.norm(half))
+
+
 @pytest.mark.parametrize(
-    ("make", "volume", "least"),
+    ("make", "volume", "least", "most"),
     [
-        (ball_in_block, 4 / 3 * np.pi * 0.7**3, 1.8),
-        (ball_in_wall, 4 / 3 * np.pi * 0.4**3, 1.8),
-        # Straight sides of the shadow, where the chord begins as a root: 3/2 to 2.
-        (rod_in_block, np.pi * 0.3**2 * 2 * np.sqrt(0.29), 1.5),
+        (ball_in_block, 4 / 3 * np.pi * 0.7**3, 1.8, 2.2),
+        (ball_in_wall, 4 / 3 * np.pi * 0.4**3, 1.8, 2.2),
+        # Straight sides of the shadow: 3/2 along the grid, up to 2 elsewhere.
+        (rod_in_block, np.pi * 0.3**2 * 2 * np.sqrt(0.29), 1.5, 2.2),
+        (*capsule_in_block(ALONG), 1.4, 1.65),
+        (*capsule_in_block(OBLIQUE), 1.75, 2.2),
     ],
+    ids=["ball", "ball on rays", "rod", "capsule along the grid", "capsule oblique"],
 )
-def test_volumes_converge_at_order_two(make, volume, least):
+def test_volumes_converge_at_their_order(make, volume, least, most):
     sizes = np.array([20, 40, 80, 160])
     order = -np.polyfit(np.log(sizes), np.log(errors_of(make, volume, sizes)), 1)[0]
-    assert order > least
+    assert least < order < most
 
 
 def test_groove_has_the_closed_form():
