@@ -230,6 +230,18 @@ def test_parallel_lines_are_as_one_by_one(ends):
 
 
 @every_end
+def test_parallel_lines_along_the_axes_leave_the_points_as_they_are(ends):
+    rng = np.random.default_rng(10)
+    p = rng.uniform(-1, 2, (500, 3))
+    kept = p.copy()
+    p.flags.writeable = False
+    for end in ((2, 0, 2), (0, 2, 2), (2, 2, 0), (0, 0, 2), (1, 2, 2)):
+        for direction in np.eye(3):
+            Rod((0, 0, 0), end, 1, ends=ends).meet_line(p, direction)
+    np.testing.assert_array_equal(p, kept)
+
+
+@every_end
 @pytest.mark.parametrize("far", [0, 2**20])
 @pytest.mark.parametrize("direction", [(0, 0, 1), (-3, 0, 0), (1, -2, 2), (90, 0, 120), (4, 0, -3)])
 def test_parallel_lines_through_rims(direction, far, ends):

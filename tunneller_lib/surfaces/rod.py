@@ -9,7 +9,7 @@ from ..arrays import MOST, cross, directions, dot, near_points, norm, real, size
 from . import rod_rivals
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
-BLOCK = 32768  # parallel lines treated at once, so that they stay in the cache
+BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
 
 def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
@@ -196,43 +196,53 @@ class Rod:
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
-        side = np.abs(_along(p, axis.start, axis.across))
-        near = np.flatnonzero(side <= reach)
-        q, side = p[near], side[near]
-        m = _along(q, axis.start, axis.flat)
+        s = _along(p, axis.start, axis.across)
+        close = np.abs(s) <= reach
         plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
         if not plain or self.ends == "round":
-            within = (m >= -reach) & (m <= run + reach)
-            near, q = near[within], q[within]
-            enter[near], leave[near] = _meet(axis, r, self.ends == "round", q, u)
+            near = np.flatnonzero(close)
+            m = _along(p[near], axis.start, axis.flat)
+            near = near[(m >= -reach) & (m <= run + reach)]
+            enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
             return
-        w = np.sqrt(np.maximum((r - side) * (r + side), 0))
-        k = rise / axis.length * w
-        clear = (side <= r) & (m >= -k) & (m <= run + k)
-        # Within the guard, whose root is the most that it adds to k, the careful way decides.
+        # To pick out most of the lines would cost more than it saves.
+        most = 2 * np.count_nonzero(close) > len(p)
+        rows = slice(None) if most else np.flatnonzero(close)
+        q, s = p[rows], s[rows]
+        m = _along(q, axis.start, axis.flat)
+        off = np.abs(m - run / 2)
+        w = (r - s) * (r + s)
+        with np.errstate(invalid="ignore"):
+            np.sqrt(w, out=w)  # not a number beside the rod, where no comparison holds
+            k = w * (rise / axis.length) + run / 2
+        clear = off <= k
+        w *= axis.length / run
+        low = m * (-run / rise)
+        middle, z = m * (rise / run), _along(q, axis.start, axis.along)
+        first = np.maximum(low, middle - w)
+        last = np.minimum(low + axis.length**2 / rise, middle + w)
+        # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
+        # whose root is the most that it adds to k, the careful way decides.
         more = np.sqrt((reach - r) * (reach + r))
-        edge = np.flatnonzero(~clear & (m >= -k - more) & (m <= run + k + more))
+        edge = np.flatnonzero(~clear)
+        edge = edge[(np.abs(s[edge]) <= reach) & (off[edge] <= np.fmax(k[edge], run / 2) + more)]
+        edge = np.append(edge, np.flatnonzero(clear & (last < first)))
+        first -= z
+        last -= z
+        if axis.speed != 1:
+            first /= axis.speed
+            last /= axis.speed
+        enter[rows] = np.where(clear, first, np.inf)
+        leave[rows] = np.where(clear, last, -np.inf)
         if len(edge):
-            enter[near[edge]], leave[near[edge]] = _meet(axis, r, False, q[edge], u)
-        clear = np.flatnonzero(clear)
-        near, m, w = near[clear], m[clear], w[clear] * (axis.length / run)
-        z = _along(q[clear], axis.start, axis.along)
-        middle = m * (rise / run)
-        first = np.maximum(middle - w, m * (-run / rise))
-        last = np.minimum(middle + w, rise + (run - m) * (run / rise))
-        enter[near] = (first - z) / axis.speed
-        leave[near] = (last - z) / axis.speed
-        # Disc and wall ought to agree at a rim; where rounding parts them the careful way decides.
-        crossed = np.flatnonzero(last < first)
-        if len(crossed):
-            some = near[crossed]
-            enter[some], leave[some] = _meet(axis, r, False, q[clear[crossed]], u)
+            place = edge if most else rows[edge]
+            enter[place], leave[place] = _meet(axis, r, False, q[edge], u)
 
 
 def _along(p, start, unit):
-    """Return the products of p - start with a unit vector, without its zeros."""
-    used = np.flatnonzero(unit)
-    total = (p[:, used[0]] - start[used[0]]) * unit[used[0]] if len(used) else np.zeros(len(p))
-    for i in used[1:]:
-        total += (p[:, i] - start[i]) * unit[i]
-    return total
+    """Return the products of p - start with a unit vector, perhaps a view of p."""
+    parts = []
+    for i in np.flatnonzero(unit):
+        part = p[:, i] - start[i] if start[i] else p[:, i]
+        parts.append(part * unit[i] if unit[i] != 1 else part)
+    return sum(parts[1:], parts[0]) if parts else np.zeros(len(p))
