@@ -9,7 +9,7 @@ from ..arrays import MOST, cross, directions, dot, near_points, norm, real, size
 from . import rod_rivals
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
-BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
+BLOCK = 12288  # parallel lines treated at once, so that they stay in the cache
 
 
 def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
@@ -179,7 +179,7 @@ class Rod:
         p, u = arrays.points("point", point), directions("direction", direction)
         if u.ndim > 1 or method != "exact":
             return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends, method=method)
-        enter, leave = np.full(p.shape[:-1], np.inf), np.full(p.shape[:-1], -np.inf)
+        enter, leave = np.empty(p.shape[:-1]), np.empty(p.shape[:-1])
         rows, firsts, lasts = p.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
         axis = frame(np.array(self.a), np.array(self.b), u)
         for start in range(0, len(rows), BLOCK):
@@ -197,46 +197,52 @@ class Rod:
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
         s = _along(p, axis.start, axis.across)
-        close = np.abs(s) <= reach
+        w = (r - s) * (r + s)
+        close = w >= (r - reach) * (r + reach)
         plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
         if not plain or self.ends == "round":
+            enter[:], leave[:] = np.inf, -np.inf
             near = np.flatnonzero(close)
             m = _along(p[near], axis.start, axis.flat)
             near = near[(m >= -reach) & (m <= run + reach)]
             enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
-            return
-        # To pick out most of the lines would cost more than it saves.
-        most = 2 * np.count_nonzero(close) > len(p)
-        rows = slice(None) if most else np.flatnonzero(close)
-        q, s = p[rows], s[rows]
-        m = _along(q, axis.start, axis.flat)
+        elif 2 * np.count_nonzero(close) > len(p):  # to pick them out would cost too much
+            self._meet_plainly(axis, p, s, w, u, (enter, leave))
+        else:
+            enter[:], leave[:] = np.inf, -np.inf
+            near = np.flatnonzero(close)
+            found = np.empty((2, len(near)))
+            self._meet_plainly(axis, p[near], s[near], w[near], u, found)
+            enter[near], leave[near] = found
+
+    def _meet_plainly(self, axis, p, s, w, u, found):
+        """Write to `found` where lines enter and leave that pass at s, with w = r^2 - s^2."""
+        r, run, rise, length = self.radius, axis.run, axis.rise, axis.length
+        m = _along(p, axis.start, axis.flat)
         off = np.abs(m - run / 2)
-        w = (r - s) * (r + s)
         with np.errstate(invalid="ignore"):
             np.sqrt(w, out=w)  # not a number beside the rod, where no comparison holds
-            k = w * (rise / axis.length) + run / 2
-        clear = off <= k
-        w *= axis.length / run
-        low = m * (-run / rise)
-        middle, z = m * (rise / run), _along(q, axis.start, axis.along)
-        first = np.maximum(low, middle - w)
-        last = np.minimum(low + axis.length**2 / rise, middle + w)
+            k = w * (rise / length) + run / 2
+        missed = ~(off <= k)
+        w *= length / run
+        disc, middle, z = m * (-run / rise), m * (rise / run), _along(p, axis.start, axis.along)
+        first, last = np.maximum(disc, middle - w), np.minimum(disc + length**2 / rise, middle + w)
         # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
         # whose root is the most that it adds to k, the careful way decides.
-        more = np.sqrt((reach - r) * (reach + r))
-        edge = np.flatnonzero(~clear)
-        edge = edge[(np.abs(s[edge]) <= reach) & (off[edge] <= np.fmax(k[edge], run / 2) + more)]
-        edge = np.append(edge, np.flatnonzero(clear & (last < first)))
-        first -= z
-        last -= z
-        if axis.speed != 1:
-            first /= axis.speed
-            last /= axis.speed
-        enter[rows] = np.where(clear, first, np.inf)
-        leave[rows] = np.where(clear, last, -np.inf)
+        guard = 3 * GUARD * (r + run)  # the most that `reach` adds to r
+        more = np.sqrt(guard * (2 * r + guard))
+        edge = np.flatnonzero(missed)
+        edge = edge[
+            (np.abs(s[edge]) <= r + guard) & (off[edge] <= np.fmax(k[edge], run / 2) + more)
+        ]
+        edge = np.append(edge, np.flatnonzero(~missed & (last < first)))
+        for t, end, none in zip(found, (first, last), (np.inf, -np.inf)):
+            np.subtract(end, z, out=t)
+            if axis.speed != 1:
+                t /= axis.speed
+            np.copyto(t, none, where=missed)
         if len(edge):
-            place = edge if most else rows[edge]
-            enter[place], leave[place] = _meet(axis, r, False, q[edge], u)
+            found[0][edge], found[1][edge] = _meet(axis, r, False, p[edge], u)
 
 
 def _along(p, start, unit):
