@@ -9,7 +9,7 @@ from ..arrays import MOST, cross, directions, dot, near_points, norm, real, size
 from . import rod_rivals
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
-BLOCK = 12288  # parallel lines treated at once, so that they stay in the cache
+BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
 
 def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
@@ -32,6 +32,11 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
     -------
     enter, leave : (...) float
         In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
+
+    Raises
+    ------
+    ValueError
+        As by `Rod` and `Rod.meet_line`.
 
     Examples
     --------
@@ -226,7 +231,8 @@ class Rod:
         missed = ~(off <= k)
         w *= length / run
         disc, middle, z = m * (-run / rise), m * (rise / run), _along(p, axis.start, axis.along)
-        first, last = np.maximum(disc, middle - w), np.minimum(disc + length**2 / rise, middle + w)
+        apart = length**2 / rise  # the two discs' planes, along the lines
+        first, last = np.maximum(disc, middle - w), np.minimum(disc + apart, middle + w)
         # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
         # whose root is the most that it adds to k, the careful way decides.
         guard = 3 * GUARD * (r + run)  # the most that `reach` adds to r
