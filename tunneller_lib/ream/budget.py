@@ -50,12 +50,12 @@ class Fault:
     @property
     def over(self):
         """Return the greatest over-break, in m, at least 0."""
-        return max(float(self.deviation.max()), 0.0)
+        return max(0.0, float(self.deviation.max()))
 
     @property
     def under(self):
         """Return the greatest under-break, in m, at least 0."""
-        return max(float(-self.deviation.min()), 0.0)
+        return max(0.0, float(-self.deviation.min()))
 
     @property
     def rms(self):
