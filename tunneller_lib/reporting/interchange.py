@@ -92,13 +92,17 @@ def read_csv(text):
         if len(row) != len(lines[0]):
             raise ValueError(f"text: row {number} has {len(row)} numbers under {len(lines[0])} "
                              "names.")  # fmt: skip
-    columns = {}
-    for name, *cells in zip(*lines):
+    return about, {name: _numbers(name, cells) for name, *cells in zip(*lines)}
+
+
+def _numbers(name, cells):
+    """Return the cells of a column as whole numbers, or else as numbers."""
+    for kind in (np.int64, np.float64):
         try:
-            columns[name] = np.array([int(cell) for cell in cells], dtype=np.int64)
+            return np.array(cells, dtype=str).astype(kind)
         except ValueError:
-            columns[name] = np.array([float(cell) for cell in cells])
-    return about, columns
+            continue
+    raise ValueError(f"text: column {name} must hold numbers; got {cells[:3]}.")
 
 
 def wall_solid(wall):
@@ -119,7 +123,7 @@ def wall_solid(wall):
     back = wall.high.max(axis=0)
     outer = np.stack([inner[..., 0], back * wall.lines.cos, back * wall.lines.sin], axis=-1)
     k = np.arange(2 * n * m).reshape(2, n, m)
-    sheets = [(k[0], 1), (k[1], -1), (k[:, 0], -1), (k[:, -1], 1)]
+    sheets = [(k[0], -1), (k[1], 1), (k[:, 0], 1), (k[:, -1], -1)]
     faces = []
     for sheet, side in sheets:
         near, far = sheet[:-1], sheet[1:]
@@ -181,8 +185,9 @@ def write(path, content):
     ----------
     path : path-like
         Its suffix says how: .stl for a mesh in m, written in mm; .vtp for a mesh as it is; .html
-        for a scene that turns without a network; .gif for pictures; others for text.
-    content : str, pyvista.PolyData, pyvista.Plotter or iterable of (n, m, 3) uint8
+        for a scene that turns without a network; .png for a picture, .gif for several; others for
+        text.
+    content : str, pyvista.PolyData, pyvista.Plotter, (n, m, 3) uint8 or iterable of them
         What.
 
     Returns
@@ -190,7 +195,7 @@ def write(path, content):
     path : pathlib.Path
         Where it is now.
     """
-    writers = {".stl": _stl, ".vtp": _vtp, ".html": _html, ".gif": _gif}
+    writers = {".stl": _stl, ".vtp": _vtp, ".html": _html, ".png": _png, ".gif": _gif}
     path = Path(path)
     with beside(path) as new:
         writers.get(path.suffix, _text)(new, content)
@@ -212,6 +217,10 @@ def _vtp(path, mesh):
 def _html(path, plotter):
     plotter.trame.export_html(path)
     plotter.close()
+
+
+def _png(path, pixels):
+    PIL.Image.fromarray(pixels).save(path, optimize=True)
 
 
 def _gif(path, pictures, milliseconds=80):
