@@ -4,13 +4,13 @@ Tables and VTP are in metres, radians and whole counts; STL and DXF, which carry
 millimetres as most programs take them.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
 import PIL.Image
 import pyvista
 
-from .. import __version__
 from ..arrays import instance
 from ..motion.export import csv
 from ..ream import Plan, standing
@@ -56,7 +56,7 @@ def _described(plan, what, column, text):
     instance("plan", plan, Plan)
     meanings = {"s": "s in m along the offset section; ", "ticks": "", "tick": ""}
     return "".join(f"# {line}\n" for line in (
-        f"{what} of one lap, by tunneller-lib {__version__}",
+        f"{what} of one lap, by tunneller_lib",
         f"{meanings[column]}theta and phi in counts; the rest whole numbers",
         f"tick_s = {plan.tick!r}",
         f"count_rad = {plan.count!r}",
@@ -153,7 +153,7 @@ def dxf(curves):
     ValueError
         If a curve is no Section.
     """
-    pairs = [(999, f"tunneller-lib {__version__}, millimetres"), (0, "SECTION"), (2, "ENTITIES")]
+    pairs = [(999, "by tunneller_lib, in millimetres"), (0, "SECTION"), (2, "ENTITIES")]
     for layer, section in curves.items():
         for piece in instance("curves", section, Section).arcs:
             pairs += _entity(piece, layer)
@@ -215,8 +215,10 @@ def _vtp(path, mesh):
 
 
 def _html(path, plotter):
-    plotter.trame.export_html(path)
+    page = plotter.trame.export_html(None).getvalue()
     plotter.close()
+    # The viewer inside asks its makers' site for the icon of the page; nothing else is loaded.
+    _text(path, re.sub(r"https://kitware\.github\.io/[^`\"']*", "data:,", page))
 
 
 def _png(path, pixels):

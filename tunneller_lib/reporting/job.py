@@ -43,7 +43,10 @@ class WrongJob(ValueError):
 
 @dataclass(frozen=True)
 class Job:
-    """What a file asks for, by its tables: made by `read_job`, SI units, nothing computed yet."""
+    """What a file asks for, by its tables, in SI units.
+
+    Made by `read_job`; nothing is computed before it is asked for.
+    """
 
     machine: dict
     section: dict
