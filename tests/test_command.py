@@ -68,6 +68,12 @@ def test_reference_job_is_the_reference_machine():
     assert loops[0].gain == 10 and loops[0].count == plan.count and job.error is None
 
 
+def test_job_without_a_wall_takes_the_usual_rays(job):
+    made = read_job(job({"[wall]": "[stance]", "along = 40": "", "around = 60": "",
+                         "thickness = 0.1": ""}))  # fmt: skip
+    assert made.wall == {"along": 200, "around": 360} and made.limit == 1.5e-3
+
+
 def test_job_takes_the_tiers(job):
     for tier, kind in (("T0", Integrator), ("T1", Lag), ("T3", Compressible)):
         plants, _ = read_job(job({'"T2"': f'"{tier}"'}, quick=False)).axes
@@ -212,7 +218,8 @@ def test_cut_ends_with_two_where_it_cannot_understand(capsys, job, tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [[], ["dig"], ["cut"], ["scene", "job.toml", "--share", "2"], ["scene", "job.toml", "--share",
-     "half"], ["animate", "job.toml", "--frames", "1"], ["animate", "job.toml", "--out", "a.avi"],
+     "half"], ["animate", "job.toml", "--frames", "1"],
+     ["animate", "job.toml", "--width", "1601"], ["animate", "job.toml", "--out", "a.avi"],
      ["scene", "job.toml", "--out", "a.htm"], ["atlas", "--jobs", "0"],
      ["atlas", "--table", "no/such/folder/atlas.csv"]],
 )  # fmt: skip

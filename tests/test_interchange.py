@@ -7,6 +7,7 @@ import numpy as np
 import PIL.Image
 import pytest
 import pyvista
+from matplotlib import colormaps
 
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
@@ -20,6 +21,7 @@ from tunneller_lib.reporting.interchange import (
     wall_solid,
     write,
 )
+from tunneller_lib.reporting.style import ERROR_SCALE
 from tunneller_lib.reporting.tunnel_scene import SCALAR, tunnel_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
@@ -195,6 +197,24 @@ def test_gif_has_its_frames(tmp_path):
         film.seek(3)
         shown = np.asarray(film.convert("RGB")).astype(int)
     assert np.max(np.abs(shown - pictures[3])) <= 8
+
+
+def test_gif_keeps_the_colours_of_errors(tmp_path):
+    scale = colormaps[ERROR_SCALE](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
+    rng = np.random.default_rng(1)
+    others = np.clip(rng.normal(150, 40, (300, 50, 3)), 0, 255).astype(np.uint8)
+    path = write(tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)])
+    with PIL.Image.open(path) as film:
+        shown = np.asarray(film.convert("RGB"))[0].astype(int)
+    # Half a step of the 64 colours kept, and what Pillow's search is coarser than the nearest.
+    assert np.max(np.abs(shown - scale[0])) <= 6 + 4
+
+
+def test_gif_keeps_white_white(tmp_path):
+    pictures = [np.full((30, 30, 3), 255, np.uint8) for _ in range(2)]
+    pictures[1][5:9, 5:9] = 252
+    with PIL.Image.open(write(tmp_path / "run.gif", pictures)) as film:
+        assert np.all(np.asarray(film.convert("RGB")) == 255)
 
 
 def test_png_comes_back(tmp_path):

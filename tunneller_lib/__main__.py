@@ -60,8 +60,12 @@ def parser():
                            help="under build/ unless told")  # fmt: skip
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
-    film.add_argument("--frames", type=at_least(2), default=60, help="how many; 60 unless told")
-    film.add_argument("--width", type=at_least(64), default=800, help="in pixels, at most 1600")
+    film.add_argument(
+        "--frames", type=between(2, 10_000), default=60, help="how many; 60 unless told"
+    )
+    film.add_argument(
+        "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
+    )
 
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
     added.add_argument("--folder", type=Path, default=Path("build/atlas"),
@@ -69,7 +73,9 @@ def parser():
     added.add_argument("--table", type=table, default=Path("notebooks/atlas.csv"),
                        help="the summary")  # fmt: skip
     added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
-    added.add_argument("--jobs", type=at_least(1), help="local processes, one a core unless told")
+    added.add_argument(
+        "--jobs", type=between(1, 10_000), help="local processes, one a core unless told"
+    )
     return whole
 
 
@@ -91,12 +97,12 @@ def share(text):
     return float(text)
 
 
-def at_least(least):
-    """Return the type of a whole number that isn't below `least`."""
+def between(least, most):
+    """Return the type of a whole number from `least` to `most`."""
 
     def whole_number(text):
-        if int(text) < least:
-            raise argparse.ArgumentTypeError(f"must be at least {least}; got {text}.")
+        if not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"must be from {least} to {most}; got {text}.")
         return int(text)
 
     return whole_number
@@ -116,7 +122,7 @@ def read(options):
     job = read_job(options.job)
     plan, start = job.planned, time.monotonic()
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
-    n, m = (job.wall.get(name, ray) for name, ray in (("along", 200), ("around", 360)))
+    n, m = job.wall["along"], job.wall["around"]
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
     deviation = job.cut.deviation
     say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
@@ -140,9 +146,9 @@ def run_scene(options):
     """Write the scene at a share of the run."""
     from .reporting import interchange, tunnel_scene
 
-    cut = read(options).cut
-    tick = round(options.share * (len(cut.centres) - 1))
-    plotter = tunnel_scene.tunnel_scene(cut, tick)
+    job = read(options)
+    tick = round(options.share * (len(job.cut.centres) - 1))
+    plotter = tunnel_scene.tunnel_scene(job.cut, tick, limit=job.limit)
     out = options.out or Path("build") / f"{options.job.stem}.html"
     return {"files": [str(interchange.write(out, plotter))]}
 
@@ -151,10 +157,11 @@ def run_animate(options):
     """Write the pictures of the run."""
     from .reporting import interchange, tunnel_scene
 
-    cut = read(options).cut
+    job = read(options)
     out = options.out or Path("build") / f"{options.job.stem}.gif"
-    pictures = tunnel_scene.frames(cut, options.frames, width=options.width)
-    return {"files": [str(interchange.write(out, counted(pictures, options.frames)))]}
+    count, width = options.frames, options.width
+    pictures = tunnel_scene.frames(job.cut, count, width=width, limit=job.limit)
+    return {"files": [str(interchange.write(out, counted(pictures, count)))]}
 
 
 def counted(pictures, count):

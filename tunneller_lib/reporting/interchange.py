@@ -7,6 +7,7 @@ millimetres as most programs take them.
 import re
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import PIL.Image
 import pyvista
@@ -16,6 +17,7 @@ from ..motion.export import csv
 from ..ream import Plan, standing
 from ..surfaces import Arc, Section
 from .files import beside
+from .style import ERROR_SCALE
 
 JOINTS = "theta", "phi"
 MM = 1000.0
@@ -226,8 +228,13 @@ def _png(path, pixels):
 
 
 def _gif(path, pictures, milliseconds=80):
-    """Write pictures, all in the colours of the last, which shows the most."""
+    """Write pictures in 255 colours, those of the error scale and of the last picture's rest."""
     pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
-    palette = pictures[-1].quantize(255, dither=PIL.Image.Dither.NONE)
+    scale = matplotlib.colormaps[ERROR_SCALE](np.linspace(0, 1, 64), bytes=True)[:, :3]
+    others = pictures[-1].quantize(190, dither=PIL.Image.Dither.NONE).getpalette()
+    others = np.reshape(others, (-1, 3))
+    others = others[others.max(axis=1) < 248]  # nothing that white paper would be mistaken for
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *np.concatenate([scale, others]).ravel().tolist()])
     pictures = [p.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for p in pictures]
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=milliseconds, loop=0)

@@ -84,10 +84,15 @@ class Job:
         """Return the `Pose` that the machine has and doesn't know of, or None."""
         return Pose(**self.pose) if self.pose else None
 
+    @property
+    def limit(self):
+        """Return the over-break at which the colours of pictures end, in m."""
+        return 1.5 * self.plan["tolerance"]
+
     @cached_property
     def cut(self):
         """Return the simulated `Cut`, or raise ValueError with the reason against it."""
-        about = {"along": 200, "around": 360, **self.wall}
+        about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
         return simulate(self.planned, *self.axes, pose=self.error, shape=shape, **about)
 
@@ -129,7 +134,7 @@ def read_job(path):
         controller=controller,
         stance=_read("stance", given["stance"], STANCE),
         pose=_read("pose", given["pose"], POSE),
-        wall=_read("wall", given["wall"], WALL),
+        wall={"along": 200, "around": 360, **_read("wall", given["wall"], WALL)},
     )
 
 

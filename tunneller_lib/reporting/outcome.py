@@ -98,7 +98,9 @@ def write_all(job, folder, numbers, say):
         "section.dxf": lambda: interchange.dxf(curves),
         "wall.vtp": lambda: wall_mesh(cut.wall, plan.circuit),
         "wall.stl": lambda: interchange.wall_solid(cut.wall),
-        "wall.png": lambda: scene.shoot(tunnel_scene(cut, wall=cut.wall), direction=None),
+        "wall.png": lambda: scene.shoot(
+            tunnel_scene(cut, wall=cut.wall, limit=job.limit), direction=None
+        ),
     }
     files = []
     for name, make in makers.items():
