@@ -246,6 +246,15 @@ def test_animate_writes_its_frames(capsys, job, tmp_path):
         assert film.n_frames == 3 and film.size == (160, 100)
 
 
+def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tunneller_lib.__main__.sweep", stop)
+    code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
+    assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
+
+
 def test_help_names_the_commands_and_the_exit_codes(capsys):
     with pytest.raises(SystemExit) as end:
         parser().parse_args(["--help"])

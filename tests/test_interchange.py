@@ -69,7 +69,7 @@ def test_knots_come_back_bit_for_bit():
 
 def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
     for table in (knots_csv, setpoints_csv, setvalues_csv):
-        with pytest.raises((ValueError, AttributeError)):
+        with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got None\.$"):
             table(None)
     text = "# tick_s = 0.005\ntick,theta,phi\n0,1,2\n1,2\n"
     with pytest.raises(ValueError, match=r"^text: row 2 has 2 numbers under 3 names\.$"):

@@ -25,6 +25,9 @@ def main(arguments=None):
     options = parser().parse_args(arguments)
     try:
         answer = options.run(options)
+    except KeyboardInterrupt:
+        say("interrupted")
+        return 130
     except (ValueError, OSError) as error:
         from .reporting.job import WrongJob
 
@@ -60,9 +63,7 @@ def parser():
                            help="under build/ unless told")  # fmt: skip
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
-    film.add_argument(
-        "--frames", type=between(2, 10_000), default=60, help="how many; 60 unless told"
-    )
+    film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 unless told")
     film.add_argument(
         "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )

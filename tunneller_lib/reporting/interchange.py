@@ -26,9 +26,11 @@ WHOLE_TURN = 2 * np.pi - 1e-9  # from here on an arc is a circle, in rad
 
 def knots_csv(plan):
     """Return the knots of a plan as a table: arc lengths in m and joint positions in counts."""
-    counts = np.rint(plan.circuit.position(plan.knots) / plan.count).astype(np.int64)
+    circuit = instance("plan", plan, Plan).circuit
+    counts = np.rint(circuit.position(plan.knots) / plan.count).astype(np.int64)
     places = [[repr(float(s))] for s in plan.knots]
-    return _described(plan, "knots", "s", _columns("knot", ["s", *JOINTS], places, counts))
+    what = "knots: s in m along the offset section, theta and phi in counts"
+    return _described(plan, what, _columns(["knot", "s", *JOINTS], places, counts))
 
 
 def setpoints_csv(plan):
@@ -36,33 +38,28 @@ def setpoints_csv(plan):
 
     The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
     """
-    ticks = np.append(0, plan.ticks)[:, None].tolist()
-    text = _columns("setpoint", ["ticks", *JOINTS], ticks, plan.counts)
-    return _described(plan, "set-points", "ticks", text)
+    ticks = np.append(0, instance("plan", plan, Plan).ticks)[:, None].tolist()
+    what = "set-points of a lap: ticks of the move to each, theta and phi in counts"
+    return _described(plan, what, _columns(["setpoint", "ticks", *JOINTS], ticks, plan.counts))
 
 
 def setvalues_csv(plan):
     """Return the set-values of a lap as a table, whole numbers: tick and joint positions."""
-    values = np.rint(plan.setvalues / plan.count).astype(np.int64)
-    return _described(plan, "set-values", "tick", csv(values, JOINTS).replace(" ", ","))
+    values = np.rint(instance("plan", plan, Plan).setvalues / plan.count).astype(np.int64)
+    what = "set-values of a lap: theta and phi in counts"
+    return _described(plan, what, csv(values, JOINTS).replace(" ", ","))
 
 
-def _columns(first, names, left, counts):
+def _columns(names, left, counts):
     """Return numbered rows under their heading, parted by commas."""
     rows = ([i, *a, *b] for i, (a, b) in enumerate(zip(left, counts.tolist())))
-    return "\n".join(",".join(map(str, row)) for row in ([first, *names], *rows)) + "\n"
+    return "".join(",".join(map(str, row)) + "\n" for row in (names, *rows))
 
 
-def _described(plan, what, column, text):
+def _described(plan, what, text):
     """Return a table under the lines that say what it is."""
-    instance("plan", plan, Plan)
-    meanings = {"s": "s in m along the offset section; ", "ticks": "", "tick": ""}
     return "".join(f"# {line}\n" for line in (
-        f"{what} of one lap, by tunneller_lib",
-        f"{meanings[column]}theta and phi in counts; the rest whole numbers",
-        f"tick_s = {plan.tick!r}",
-        f"count_rad = {plan.count!r}",
-        f"laps = {plan.laps}",
+        what, f"tick_s = {plan.tick!r}", f"count_rad = {plan.count!r}", f"laps = {plan.laps}",
         f"advance_m = {plan.advance!r}",
     )) + text  # fmt: skip
 
