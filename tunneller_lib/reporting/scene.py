@@ -44,13 +44,15 @@ def scene(*, parallel=True):
     return plotter
 
 
-def surface(points):
+def surface(points, values=None):
     """Return a smooth mesh through a grid of points.
 
     Parameters
     ----------
     points : (n, m, 3) float
         Points of a surface, in m; rows that end where they began are joined.
+    values : dict of str to (n, m) float, optional
+        What colours it: scalars of the mesh, by name.
 
     Returns
     -------
@@ -73,7 +75,9 @@ def surface(points):
     if points.ndim != 3 or points.shape[-1] != 3:
         raise ValueError(f"points: must be a grid (n, m, 3); got {points.shape}.")
     grid = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
-    return grid.extract_surface(algorithm="geometry").clean()
+    for name, scalars in (values or {}).items():
+        grid[name] = np.ravel(scalars, order="F")
+    return grid.extract_surface(algorithm="geometry", pass_pointid=False, pass_cellid=False).clean()
 
 
 def curve(points, radius, values=None):
@@ -153,8 +157,8 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     ----------
     plotter : pyvista.Plotter
         The scene; it is closed afterwards.
-    direction : (3,) float
-        From the middle of the scene towards the camera.
+    direction : (3,) float or None
+        From the middle of the scene towards the camera; None for a camera that is set already.
     up : (3,) float
         What points up in the picture.
     zoom : float
@@ -165,8 +169,9 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     pixels : (n, m, 3) uint8
         Red, green, blue.
     """
-    plotter.view_vector(direction, viewup=up)
-    plotter.camera.zoom(zoom)
+    if direction is not None:
+        plotter.view_vector(direction, viewup=up)
+        plotter.camera.zoom(zoom)
     pixels = plotter.screenshot(return_img=True)
     plotter.close()
     return crop(pixels)
