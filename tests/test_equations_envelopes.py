@@ -11,16 +11,14 @@ from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RUL
 from tests.shapes import directions
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.blade import BladeRing, cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
-    cone_vertex,
-    conic,
     contact_point,
     isotropic_derivatives,
     normal,
-    osculating_conic,
     plane_to_point,
     sphere_point,
 )  # fmt: skip
