@@ -117,7 +117,7 @@ def pieces(points, keep):
     start = np.argmin(keep)  # so that no part is cut in two
     points, keep = np.roll(points, -start, axis=0), np.roll(keep, -start)
     parts = np.split(points, np.flatnonzero(np.diff(keep)) + 1)
-    return [part for part in parts[keep[0] == 0 :: 2] if len(part) > 1]
+    return [part for part in parts[int(not keep[0]) :: 2] if len(part) > 1]
 
 
 def ball(centre, radius):
