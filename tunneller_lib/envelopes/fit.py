@@ -77,8 +77,8 @@ def fit_planes(contact, n, *, scale, degree=6):
     orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
     if len(planes) < len(orders):
         raise ValueError(f"n: must hold at least {len(orders)} planes; got {len(planes)}.")
-    x, y = planes[:, :2].T / scale
-    basis, z = np.stack([x**i * y**j for i, j in orders], axis=-1), planes[:, 2]
+    px, py = (np.vander(c / scale, degree + 1, increasing=True).T for c in planes[:, :2].T)
+    basis, z = np.stack([px[i] * py[j] for i, j in orders], axis=-1), planes[:, 2]
     weight = np.ones(len(z))
     for _ in range(ROUNDS):
         root = np.sqrt(weight)
