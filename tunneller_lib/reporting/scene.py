@@ -103,6 +103,27 @@ def curve(points, radius, values=None):
     return line.tube(radius=radius, n_sides=12)
 
 
+def rectangle(middle, a, b):
+    """Return a mesh of a rectangle, its middle (3,) and half its sides as vectors (3,), in m."""
+    return surface([[middle - a - b, middle - a + b], [middle + a - b, middle + a + b]])
+
+
+def pieces(points, keep):
+    """Return the parts of a closed curve's points (n, 3) where `keep` (n,) is True, as a list.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.arange(8)[:, None] * np.ones(3)
+    >>> [part[:, 0].tolist() for part in pieces(points, np.array([1, 1, 0, 0, 1, 1, 0, 1]) > 0)]
+    [[4.0, 5.0], [7.0, 0.0, 1.0]]
+    """
+    start = np.argmin(keep)  # so that no part is cut in two
+    points, keep = np.roll(points, -start, axis=0), np.roll(keep, -start)
+    parts = np.split(points, np.flatnonzero(np.diff(keep)) + 1)
+    return [part for part in parts[int(not keep[0]) :: 2] if len(part) > 1]
+
+
 def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
@@ -142,12 +163,29 @@ def arrow(start, vector, radius):
 def beside(*pictures):
     """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
     height = max(len(picture) for picture in pictures)
-    padded = []
-    for picture in pictures:
-        above = (height - len(picture)) // 2
-        below = height - len(picture) - above
-        padded.append(np.pad(picture, ((above, below), (0, 0), (0, 0)), constant_values=255))
-    return np.concatenate(padded, axis=1)
+    return np.concatenate([_padded(p, height, p.shape[1]) for p in pictures], axis=1)
+
+
+def rows(pictures, columns):
+    """Return pictures (n, m, 3) in rows of so many on white, each in the middle of its place.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rows([np.zeros((4, 6, 3)), np.zeros((2, 3, 3)), np.ones((4, 6, 3)), np.ones((1, 1, 3))],
+    ...      columns=2).shape
+    (8, 12, 3)
+    """
+    height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
+    padded = [_padded(picture, height, width) for picture in pictures]
+    places = range(0, len(padded), columns)
+    return np.concatenate([np.concatenate(padded[i : i + columns], axis=1) for i in places])
+
+
+def _padded(picture, height, width):
+    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape)]
+    rest = [size - had - gap for size, had, gap in zip((height, width), picture.shape, gaps)]
+    return np.pad(picture, (*zip(gaps, rest), (0, 0)), constant_values=255)
 
 
 def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
