@@ -8,7 +8,7 @@ HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND
 	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report test lab atlas bench format lock clean
+.PHONY: help environment report site test lab atlas bench format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -18,6 +18,9 @@ environment:
 
 report: environment ## run the notebooks that changed, then make report/report.pdf
 	@$(HEADLESS) $(BIN)/python -m report.build
+
+site: report ## the notebooks and the report as web pages, build/site/index.html
+	@$(BIN)/python -m report.site
 
 test: environment ## run every test, doctest and notebook, and the linter
 	@$(BIN)/ruff check
