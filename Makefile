@@ -26,8 +26,9 @@ test: environment ## run every test, doctest and notebook, and the linter
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
 
-lab: environment ## open JupyterLab on the notebooks
-	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
+lab: environment ## open JupyterLab on the index of the notebooks
+	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
+		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
 	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas

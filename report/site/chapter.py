@@ -109,11 +109,11 @@ class Chapter:
         return [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
 
     def scene(self, name):
-        place = f"{self.to_root}scenes/"
-        said = attribute(f"Scene to turn: {self.heading}")
+        said = attribute(self.heading)
         return (
-            f'<div class="scene" data-scene="{name}" data-place="{place}">'
-            f'<button type="button" aria-label="{said}">Turn it in 3-D</button></div>\n'
+            f'<div class="scene" data-scene="{name}" data-said="{said}">'
+            f'<button type="button" aria-label="Turn in 3-D: {said}">Turn it in 3-D</button>'
+            "</div>\n"
         )
 
     def value(self, text):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import trame_vtk.tools
 
+ICON = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
 VIEWER = re.compile(r'<script type="module">(.*?)</script>', re.S)
 
 
@@ -24,7 +25,8 @@ def name(path):
 def add_viewer(site):
     """Write the viewer, vtk.js in one piece, that comes with the packages."""
     page = Path(trame_vtk.tools.__file__).with_name("static_viewer.html").read_text()
+    if ICON not in page:
+        raise LookupError("The viewer isn't the one whose only address from elsewhere is known.")
+    viewer = VIEWER.search(page)[1].replace(ICON, "data:,")
     # As a module it would be loaded by a server only; its names are kept to itself.
-    site.write(
-        "scenes/viewer.js", f"window.global ??= window;\n(() => {{{VIEWER.search(page)[1]}}})();\n"
-    )
+    site.write("scenes/viewer.js", f"window.global ??= window;\n(() => {{{viewer}}})();\n")

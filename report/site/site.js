@@ -88,6 +88,8 @@ document.addEventListener("click", (event) => {
 });
 
 // ---- scenes: one viewer for all, and a script with the data of each
+const how = "Drag to turn, wheel to come nearer, shift and drag to move";
+
 async function turn(event) {
   const box = event.target.closest(".scene");
   const name = box.dataset.scene;
@@ -96,9 +98,11 @@ async function turn(event) {
   await load(`${root}scenes/${name}.js`);
   const stage = document.createElement("div");
   stage.className = "stage";
-  const how = document.createElement("p");
-  how.textContent = "Drag to turn, wheel to come nearer, shift and drag to move.";
-  box.replaceChildren(stage, how);
+  stage.setAttribute("role", "img");
+  stage.setAttribute("aria-label", `${how}: ${box.dataset.said}`);
+  const told = document.createElement("p");
+  told.textContent = how;
+  box.replaceChildren(stage, told);
   window.OfflineLocalView.load(stage, { base64Str: window.scenes[name] });
 }
 for (const button of document.querySelectorAll(".scene button")) button.addEventListener("click", turn);

@@ -16,6 +16,7 @@ from ..envelopes.isotropic import cone_rulings
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 MARGIN = 20  # px of white left around a picture
+WINDOW = [800, 560]  # px of a scene to turn in a notebook
 
 THEME = pyvista.themes.DocumentTheme()
 THEME.window_size = [1600, 1200]
@@ -148,19 +149,21 @@ def beside(*pictures):
     return np.concatenate(padded, axis=1)
 
 
-def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
-    """Return a picture of a scene, its white border cut off.
+def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, turn=True):
+    """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
 
     Parameters
     ----------
     plotter : pyvista.Plotter
-        The scene; it is closed afterwards.
+        The scene; it is closed afterwards, unless somebody is there to turn it.
     direction : (3,) float
         From the middle of the scene towards the camera.
     up : (3,) float
         What points up in the picture.
     zoom : float
         Above 1 for a closer look.
+    turn : bool
+        Whether to show it to turn, which a picture that a slider renews is not.
 
     Returns
     -------
@@ -171,7 +174,11 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     plotter.camera.zoom(zoom)
     pixels = plotter.screenshot(return_img=True)
     keep(plotter)
-    plotter.close()
+    if turn and get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        plotter.window_size = WINDOW
+        plotter.show()
+    else:
+        plotter.close()
     return crop(pixels)
 
 
