@@ -6,6 +6,7 @@ report/ledger/tunneller.toml.
 """
 
 import math
+import re
 from fractions import Fraction
 from math import floor, trunc
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from tests import soft_float
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib.motion import (
@@ -37,6 +39,8 @@ from tunneller_lib.motion.tasks import (
     schedule,
 )
 from tunneller_lib.paths import project_chord
+from tunneller_lib.reporting import figure
+from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 HALF = Fraction(1, 2)
@@ -132,6 +136,26 @@ def test_equal_increments():
 
 
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
+
+
+def test_float_time():
+    # How long a microcontroller takes can't be had here; how many operations it takes can.
+    rng = np.random.default_rng(4)
+    numbers = (rng.uniform(-2, 2, (5000, 2)) * 2.0 ** rng.integers(-30, 30, (5000, 2))).astype("f4")
+    for a, b in [*numbers, (1.5, -1.5), (0, 2.5), (3, 0), (1, -1 + 2.0**-24), (16777215, 1)]:
+        assert soft_float.value(soft_float.add(soft_float.bits(a), soft_float.bits(b))) == (
+            np.float32(a) + np.float32(b)
+        )
+        assert soft_float.greater(soft_float.bits(a), soft_float.bits(b)) == (a > b)
+    # The listing's error term alone, e > emax, e - cstep and e + nx - nxi, and all whole numbers
+    # of the listing left out, against everything that the integer line does.
+    whole, nx, nxi, emax, minus_one = map(soft_float.bits, (0, 2.5, -2, 0.5, -1))
+    soft_float.Counted.operations, e, ticks = 0, whole, 10
+    for _ in range(ticks):
+        if soft_float.greater(e, emax):
+            e = soft_float.add(e, minus_one)
+        e = soft_float.add(soft_float.add(e, nx), nxi)
+    assert soft_float.Counted.operations > 10 * ticks * sum(operations_a_tick())
 
 
 def test_dda_errors():
@@ -306,13 +330,57 @@ def test_time_axis():
 # ---- 4.4: multitasking ----------------------------------------------------------------------
 
 
-def test_figure_seven():
+def operations_a_tick():
+    """Return additions and comparisons of the exported line's dearest tick, one axis."""
+    tick = structured_text().split("\nELSE\n")[1]
+    dearest = [line for line in tick.splitlines() if "nRest + nRem" not in line
+               and "nSet + nQuot;" not in line]  # fmt: skip
+    additions = sum(line.count(" + ") + line.count(" - ") for line in dearest if ":=" in line)
+    return additions, sum(line.count("IF n") for line in dearest)
+
+
+def test_numerically_efficient():
+    assert operations_a_tick() == (4, 2)  # of which one each counts the ticks, for all axes
+    tick = structured_text().split("\nELSE\n")[1]
+    assert not any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
+    declared = re.findall(r": (\w+);", structured_text())
+    assert set(declared) == {"BOOL", "DINT"}
+    # Bit for bit the exact line, so that nothing is paid for in accuracy.
+    block = FunctionBlock(structured_text())
+    assert line(block, -7, 1000, 37) == [floor(y + HALF) for y in exact(-7, 1000, 37)]
+
+
+def test_two_tasks():
     tasks = [*FAST, Task("segments", 100_000, 30_000)]
     _, jobs = schedule(tasks, 400_000)
     longest = [max(j.done - j.release for j in jobs if j.name == t.name) for t in tasks]
     assert longest == response_times(tasks)
     # The slow task disturbs neither of the fast ones.
     assert longest[:2] == response_times(FAST)
+
+
+def test_figure_seven():
+    # What the substitute draws, row by row, is what the text says of the lost drawing.
+    cost, ticks = 30_000, [20, 22, 18, 20]
+    run = hand_over(FAST, [cost] * 4, ticks)
+    _, ax = figure(height=5)
+    draw_hand_over(ax, FAST, run, ticks)
+    named = [label.get_text() for label in ax.get_yticklabels()]
+    assert named == ["interpolation", "servo", "preparation", "segment", "starved"]
+    drawn = [[path.get_extents().intervalx for path in bars.get_paths()] for bars in ax.collections]
+    spans = dict(zip(named, map(np.array, drawn)))
+    # "running in a fast, high-priority schedule": a set-value each tick, whatever else goes on
+    releases = 5000 * np.arange(len(spans["interpolation"]))
+    np.testing.assert_allclose(spans["interpolation"][:, 0], releases)
+    np.testing.assert_allclose(np.diff(spans["interpolation"]), FAST[0].cost)
+    # "the data for the following line segment": begun with the segment before, ready in time
+    starts, ends = spans["segment"].T
+    begun, ready = spans["preparation"].T
+    np.testing.assert_allclose(begun[1:], np.maximum(ready[:-1], starts[:-1]))
+    assert np.all(ready[1:] <= starts[1:]) and np.array_equal(starts[1:], ends[:-1])
+    assert np.all(ready - begun > cost)  # in the time that the fast tasks leave
+    # Nothing starves but the start-up.
+    np.testing.assert_allclose(spans["starved"], [[0, starts[0]]])
 
 
 def test_preparation_time():

@@ -21,7 +21,7 @@ from tunneller_lib.reporting.interchange import (
     wall_solid,
     write,
 )
-from tunneller_lib.reporting.style import ERROR_SCALE
+from tunneller_lib.reporting.style import ERROR_MAP
 from tunneller_lib.reporting.tunnel_scene import SCALAR, tunnel_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
@@ -200,7 +200,7 @@ def test_gif_has_its_frames(tmp_path):
 
 
 def test_gif_keeps_the_colours_of_errors(tmp_path):
-    scale = colormaps[ERROR_SCALE](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
+    scale = colormaps[ERROR_MAP](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
     rng = np.random.default_rng(1)
     others = np.clip(rng.normal(150, 40, (300, 50, 3)), 0, 255).astype(np.uint8)
     path = write(tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)])

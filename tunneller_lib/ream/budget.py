@@ -8,6 +8,7 @@ from ..arrays import dot, norm
 from ..motion import Compressible, Lag, Rigid, polyline
 from ..motion import simulate as follow
 from ..paths import geodesic_inverse, project_chord
+from .plan import join_knots
 from .sensitivity import (
     geodesic_bend,
     gradient,
@@ -49,12 +50,12 @@ class Fault:
     @property
     def over(self):
         """Return the greatest over-break, in m, at least 0."""
-        return max(float(self.deviation.max()), 0.0)
+        return max(0.0, float(self.deviation.max()))
 
     @property
     def under(self):
         """Return the greatest under-break, in m, at least 0."""
-        return max(float(-self.deviation.min()), 0.0)
+        return max(0.0, float(-self.deviation.min()))
 
     @property
     def rms(self):
@@ -230,14 +231,15 @@ def _segments(plan):
 def _waypoints(plan, geodesic):
     """Return set-points (m + 1, 2) at equal arcs between knots, of geodesics or projected."""
     torus = plan.circuit.machine.torus
-    at = plan.circuit.position(plan.knots)
-    n = (len(plan.s) - 2) // len(at) + 1
-    ends = at, np.roll(at, -1, axis=0)
-    if geodesic:
-        path = geodesic_inverse(torus, *ends).points(n).position
-    else:
-        path = project_chord(torus, *ends, n, spacing="arc")
-    return np.concatenate([path[:, :-1].reshape(-1, 2), at[:1], at[:1]])
+    first = np.searchsorted(plan.s[:-1], [*plan.knots, plan.circuit.profile.perimeter])
+    at, moves = plan.circuit.position(plan.knots), np.diff(first)
+
+    def way(p, q, n):
+        if geodesic:
+            return geodesic_inverse(torus, p, q).points(n).position
+        return project_chord(torus, p, q, n, spacing="arc")
+
+    return np.concatenate([join_knots(at, moves, way), at[:1]])
 
 
 def _between(plan, at):

@@ -23,7 +23,7 @@ class Limits:
     flow : float
         Oil that the pump delivers to both axes together, in m^3/s; needs `axes`.
     valve : float
-        Share of the fully open valve that the steady motion may ask for; needs `axes`.
+        Opening of the valve, 1 at most, that the steady motion may ask for; needs `axes`.
     axes : tuple of Hydraulics, optional
         The axes theta and phi.
 
@@ -95,9 +95,10 @@ class Limits:
         middle = (positions[1:] + positions[:-1]) / 2
         drawn = 0.0
         for axis, rate, angle in zip(self.axes, rates.T, middle.T):
-            full = np.abs(np.where(rate > 0, axis.rate(angle, 1.0), axis.rate(angle, -1.0)))
             (filled, _, _), (emptied, _, _) = axis.sides(angle)
             drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
-            with np.errstate(divide="ignore"):
-                bound = np.minimum(bound, self.valve * full / np.abs(rate))
+            if self.valve < np.inf:
+                fastest = np.abs(axis.rate(angle, np.where(rate > 0, self.valve, -self.valve)))
+                with np.errstate(divide="ignore"):
+                    bound = np.minimum(bound, fastest / np.abs(rate))
         return np.minimum(bound, self.flow / drawn)

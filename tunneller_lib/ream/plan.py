@@ -14,7 +14,10 @@ from .feed import Limits
 
 @dataclass(frozen=True)
 class Plan:
-    """A planned cut, the same in every lap: made by `plan`, which says what its fields mean."""
+    """A planned cut, the same in every lap.
+
+    Made by `plan`, which says what its fields mean.
+    """
 
     circuit: Circuit
     limits: Limits
@@ -64,8 +67,9 @@ class Plan:
         centre = self.circuit.in_tunnel(torus.point(position[..., 0], position[..., 1]))
         if pose is not None:
             centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
-        lap = np.arange(len(centre)) // int(self.ticks.sum())
-        centre[:, 0] -= self.advance * np.minimum(lap, self.laps - 1)
+        # The machine steps in the first tick of the next lap.
+        lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
+        centre[:, 0] -= self.advance * lap
         return centre
 
 
@@ -157,7 +161,7 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
     >>> lap = plan(circuit, Limits(feed=0.1, acceleration=0.5), tolerance=1e-3)
     >>> len(lap.knots), round(lap.lap_time)
-    (36, 38)
+    (36, 31)
     """
     instance("circuit", circuit, Circuit)
     instance("limits", limits, Limits)
@@ -185,19 +189,33 @@ def _setpoints(circuit, knots, step):
     at = circuit.position(ends)
     at[-1] = at[0]
     length = projected_length(torus, at[:-1], at[1:])
-    n = int(np.ceil(length.max() / step)) + 1
-    path = project_chord(torus, at[:-1], at[1:], n, spacing="arc")
-    share = np.arange(n - 1) / (n - 1)
-    s = (ends[:-1, None] + share * np.diff(ends)[:, None]).ravel()
-    setpoints = np.concatenate([path[:, :-1].reshape(-1, 2), at[-1:]])
-    return np.append(s, ends[-1]), setpoints, np.repeat(length / (n - 1), n - 1)
+    moves = np.ceil(length / step).astype(int)
+    s = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], moves)]
+    setpoints = join_knots(at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n,
+                                                                       spacing="arc"))  # fmt: skip
+    return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)
+
+
+def join_knots(knots, moves, way):
+    """Return the positions (m + 1, 2) of so many moves (n,) from each knot (n, 2) to the next.
+
+    The `way` from p to q (k, 2) in points is a function (p, q, points) -> (k, points, 2).
+    """
+    following = np.roll(knots, -1, axis=0)
+    path = np.empty((moves.sum() + 1, 2))
+    first = np.cumsum(moves) - moves
+    for n in np.unique(moves):
+        rows = np.flatnonzero(moves == n)
+        path[first[rows, None] + np.arange(n)] = way(knots[rows], following[rows], n + 1)[:, :-1]
+    path[-1] = knots[0]
+    return path
 
 
 def _ground(circuit, s, advance):
     """Return the ground removed by each metre of the moves between arc lengths s, in m^2."""
     machine, profile = circuit.machine, circuit.profile
-    place = np.searchsorted(profile.blends, (s[1:] + s[:-1]) / 2, side="right") - 1
-    wall = np.array([arc.radius for arc in profile.arcs])[place] + machine.offset
+    with np.errstate(divide="ignore"):
+        wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
     return removed_volume(machine.cutter_radius, 1.0, max(machine.depth, 0.0), wall=wall,
                           pitch=advance or None)  # fmt: skip
 

@@ -19,11 +19,8 @@ def wall_frame(circuit, s):
     """
     normal = circuit.profile.normal(s)
     tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-    place = np.searchsorted(circuit.profile.blends, np.mod(s, circuit.profile.perimeter), "right")
-    radius = np.array([arc.radius for arc in circuit.profile.arcs])
-    curvature = 1 / radius[np.clip(place - 1, 0, len(radius) - 1)]
     axes = circuit.axes[1:]
-    return normal @ axes, tangent @ axes, curvature
+    return normal @ axes, tangent @ axes, circuit.profile.curvature(s)
 
 
 def velocity(torus, q, rate):
@@ -58,7 +55,10 @@ def gradient(circuit, s, q):
 
 
 def joint_bend(circuit, s, q, rate):
-    """Return d^2 f/dt^2 (...) along straight lines in joint space, in m over the rate's s^2."""
+    """Return d^2 f/dt^2 (...) along straight lines in joint space, in m over the rate's s^2.
+
+    At joint positions q and rates (..., 2) where the circuit has the arc lengths s (...).
+    """
     torus = circuit.machine.torus
     normal, tangent, curvature = wall_frame(circuit, s)
     along = dot(velocity(torus, q, rate), tangent)
@@ -67,6 +67,8 @@ def joint_bend(circuit, s, q, rate):
 
 def geodesic_bend(circuit, s, q, direction):
     """Return d^2 f/dl^2 (...) along geodesics of unit directions (..., 3), in 1/m.
+
+    At joint positions q (..., 2) where the circuit has the arc lengths s (...).
 
     The section's curvature less the part that the torus' own bend takes away: the sagitta
     between knots a length l apart is this times l^2/8.
@@ -93,8 +95,8 @@ def rounding_passed(plant, loop, rate):
 
     At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
     loop passes on each one, sampled at the ticks: 1/12 in slow motion, 1/12 Kv T / (2 - Kv T) for
-    T0 in fast motion. Between, the axis answers to the rounding and shifts its phase, which a
-    linear theory can't say.
+    T0 in fast motion. The axis also answers to the rounding and shifts its phase, which a linear
+    theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion, up to a third more between.
     """
     if not loop.count:
         return np.zeros(len(rate))

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,13 +19,22 @@ CHUNK = 50  # ticks after which the removed volume is noted
 
 @dataclass(frozen=True)
 class Cut:
-    """A cut that was simulated: made by `simulate` and `carve`, which say what its fields mean."""
+    """A cut that was simulated.
+
+    Made by `simulate` or `carve`, which say what its fields mean.
+    """
 
     plan: Plan
     track: Track | None
     centres: np.ndarray
     wall: DexelGrid
+    noted: np.ndarray
     removed: np.ndarray
+
+    @property
+    def ends(self):
+        """Return the ends (2,) of the modelled ground along the tunnel's x, in m."""
+        return _ends(self.centres, self.plan.circuit.machine.cutter_radius)
 
     @property
     def deviation(self):
@@ -57,12 +67,17 @@ class Cut:
 
     @property
     def rate(self):
-        """Return the ground removed in a second (chunks,), in m^3/s, CHUNK ticks each."""
-        steps = np.minimum(CHUNK, len(self.centres) - 1 - CHUNK * np.arange(len(self.removed)))
-        return self.removed / (self.plan.tick * steps)
+        """Return the ground removed in a second (k,), in m^3/s, between the ticks `noted`."""
+        return self.removed / (self.plan.tick * np.diff(self.noted))
+
+    @property
+    def lap_volumes(self):
+        """Return the ground removed in each lap (laps,), its step before it included, in m^3."""
+        first = self.noted[:-1] % int(self.plan.ticks.sum()) == 0
+        return np.add.reduceat(self.removed, np.flatnonzero(first))
 
     def power(self, energy):
-        """Return the power at the cutter (chunks,), in W, for a specific `energy` in J/m^3."""
+        """Return the power at the cutter (k,), in W, for a specific `energy` in J/m^3."""
         return energy * self.rate
 
 
@@ -91,7 +106,8 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     -------
     cut : Cut
         ``track`` of the joints; ``centres`` (ticks + 1, 3) of the cutter in the tunnel's frame,
-        in m; ``wall``, what stands; ``removed`` (chunks,), volumes in m^3 of CHUNK ticks each.
+        in m; ``wall``, what stands; ``removed`` (k,), volumes in m^3 between the ticks ``noted``
+        (k + 1,), which are ends of laps and some between.
 
     Raises
     ------
@@ -136,13 +152,17 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
         position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
     centres = plan.centres(position, pose=pose)
     reach = plan.circuit.machine.cutter_radius
-    ends = centres[:, 0].min() - reach, centres[:, 0].max() + reach
+    ends = _ends(centres, reach)
     wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
-    removed = [
-        wall.cut_path(centres[start : start + CHUNK + 1], reach)
-        for start in range(0, len(centres) - 1, CHUNK)
-    ]
-    return Cut(plan, None, centres, wall, np.array(removed))
+    laps = ticks * np.arange(plan.laps)
+    noted = np.append(np.add.outer(laps, np.arange(0, ticks, CHUNK)).ravel(), ticks * plan.laps)
+    removed = [wall.cut_path(centres[a : b + 1], reach) for a, b in pairwise(noted)]
+    return Cut(plan, None, centres, wall, noted, np.array(removed))
+
+
+def _ends(centres, reach):
+    x = centres[:, 0]
+    return float(x.min()) - reach, float(x.max()) + reach
 
 
 def starved(plan, tasks, cost):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import instance, positive
+from ..arrays import instance, norm, positive
 from ..paths.circuit import Circuit
 from ..removal import DexelGrid
 
@@ -97,3 +97,58 @@ def scallop_height(radius, pitch):
     if not np.all(np.abs(pitch) <= 2 * radius):
         raise ValueError(f"pitch: must be at most twice the radius {radius:g} m; got {pitch}.")
     return pitch**2 / 4 / (radius + np.sqrt(radius**2 - pitch**2 / 4))
+
+
+def pass_distance(circuit, s, advance):
+    """Return the distance (...) of passes across their direction, in m, that makes their cusps.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Of the cutter's centre.
+    s : (...) float
+        Arc lengths, in m.
+    advance : float
+        Step of the machine between laps, in m.
+
+    Returns
+    -------
+    pitch : (...) float
+        advance / sqrt(1 + tan^2(lean) rho / (rho + R)) with the lean of the circuit out of the
+        section's plane, the radius rho of the offset section and R of the cutter: on a straight
+        wall advance cos(lean), but the ball also reaches round the bend.
+    """
+    h = 1e-5 * circuit.profile.perimeter
+    move = circuit.in_tunnel(circuit.point(s + h)) - circuit.in_tunnel(circuit.point(s - h))
+    tan = move[..., 0] / norm(move[..., 1:])
+    bent = circuit.profile.curvature(s) * circuit.machine.cutter_radius
+    return positive("advance", advance) / np.sqrt(1 + tan**2 / (1 + bent))
+
+
+def lap_volume(circuit, advance):
+    """Return the ground that a lap removes behind earlier ones, in m^3.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Of the cutter's centre.
+    advance : float
+        Step of the machine between laps, in m, small against the cutter.
+
+    Returns
+    -------
+    volume : float
+        The layer between section and wanted wall over the advance, less the cusps that stay
+        between passes, whose centroids are taken at the wanted wall.
+    """
+    machine, profile = circuit.machine, circuit.profile
+    radius, g = machine.cutter_radius, machine.depth
+    layer = circuit.section.perimeter * g + np.pi * g**2  # Steiner
+    ends = np.linspace(0, profile.perimeter, 4001)
+    s = (ends[1:] + ends[:-1]) / 2
+    half = pass_distance(circuit, s, advance) / 2
+    # The strip down to the bottoms less two sectors and the triangle that the passes take of it.
+    cusp = 2 * half * radius - radius**2 * np.arcsin(half / radius) - half * np.sqrt(
+        (radius - half) * (radius + half))  # fmt: skip
+    bent = 1 + radius * profile.curvature(s)
+    return float(advance * (layer - np.sum(cusp / (2 * half) * bent * np.diff(ends))))

@@ -17,7 +17,7 @@ from ..motion.export import csv
 from ..ream import Plan, standing
 from ..surfaces import Arc, Section
 from .files import beside
-from .style import ERROR_SCALE
+from .style import ERROR_MAP
 
 JOINTS = "theta", "phi"
 MM = 1000.0
@@ -227,7 +227,7 @@ def _png(path, pixels):
 def _gif(path, pictures, milliseconds=80):
     """Write pictures in 255 colours, those of the error scale and of the last picture's rest."""
     pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
-    scale = matplotlib.colormaps[ERROR_SCALE](np.linspace(0, 1, 64), bytes=True)[:, :3]
+    scale = matplotlib.colormaps[ERROR_MAP](np.linspace(0, 1, 64), bytes=True)[:, :3]
     others = pictures[-1].quantize(190, dither=PIL.Image.Dither.NONE).getpalette()
     others = np.reshape(others, (-1, 3))
     others = others[others.max(axis=1) < 248]  # nothing that white paper would be mistaken for

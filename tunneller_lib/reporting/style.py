@@ -34,9 +34,7 @@ COLOURS = {
     "plane": "#CC79A7",
 }
 
-# How far a wall is from the wanted one: red where too much is gone, blue where too little, white
-# where it is right; red and blue are apart for the colour-blind, too.
-ERROR_SCALE = "RdBu_r"
+ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
 
 STYLE = {
     "font.size": 9,

@@ -11,7 +11,7 @@ from ..ream import Cut, overbreak, standing
 from ..removal import DexelGrid
 from . import scene
 from .machine_model import machine_model
-from .style import COLOURS, ERROR_SCALE
+from .style import COLOURS, ERROR_MAP
 
 SCALAR = "over-break / mm"
 BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
@@ -122,7 +122,7 @@ def posed_machine(cut, tick):
         should is shifted as a whole to its cutter's centre.
     """
     plan, centre = cut.plan, cut.centres[tick]
-    circuit, lap = plan.circuit, min(tick // int(plan.ticks.sum()), plan.laps - 1)
+    circuit, lap = plan.circuit, max(tick - 1, 0) // int(plan.ticks.sum())
     unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
@@ -177,7 +177,7 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     plotter.view_vector(VIEW, viewup=(0, 0, 1))
     plotter.camera.zoom(ZOOM)
     plotter.add_mesh(
-        wall_mesh(wall, circuit, opened=opened), scalars=SCALAR, cmap=ERROR_SCALE,
+        wall_mesh(wall, circuit, opened=opened), scalars=SCALAR, cmap=ERROR_MAP,
         clim=(-limit, limit), below_color=COLOURS["tunnel"], show_scalar_bar=bar,
         reset_camera=False, scalar_bar_args=dict(BAR),
     )  # fmt: skip

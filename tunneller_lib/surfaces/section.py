@@ -66,10 +66,19 @@ class Section:
         """Return the outward unit normals (..., 2) = (y, z) at arc lengths s (...), in m."""
         return self._locate(s)[1]
 
-    def _locate(self, s):
+    def curvature(self, s):
+        """Return the curvatures (...), in 1/m, at arc lengths s (...), in m; 0 on lines."""
+        return 1 / np.array([arc.radius for arc in self.arcs])[self._place(s)[1]]
+
+    def _place(self, s):
+        """Return arc lengths (...) within one round, and the indices of the pieces there."""
         s = np.mod(real("s", s), self.perimeter)
+        index = np.searchsorted(self.blends, s, side="right") - 1
+        return s, np.clip(index, 0, len(self.arcs) - 1)
+
+    def _locate(self, s):
+        s, index = self._place(s)
         blends = self.blends
-        index = np.clip(np.searchsorted(blends, s, side="right") - 1, 0, len(self.arcs) - 1)
         point, normal = np.empty((2, *s.shape, 2))
         for k, arc in enumerate(self.arcs):
             here = index == k
