@@ -8,7 +8,7 @@ HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND
 	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report test lab atlas bench format lock clean
+.PHONY: help environment report site test lab browser atlas bench format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -19,12 +19,19 @@ environment:
 report: environment ## run the notebooks that changed, then make report/report.pdf
 	@$(HEADLESS) $(BIN)/python -m report.build
 
+site: report ## the notebooks and the report as web pages, build/site/index.html
+	@$(BIN)/python -m report.site
+
 test: environment ## run every test, doctest and notebook, and the linter
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
 
-lab: environment ## open JupyterLab on the notebooks
-	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
+lab: environment ## open JupyterLab on the index of the notebooks
+	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
+		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
+
+browser: site ## try pages and notebooks in a headless Chromium, where there is one
+	@$(BIN)/python -m pytest tests/browser -s
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
 	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas

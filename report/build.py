@@ -16,6 +16,7 @@ from doit.reporter import ZeroReporter
 from report.compile import ReportFailed, compile_report
 from report.execute import NotebookFailed, run_notebook
 from report.sources import (
+    INDEX,
     ROOT,
     figure_files,
     file_digest,
@@ -72,10 +73,12 @@ DOIT_CONFIG = {
 
 
 def task_notebook():
-    for path in notebooks():
+    every = notebooks()
+    for path in every:
         yield {
             "name": path.stem,
             "actions": [(plainly, [run_notebook, path])],
+            "task_dep": [f"notebook:{n.stem}" for n in every if INDEX == path.stem != n.stem],
             "uptodate": [
                 unchanged(partial(notebook_sources, path), partial(notebook_results, path))
             ],

@@ -29,6 +29,11 @@ def release_date(root=ROOT):
     return datetime.fromisoformat(text).replace(tzinfo=UTC)
 
 
+def inputs(root=ROOT):
+    """Return what the report's source is told from outside."""
+    return {"hash": report_sources(root)[:16], "versions": json.dumps(versions(root))}
+
+
 def compile_report(root=ROOT):
     """Return the report as the bytes of a PDF.
 
@@ -42,13 +47,12 @@ def compile_report(root=ROOT):
     ReportFailed
         If Typst finds an error or gives a warning, such as an unknown font.
     """
-    inputs = {"hash": report_sources(root)[:16], "versions": json.dumps(versions(root))}
     try:
         pdf, warnings = typst.compile_with_warnings(
             root / "report" / "report.typ",
             root=root,
             ignore_system_fonts=True,
-            sys_inputs=inputs,
+            sys_inputs=inputs(root),
             timestamp=release_date(root),
             pdf_standards="a-2b",  # to be kept: fonts, colours and date inside
         )

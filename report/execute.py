@@ -8,7 +8,7 @@ import nbformat
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 
-from report.sources import cells, figure_files, records
+from report.sources import SCENES, cells, figure_files, records, scene_files
 
 CELL_TIMEOUT = 120  # s
 # The same on every machine: no version of Python, nothing that an editor left.
@@ -56,10 +56,12 @@ def execute(notebook, staging):
         resources={"metadata": {"path": str(notebook.parent)}},
     )
     try:
+        places = {
+            "TUNNELLER_RESULTS": str(staging),
+            "TUNNELLER_SCENES": str(staging / SCENES / notebook.stem),
+        }
         # What a notebook says on stderr is among its outputs; the rest is about kernels' sockets.
-        client.execute(
-            env=os.environ | {"TUNNELLER_RESULTS": str(staging)}, stderr=subprocess.DEVNULL
-        )
+        client.execute(env=os.environ | places, stderr=subprocess.DEVNULL)
     except (CellExecutionError, CellTimeoutError, DeadKernelError) as error:
         place = f"{notebook.name}, code cell {len(reached)}"
         raise NotebookFailed(f"{place}: {reason(error)}") from error
@@ -80,7 +82,7 @@ def reason(error):
 def publish(notebook, staging):
     """Move new results into place, file by file, and remove those no longer made."""
     root = notebook.parent.parent
-    old = {records(notebook)[0], *figure_files(notebook)}
+    old = {records(notebook)[0], *figure_files(notebook), *scene_files(notebook)}
     made = [
         path for path in sorted(staging.rglob("*")) if path.is_file() and path.parent != staging
     ]

@@ -8,6 +8,8 @@ from pathlib import Path
 import nbformat
 
 ROOT = Path(__file__).resolve().parent.parent
+INDEX = "00_index"  # the notebook that tells what the others found
+SCENES = Path("build", "scenes")  # what the web pages turn; not committed
 WRITTEN = (".typ", ".toml", ".bib")  # what the report consists of, besides results
 
 
@@ -63,13 +65,23 @@ def figure_files(notebook):
     return [folder / figure["file"] for _, figure in sorted(figures.items())]
 
 
+def scene_files(notebook):
+    """Return the files of the scenes that a notebook left when it was run, by cell."""
+    return sorted((notebook.parent.parent / SCENES / notebook.stem).glob("*.vtksz"))
+
+
 def notebook_sources(notebook):
     """Return the digest of all that the results of a notebook depend on."""
     root = notebook.parent.parent
     code, folders = (root / "tunneller_lib").rglob("*.py"), ("notebooks", "tests/references")
     data = [file for folder in folders for file in sorted((root / folder).glob("*.csv"))]
     shared = [root / "environment.txt", *sorted(code), *data]
-    return digest(json.dumps(cells(notebook)).encode(), file_digest(root, shared).encode())
+    written = [cells(notebook)]
+    if notebook.stem == INDEX:
+        others = [other for other in notebooks(root) if other != notebook]
+        shared += [notebook.with_name("contents.toml"), *(records(n)[0] for n in others)]
+        written += [[n.name, cells(n)[0]] for n in others]
+    return digest(json.dumps(written).encode(), file_digest(root, shared).encode())
 
 
 def notebook_results(notebook):

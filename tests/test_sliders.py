@@ -34,6 +34,13 @@ def test_sliders_without_a_screen_draw_once(monkeypatch, shown):
     assert shown == []
 
 
+def test_sliders_without_a_screen_show_what_has_a_text(monkeypatch, shown):
+    monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
+    sliders(draw, alt="Nothing.", gain=(1.0, 20.0, 10.0))
+    [image] = shown
+    assert image.alt == "Nothing."
+
+
 def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     calls = []

@@ -7,6 +7,7 @@ machine's own sizes, every other shape (frame, tandem cylinders, picks) is the s
 import numpy as np
 import pyvista
 
+from .scene import surface
 from .style import COLOURS
 
 PICKS = 90  # carbide teeth drawn on the cutter
@@ -74,6 +75,33 @@ class _Frame:
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = self.axes, self.origin
         return mesh.transform(matrix, inplace=False)
+
+
+def machine_in_tunnel(machine, section, theta, phi):
+    """Return the parts of the machine where it stands in a tunnel, and the tunnel's far wall.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its sizes and its height.
+    section : Section
+        The tunnel's.
+    theta, phi : float
+        Joint angles in rad.
+
+    Returns
+    -------
+    parts : list of (mesh, dict)
+        As `machine_model` gives them, in the frame of the tunnel, lengths in m.
+    """
+    outline = section.point(np.linspace(0, section.perimeter, 360, endpoint=False))
+    kept = outline[:, 0] > -0.2 * machine.R  # opened on the right, to look inside
+    outline = np.roll(outline, -np.argmin(kept), axis=0)[np.roll(kept, -np.argmin(kept))]
+    along = np.array([-1.6, 1.5])[:, None] * machine.R
+    wall = surface(np.stack(np.broadcast_arrays(along, *outline.T[:, None]), axis=-1))
+    height = (0.0, 0.0, machine.height)
+    posed = [(mesh.translate(height), look) for mesh, look in machine_model(machine, theta, phi)]
+    return [(wall, {"color": COLOURS["tunnel"], "opacity": 0.7}), *posed]
 
 
 def _joints(machine, theta, phi):

@@ -3,8 +3,6 @@
 import numpy as np
 from matplotlib.patches import Circle
 
-from ..paths import geodesic_inverse
-from ..paths.rivals import RIVALS, path_length
 from ..surfaces.torus import FEET
 from .style import COLOURS
 
@@ -135,66 +133,3 @@ def draw_tangent_spheres(ax, torus, m):
     ax.plot(*m[:2], "o", color=COLOURS["chord"])
     ax.annotate("$M$", m[:2], (7, -5), textcoords="offset points", fontsize=8)
     return circles
-
-
-def draw_development(ax, chord, u):
-    """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where to draw.
-    chord : ConeChord
-        The test case, in m.
-    u : (n,) float
-        Fractions of the geodesic at which the path's points are drawn.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The geodesic, the path, the path's points.
-    """
-    around = np.linspace(0, chord.turn, 181)
-    for distance in chord.ends:
-        ax.plot(*chord.cone.development(distance, around).T, color=COLOURS["torus"], lw=0.8)
-    for azimuth in (0.0, chord.turn):
-        ruling = chord.cone.development(np.array([0.0, chord.ends[0]]), azimuth)
-        ax.plot(*ruling.T, color=COLOURS["torus"], lw=0.8)
-    fine = np.linspace(0, 1, 201)
-    lines = ax.plot(*chord.geodesic(fine).T, color=COLOURS["geodesic"], label="geodesic")
-    path = {"color": COLOURS["tangent sphere"]}
-    lines += ax.plot(*chord.path(fine).T, lw=0.8, label="tangent-sphere path", **path)
-    lines += ax.plot(*chord.path(u).T, "o", mfc="white", **path)
-    equal(ax, "development / m", "development / m")
-    return lines
-
-
-def draw_ways(ax, torus, p, q):
-    """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Where to draw.
-    torus : Torus
-        The surface.
-    p, q : (2,) float
-        Joint positions (theta, phi) of the ends, in rad.
-
-    Returns
-    -------
-    artists : list
-        The curves, each labelled with its excess of length.
-    """
-    geodesic, t = geodesic_inverse(torus, p, q), np.linspace(0, 1, 201)
-    ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
-    for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
-        excess = 1e6 * (path_length(torus, RIVALS[name], p, q) / geodesic.length - 1)
-        ways[name] = RIVALS[name](torus, p, q, t), colour, f"longer by {excess:.3g} ppm"
-    artists = []
-    for name, (way, colour, told) in ways.items():
-        theta, phi = np.degrees(way.T)
-        artists += ax.plot(theta, phi, color=COLOURS[colour], label=f"{name}, {told}")
-    ax.set(xlabel="θ / °", ylabel="φ / °")
-    ax.legend()
-    return artists

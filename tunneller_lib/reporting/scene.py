@@ -1,6 +1,7 @@
 """Pictures of surfaces in space, drawn without a screen."""
 
 import os
+from pathlib import Path
 
 # VTK chooses its window when it is imported.
 if "DISPLAY" not in os.environ:
@@ -8,12 +9,14 @@ if "DISPLAY" not in os.environ:
 
 import numpy as np
 import pyvista
+from IPython import get_ipython
 
 from ..envelopes.isotropic import cone_rulings
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 MARGIN = 20  # px of white left around a picture
+WINDOW = [800, 560]  # px of a scene to turn in a notebook
 
 THEME = pyvista.themes.DocumentTheme()
 THEME.window_size = [1600, 1200]
@@ -103,6 +106,27 @@ def curve(points, radius, values=None):
     return line.tube(radius=radius, n_sides=12)
 
 
+def rectangle(middle, a, b):
+    """Return a mesh of a rectangle, its middle (3,) and half its sides as vectors (3,), in m."""
+    return surface([[middle - a - b, middle - a + b], [middle + a - b, middle + a + b]])
+
+
+def pieces(points, keep):
+    """Return the parts of a closed curve's points (n, 3) where `keep` (n,) is True, as a list.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.arange(8)[:, None] * np.ones(3)
+    >>> [part[:, 0].tolist() for part in pieces(points, np.array([1, 1, 0, 0, 1, 1, 0, 1]) > 0)]
+    [[4.0, 5.0], [7.0, 0.0, 1.0]]
+    """
+    start = np.argmin(keep)  # so that no part is cut in two
+    points, keep = np.roll(points, -start, axis=0), np.roll(keep, -start)
+    parts = np.split(points, np.flatnonzero(np.diff(keep)) + 1)
+    return [part for part in parts[int(not keep[0]) :: 2] if len(part) > 1]
+
+
 def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
@@ -142,27 +166,46 @@ def arrow(start, vector, radius):
 def beside(*pictures):
     """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
     height = max(len(picture) for picture in pictures)
-    padded = []
-    for picture in pictures:
-        above = (height - len(picture)) // 2
-        below = height - len(picture) - above
-        padded.append(np.pad(picture, ((above, below), (0, 0), (0, 0)), constant_values=255))
-    return np.concatenate(padded, axis=1)
+    return np.concatenate([_padded(p, height, p.shape[1]) for p in pictures], axis=1)
 
 
-def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
-    """Return a picture of a scene, its white border cut off.
+def rows(pictures, columns):
+    """Return pictures (n, m, 3) in rows of so many on white, each in the middle of its place.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rows([np.zeros((4, 6, 3)), np.zeros((2, 3, 3)), np.ones((4, 6, 3)), np.ones((1, 1, 3))],
+    ...      columns=2).shape
+    (8, 12, 3)
+    """
+    height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
+    padded = [_padded(picture, height, width) for picture in pictures]
+    places = range(0, len(padded), columns)
+    return np.concatenate([np.concatenate(padded[i : i + columns], axis=1) for i in places])
+
+
+def _padded(picture, height, width):
+    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape)]
+    rest = [size - had - gap for size, had, gap in zip((height, width), picture.shape, gaps)]
+    return np.pad(picture, (*zip(gaps, rest), (0, 0)), constant_values=255)
+
+
+def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, turn=True):
+    """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
 
     Parameters
     ----------
     plotter : pyvista.Plotter
-        The scene; it is closed afterwards.
+        The scene; it is closed afterwards, unless somebody is there to turn it.
     direction : (3,) float or None
         From the middle of the scene towards the camera; None for a camera that is set already.
     up : (3,) float
         What points up in the picture.
     zoom : float
         Above 1 for a closer look.
+    turn : bool
+        Whether to show it to turn, which a picture that a slider renews is not.
 
     Returns
     -------
@@ -173,8 +216,44 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
         plotter.view_vector(direction, viewup=up)
         plotter.camera.zoom(zoom)
     pixels = plotter.screenshot(return_img=True)
-    plotter.close()
+    keep(plotter)
+    if turn and get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        plotter.window_size = WINDOW
+        plotter.show()
+    else:
+        plotter.close()
     return crop(pixels)
+
+
+def keep(plotter):
+    """Keep a scene for the web pages, where ``TUNNELLER_SCENES`` names a folder.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene; it is named by the notebook's cell that is running.
+    """
+    if folder := os.environ.get("TUNNELLER_SCENES"):
+        for actor in plotter.actors.values():
+            if isinstance(actor, pyvista.Actor):
+                actor.mapper.dataset = light(actor.mapper.dataset)
+        cell = get_ipython().execution_count
+        before = sum(1 for _ in Path(folder).glob(f"{cell:02}-*"))
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        plotter.trame.export_vtksz(Path(folder, f"{cell:02}-{before}.vtksz"))
+
+
+def light(mesh):
+    """Return a mesh that packs well: single precision, without the bits that no screen shows."""
+    if not mesh.length:
+        return mesh
+    packed = mesh.copy()
+    step = 2.0 ** (np.ceil(np.log2(mesh.length)) - 13)
+    packed.points = (np.round(mesh.points / step) * step).astype(np.float32)
+    if "Normals" in mesh.point_data:
+        normals = np.round(mesh.point_data["Normals"] * 64) / 64
+        packed.point_data["Normals"] = normals.astype(np.float32)
+    return packed
 
 
 def crop(pixels):

@@ -8,21 +8,24 @@ from IPython.display import display
 from .record import preview
 
 
-def sliders(draw, **ranges):
+def sliders(draw, *, alt="", **ranges):
     """Draw once, and again whenever a slider is moved.
 
     Parameters
     ----------
     draw : function
         Takes the values by the names of the ranges and returns a drawing or pixels.
+    alt : str
+        What the drawing shows, for those who can't see it. With it a run without a screen shows
+        the drawing too; without, that's left to the one who records it.
     **ranges
         (low, high, start) of each value; whole numbers make a slider of whole numbers.
 
     Returns
     -------
     picture : matplotlib.figure.Figure or (n, m, 3) uint8
-        What was drawn with the start values. In a run without a screen, told by
-        ``PYVISTA_JUPYTER_BACKEND=static``, that's all.
+        What was drawn with the start values. A run without a screen is told by
+        ``PYVISTA_JUPYTER_BACKEND=static``.
 
     Raises
     ------
@@ -35,8 +38,12 @@ def sliders(draw, **ranges):
     picture = draw(**{name: start for name, (_, _, start) in ranges.items()})
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
-        shown = ipywidgets.interactive_output(lambda **v: display(preview(draw(**v))), controls)
+        shown = ipywidgets.interactive_output(
+            lambda **values: display(preview(draw(**values), alt)), controls
+        )
         display(ipywidgets.VBox([*controls.values(), shown]))
+    elif alt:
+        display(preview(picture, alt))
     return picture
 
 

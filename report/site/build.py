@@ -1,0 +1,145 @@
+"""Put the site together: chapters, report, reference, figures, scenes, search."""
+
+import shutil
+from pathlib import Path
+
+import jinja2
+from pygments.formatters import HtmlFormatter
+
+from report.site.chapter import Chapter, page_name, title
+from report.site.library import Reference, modules, room
+from report.site.markup import plain
+from report.site.paper import captions, report_page, tables
+from report.site.scenes import add_viewer, name, scene_script
+from report.site.search import script, sections
+from report.sources import ROOT, notebooks, report_sources, scene_files
+
+SITE = ROOT / "build" / "site"
+HERE = Path(__file__).parent
+PAGES = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True
+)
+PLACES = [
+    ("Chapters", "index.html"),
+    ("Report", "report.html"),
+    ("PDF", "report.pdf"),
+    ("Library", "library/index.html"),
+]
+
+
+class Site:
+    """A folder of pages, and what the search shall find in them."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.found = []
+        self.origin = f"Made from sources with the digest {report_sources()[:16]}."
+
+    def page(self, address, title, body, *, kind, here=None, **more):
+        """Write a page; `here` names the place in the header that it belongs to."""
+        root = "../" * address.count("/")
+        html = PAGES.get_template("page.html").render(
+            root=root, title=plain(title), body=body, kind=kind, places=PLACES,
+            address=address, here=here or address, footer=self.origin, **more,
+        )  # fmt: skip
+        self.write(address, html)
+        self.found += sections(plain(title), address, body)
+
+    def write(self, address, content):
+        path = self.folder / address
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def build(folder, chosen=None):
+    """Make the site in a folder, which is emptied first.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Where to.
+    chosen : list of pathlib.Path, optional
+        Notebooks that become chapters, all unless told; links to others lead to the index.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    site = Site(folder)
+    shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
+    shutil.copy(ROOT / "report" / "report.pdf", folder)
+    style, body, headings = report_page()
+    add_chapters(site, notebooks() if chosen is None else chosen, captions(body))
+    add_report(site, style, body, headings)
+    add_library(site)
+    style = HtmlFormatter(cssclass="code").get_style_defs(".code")
+    site.write("style.css", style + "\n" + (HERE / "style.css").read_text())
+    site.write("site.js", (HERE / "site.js").read_bytes())
+    site.write("search-index.js", script(site.found))
+
+
+def add_chapters(site, chosen, figure_captions):
+    """Write a page for each notebook, their pictures and scenes."""
+    pages = {notebook.name: page_name(notebook) for notebook in chosen}
+    titles = {page_name(n): f"{n.stem[:2]} {title(n)}" for n in chosen}
+    order, set_tables = list(titles), tables()
+    for notebook in chosen:
+        here = page_name(notebook)
+        root = "../" * here.count("/")
+        scenes = scene_files(notebook)
+        chapter = Chapter(
+            notebook, lambda url, root=root: follow(url, pages, root), root,
+            [name(path) for path in scenes], set_tables, figure_captions,
+        )  # fmt: skip
+        body = chapter.html()
+        contents = [entry(titles[page], root + page, here=page == here) for page in order]
+        at = order.index(here)
+        near = {
+            side: entry(titles[order[i]], root + order[i])
+            for side, i in (("before", at - 1), ("after", at + 1))
+            if 0 <= i < len(order)
+        }
+        site.page(
+            here, title(notebook), body, kind="chapter", here="index.html",
+            contents=contents, contents_name="Chapters", **near,
+        )  # fmt: skip
+        for file, content in chapter.pictures.items():
+            site.write(f"figures/{file}", content)
+        for path in scenes:
+            site.write(f"scenes/{name(path)}.js", scene_script(path))
+    add_viewer(site)
+
+
+def follow(url, pages, root):
+    """Return where a link of a notebook leads on the site."""
+    name, hash_, anchor = url.rpartition("/")[2].partition("#")
+    if url.endswith("report.pdf"):
+        return f"{root}report.pdf"
+    if name.endswith(".ipynb"):
+        return root + pages.get(name, "index.html") + hash_ + anchor
+    return url
+
+
+def add_report(site, style, body, headings):
+    """Write the report's page."""
+    contents = [entry(plain(text), f"#{name}", level=level) for level, name, text in headings]
+    site.page(
+        "report.html", "Report", body, kind="report", style=style, contents=contents,
+        contents_name="Sections",
+    )  # fmt: skip
+
+
+def add_library(site):
+    """Write the reference's pages."""
+    reference = Reference(modules())
+    home = "library/index.html"
+    site.page(home, "The library", reference.index(), kind="library")
+    for module in reference.modules:
+        near = [m for m in reference.modules if room(m) == room(module)]
+        contents = [entry(m.short, f"../{m.page}", here=m == module) for m in near]
+        site.page(
+            module.page, module.short, reference.body(module), kind="library", here=home,
+            contents=contents, contents_name=room(module) or "Library",
+        )  # fmt: skip
+
+
+def entry(text, target, **more):
+    """Return a link as the template wants it."""
+    return {"text": text, "target": target, "level": 2, "here": False, **more}

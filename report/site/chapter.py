@@ -1,0 +1,124 @@
+"""A notebook as a page: its prose, code and stored outputs, nothing run."""
+
+import ast
+import base64
+import re
+from html import escape
+
+import nbformat
+
+from report.site.markup import attribute, code, formula, markdown, plain
+from report.sources import INDEX, records
+
+
+def title(notebook):
+    """Return the question that a notebook asks."""
+    return nbformat.read(notebook, as_version=4).cells[0].source.split("\n")[0].lstrip("# ")
+
+
+def page_name(notebook):
+    """Return the page of a notebook, from the site's root."""
+    return "index.html" if notebook.stem == INDEX else f"chapters/{notebook.stem}.html"
+
+
+class Chapter:
+    """What turns one notebook into a page.
+
+    Parameters
+    ----------
+    notebook : pathlib.Path
+        The notebook, with stored outputs.
+    link : function
+        Gives the page's address for a link in the notebook.
+    to_root : str
+        Way from the page to the site's root: empty, or ``"../"``.
+    scenes : list of str
+        Names of the scenes that this notebook made, ``<stem>-<cell>-<n>``.
+    tables : dict
+        Each recorded table's HTML, by notebook and name.
+    captions : dict
+        Each figure's caption in the report as HTML, by file.
+    """
+
+    def __init__(self, notebook, link, to_root, scenes, tables, captions):
+        self.cells = nbformat.read(notebook, as_version=4).cells
+        self.link, self.to_root = link, to_root
+        self.stem, self.scenes = notebook.stem, scenes
+        made = records(notebook)[1]
+        self.figures = {f["alt"]: f["file"] for f in made.get("figures", {}).values()}
+        self.captions = captions
+        self.tables = {
+            repr(t["text"]): tables[notebook.stem, name]
+            for name, t in made.get("tables", {}).items()
+        }
+        self.pictures = {}  # file name: content, of pictures that are in the notebook only
+        self.heading = ""
+
+    def html(self):
+        """Return the page's body."""
+        number, parts = 0, []
+        for cell in self.cells:
+            if cell.cell_type == "markdown":
+                parts.append(self.prose(cell.source))
+            elif cell.cell_type == "code":
+                number += 1
+                parts.append(self.code(cell, number))
+        return "\n".join(parts)
+
+    def prose(self, text):
+        html = markdown(text, self.link)
+        if headings := re.findall(r"<h\d[^>]*>(.*?)</h\d>", html):
+            self.heading = plain(headings[-1])
+        return html
+
+    def code(self, cell, number):
+        source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
+        outputs = "".join(map(self.output, cell.outputs))
+        turning = "".join(map(self.scene, self.scenes_of(number)))
+        return f'<div class="source">{code(source)}</div>\n{outputs}{turning}'
+
+    def output(self, output):
+        if output.output_type == "stream":
+            return f'<pre class="output">{escape(output.text)}</pre>\n'
+        data = output.data
+        if "image/png" in data:
+            alt = output.metadata.get("image/png", {}).get("alt", "")
+            return self.figure(base64.b64decode(data["image/png"]), alt)
+        if "text/markdown" in data:
+            return markdown(data["text/markdown"], self.link)
+        if "text/latex" in data:
+            return f'<div class="output">{formula(data["text/latex"].strip("$"), "block")}</div>\n'
+        return self.value(data["text/plain"])
+
+    def figure(self, content, alt):
+        """Return a picture: the recorded figure, or what only the notebook shows."""
+        if alt in self.figures:
+            file = self.figures[alt]
+            caption = self.captions[file].replace('href="', f'href="{self.to_root}report.html')
+        else:
+            file, caption = f"{self.stem}-{len(self.pictures)}.png", escape(self.heading)
+            self.pictures[file] = content
+        source = f"{self.to_root}figures/{file}"
+        said = attribute(alt or f"Drawing: {self.heading}.")
+        return (
+            f'<figure><a href="{source}"><img src="{source}" alt="{said}" loading="lazy"></a>'
+            f"<figcaption>{caption}</figcaption></figure>\n"
+        )
+
+    def scenes_of(self, number):
+        return [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
+
+    def scene(self, name):
+        said = attribute(self.heading)
+        return (
+            f'<div class="scene" data-scene="{name}" data-said="{said}">'
+            f'<button type="button" aria-label="Turn in 3-D: {said}">Turn it in 3-D</button>'
+            "</div>\n"
+        )
+
+    def value(self, text):
+        """Return a last expression's value; what was recorded as a table is set as one."""
+        try:
+            return self.tables[repr(ast.literal_eval(text))]
+        except (ValueError, SyntaxError, KeyError):
+            return f'<pre class="output">{escape(text)}</pre>\n'

@@ -1,0 +1,60 @@
+"""What a folder of pages leads to: every address in it, and which of them lead nowhere."""
+
+import re
+from html.parser import HTMLParser
+from urllib.parse import unquote, urlsplit
+
+LOADED = re.compile(r"url\(\s*['\"]?([^'\")]+)|@import\s+['\"]([^'\"]+)")
+
+
+class Page(HTMLParser):
+    """The addresses of a page, what it loads, the names it can be entered by."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.loads, self.names, self.unsaid = [], [], {""}, []
+        self.feed(path.read_text())
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.names |= {values[key] for key in ("id", "name") if key in values}
+        if tag == "a" and "href" in values:
+            self.links.append(values["href"])
+        elif "href" in values:
+            self.loads.append(values["href"])
+        if "src" in values:
+            self.loads.append(values["src"])
+        if tag == "img" and not values.get("alt"):
+            self.unsaid.append(values.get("src"))
+        self.loads += [a or b for a, b in LOADED.findall(values.get("style") or "")]
+
+
+def faults(folder):
+    """Return a sentence for each dead link, each load from elsewhere, each picture without text.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        The site; nothing but files below it is looked at.
+    """
+    pages = {path.resolve(): Page(path) for path in sorted(folder.rglob("*.html"))}
+    told = []
+    for path, page in pages.items():
+        name = path.relative_to(folder.resolve())
+        for address in page.links + page.loads:
+            parts = urlsplit(address)
+            if parts.scheme == "data" or (parts.scheme and address in page.links):
+                continue
+            if parts.scheme or parts.netloc:
+                told.append(f"{name} loads {address} from elsewhere")
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            if not target.is_file() or not target.is_relative_to(folder.resolve()):
+                told.append(f"{name} leads to {address}, which isn't there")
+            elif target in pages and unquote(parts.fragment) not in pages[target].names:
+                told.append(f"{name} leads to {address}, a page without that name")
+        told += [f"{name} shows {source} without a text" for source in page.unsaid]
+    for path in sorted(folder.rglob("*.css")):
+        for a, b in LOADED.findall(path.read_text()):
+            told.append(f"{path.name} loads {a or b}")
+    return told

@@ -1,0 +1,83 @@
+"""Text to HTML: a notebook's Markdown with its formulas as MathML, code with its colours."""
+
+import re
+from html import escape
+
+from latex2mathml.converter import convert
+from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import get_lexer_by_name
+
+CODE = HtmlFormatter(cssclass="code")
+FUNCTION = "<mi>(?:sin|cos|tan|arcsin|arccos|arctan|log)</mi>"
+OPERATOR = re.compile(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}<mn>\d</mn></msup>)(?!<mo)")
+
+
+def formula(latex, display="inline"):
+    """Return a formula as MathML, which browsers set and screen readers speak by themselves."""
+    mathml = convert(latex.strip(), display=display)
+    return OPERATOR.sub(r'\1<mspace width="0.17em"/>', mathml)
+
+
+class Renderer(IPythonRenderer):
+    """Markdown as Jupyter reads it; links lead to the pages of the site."""
+
+    def __init__(self, link):
+        super().__init__(escape=False, exclude_anchor_links=True)
+        self.follow = link
+
+    def heading(self, text, level, **attrs):
+        return f'<h{level} id="{anchor(text)}">{text}</h{level}>\n'
+
+    def link(self, text, url, title=None):
+        return super().link(text, self.follow(url), title)
+
+    def block_math(self, body):
+        return formula(body, "block")
+
+    def inline_math(self, body):
+        return formula(body)
+
+
+def markdown(text, link=str):
+    """Return Markdown as HTML, each link's target given by a function of what is written."""
+    return MarkdownWithMath(renderer=Renderer(link)).render(text)
+
+
+def code(text, language="python"):
+    """Return code in colours; ``pycon`` is an example with its answers."""
+    return highlight(text, get_lexer_by_name(language), CODE)
+
+
+def anchor(text):
+    """Return a heading's name in links.
+
+    Examples
+    --------
+    >>> anchor("Noise <em>(Example 32)</em>")
+    'noise-example-32'
+    """
+    return "-".join(re.findall(r"\w+", re.sub(r"<[^>]*>", "", text).lower()))
+
+
+def plain(html):
+    """Return what a page's text says, without its marks.
+
+    Examples
+    --------
+    >>> plain("<p>a<b>b</b></p><p>c</p>")
+    'ab c'
+    """
+    html = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
+    html = re.sub(r"</?(?:p|h\d|li|td|th|tr|dt|dd|div|pre|br|figcaption)\b[^>]*>", " ", html)
+    text = re.sub(r"<[^>]*>", "", html)
+    for name, sign in (("&lt;", "<"), ("&gt;", ">"), ("&quot;", '"'), ("&#39;", "'"),
+                       ("&amp;", "&")):  # fmt: skip
+        text = text.replace(name, sign)
+    return " ".join(text.split())
+
+
+def attribute(text):
+    """Return text as it stands in an attribute's quotation marks."""
+    return escape(text, quote=True)

@@ -1,0 +1,108 @@
+// Search and scenes. Pages are opened as files, where nothing can be fetched: what is wanted
+// late comes as a script.
+"use strict";
+const root = document.body.dataset.root;
+
+function load(address) {
+  return new Promise((done, failed) => {
+    const script = document.createElement("script");
+    script.src = address;
+    script.onload = done;
+    script.onerror = failed;
+    document.head.append(script);
+  });
+}
+
+// ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
+const field = document.getElementById("search");
+const found = document.getElementById("found");
+let loading;
+
+function wordsOf(text) {
+  return text.toLowerCase().normalize("NFKD").match(/[\p{L}\p{N}_]+/gu) || [];
+}
+
+// Sections with every word, or a word that begins with it; those with it in the title first.
+function search(text) {
+  const wanted = wordsOf(text);
+  const { words, sections } = window.searchIndex;
+  const scores = new Map();
+  wanted.forEach((part, n) => {
+    const here = new Map();
+    for (const [word, places] of Object.entries(words)) {
+      if (!word.startsWith(part)) continue;
+      const weight = word === part ? 3 : 1;
+      for (const place of places) here.set(place, Math.max(here.get(place) || 0, weight));
+    }
+    for (const [place, weight] of here) {
+      const title = wordsOf(sections[place][0]).some((word) => word.startsWith(part)) ? 5 : 0;
+      if ((scores.get(place)?.[1] || 0) === n) {
+        scores.set(place, [(scores.get(place)?.[0] || 0) + weight + title, n + 1]);
+      }
+    }
+  });
+  return [...scores]
+    .filter(([, [, count]]) => wanted.length && count === wanted.length)
+    .sort(([a, [x]], [b, [y]]) => y - x || a - b)
+    .map(([place]) => sections[place]);
+}
+
+function entry([title, address, text], wanted) {
+  const link = document.createElement("a");
+  const head = document.createElement("b");
+  const body = document.createElement("span");
+  const start = Math.max(0, text.toLowerCase().indexOf(wanted[0]) - 60);
+  head.textContent = title;
+  body.textContent = (start ? "… " : "") + text.slice(start, start + 170) + " …";
+  link.href = root + address;
+  link.append(head, body);
+  return link;
+}
+
+async function answer() {
+  loading ??= load(root + "search-index.js");
+  await loading;
+  const wanted = wordsOf(field.value);
+  const results = search(field.value);
+  const told = document.createElement("p");
+  told.textContent = results.length ? `${results.length} found` : "Nothing found";
+  found.replaceChildren(...(wanted.length ? [told, ...results.slice(0, 30).map((r) => entry(r, wanted))] : []));
+}
+
+field.addEventListener("input", answer);
+field.form.addEventListener("submit", (event) => event.preventDefault());
+field.form.addEventListener("keydown", (event) => {
+  const links = [field, ...found.querySelectorAll("a")];
+  const at = links.indexOf(document.activeElement);
+  if (event.key === "Escape") {
+    found.replaceChildren();
+    field.focus();
+  } else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
+    const next = links[at + (event.key === "ArrowDown" ? 1 : -1)];
+    if (next) next.focus();
+    event.preventDefault();
+  }
+});
+document.addEventListener("click", (event) => {
+  if (!field.form.contains(event.target)) found.replaceChildren();
+});
+
+// ---- scenes: one viewer for all, and a script with the data of each
+const how = "Drag to turn, wheel to come nearer, shift and drag to move";
+
+async function turn(event) {
+  const box = event.target.closest(".scene");
+  const name = box.dataset.scene;
+  event.target.textContent = "Loading …";
+  if (!window.OfflineLocalView) await load(root + "scenes/viewer.js");
+  await load(`${root}scenes/${name}.js`);
+  const stage = document.createElement("div");
+  stage.className = "stage";
+  stage.setAttribute("role", "img");
+  stage.setAttribute("aria-label", `${how}: ${box.dataset.said}`);
+  const told = document.createElement("p");
+  told.textContent = how;
+  box.replaceChildren(stage, told);
+  window.OfflineLocalView.load(stage, { base64Str: window.scenes[name] });
+}
+for (const button of document.querySelectorAll(".scene button")) button.addEventListener("click", turn);

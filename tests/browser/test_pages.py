@@ -1,0 +1,65 @@
+"""The pages, opened as files: quiet, whole, turned and searched by hand."""
+
+import time
+
+import pytest
+from chromium import wait
+
+from report.site.build import SITE
+
+PAGES = sorted(SITE.rglob("*.html"))
+WITH_SCENES = [page for page in PAGES if 'class="scene"' in page.read_text()]
+
+
+def elsewhere(browser):
+    """Return the requests that left the file system."""
+    return [r for r in browser.requests if not r.startswith(("file:", "data:", "blob:"))]
+
+
+def test_pages_are_there():
+    assert len(PAGES) > 50 and WITH_SCENES, "`make site` makes them"
+
+
+def test_every_page_is_quiet_and_every_link_leads_to_one(browser):
+    browser.requests.clear()
+    opened, linked = set(), set()
+    for page in PAGES:
+        browser.open(page.as_uri())
+        for image in ("i.loading = 'eager'", "i.decode()"):
+            browser.run(f"Promise.all([...document.images].map((i) => {image})).then(() => true)")
+        assert browser.errors == [], page
+        opened.add(page.as_uri())
+        links = browser.run("[...document.links].map((link) => link.href)")
+        linked |= {link.split("#")[0] for link in links if link.startswith("file:")}
+    files = {link for link in linked if not link.endswith(".html")}
+    assert linked - files == opened, "a page that nothing leads to, or a link that leads nowhere"
+    assert elsewhere(browser) == []
+
+
+@pytest.mark.parametrize("page", WITH_SCENES, ids=lambda page: page.stem)
+def test_scene_is_turned(browser, page):
+    browser.requests.clear()
+    browser.open(page.as_uri())
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('.scene canvas')")
+    stage = "document.querySelector('.scene .stage')"
+    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
+    time.sleep(1)
+    before = browser.picture(stage)
+    browser.drag(stage, 150, 60)
+    wait(lambda: (browser.picture(stage) != before).mean() > 0.01, said="another one")
+    assert browser.errors == [] and elsewhere(browser) == []
+
+
+def test_search_is_done_by_keyboard(browser):
+    browser.open((SITE / "index.html").as_uri())
+    browser.run("document.getElementById('search').focus()")
+    browser.send("Input.insertText", text="clairaut")
+    browser.until("document.querySelectorAll('#found a').length > 0")
+    browser.press("ArrowDown", 40)
+    assert browser.run("document.activeElement.closest('#found') !== null")
+    target = browser.run("document.activeElement.href")
+    browser.run("document.activeElement.click()")
+    browser.until(f"location.href === '{target}' && document.readyState === 'complete'")
+    assert "clairaut" in browser.run("document.body.textContent.toLowerCase()")
+    assert browser.errors == []

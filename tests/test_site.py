@@ -1,0 +1,163 @@
+"""The web pages: nothing dead, nothing from elsewhere, every formula set, everything found."""
+
+import json
+import re
+
+import nbformat
+import pytest
+
+from report.site.build import build
+from report.site.chapter import page_name
+from report.site.library import Reference, inline, modules
+from report.site.links import faults
+from report.site.markup import anchor, formula, markdown, plain
+from report.site.paper import captions
+from report.site.search import script, sections, words
+from report.sources import ROOT, notebooks
+
+SOME = [n for n in notebooks() if n.stem[:2] in ("00", "02", "08", "10", "23", "56")]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pages")
+    build(folder, SOME)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def index(site):
+    text = (site / "search-index.js").read_text()
+    return json.loads(text.removeprefix("window.searchIndex = ").rstrip(";\n"))
+
+
+def page(site, number):
+    [notebook] = [n for n in SOME if n.stem.startswith(number)]
+    return (site / page_name(notebook)).read_text()
+
+
+def test_site_has_no_faults(site):
+    assert faults(site) == []
+
+
+def test_site_has_its_parts(site):
+    for name in ("index.html", "report.html", "report.pdf", "library/index.html",
+                 "scenes/viewer.js", "chapters/02_torus.html"):  # fmt: skip
+        assert (site / name).stat().st_size > 1000, name
+
+
+def test_site_sets_every_formula(site):
+    for path in site.glob("chapters/*.html"):
+        prose = re.sub(r"<pre.*?</pre>|<div class=\"source\">.*?</div>", "", path.read_text(),
+                       flags=re.S)  # fmt: skip
+        assert "$" not in plain(prose) and "\\" not in plain(prose), path.name
+    assert page(site, "10").count("<math") > 10
+
+
+def test_site_shows_recorded_figures_with_text_and_caption(site):
+    figure = re.search(r"<figure>.*?</figure>", page(site, "08"), re.S)[0]
+    assert 'src="../figures/cone_spheres.png"' in figure
+    assert 'alt="Half a cone with a small ball' in figure
+    assert re.search(r'<a href="../report.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
+
+
+def test_site_sets_recorded_tables(site):
+    table = re.search(r"<table>.*?</table>", page(site, "08"), re.S)[0]
+    assert "<th>radius as printed</th>" in table and "<td>misprint</td>" in table
+
+
+def test_site_shows_what_the_notebook_prints(site):
+    [notebook] = [n for n in SOME if n.stem.startswith("23")]
+    shown = plain(page(site, "23"))
+    for cell in nbformat.read(notebook, as_version=4).cells:
+        for output in cell.get("outputs", []):
+            if output.output_type == "stream":
+                assert " ".join(output.text.split()) in shown
+
+
+def test_search_finds_sections_that_are_there(site, index):
+    assert all(0 <= n < len(index["sections"]) for ns in index["words"].values() for n in ns)
+    titles = [index["sections"][n][0] for n in index["words"]["clairaut"]]
+    assert any("geodesic" in title.lower() for title in titles)
+    for _, address, _ in index["sections"]:
+        file, _, name = address.partition("#")
+        assert not name or f'id="{name}"' in (site / file).read_text(), address
+
+
+def test_library_has_every_public_name(site):
+    reference = Reference(modules())
+    for module in reference.modules:
+        text = (site / module.page).read_text()
+        for entry in module.entries:
+            assert f'id="{entry.name}"' in text
+    torus = (site / "library/surfaces.torus.html").read_text()
+    assert "<dt>theta, phi : (...) float</dt>" in torus and "array([1., 0., 0.])" in plain(torus)
+
+
+PAGE = '<html><body><h1 id="top">a</h1>{}</body></html>'
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ('<a href="b.html">b</a>', "leads to b.html, which isn't there"),
+        ('<a href="#no">b</a>', "leads to #no, a page without that name"),
+        ('<a href="../../etc/passwd">b</a>', "leads to ../../etc/passwd, which isn't there"),
+        ('<script src="https://a.org/b.js"></script>', "loads https://a.org/b.js from elsewhere"),
+        ('<p style="background: url(//a.org/b.png)">b</p>', "from elsewhere"),
+        ('<img src="data:,">', "without a text"),
+    ],
+)
+def test_faults_are_told(tmp_path, body, told):
+    (tmp_path / "a.html").write_text(PAGE.format(body))
+    [fault] = faults(tmp_path)
+    assert fault.startswith("a.html") and told in fault
+
+
+def test_faults_are_none_where_links_hold(tmp_path):
+    links = '<a href="a.html#top">a</a><a href="https://doi.org/1">paper</a><a href="#top">b</a>'
+    (tmp_path / "a.html").write_text(PAGE.format(links))
+    assert faults(tmp_path) == []
+
+
+def test_formula_keeps_exponents_of_functions():
+    assert "<msup><mi>tan</mi><mn>2</mn></msup><mspace" in formula(r"\tan^2\alpha")
+    assert "<mi>sin</mi><mspace" in formula(r"\sin\alpha")
+
+
+def test_markdown_follows_links_and_names_headings():
+    html = markdown("## A *b*\n[07](07_chord.ipynb), $x^2$", lambda url: url.upper())
+    assert 'id="a-b"' in html and 'href="07_CHORD.IPYNB"' in html and "<msup>" in html
+
+
+def test_plain_leaves_text_alone():
+    assert plain("<p>a &lt; b</p><style>x</style><p>c&amp;d</p>") == "a < b c&d"
+    assert anchor("Where <em>now</em>?") == "where-now"
+
+
+def test_inline_links_what_it_knows_only():
+    html = inline("`Torus` or ``foot`` of *working* sheet", {"Torus": "library/t.html#Torus"})
+    assert html == (
+        '<a href="../library/t.html#Torus"><code>Torus</code></a> or <code>foot</code> of '
+        "<em>working</em> sheet"
+    )
+
+
+def test_captions_lead_into_the_report():
+    body = '<figure id="f"><img src="figures/a.svg"><figcaption>Figure\xa03: b</figcaption>'
+    assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the report: b'}
+
+
+def test_sections_are_cut_at_headings():
+    body = '<h1 id="a">A</h1>one<h2 id="b">B</h2>two'
+    assert list(sections("A", "p.html", body)) == [
+        ("A", "p.html#a", "one"), ("A · B", "p.html#b", "two")
+    ]  # fmt: skip
+    assert words("Bartoň’s 2nd") == ["barton", "s", "2nd"]
+    assert '"one":[0]' in script(list(sections("A", "p.html", body)))
+
+
+def test_no_own_script_or_style_names_an_address():
+    for name in ("site.js", "style.css", "page.html"):
+        assert "//" not in re.sub(r"^\s*//.*$", "", (ROOT / "report/site" / name).read_text(),
+                                  flags=re.M), name  # fmt: skip

@@ -1,0 +1,68 @@
+"""The colours: apart in a print in grey too, and on the pages dark enough to read."""
+
+import re
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from report.sources import ROOT
+from tunneller_lib.reporting import COLOURS
+
+# Lines and bars of one drawing that a reader has to tell apart.
+COMPARED = [
+    ("chord", "geodesic", "tangent sphere"),
+    ("printed", "correct", "error"),
+    ("T0", "T1", "T2", "T3"),
+    ("interpolation", "servo", "preparation"),
+    ("torus", "inner sheet", "tangent sphere"),
+    ("design surface", "cone", "error"),
+]
+
+
+def luminance(colour):
+    """Return the relative luminance of sRGB's definition (IEC 61966-2-1)."""
+    part = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+def lightness(colour):
+    """Return CIE's L*, 0 to 100, of a colour that isn't nearly black."""
+    return 116 * np.cbrt(luminance(colour)) - 16
+
+
+def contrast(a, b):
+    """Return the ratio of WCAG 2, 1 to 21."""
+    light, dark = sorted([luminance(a), luminance(b)], reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize("names", COMPARED, ids="/".join)
+def test_colours_that_are_compared_differ_in_grey(names):
+    for a, b in combinations(names, 2):
+        assert abs(lightness(COLOURS[a]) - lightness(COLOURS[b])) >= 8, (a, b)
+
+
+def test_no_two_colours_that_lines_have_are_the_same_by_mistake():
+    alike = [pair for pair in combinations(COLOURS, 2) if COLOURS[pair[0]] == COLOURS[pair[1]]]
+    assert alike == [("offset", "plane"), ("printed", "generator")]
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return (ROOT / "report" / "site" / "style.css").read_text()
+
+
+def test_text_on_the_pages_can_be_read(sheet):
+    named = dict(re.findall(r"--(\w+): (#\w{6});", sheet))
+    for text in ("ink", "grey", "link"):
+        for ground in ("#ffffff", named["ground"]):
+            assert contrast(named[text], ground) >= 4.5, text
+    assert contrast(named["ink"], named["machine"]) >= 4.5  # the button's
+
+
+def test_verdicts_on_the_pages_can_be_read(sheet):
+    grounds = re.findall(r"\.verdict[^{]*\{[^}]*background: (#\w{6})", sheet)
+    assert len(grounds) >= 5
+    assert min(contrast(ground, "#ffffff") for ground in grounds) >= 4.5

@@ -1,0 +1,170 @@
+"""Plane drawings of paths and lines on the torus and the cone, each on the Axes it is given."""
+
+import numpy as np
+
+from ..paths import competing_geodesics, geodesic_inverse
+from ..paths.rivals import RIVALS, path_length
+from .plot import equal
+from .style import COLOURS
+
+
+def draw_development(ax, chord, u):
+    """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    chord : ConeChord
+        The test case, in m.
+    u : (n,) float
+        Fractions of the geodesic at which the path's points are drawn.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The geodesic, the path, the path's points.
+    """
+    around = np.linspace(0, chord.turn, 181)
+    for distance in chord.ends:
+        ax.plot(*chord.cone.development(distance, around).T, color=COLOURS["torus"], lw=0.8)
+    for azimuth in (0.0, chord.turn):
+        ruling = chord.cone.development(np.array([0.0, chord.ends[0]]), azimuth)
+        ax.plot(*ruling.T, color=COLOURS["torus"], lw=0.8)
+    fine = np.linspace(0, 1, 201)
+    lines = ax.plot(*chord.geodesic(fine).T, color=COLOURS["geodesic"], label="geodesic")
+    path = {"color": COLOURS["tangent sphere"]}
+    lines += ax.plot(*chord.path(fine).T, lw=0.8, label="tangent-sphere path", **path)
+    lines += ax.plot(*chord.path(u).T, "o", mfc="white", **path)
+    equal(ax, "development / m", "development / m")
+    return lines
+
+
+def draw_ways(ax, torus, p, q):
+    """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface.
+    p, q : (2,) float
+        Joint positions (theta, phi) of the ends, in rad.
+
+    Returns
+    -------
+    artists : list
+        The curves, each labelled with its excess of length.
+    """
+    geodesic, t = geodesic_inverse(torus, p, q), np.linspace(0, 1, 201)
+    ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
+    for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
+        excess = 1e6 * (path_length(torus, RIVALS[name], p, q) / geodesic.length - 1)
+        ways[name] = RIVALS[name](torus, p, q, t), colour, f"longer by {excess:.3g} ppm"
+    artists = []
+    for name, (way, colour, told) in ways.items():
+        theta, phi = np.degrees(way.T)
+        artists += ax.plot(theta, phi, color=COLOURS[colour], label=f"{name}, {told}")
+    ax.set(xlabel="θ / °", ylabel="φ / °")
+    ax.legend()
+    return artists
+
+
+def draw_rivals(ax, torus, p, q):
+    """Draw the geodesics that may be the shortest on a ring, unrolled.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface, with r > R.
+    p, q : (2,) float
+        Joint positions (theta, phi) of the ends, in rad.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The geodesics, the shortest first and in colour.
+    """
+    rivals, lines = competing_geodesics(torus, p, q), []
+    for k, way in enumerate(rivals.points(201).position):
+        theta, phi = np.degrees(way.T)
+        style = {"color": COLOURS["geodesic"], "lw": 2} if k == 0 else {"color": "0.55", "lw": 1}
+        lines += ax.plot(theta, phi, **style)
+        at = 155 if rivals.kind[k] == "inner" else 100
+        ax.annotate(f"{rivals.length[k]:.2f} m", (theta[at], phi[at]), fontsize=8, ha="center",
+                    va="center", bbox={"fc": "w", "ec": "none", "pad": 0.8})  # fmt: skip
+    (theta, phi), (theta1, phi1) = np.degrees([p, q])
+    for turn in (0, -360):
+        ax.plot(theta1 + np.array([turn, turn]), phi1 + np.array([0, 360]), "k.")
+        ax.annotate("Q", (theta1 + turn, phi1 - 30), ha="center")
+    ax.plot(theta, phi, "k.")
+    ax.annotate("P", (theta, phi - 32), ha="center")
+    ax.set(xlabel="θ / °", ylabel="φ / °", xticks=range(-180, 181, 60), xlim=(-190, 190))
+    return lines
+
+
+def draw_beside(ax, torus, p, q, *, rules, colours):
+    """Draw how far stand-ins for the geodesic lie beside it.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface.
+    p, q : (2,) float
+        Joint positions (theta, phi) of the ends, in rad.
+    rules : sequence of str
+        Names in `RIVALS`.
+    colours : dict
+        The colour of each.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        One for each rule, in mm over the chord in m.
+    """
+    samples, t = geodesic_inverse(torus, p, q).points(513), np.linspace(0, 1, 65)
+    chord = np.linalg.norm(np.diff(torus.point(*np.transpose([p, q])), axis=0))
+    lines = []
+    for name in rules:
+        off = samples.deviation(RIVALS[name](torus, p, q, t))
+        lines += ax.plot((t - 0.5) * chord, 1000 * off, color=colours[name], label=name)
+    ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
+    ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")
+    return lines
+
+
+def draw_ruling(ax, torus, y, z):
+    """Draw a ruling of the tunnel, and the circles in which its plane y cuts the torus.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    torus : Torus
+        The surface, in m.
+    y, z : float
+        Place of the ruling, which is parallel to x, in m.
+
+    Returns
+    -------
+    dots : list of matplotlib.lines.Line2D
+        Where they meet; the one of greatest x is in colour.
+    """
+    half = np.sqrt(max(torus.R**2 - y**2, 0))
+    turn = np.linspace(0, 2 * np.pi, 361)
+    for radius, sheet in ((torus.r + half, "torus"), (torus.r - half, "inner sheet")):
+        ax.plot(radius * np.cos(turn), radius * np.sin(turn), color=COLOURS[sheet], lw=2)
+    reach = 1.1 * (torus.r + torus.R)
+    ax.plot([-reach, reach], [z, z], color=COLOURS["chord"], lw=1)
+    t = torus.meet_line((0.0, y, z), (1.0, y, z))
+    t = t[np.isfinite(t)]
+    dots = ax.plot(t, np.full_like(t, z), "o", color=COLOURS["chord"])
+    dots += ax.plot(t[-1:], t[-1:] * 0 + z, "o", color=COLOURS["tangent sphere"], ms=8)
+    equal(ax, "x / m (forwards)", "z / m (up)")
+    ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    return dots
