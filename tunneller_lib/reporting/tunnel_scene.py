@@ -122,7 +122,7 @@ def posed_machine(cut, tick):
         should is shifted as a whole to its cutter's centre.
     """
     plan, centre = cut.plan, cut.centres[tick]
-    circuit, lap = plan.circuit, min(tick // int(plan.ticks.sum()), plan.laps - 1)
+    circuit, lap = plan.circuit, max(tick - 1, 0) // int(plan.ticks.sum())
     unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
