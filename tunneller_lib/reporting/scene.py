@@ -1,7 +1,6 @@
 """Pictures of surfaces in space, drawn without a screen."""
 
 import os
-from pathlib import Path
 
 # VTK chooses its window when it is imported.
 if "DISPLAY" not in os.environ:
@@ -12,6 +11,7 @@ import pyvista
 from IPython import get_ipython
 
 from ..envelopes.isotropic import cone_rulings
+from .kept_scene import keep
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
@@ -223,37 +223,6 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
     else:
         plotter.close()
     return crop(pixels)
-
-
-def keep(plotter):
-    """Keep a scene for the web pages, where ``TUNNELLER_SCENES`` names a folder.
-
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-        The scene; it is named by the notebook's cell that is running.
-    """
-    if folder := os.environ.get("TUNNELLER_SCENES"):
-        for actor in plotter.actors.values():
-            if isinstance(actor, pyvista.Actor):
-                actor.mapper.dataset = light(actor.mapper.dataset)
-        cell = get_ipython().execution_count
-        before = sum(1 for _ in Path(folder).glob(f"{cell:02}-*"))
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        plotter.trame.export_vtksz(Path(folder, f"{cell:02}-{before}.vtksz"))
-
-
-def light(mesh):
-    """Return a mesh that packs well: single precision, without the bits that no screen shows."""
-    if not mesh.length:
-        return mesh
-    packed = mesh.copy()
-    step = 2.0 ** (np.ceil(np.log2(mesh.length)) - 13)
-    packed.points = (np.round(mesh.points / step) * step).astype(np.float32)
-    if "Normals" in mesh.point_data:
-        normals = np.round(mesh.point_data["Normals"] * 64) / 64
-        packed.point_data["Normals"] = normals.astype(np.float32)
-    return packed
 
 
 def crop(pixels):
