@@ -162,7 +162,7 @@ def test_bounds_keep_valves_flow_and_volume():
         ({"feed": np.inf}, "feed"),
         ({"acceleration": -1.0}, "acceleration: must be one number above zero"),
         ({"volume": np.nan}, "volume: must be one number above zero"),
-        ({"flow": 1e-4}, "axes: must be given for a limit of oil flow"),
+        ({"flow": 1e-4}, "axes: must be given for a limit of flow"),
         ({"axes": (1, 2)}, "axes: must be of class Hydraulics"),
         ({"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5}, "axes: must be two"),
         ({"axes": reference_axes(REFERENCE_MACHINE), "valve": 3.0}, "valve: must be at most 1"),
