@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from tests import soft_float
+from tests import matlab_listing, soft_float
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib.motion import (
@@ -223,6 +223,11 @@ def test_listing_plot():
     assert run_listing(0, 10, 5, 30, 1, number=float)[1] == PLOT
     found = listing(0, 10, 5, 30, 1)
     assert (found[0].tolist(), found[1].tolist()) == (t, PLOT)
+    program = matlab_listing.run()  # the text itself, in an interpreter that is just enough
+    assert program.drawn[0] == ("plot", t, PLOT, "o")
+    for y1, y2, T in [(30, 5, 1), (-7, 6, HALF), (0, 13, 2)]:
+        program = matlab_listing.run(y1=y1, y2=y2, T=T, number=Fraction)
+        assert program.drawn[0][1:3] == run_listing(0, 10, y1, y2, T)
     # It is the integer line but for its ties.
     assert time_bresenham(5, 30, 10, tie="down").tolist() == PLOT
     assert time_bresenham(5, 30, 10).tolist() == [5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]
@@ -236,6 +241,8 @@ def test_listing_floats():
         _, wanted = run_listing(0, 30, 0, difference, 1)
         _, found = run_listing(0, 30, 0, difference, 1, number=float)
         np.testing.assert_array_equal(listing(0, 30, 0, difference, 1)[1], found)
+        if difference < 20:
+            assert matlab_listing.run(t2=30, y1=0, y2=difference).drawn[0][2] == found
         odd += [difference] if found != wanted else []
         assert time_bresenham(0, difference, 30, tie="down").tolist() == wanted
     assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
@@ -247,6 +254,9 @@ def test_listing_slope():
         assert listing(0, 10, 5, 30, float(T))[1][-1] == end
         t, y = run_listing(0, 10, 5, 30, T, steps_of=T)
         assert (t[-1], y[-1]) == (10, 30)
+        for repaired, last in ((["continuation"], end), (["continuation", "slope"], 30)):
+            program = matlab_listing.run(T=T, number=Fraction, repaired=repaired)
+            assert program.drawn[0][2][-1] == last
         ticks = int(tick_counts([0, 10], float(T))[0])
         assert y == time_bresenham(5, 30, ticks, tie="down").tolist()
 
@@ -290,6 +300,11 @@ def test_listing_ideal_line():
     assert sp.simplify(printed.subs(t, t1) - y1) != 0
     assert sp.simplify(corrected.subs(t, t1) - y1) == sp.simplify(corrected.subs(t, t2) - y2) == 0
     assert sp.simplify(printed.subs(t1, 0) - corrected.subs(t1, 0)) == 0
+    # Run from t1 = 3: the line drawn ends far from the circles, repaired it passes through them.
+    for repaired, off in ((["continuation"], Fraction(75, 7)), (["continuation", "ideal line"], 0)):
+        program = matlab_listing.run(t1=3, number=Fraction, repaired=repaired)
+        circles, ideal = (entry for entry in program.drawn if entry[0] == "plot")
+        assert (ideal[2][0] - circles[2][0], ideal[2][-1] - circles[2][-1]) == (off, off)
 
 
 def test_listing_rectangles():
@@ -297,6 +312,27 @@ def test_listing_rectangles():
     heights = {floor(Fraction(k, 10)): k for k in (25, 10, 7, 0, -7, -25)}
     assert {h for h in heights if h <= 0} == {0, -1, -3}
     assert floor(Fraction(25, 10)) > 0
+    for k, h in ((25, 2), (7, 0), (-7, -1)):
+        drawn = matlab_listing.run(y1=0, y2=k).drawn
+        rectangles = [corner for name, *_, corner in drawn if name == "rectangle"]
+        assert len(rectangles) == 11 and {corner[3] for corner in rectangles} == {h}
+
+
+def test_listing_continuation():
+    # In MATLAB a line that breaks off inside brackets must end in three dots.
+    with pytest.raises(SyntaxError, match=r"rectangle\('Position',$"):
+        matlab_listing.run(repaired=[])
+    matlab_listing.run()
+
+
+def test_listing_thousand_entries():
+    # zeros(1000,1) holds the example; a longer move writes beyond it, where MATLAB lets it grow.
+    assert len(matlab_listing.run().y_array) == 1000 > 11
+    program = matlab_listing.run(t2=1500)
+    assert len(program.y_array) == 1501
+    # The set-values themselves need no array: one at a time comes out of the same few numbers.
+    block = FunctionBlock(structured_text())
+    assert line(block, 5, 30, 1500) == time_bresenham(5, 30, 1500).tolist()
 
 
 def test_listing_axes():
@@ -304,6 +340,7 @@ def test_listing_axes():
     def inside(y1, y2):
         return all(0 <= y <= y2 + 5 for y in run_listing(0, 10, y1, y2, 1)[1])
 
+    assert matlab_listing.run().drawn[-1] == ("axis", [0, 11, 0, 35])
     assert inside(5, 30)
     assert not inside(30, 5) and not inside(-30, -5)
 

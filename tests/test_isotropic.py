@@ -196,6 +196,19 @@ def test_blades_are_turned_copies_on_the_hub():
     np.testing.assert_allclose(np.linalg.norm(first - other, axis=-1), moved)
 
 
+@pytest.mark.parametrize(("s", "slope"), [(0, -0.7), (0.5, -0.1), (1, 0.5)])
+def test_blade_has_its_stagger_twist_camber_and_bow(s, slope):
+    # Unrolled at one height: ends of the chord on a straight line, its middle aside by the camber.
+    radius, bow = 0.06 + 0.03 * s, -0.004 * s**2
+    x, y, z = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, 0.006, -0.004, 6).coordinates(
+        np.full(3, s), np.array([0, 0.5, 1])
+    )
+    arc = radius * np.arctan2(y, x)
+    np.testing.assert_allclose(z, 0.05 * np.cos(slope) * np.array([-0.5, 0, 0.5]), atol=1e-15)
+    ends = 0.025 * np.sin(slope)
+    np.testing.assert_allclose(arc, [-ends + bow, 0.006 + bow, ends + bow], rtol=1e-12)
+
+
 @pytest.mark.parametrize("change", [{"hub": 0}, {"height": -1}, {"chord": np.nan},
                                     {"bow": np.inf}, {"blades": 1}, {"blades": 2.5}])  # fmt: skip
 def test_no_ring_of_wrong_sizes(change):
