@@ -8,7 +8,7 @@ HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND
 	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report site test lab browser atlas bench format lock clean
+.PHONY: help environment report site test lab browser atlas bench mutants format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -39,6 +39,9 @@ atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atla
 bench: environment ## time the library against others, installed for the purpose
 	@$(BIN)/uv pip install --quiet --python $(BIN)/python --group bench
 	@$(HEADLESS) $(BIN)/python -m pytest tests/bench --benchmark-only
+
+mutants: environment ## plant faults in the library and see that the tests notice (an hour or more)
+	@$(HEADLESS) $(BIN)/python tests/mutants.py
 
 format: environment ## put the sources into the common form
 	@$(BIN)/ruff check --fix-only --quiet

@@ -6,13 +6,17 @@ All are functions of two variables in ordinary arithmetic, as `recognise` takes 
 import numpy as np
 
 from tunneller_lib.envelopes import families
-from tunneller_lib.envelopes.families import add, channel, cross, times
-
-
-def helix(s, pitch=0.4):
-    """Return a helix, its velocity and its acceleration."""
-    c, d = np.cos(s), np.sin(s)
-    return [c, d, pitch * s], [-d, c, pitch + 0 * s], [-c, -d, 0 * s]
+from tunneller_lib.envelopes.families import (
+    add,
+    channel,
+    cross,
+    cubic,
+    helicoid,
+    helix,
+    saddle,
+    times,
+    turning,
+)  # fmt: skip
 
 
 def parabola(s):
@@ -22,10 +26,6 @@ def parabola(s):
 def ellipse(s):
     c, d = np.cos(s), np.sin(s)
     return [3 * c, 2 * d, 0 * s], [-3 * d, 2 * c, 0 * s], [-3 * c, -2 * d, 0 * s]
-
-
-def cubic(s):
-    return [s, s**2 / 2, s**3 / 6], [1 + 0 * s, s, s**2 / 2], [0 * s, 1 + 0 * s, s]
 
 
 def wave(s):
@@ -65,16 +65,6 @@ def _hyperboloid(s):
     return [2 * c, d, 0 * s], [-2 * d, c, 0 * s], [-2 * d, c, 1.2 + 0 * s], [-2 * c, -d, 0 * s]
 
 
-def _saddle(s):
-    return [s, 0 * s, 0 * s], [1 + 0 * s, 0 * s, 0 * s], [0 * s, 1 + 0 * s, s], [
-        0 * s, 0 * s, 1 + 0 * s]  # fmt: skip
-
-
-def _helicoid(s):
-    c, d = np.cos(s), np.sin(s)
-    return [0 * s, 0 * s, 0.5 * s], [0 * s, 0 * s, 0.5 + 0 * s], [c, d, 0 * s], [-d, c, 0 * s]
-
-
 def _conoid(s):
     c, d = np.cos(s), np.sin(s)
     return [0 * s, 0 * s, 3 * np.sin(s)], [0 * s, 0 * s, 3 * np.cos(s)], [c, d, 0 * s], [
@@ -93,26 +83,12 @@ def _strip(s):
 
 
 RULED = {
-    "hyperboloid": _hyperboloid, "saddle": _saddle, "helicoid": _helicoid, "conoid": _conoid,
+    "hyperboloid": _hyperboloid, "saddle": saddle, "helicoid": helicoid, "conoid": _conoid,
     "binormals": _binormals, "strip": _strip,
 }  # fmt: skip
 
 
 RATE = -0.25  # rad, by which a half-angle that varies grows with the time
-
-
-def turning(vertex, velocity, lean, rate=1.0, start=1.0):
-    """Return a motion: axes that turn about z at a rate, the first leaning from z by an angle."""
-
-    def motion(v):
-        c, d = np.cos(rate * v + start), np.sin(rate * v + start)
-        p, q = np.cos(lean), np.sin(lean)
-        axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
-        return vertex(v), velocity(v), axes, [0 * v, 0 * v, rate + 0 * v]
-
-    return motion
-
-
 MOTIONS = {
     "rotation": turning(lambda v: [2 * np.cos(v), 2 * np.sin(v), 0 * v],
                         lambda v: [-2 * np.sin(v), 2 * np.cos(v), 0 * v], 1.0),
@@ -121,11 +97,11 @@ MOTIONS = {
     "straight": turning(lambda v: [0 * v, 3 * v, 0 * v],
                         lambda v: [0 * v, 3 + 0 * v, 0 * v], 1.2),
     "parabola": turning(lambda v: [v, v * v, 1 + 0 * v],
-                        lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.7, 0.5),
+                        lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.7, start=0.5),
     "cubic": turning(lambda v: [v, v * v / 2, v**3 / 3],
-                     lambda v: [1 + 0 * v, v, v * v], 1.1, -0.7),
+                     lambda v: [1 + 0 * v, v, v * v], 1.1, start=-0.7),
     "wave": turning(lambda v: [np.sin(v), 2 * v, np.cos(v)],
-                    lambda v: [np.cos(v), 2 + 0 * v, -np.sin(v)], 0.9, 1.5),
+                    lambda v: [np.cos(v), 2 + 0 * v, -np.sin(v)], 0.9, start=1.5),
 }  # fmt: skip
 
 

@@ -130,3 +130,18 @@ def test_in_blocks_is_the_function_itself(shape):
     found = arrays.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, block=4)
     np.testing.assert_array_equal(found, 2 * rows)
     assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
+
+
+@pytest.mark.parametrize("value", [0.0, 1e-100, -1.0, 1e100])
+def test_sizes_and_near_points_take_what_has_a_square(value):
+    assert arrays.sizes("x", value) == value
+    assert arrays.near_points("x", [value] * 3).tolist() == [value] * 3
+
+
+@pytest.mark.parametrize("value", [9e-101, -9e-101, 2e100, 1e-320])
+def test_sizes_and_near_points_refuse_what_has_none(value):
+    with pytest.raises(ValueError, match=r"^x: must be zero or from 1e-100 to 1e[+]100 in size, "):
+        arrays.sizes("x", np.array([1.0, value]))
+    if abs(value) > 1:
+        with pytest.raises(ValueError, match=r"^x: must hold numbers of at most 1e[+]100 in size"):
+            arrays.near_points("x", [1.0, 0, value])

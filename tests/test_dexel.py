@@ -1,11 +1,13 @@
 """Grids of intervals against exact volumes and sets of intervals kept line by line."""
 
+import tracemalloc
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from tunneller_lib.removal import DexelGrid, removed_volume
+from tunneller_lib.removal import lines as grids
 from tunneller_lib.surfaces import Rod
 
 
@@ -147,19 +149,33 @@ def ball_in_wall(n, shift):
     return grid.cut(Rod(shift + BESIDE, shift + BESIDE, 0.4, ends="round"))
 
 
+ALONG, OBLIQUE = np.array([0.3, 0, 0.2]), np.array([0.3, 0.15 * (np.sqrt(5) - 1), 0.2])
+
+
+def capsule_in_block(half):
+    def make(n, shift):
+        grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (n, n))
+        return grid.cut(Rod(shift - half, shift + half, 0.3, ends="round"))
+
+    return make, np.pi * 0.3**2 * (0.4 + 2 * np.linalg.norm(half))
+
+
 @pytest.mark.parametrize(
-    ("make", "volume", "least"),
+    ("make", "volume", "least", "most"),
     [
-        (ball_in_block, 4 / 3 * np.pi * 0.7**3, 1.8),
-        (ball_in_wall, 4 / 3 * np.pi * 0.4**3, 1.8),
-        # Straight sides of the shadow, where the chord begins as a root: 3/2 to 2.
-        (rod_in_block, np.pi * 0.3**2 * 2 * np.sqrt(0.29), 1.5),
+        (ball_in_block, 4 / 3 * np.pi * 0.7**3, 1.8, 2.2),
+        (ball_in_wall, 4 / 3 * np.pi * 0.4**3, 1.8, 2.2),
+        # Straight sides of the shadow: 3/2 along the grid, up to 2 elsewhere.
+        (rod_in_block, np.pi * 0.3**2 * 2 * np.sqrt(0.29), 1.5, 2.2),
+        (*capsule_in_block(ALONG), 1.4, 1.65),
+        (*capsule_in_block(OBLIQUE), 1.75, 2.2),
     ],
+    ids=["ball", "ball on rays", "rod", "capsule along the grid", "capsule oblique"],
 )
-def test_volumes_converge_at_order_two(make, volume, least):
+def test_volumes_converge_at_their_order(make, volume, least, most):
     sizes = np.array([20, 40, 80, 160])
     order = -np.polyfit(np.log(sizes), np.log(errors_of(make, volume, sizes)), 1)[0]
-    assert order > least
+    assert least < order < most
 
 
 def test_groove_has_the_closed_form():
@@ -211,6 +227,36 @@ def test_grid_too_large_is_refused_with_the_size_that_fits():
     assert block(40, 50, memory=64_000).volume == pytest.approx(2 * 2.4 * 2)
 
 
+@pytest.mark.parametrize("radial", [False, True])
+def test_memory_stays_within_what_is_refused_by(radial):
+    # Intervals, room to grow, and the work on one block of lines whatever their number.
+    n, work = (700, 900), 300 * grids.BLOCK
+    tracemalloc.start()
+    grid = wall(*n, inner=0.2, outer=2.0) if radial else block(*n)
+    grid.cut(Rod((0, 0, 0), (0.3, 0.2, 0.4), 0.9))
+    grid.cut_path([[0, 0.1, 0], [0.1, 0.1, 0.1]], 0.95)
+    grid.overlap(Rod((-1, 0, 0), (1, 0, 0), 1.0))
+    assert grid.volume > 0 and grid.splits >= 0
+    grid.cut(Rod((0, 0, 0.9), (0, 0, 0.9), 0.05, ends="round"))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(grid.low) >= 2 and peak < 32 * grid.low.size + work
+
+
+def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
+    # Blocks narrower than a row of the grid, and rows that don't fill a block.
+    for make in (block, wall):
+        whole, parts = make(), make()
+        for shape in rods(np.random.default_rng(5), 15):
+            monkeypatch.undo()
+            removed = whole.cut(shape)
+            monkeypatch.setattr(grids, "BLOCK", 37)
+            assert parts.cut(shape) == pytest.approx(removed, abs=1e-14)
+        np.testing.assert_array_equal(whole.low, parts.low)
+        np.testing.assert_array_equal(whole.high, parts.high)
+        assert parts.volume == pytest.approx(whole.volume, abs=1e-13)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -220,8 +266,17 @@ def test_grid_too_large_is_refused_with_the_size_that_fits():
         (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must be two whole"),
         (lambda: DexelGrid.radial(1, 0, 1, 2, (2, 2)), "start: must be below stop"),
         (lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)), "start: must be below stop"),
-        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one distance"),
-        (lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)), "outer: must be one distance"),
+        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one finite distance"),
+        (
+            lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)),
+            "outer: must be one finite distance",
+        ),
+        (lambda: DexelGrid.radial(0, 1, 1, np.inf, (2, 2)), "outer: must be one finite distance"),
+        (lambda: DexelGrid.radial(0, 1, [np.nan, 1], 2, (2, 2)), "inner: must be one finite"),
+        (
+            lambda: DexelGrid.radial(0, 1, [1, 3], 2, (2, 2)),
+            "inner: must not be above outer on any",
+        ),
         (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
         (lambda: wall().cut("rod"), "rod: must be of class Rod; got 'rod'"),
         (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),

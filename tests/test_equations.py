@@ -82,6 +82,9 @@ def test_joint_ranges():
     degrees = [limits.theta_min, limits.theta_max, limits.phi_min, limits.phi_max]
     assert close(np.degrees(degrees), [-60, 35, -40, 40], 10)
     assert limits.within_limits([0.0, 0.0]) and not limits.within_limits(np.radians([0, -130]))
+    # The printed relation admits poses with the cutter behind the joints, the corrected none.
+    behind = limits.torus.point(0, np.radians(np.arange(-260, 41)))[:, 0] < limits.r
+    assert np.any(behind[:221]) and not np.any(behind[220:])  # up to -40, and from there on
 
 
 def test_ratio_eight_somewhat_less():
@@ -190,6 +193,10 @@ def test_eq01_cited_as_eq02():
     printed = TORUS  # Eq. 2, whose left side is zero already
     on_surface = printed.subs(dict(zip((x, y, z), parametrised())))
     assert zero(on_surface) and not zero(on_surface**2 - squared_eq1)
+    point = Torus(1, 2).point(0.7, 0.4)
+    assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4) and close(
+        Torus(1, 2).implicit(point), 0
+    )
 
 
 def test_eq02_implicit():
@@ -331,6 +338,18 @@ def test_eq05_T2():
     corrected = printed[2] + 2 * t3**2  # 4 t3^2 for 2 t3^2
     truth = line_polynomial().coeff_monomial(t**2)
     assert zero(corrected - truth) and not zero(printed[2] - truth)
+    pairs = itertools.combinations([7, 9, 11, 13], 2)
+    assert by_known_roots(corrected, printed[4]) == sum(p * q for p, q in pairs) == 590
+    assert by_known_roots(printed[2], printed[4]) == 390
+
+
+def by_known_roots(coefficient, leading):
+    """Return a coefficient over the leading one, where the x axis meets the torus (1, 2).
+
+    From x = -10 in steps of 1 it does so at t = 7, 9, 11, 13: at x = -3, -1, 1, 3.
+    """
+    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0)))}
+    return coefficient.subs(line) / leading.subs(line)
 
 
 def test_eq05_T0():
@@ -338,6 +357,9 @@ def test_eq05_T0():
     corrected = t2**2 - 4 * r**2 * (R**2 - a2**2)  # t2^2 for t2
     truth = line_polynomial().coeff_monomial(1)
     assert zero(corrected - truth) and not zero(printed[0] - truth)
+    assert by_known_roots(corrected, printed[4]) == 7 * 9 * 11 * 13
+    assert by_known_roots(printed[0], printed[4]) == 79
+    assert close(Torus(1, 2).meet_line((-10, 0, 0), (-9, 0, 0)), [7, 9, 11, 13], 10)
 
 
 def test_eq05_quartic():
@@ -646,6 +668,12 @@ def test_eq11_nu4():
     assert not zero(s**2 * printed - coefficient(4, 0))
     assert zero(corrected - ((s + r**2 + m2**2) ** 2 - 4 * r**2 * s))
     assert (printed - corrected).subs(EXAMPLE) == 64  # 2 (m3^2 - m2^2) m1^2
+    # In numbers: N1, which holds, is minus N4 times the sum of the feet's triple products.
+    feet, values = Torus(1, 4).feet((2, 1, 3))[:, 0], {**EXAMPLE}
+    triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
+    wanted = -float(coefficient(1, 0).subs(values)) / triples
+    for form, right in ((corrected, True), (printed, False)):
+        assert bool(abs(float((s**2 * form).subs(values)) / wanted - 1) < 1e-9) is right
 
 
 def test_eq11_nu2_N2():
@@ -674,6 +702,10 @@ def test_eq11_nu0():
         assert not zero(wrong - corrected)
     assert zero(mended_head + mended_bracket - printed - corrected)
     assert sp.Poly(head, r, R, *m).total_degree() == 10  # among terms of degree 8
+    # In numbers: N0 is N4 times the product of the feet's n1.
+    wanted = float(coefficient(4, 0).subs(EXAMPLE)) * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
+    for form, right in ((corrected, True), (printed, False)):
+        assert bool(abs(float((m1**4 * form).subs(EXAMPLE)) / wanted - 1) < 1e-9) is right
 
 
 def test_eq11_quartic():
@@ -1183,6 +1215,8 @@ def test_table_angle_misprint():
     printed, corrected = sp.Rational(267542, 10000), sp.Rational(267541, 10000)
     unit = sp.Rational(1, 10000)
     assert abs(angle - corrected) < unit / 2 < abs(angle - printed)
+    table = ConeChord(*EXAMPLE_CONE).table(0.6)
+    assert round(np.degrees(table[1]), 4) == float(corrected)
 
 
 def test_table_columns():

@@ -6,6 +6,7 @@ report/ledger/tunneller.toml.
 """
 
 import math
+import re
 from fractions import Fraction
 from math import floor, trunc
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from tests import matlab_listing, soft_float
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib.motion import (
@@ -37,6 +39,8 @@ from tunneller_lib.motion.tasks import (
     schedule,
 )
 from tunneller_lib.paths import project_chord
+from tunneller_lib.reporting import figure
+from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 HALF = Fraction(1, 2)
@@ -134,6 +138,26 @@ def test_equal_increments():
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
 
 
+def test_float_time():
+    # How long a microcontroller takes can't be had here; how many operations it takes can.
+    rng = np.random.default_rng(4)
+    numbers = (rng.uniform(-2, 2, (5000, 2)) * 2.0 ** rng.integers(-30, 30, (5000, 2))).astype("f4")
+    for a, b in [*numbers, (1.5, -1.5), (0, 2.5), (3, 0), (1, -1 + 2.0**-24), (16777215, 1)]:
+        assert soft_float.value(soft_float.add(soft_float.bits(a), soft_float.bits(b))) == (
+            np.float32(a) + np.float32(b)
+        )
+        assert soft_float.greater(soft_float.bits(a), soft_float.bits(b)) == (a > b)
+    # The listing's error term alone, e > emax, e - cstep and e + nx - nxi, and all whole numbers
+    # of the listing left out, against everything that the integer line does.
+    whole, nx, nxi, emax, minus_one = map(soft_float.bits, (0, 2.5, -2, 0.5, -1))
+    soft_float.Counted.operations, e, ticks = 0, whole, 10
+    for _ in range(ticks):
+        if soft_float.greater(e, emax):
+            e = soft_float.add(e, minus_one)
+        e = soft_float.add(soft_float.add(e, nx), nxi)
+    assert soft_float.Counted.operations > 10 * ticks * sum(operations_a_tick())
+
+
 def test_dda_errors():
     worst = []
     for ticks in (1_000, 10_000, 100_000):
@@ -199,6 +223,11 @@ def test_listing_plot():
     assert run_listing(0, 10, 5, 30, 1, number=float)[1] == PLOT
     found = listing(0, 10, 5, 30, 1)
     assert (found[0].tolist(), found[1].tolist()) == (t, PLOT)
+    program = matlab_listing.run()  # the text itself, in an interpreter that is just enough
+    assert program.drawn[0] == ("plot", t, PLOT, "o")
+    for y1, y2, T in [(30, 5, 1), (-7, 6, HALF), (0, 13, 2)]:
+        program = matlab_listing.run(y1=y1, y2=y2, T=T, number=Fraction)
+        assert program.drawn[0][1:3] == run_listing(0, 10, y1, y2, T)
     # It is the integer line but for its ties.
     assert time_bresenham(5, 30, 10, tie="down").tolist() == PLOT
     assert time_bresenham(5, 30, 10).tolist() == [5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]
@@ -212,6 +241,8 @@ def test_listing_floats():
         _, wanted = run_listing(0, 30, 0, difference, 1)
         _, found = run_listing(0, 30, 0, difference, 1, number=float)
         np.testing.assert_array_equal(listing(0, 30, 0, difference, 1)[1], found)
+        if difference < 20:
+            assert matlab_listing.run(t2=30, y1=0, y2=difference).drawn[0][2] == found
         odd += [difference] if found != wanted else []
         assert time_bresenham(0, difference, 30, tie="down").tolist() == wanted
     assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
@@ -223,6 +254,9 @@ def test_listing_slope():
         assert listing(0, 10, 5, 30, float(T))[1][-1] == end
         t, y = run_listing(0, 10, 5, 30, T, steps_of=T)
         assert (t[-1], y[-1]) == (10, 30)
+        for repaired, last in ((["continuation"], end), (["continuation", "slope"], 30)):
+            program = matlab_listing.run(T=T, number=Fraction, repaired=repaired)
+            assert program.drawn[0][2][-1] == last
         ticks = int(tick_counts([0, 10], float(T))[0])
         assert y == time_bresenham(5, 30, ticks, tie="down").tolist()
 
@@ -266,6 +300,11 @@ def test_listing_ideal_line():
     assert sp.simplify(printed.subs(t, t1) - y1) != 0
     assert sp.simplify(corrected.subs(t, t1) - y1) == sp.simplify(corrected.subs(t, t2) - y2) == 0
     assert sp.simplify(printed.subs(t1, 0) - corrected.subs(t1, 0)) == 0
+    # Run from t1 = 3: the line drawn ends far from the circles, repaired it passes through them.
+    for repaired, off in ((["continuation"], Fraction(75, 7)), (["continuation", "ideal line"], 0)):
+        program = matlab_listing.run(t1=3, number=Fraction, repaired=repaired)
+        circles, ideal = (entry for entry in program.drawn if entry[0] == "plot")
+        assert (ideal[2][0] - circles[2][0], ideal[2][-1] - circles[2][-1]) == (off, off)
 
 
 def test_listing_rectangles():
@@ -273,6 +312,27 @@ def test_listing_rectangles():
     heights = {floor(Fraction(k, 10)): k for k in (25, 10, 7, 0, -7, -25)}
     assert {h for h in heights if h <= 0} == {0, -1, -3}
     assert floor(Fraction(25, 10)) > 0
+    for k, h in ((25, 2), (7, 0), (-7, -1)):
+        drawn = matlab_listing.run(y1=0, y2=k).drawn
+        rectangles = [corner for name, *_, corner in drawn if name == "rectangle"]
+        assert len(rectangles) == 11 and {corner[3] for corner in rectangles} == {h}
+
+
+def test_listing_continuation():
+    # In MATLAB a line that breaks off inside brackets must end in three dots.
+    with pytest.raises(SyntaxError, match=r"rectangle\('Position',$"):
+        matlab_listing.run(repaired=[])
+    matlab_listing.run()
+
+
+def test_listing_thousand_entries():
+    # zeros(1000,1) holds the example; a longer move writes beyond it, where MATLAB lets it grow.
+    assert len(matlab_listing.run().y_array) == 1000 > 11
+    program = matlab_listing.run(t2=1500)
+    assert len(program.y_array) == 1501
+    # The set-values themselves need no array: one at a time comes out of the same few numbers.
+    block = FunctionBlock(structured_text())
+    assert line(block, 5, 30, 1500) == time_bresenham(5, 30, 1500).tolist()
 
 
 def test_listing_axes():
@@ -280,6 +340,7 @@ def test_listing_axes():
     def inside(y1, y2):
         return all(0 <= y <= y2 + 5 for y in run_listing(0, 10, y1, y2, 1)[1])
 
+    assert matlab_listing.run().drawn[-1] == ("axis", [0, 11, 0, 35])
     assert inside(5, 30)
     assert not inside(30, 5) and not inside(-30, -5)
 
@@ -306,13 +367,57 @@ def test_time_axis():
 # ---- 4.4: multitasking ----------------------------------------------------------------------
 
 
-def test_figure_seven():
+def operations_a_tick():
+    """Return additions and comparisons of the exported line's dearest tick, one axis."""
+    tick = structured_text().split("\nELSE\n")[1]
+    dearest = [line for line in tick.splitlines() if "nRest + nRem" not in line
+               and "nSet + nQuot;" not in line]  # fmt: skip
+    additions = sum(line.count(" + ") + line.count(" - ") for line in dearest if ":=" in line)
+    return additions, sum(line.count("IF n") for line in dearest)
+
+
+def test_numerically_efficient():
+    assert operations_a_tick() == (4, 2)  # of which one each counts the ticks, for all axes
+    tick = structured_text().split("\nELSE\n")[1]
+    assert not any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
+    declared = re.findall(r": (\w+);", structured_text())
+    assert set(declared) == {"BOOL", "DINT"}
+    # Bit for bit the exact line, so that nothing is paid for in accuracy.
+    block = FunctionBlock(structured_text())
+    assert line(block, -7, 1000, 37) == [floor(y + HALF) for y in exact(-7, 1000, 37)]
+
+
+def test_two_tasks():
     tasks = [*FAST, Task("segments", 100_000, 30_000)]
     _, jobs = schedule(tasks, 400_000)
     longest = [max(j.done - j.release for j in jobs if j.name == t.name) for t in tasks]
     assert longest == response_times(tasks)
     # The slow task disturbs neither of the fast ones.
     assert longest[:2] == response_times(FAST)
+
+
+def test_figure_seven():
+    # What the substitute draws, row by row, is what the text says of the lost drawing.
+    cost, ticks = 30_000, [20, 22, 18, 20]
+    run = hand_over(FAST, [cost] * 4, ticks)
+    _, ax = figure(height=5)
+    draw_hand_over(ax, FAST, run, ticks)
+    named = [label.get_text() for label in ax.get_yticklabels()]
+    assert named == ["interpolation", "servo", "preparation", "segment", "starved"]
+    drawn = [[path.get_extents().intervalx for path in bars.get_paths()] for bars in ax.collections]
+    spans = dict(zip(named, map(np.array, drawn)))
+    # "running in a fast, high-priority schedule": a set-value each tick, whatever else goes on
+    releases = 5000 * np.arange(len(spans["interpolation"]))
+    np.testing.assert_allclose(spans["interpolation"][:, 0], releases)
+    np.testing.assert_allclose(np.diff(spans["interpolation"]), FAST[0].cost)
+    # "the data for the following line segment": begun with the segment before, ready in time
+    starts, ends = spans["segment"].T
+    begun, ready = spans["preparation"].T
+    np.testing.assert_allclose(begun[1:], np.maximum(ready[:-1], starts[:-1]))
+    assert np.all(ready[1:] <= starts[1:]) and np.array_equal(starts[1:], ends[:-1])
+    assert np.all(ready - begun > cost)  # in the time that the fast tasks leave
+    # Nothing starves but the start-up.
+    np.testing.assert_allclose(spans["starved"], [[0, starts[0]]])
 
 
 def test_preparation_time():

@@ -137,6 +137,8 @@ def test_frustum_between_rods():
         (lambda: Frustum((0, 0, 0), (0, 0, 1), -1, 1), "radius_a: must be one finite number"),
         (lambda: Frustum((0, 0, 0), (0, 0, 1), 1, np.nan), "radius_b: must be one finite number"),
         (lambda: Frustum((0, 0), (0, 0, 1), 1, 1), "a: the last axis must hold"),
+        (lambda: Frustum((0, 0, 0), (0, 0, 1), 1e-101, 1), "radius_a: must be zero or from 1e-100"),
+        (lambda: Frustum((0, 0, 0), (0, 0, 1e-101), 1, 1), "b - a: must be zero or from 1e-100"),
         (lambda: Frustum((0, 0, 0), (0, 0, 1), 1, 1).meet_line((0, 0, 0), (0, 0, 0)), "direction"),
     ],
 )

@@ -9,14 +9,15 @@ from mpmath import mp
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.blade import cone_distance
-from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.conics import top_circle
+from tunneller_lib.envelopes.families import cyclide, moving_cone
 from tunneller_lib.envelopes.forms import circle_roots
-from tunneller_lib.envelopes.isotropic import contact_point
+from tunneller_lib.envelopes.isotropic import contact_point, surface_points
 from tunneller_lib.envelopes.jet import variables
 
 ANGLE = np.radians(30)
 GRAPHS = {
-    "example 31": lambda x, y: y**2 / (x**2 + y**2),
+    "example 31": cyclide,
     "waves": lambda x, y: np.sin(2 * x) * np.cos(y) + 0.3 * x * y,
     "quintic": lambda x, y: x**3 - 2 * x * y**2 + 0.2 * y**5 + x * y,
 }
@@ -144,7 +145,7 @@ def test_cones_do_not_depend_on_the_side_of_the_normal():
     a = hyperosculating_cones(plain, *GRID, half_angle=0.35, model="space")
     b = hyperosculating_cones(lambda s, t: plain(t, s), *GRID[::-1], half_angle=0.35, model="space")
     np.testing.assert_allclose(a.normal, -b.normal[_match(a, b)], atol=1e-12)
-    for name in ("vertex", "axis", "gouges", "distance"):
+    for name in ("vertex", "axis", "gouges", "undecided", "distance"):
         expected, other = getattr(a, name), getattr(b, name)[_match(a, b)]
         np.testing.assert_allclose(expected, other, atol=1e-9 * (1 + np.abs(expected).max()))
 
@@ -175,18 +176,42 @@ def test_gouging_is_seen_in_space():
     x0, y0 = 0.5, 0.3
     cones = hyperosculating_cones(f, x0, y0, half_angle=ANGLE)
     near = np.linspace(-0.04, 0.04, 161)
-    x, y = np.meshgrid(x0 + near, y0 + near)
-    jet = f(*variables(x, y))
-    r = np.stack(contact_point(x, y, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
+    r = surface_points(f, *np.meshgrid(x0 + near, y0 + near))
     for k in range(len(cones.vertex)):
         axis, distance = cones.axis[k], cones.distance[k]
         d = cone_distance(r, cones.vertex[k], axis, ANGLE, 0.5 * distance, 2 * distance)
         assert (d.min() < -1e-9) == cones.gouges[k]
+        assert cones.undecided[k] == (abs(cones.order4[k]) < 1e-9)
+
+
+@pytest.mark.parametrize(("order", "C", "gouges"), [
+    (5, 200, True), (5, -200, True), (6, -200, True), (6, 200, False),
+])  # fmt: skip
+def test_gouging_is_undecided_where_order_four_vanishes(order, C, gouges):
+    """The same jet of order 4, and the same cone: higher orders make it gouge or not."""
+    f, x0, y0 = cyclide, 0.5, 0.3
+    plain = hyperosculating_cones(f, x0, y0, half_angle=ANGLE)
+    [k, _] = np.flatnonzero(plain.undecided)
+    centre, _ = top_circle(plain.side[k] * plain.axis[k], ANGLE)
+    u, v = centre - (x0, y0)
+    e = np.array([v, -u]) / np.hypot(u, v)  # along the cone's circle
+
+    def bent(x, y):
+        return f(x, y) + C * ((x - x0) * e[0] + (y - y0) * e[1]) ** order
+
+    cones = hyperosculating_cones(bent, x0, y0, half_angle=ANGLE)
+    for name in ("vertex", "axis", "order4", "gouges", "undecided"):
+        np.testing.assert_array_equal(getattr(cones, name), getattr(plain, name))
+    near = np.linspace(-0.03, 0.03, 161)
+    r = surface_points(bent, *np.meshgrid(x0 + near, y0 + near))
+    length = cones.distance[k]
+    d = cone_distance(r, cones.vertex[k], cones.axis[k], ANGLE, length / 2, 2 * length)
+    assert d.min() < -1e-8 if gouges else d.min() > -1e-12
 
 
 def test_every_cone_gouges_where_the_curvature_is_positive():
     cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
-    assert len(cones.gouges) and cones.gouges.all()
+    assert len(cones.gouges) and cones.gouges.all() and not cones.undecided.any()
 
 
 # ---- what is no generic point -----------------------------------------------------------------
@@ -265,6 +290,17 @@ def test_double_cone_on_the_circle_of_example_31():
     x, y = (np.sqrt(3) * f(0.7) for f in (np.cos, np.sin))
     cones = hyperosculating_cones(GRAPHS["example 31"], x, y, half_angle=ANGLE)
     assert sorted(cones.multiplicity) == [1, 1, 1, 1, 2]
+
+
+def test_the_normal_that_has_no_point_is_as_good_as_any():
+    plain = GENERAL["quartic graph"]
+    up, down = (
+        hyperosculating_cones(surface, 0.0, 0.0, half_angle=0.4, model="space")
+        for surface in (plain, lambda s, t: plain(t, s))
+    )
+    np.testing.assert_array_equal(down.normal, np.tile([0.0, 0.0, -1.0], (len(down.normal), 1)))
+    assert up.count == down.count > 0
+    np.testing.assert_allclose(np.sort(down.vertex, axis=0), np.sort(up.vertex, axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0, np.pi / 2, -0.1, 2.0, np.nan, np.inf, "a", [0.3]], ids=repr)

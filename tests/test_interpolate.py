@@ -1,6 +1,8 @@
 """The integer line: exact rounding, its recurrence, polylines, parabolas, spectrum, rivals."""
 
+import sys
 from fractions import Fraction
+from itertools import islice
 from math import floor, gcd
 
 import numpy as np
@@ -177,6 +179,34 @@ def test_rest_to_rest_of_the_longest_ramp(ends):
     assert ramp[n] == nearest(exact, "up")
 
 
+def farthest(ticks):
+    """Return the largest whole number that a generator's functions hold while it runs."""
+    largest = 0
+
+    def watch(frame, event, _):
+        nonlocal largest
+        if "motion" in frame.f_code.co_filename:
+            for held in frame.f_locals.values():
+                for number in held if isinstance(held, tuple) else (held,):
+                    largest = max(largest, abs(number) if type(number) is int else 0)
+        return watch
+
+    before = sys.gettrace()
+    sys.settrace(watch)
+    try:
+        list(islice(ticks, 700))
+    finally:
+        sys.settrace(before)
+    return largest
+
+
+@pytest.mark.parametrize("call", [line_ticks, rest_to_rest_ticks])
+@pytest.mark.parametrize("ends", [(LOW, -1), (0, HIGH), (HIGH, 0), (-1, LOW), (0, 7)])
+@pytest.mark.parametrize("ticks", [2, 100, 65532, 65534])
+def test_moves_tick_by_tick_stay_within_32_bits(call, ends, ticks):
+    assert farthest(call(*ends, ticks)) <= HIGH + 1
+
+
 def test_rest_to_rest_broadcasts():
     ramps = rest_to_rest([[0], [100]], [50, -50, 0], 10)
     assert ramps.shape == (2, 3, 11)
@@ -314,4 +344,34 @@ def test_listing_refuses_what_it_cannot_use():
     with pytest.raises(ValueError, match=r'^division: must be "floor" or "truncate"'):
         listing(0, 10, 5, 30, 1, division="round")
     with pytest.raises(ValueError, match=r"stop - start: must hold whole numbers from -32767"):
-        RIVALS["Q16.16, rounded"](0, 40_000, 10)
+        RIVALS["Q16.16, rounded"](-20_000, 20_000, 10)
+
+
+@pytest.mark.parametrize("name", ["Q16.16, rounded", "Q16.16, truncated"])
+def test_fixed_point_refuses_what_its_sixteen_bits_cannot_hold(name):
+    run = RIVALS[name]
+    assert run([-32767, 32767], [0, 0], 10)[:, 0].tolist() == [-32767, 32767]
+    for start, stop, argument in [(40_000, 39_990, "start"), (-32768, 0, "start"),
+                                  (32760, 32770, "stop"), ([0, 1], [9, -40_000], "stop"),
+                                  ]:  # fmt: skip
+        with pytest.raises(ValueError, match=rf"^{argument}: must hold whole numbers from -32767"):
+            run(start, stop, 10)
+
+
+def test_truncated_fixed_point_refuses_to_drift_out_of_its_range():
+    with pytest.raises(ValueError, match=r"^end in fixed point: must hold whole numbers"):
+        RIVALS["Q16.16, truncated"](0, -32767, 2**20 - 40)
+
+
+@pytest.mark.parametrize("call", [time_bresenham, rest_to_rest, *RIVALS.values()])
+def test_moves_that_do_not_broadcast_are_refused(call):
+    with pytest.raises(ValueError, match=r"^\w+: must broadcast with \w+ of shape \(2,\)"):
+        call([0, 1], [1, 2, 3], 10)
+
+
+@pytest.mark.parametrize("call", [line_ticks, rest_to_rest_ticks])
+def test_moves_tick_by_tick_are_of_one_axis(call):
+    with pytest.raises(ValueError, match=r"^start, stop: must be of one axis; got arrays of shape"):
+        list(call(0, [1, 2], 10))
+    with pytest.raises(ValueError, match=r"^stop: must broadcast with start"):
+        list(call([0, 1], [1, 2, 3], 10))

@@ -7,20 +7,19 @@ from hypothesis import strategies as st
 
 from tests.envelopes_zoo import GENERAL, GRID
 from tests.shapes import directions
-from tunneller_lib.envelopes.blade import BladeRing, cone_distance
+from tunneller_lib.envelopes.blade import BladeRing, clearance, cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
 from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
-    cone_vertex,
-    conic,
     contact_point,
     isotropic_derivatives,
     normal,
-    osculating_conic,
     plane_to_point,
     point_to_plane,
     sphere_point,
+    surface_points,
 )  # fmt: skip
 from tunneller_lib.envelopes.jet import variables
 
@@ -98,6 +97,36 @@ def test_cone_vertex_is_that_of_the_planes():
         np.testing.assert_allclose(conic(p[0], (u, v), a, b, t), p, atol=scale)
 
 
+@given(st.integers(0, 99), st.floats(0.01, 1.55))
+def test_top_circle_holds_the_planes_of_the_cone(seed, angle):
+    axis = directions(np.random.default_rng(seed), 3)
+    centre, radius = top_circle(7.0 * axis, angle)
+    azimuth = np.linspace(0, 6, 7)[:, None]
+    place = plane_to_point(*cone_planes((1.0, 2.0, 3.0), axis, angle, azimuth))[..., :2]
+    scale = np.abs(place).max() + np.abs(centre).max()
+    np.testing.assert_allclose(np.linalg.norm(place - centre, axis=-1), radius + 0 * azimuth,
+                               rtol=1e-9, atol=1e-12 * scale)  # fmt: skip
+
+
+def test_top_circle_refuses_a_cone_with_the_plane_that_has_no_point():
+    with pytest.raises(ValueError, match=r"^axis: no plane .* \(0, 0, -1\); got one\.$"):
+        top_circle((0.0, 0.8, -0.6), np.arcsin(0.6))
+
+
+def test_surface_points_of_a_paraboloid_are_a_sphere():
+    x, y = RNG.normal(size=(2, 20))
+    m, radius = np.array([0.3, -2.0, 1.0]), 1.7
+
+    def f(x, y):
+        return (radius + m[2]) / 2 * (x * x + y * y) - m[0] * x - m[1] * y + (radius - m[2]) / 2
+
+    r = surface_points(f, x, y)
+    inward = np.stack(normal(x, y), axis=-1)
+    np.testing.assert_allclose(r, m - radius * inward, atol=1e-12)
+    assert surface_points(f, x[:, None], 0.0).shape == (20, 1, 3)
+    np.testing.assert_allclose(surface_points(lambda x, y: 0.5, 0.0, 0.0), [0, 0, -1])
+
+
 def test_cone_planes_touch_the_cone():
     axis = directions(RNG, 9)
     n, h = cone_planes((1, 2, 3), axis, 0.4, 0.7)
@@ -167,6 +196,19 @@ def test_blades_are_turned_copies_on_the_hub():
     np.testing.assert_allclose(np.linalg.norm(first - other, axis=-1), moved)
 
 
+@pytest.mark.parametrize(("s", "slope"), [(0, -0.7), (0.5, -0.1), (1, 0.5)])
+def test_blade_has_its_stagger_twist_camber_and_bow(s, slope):
+    # Unrolled at one height: ends of the chord on a straight line, its middle aside by the camber.
+    radius, bow = 0.06 + 0.03 * s, -0.004 * s**2
+    x, y, z = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, 0.006, -0.004, 6).coordinates(
+        np.full(3, s), np.array([0, 0.5, 1])
+    )
+    arc = radius * np.arctan2(y, x)
+    np.testing.assert_allclose(z, 0.05 * np.cos(slope) * np.array([-0.5, 0, 0.5]), atol=1e-15)
+    ends = 0.025 * np.sin(slope)
+    np.testing.assert_allclose(arc, [-ends + bow, 0.006 + bow, ends + bow], rtol=1e-12)
+
+
 @pytest.mark.parametrize("change", [{"hub": 0}, {"height": -1}, {"chord": np.nan},
                                     {"bow": np.inf}, {"blades": 1}, {"blades": 2.5}])  # fmt: skip
 def test_no_ring_of_wrong_sizes(change):
@@ -174,6 +216,23 @@ def test_no_ring_of_wrong_sizes(change):
     name, value = next(iter(change.items()))
     with pytest.raises(ValueError, match=rf"^{name}: .*got {value}\.$"):
         BladeRing(**(sizes | change))
+
+
+def test_clearance_is_from_the_first_blade_and_both_neighbours():
+    ring = BladeRing(60, 30, 50, -0.7, 1.2, -6, -6, 6)
+    x, y, _ = ring.coordinates(0.5, 0.5)
+    out = np.array([x, y, 0.0]) / np.hypot(x, y)
+    around = np.cross((0, 0, 1.0), out)
+    # A tool in the middle of the gap to the next blade, then moved into that blade.
+    turn = np.pi / 6
+    middle = np.cos(turn) * out + np.sin(turn) * around
+    free = clearance(ring, 40 * middle, middle, 0.05, 30, 60)
+    assert np.all(free > 0)
+    back = np.cos(2 * turn) * out + np.sin(2 * turn) * around
+    hit = clearance(ring, 40 * back, back, 0.05, 30, 60, n=241)
+    assert hit[1] < 0 < min(hit[0], hit[2])
+    np.testing.assert_allclose(clearance(ring, 40 * middle, middle, 0.05, 30, 60, n=241), free,
+                               atol=0.1)  # fmt: skip
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])

@@ -13,9 +13,11 @@ from scipy.optimize import least_squares
 from tests.shapes import log_uniform
 from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
 from tunneller_lib.motion.oil import LAMINAR
+from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Linkage, linkages
 
-LINEAR = [Integrator(0.5), Lag(0.5, 0.02), Lag(2e3, 3e-4), Resonance(0.5, 100.0, 0.15)]
+LINEAR = [Integrator(0.5), Lag(0.5, 0.02), Lag(2e3, 3e-4), Resonance(0.5, 100.0, 0.15),
+          ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004)]  # fmt: skip
 LEVERS = [
     *linkages(REFERENCE_MACHINE),
     Linkage(0.3, 0.07, 1.4, 1, 0.04, 0.022, 0.1),
@@ -86,7 +88,9 @@ def test_lag_without_lag_is_the_integrator():
 def test_linear_plants_need_sizes_above_zero(value):
     for name, build in [("gain", Integrator), ("lag", lambda x: Lag(1, x)),
                         ("frequency", lambda x: Resonance(1, x, 1)),
-                        ("damping", lambda x: Resonance(1, 1, x))]:  # fmt: skip
+                        ("damping", lambda x: Resonance(1, 1, x)),
+                        ("steady", lambda x: ValveResonance(1, x, 1, 1, 1)),
+                        ("lag", lambda x: ValveResonance(1, 1, 1, 1, x))]:  # fmt: skip
         with pytest.raises(
             ValueError, match=rf"^{name}: must (be one finite number above zero|hold real numbers)"
         ):
@@ -229,6 +233,35 @@ def test_natural_frequency_is_that_of_the_linear_equations(axis):
         assert abs(oscillating[0]) == pytest.approx(axis.natural_frequency(angle), rel=1e-5)
         damping = -oscillating[0].real / abs(oscillating[0])
         assert damping == pytest.approx(axis.resonance(angle).damping, rel=1e-5)
+
+
+@every_axis
+@pytest.mark.parametrize("angle", [-0.6, 0.0, 0.5])
+def test_linear_model_is_that_of_small_swings_about_rest(axis, angle):
+    # Pressures at which both lands lose the same: where swings leave them.
+    plant, small = Compressible(axis), Compressible(axis).linear(angle)
+    plus, minus = axis.linkage.displacements(angle)
+    total = axis.supply + axis.tank
+    first = (axis.load(angle) + minus * total) / (plus + minus)
+    for spool in (1e-6, -1e-6):
+        _, still, *filling, _ = plant.derivative((angle, 0.0, first, total - first, spool), 0.0)
+        assert abs(still) < 1e-9
+        shaken = (plus * filling[0] - minus * filling[1]) / axis.inertia
+        steady = float(axis.rate(angle, spool))
+        assert shaken == pytest.approx(small.frequency**2 * axis.swing(angle) * steady, rel=1e-4)
+        assert plant.command(steady, angle) == pytest.approx(spool, rel=1e-9)
+    assert small.gain == pytest.approx(axis.swing(angle) * small.steady, rel=1e-14)
+    assert plant.command(1e-9, angle) <= small.command(1e-9) * (1 + 1e-9)
+    spool = [run(plant, 0.001, [0.3] * 5, plant.rest(angle))[:, 4],
+             run(small, 0.001, [0.3] * 5, small.rest(angle))[:, 3]]  # fmt: skip
+    np.testing.assert_allclose(*spool, rtol=1e-3)
+
+
+def test_swing_gain_is_the_steady_one_for_equal_areas():
+    assert PHI.swing(0.0) == pytest.approx(1.0, rel=1e-14)
+    angles = np.linspace(-0.6, 0.6, 7)
+    np.testing.assert_allclose(PHI.swing(angles), PHI.swing(-angles), rtol=1e-14)
+    assert THETA.swing(-1.04) > 1.1 and THETA.swing(0.6) < 0.95
 
 
 @every_axis

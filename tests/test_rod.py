@@ -11,7 +11,7 @@ from tunneller_lib.surfaces.rod_cases import GENERATORS
 from tunneller_lib.surfaces.rod_exact import judge, rounding
 from tunneller_lib.surfaces.rod_interval import frame
 
-MANY, CHECKED = 40_000, 4_000  # lines a generator and kind of ends, 26 times
+MANY, CHECKED = 40_000, 4_000  # lines a generator and kind of ends, 30 times
 every_generator = pytest.mark.parametrize("lines_of", GENERATORS, ids=lambda g: g.__name__)
 every_end = pytest.mark.parametrize("ends", ["flat", "round"])
 TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", "along_an_axis"}
@@ -48,6 +48,55 @@ def test_meet_rods_of_many_hard_lines(lines_of, ends):
         noise = 16 * EPS * (np.abs(p).max(axis=-1) + np.abs(np.where(hit, t, 0)) *
                             np.abs(u).max(axis=-1))  # fmt: skip
         assert np.all(np.abs(off[hit]) <= (slack + noise)[hit])
+
+
+@every_end
+@pytest.mark.parametrize("slight", ["tilt", "length"])
+def test_meet_line_of_one_rod_with_a_slight_tilt_or_length(slight, ends):
+    # Many lines of one direction, as the fast way takes them: through rims, the wall, the inside.
+    rng = np.random.default_rng(11)
+    n = 60
+    for i in range(60):
+        u = np.array([(0, 0, 1), (0, -3, 0), (1, 2, -2), rng.normal(size=3)][i % 4], dtype=float)
+        along, radius = u / np.linalg.norm(u), 10.0 ** rng.uniform(-3, 3)
+        aside = np.cross(along, rng.normal(size=3))
+        axis = radius * rng.normal(size=3) * 10.0 ** rng.uniform(-17, -8)
+        if slight == "tilt":
+            axis = radius * (along * 10.0 ** rng.uniform(-1, 4) +
+                             aside * 10.0 ** rng.uniform(-16, -7))  # fmt: skip
+        a = rng.normal(size=3) * radius * (i % 3 == 0 and slight == "tilt")
+        rod = Rod(a, a + axis, radius, ends=ends)
+        side = np.cross(rod.axis, rng.normal(size=(n, 3)))
+        side *= radius / np.linalg.norm(side, axis=-1, keepdims=True)
+        side *= rng.choice([1, 1, 1 - EPS, 1 + EPS, 0.3], (n, 1))
+        p = rod.a + rng.choice([0, 0.5, 1], (n, 1)) * rod.axis + side
+        p += rng.choice([0, 7, 1e6], (n, 1)) * radius * along
+        lines = *np.broadcast_arrays(rod.a, rod.b, p)[:2], np.full(n, radius), p
+        lines = *lines, np.broadcast_to(u, p.shape).copy()
+        assert not np.any(judge(rod.meet_line(p, u), lines, margin(*lines), ends=ends))
+
+
+@every_end
+@pytest.mark.parametrize("together", [True, False])
+def test_meet_rods_over_the_whole_range_of_sizes(together, ends):
+    # Radius, length and direction from 1e-99 to 1e99, of one size or each of its own.
+    rng, n = np.random.default_rng(12), 3_000
+    radius, length, speed = 10.0 ** rng.uniform(-99, 99, (3, n))
+    if together:
+        length = np.clip(radius * 10.0 ** rng.uniform(-3, 3, n), 1e-99, 1e99)
+    unit, u = rng.normal(size=(2, n, 3))
+    unit /= np.linalg.norm(unit, axis=-1, keepdims=True)
+    side = np.cross(unit, rng.normal(size=(n, 3)))
+    side *= (radius / np.linalg.norm(side, axis=-1))[:, None] * rng.choice([1, 0.5], (n, 1))
+    b = unit * length[:, None]
+    p = side + b * rng.integers(0, 2, (n, 1))
+    lines = 0 * b, b, radius, p, u * speed[:, None]
+    found = meet_rods(*lines, ends=ends)
+    assert not np.any(judge(found, lines, margin(*lines), ends=ends))
+    for i in range(200):
+        one = tuple(row[i : i + 1] for row in lines)
+        alone = Rod(b[i] * 0, b[i], radius[i], ends=ends).meet_line(p[i : i + 1], one[4][0])
+        assert not np.any(judge(alone, one, margin(*one), ends=ends))
 
 
 def distance_outside(a, b, radius, points, ends):
@@ -181,6 +230,18 @@ def test_parallel_lines_are_as_one_by_one(ends):
 
 
 @every_end
+def test_parallel_lines_along_the_axes_leave_the_points_as_they_are(ends):
+    rng = np.random.default_rng(10)
+    p = rng.uniform(-1, 2, (500, 3))
+    kept = p.copy()
+    p.flags.writeable = False
+    for end in ((2, 0, 2), (0, 2, 2), (2, 2, 0), (0, 0, 2), (1, 2, 2)):
+        for direction in np.eye(3):
+            Rod((0, 0, 0), end, 1, ends=ends).meet_line(p, direction)
+    np.testing.assert_array_equal(p, kept)
+
+
+@every_end
 @pytest.mark.parametrize("far", [0, 2**20])
 @pytest.mark.parametrize("direction", [(0, 0, 1), (-3, 0, 0), (1, -2, 2), (90, 0, 120), (4, 0, -3)])
 def test_parallel_lines_through_rims(direction, far, ends):
@@ -255,6 +316,15 @@ WRONG = [
      'method: must be "exact" for round ends'),
     (lambda: ROD.contains((0, 0, np.nan)), "points: must hold finite numbers"),
     (lambda: meet_rods(*ENDS, [1, -1], (0, 0, 0), (0, 0, 1)), "radius: must hold finite numbers"),
+    (lambda: Rod(*ENDS, 1e-101), "radius: must be zero or from 1e-100 to 1e[+]100 in size, whose"),
+    (lambda: Rod((0, 0, 0), (0, 1e-170, 0), 1), "b - a: must be zero or from 1e-100"),
+    (lambda: Rod((0, 0, 0), (0, 2e100, 0), 1), "b: must hold numbers of at most 1e[+]100 in size"),
+    (lambda: meet_rods(*ENDS, [1, 1e200], (0, 0, 0), (0, 0, 1)), "radius: must be zero or from"),
+    (lambda: meet_rods(*ENDS, 1, (0, 0, 0), (0, 0, 1e-170)), "direction: must be zero or from"),
+    (lambda: meet_rods(*ENDS, 1, (0, 1e150, 0), (0, 0, 1)), "point: must hold numbers of at most"),
+    (lambda: ROD.meet_line((0, 1e150, 0), (0, 0, 1)), "point: must hold numbers of at most"),
+    (lambda: ROD.meet_line((0, 1, 0), (0, 0, 1e101)), "direction: must be zero or from 1e-100"),
+    (lambda: ROD.contains((0, 1e150, 0)), "points: must hold numbers of at most"),
 ]  # fmt: skip
 ENDS = (0, 0, 0), (1, 0, 0)
 ROD = Rod(*ENDS, 1)

@@ -1,6 +1,6 @@
 """The library behind an open study of a hydraulically actuated tunnelling robot.
 
-Floors, each importing only from those below: `reporting`; `paths`, `motion`, `removal`;
+Floors, each importing only from those below: `reporting`; `ream`; `paths`, `motion`, `removal`;
 `surfaces`, `envelopes`; `arrays`.
 Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
 """

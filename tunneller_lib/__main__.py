@@ -1,36 +1,177 @@
-"""The command line: `python -m tunneller_lib atlas`."""
+"""The command line: `python -m tunneller_lib --help`."""
 
 import argparse
 import csv
-import os
+import json
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
 
 from .paths import atlas
-from .reporting.sweep import sweep
+from .reporting.files import beside
+from .reporting.sweep import say, sweep
+
+ABOUT = """plan, simulate and show cuts of a tunnelling robot
+
+A job is a TOML file in metres, seconds and radians (or degrees, in names that end in _deg);
+notebooks/reference.toml is one. Progress goes to stderr. Ends with 0 if all is well, with 1 if the
+job is refused for a reason, with 2 if it, or the command, can't be understood."""
 
 
 def main(arguments=None):
-    """Run the command that `arguments`, a list of str, names."""
-    parser = argparse.ArgumentParser(prog="python -m tunneller_lib", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    command = commands.add_parser("atlas", help="sweep tori and pairs of positions (minutes)")
-    command.add_argument(
-        "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
+    """Run the command that `arguments`, a list of str, names; return the process' exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        answer = options.run(options)
+    except KeyboardInterrupt:
+        say("interrupted")
+        return 130
+    except (ValueError, OSError) as error:
+        from .reporting.job import WrongJob
+
+        wrong = isinstance(error, (WrongJob, OSError))
+        print(f"{'wrong' if wrong else 'refused'}: {error}", file=sys.stderr)
+        if getattr(options, "json", False):
+            print(json.dumps({"wrong" if wrong else "refused": str(error)}))
+        return 2 if wrong else 1
+    if answer is not None:
+        print(json.dumps(answer, indent=1) if options.json else "\n".join(answer["files"]))
+    return 0
+
+
+def parser():
+    """Return the parser of the arguments."""
+    whole = argparse.ArgumentParser(
+        prog="python -m tunneller_lib", description=ABOUT,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name, run, text):
+        added = commands.add_parser(name, help=text, description=text)
+        added.set_defaults(run=run)
+        return added
+
+    job = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
+    scene = command("scene", run_scene, "write the machine in the tunnel as a web page, offline")
+    film = command("animate", run_animate, "write an animation of the cut as a GIF")
+    for added, out in ((job, ""), (scene, ".html"), (film, ".gif")):
+        added.add_argument("job", type=Path, help="the TOML file")
+        added.add_argument("--out", type=ending(out), metavar=f"FILE{out}" if out else "FOLDER",
+                           help="under build/ unless told")  # fmt: skip
+        added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
+    scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
+    film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 unless told")
+    film.add_argument(
+        "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )
-    command.add_argument(
-        "--table", type=Path, default=Path("notebooks/atlas.csv"), help="the summary"
+
+    added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
+    added.add_argument("--folder", type=Path, default=Path("build/atlas"),
+                       help="where blocks are kept")  # fmt: skip
+    added.add_argument("--table", type=table, default=Path("notebooks/atlas.csv"),
+                       help="the summary")  # fmt: skip
+    added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
+    added.add_argument(
+        "--jobs", type=between(1, 10_000), help="local processes, one a core unless told"
     )
-    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
-    command.add_argument("--jobs", type=int, help="local processes, one a core unless told")
-    command.set_defaults(run=run_atlas)
-    options = parser.parse_args(arguments)
-    if not options.table.parent.is_dir():
-        parser.error(f"--table: there is no folder {options.table.parent}.")
-    if options.jobs is not None and options.jobs < 1:
-        parser.error(f"--jobs: must be at least 1; got {options.jobs}.")
-    options.run(options)
+    return whole
+
+
+def ending(suffix):
+    """Return the type of a path with this suffix; any if it is empty."""
+
+    def path(text):
+        if suffix and Path(text).suffix != suffix:
+            raise argparse.ArgumentTypeError(f"must end in {suffix}; got {text}.")
+        return Path(text)
+
+    return path
+
+
+def share(text):
+    """Return a number from 0 to 1."""
+    if not 0 <= float(text) <= 1:
+        raise argparse.ArgumentTypeError(f"must be from 0 to 1; got {text}.")
+    return float(text)
+
+
+def between(least, most):
+    """Return the type of a whole number from `least` to `most`."""
+
+    def whole_number(text):
+        if not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"must be from {least} to {most}; got {text}.")
+        return int(text)
+
+    return whole_number
+
+
+def table(text):
+    """Return the path of a table whose folder is there."""
+    if not Path(text).parent.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {Path(text).parent}.")
+    return Path(text)
+
+
+def read(options):
+    """Return the job that a command names, planned, after saying so."""
+    from .reporting.job import read_job
+
+    job = read_job(options.job)
+    plan, start = job.planned, time.monotonic()
+    say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
+    n, m = job.wall["along"], job.wall["around"]
+    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
+    deviation = job.cut.deviation
+    say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
+        f"{1e3 * np.abs(deviation).max():.2f} mm")  # fmt: skip
+    return job
+
+
+def run_cut(options):
+    """Plan, simulate, and write the budget and the files."""
+    from .reporting.outcome import outcome, told, write_all
+
+    job = read(options)
+    numbers = outcome(job)
+    if not options.json:
+        print(told(numbers), end="\n\n", flush=True)
+    folder = options.out or Path("build") / options.job.stem
+    return {**numbers, "files": write_all(job, folder, numbers, say)}
+
+
+def run_scene(options):
+    """Write the scene at a share of the run."""
+    from .reporting import interchange, tunnel_scene
+
+    job = read(options)
+    tick = round(options.share * (len(job.cut.centres) - 1))
+    plotter = tunnel_scene.tunnel_scene(job.cut, tick, limit=job.limit)
+    out = options.out or Path("build") / f"{options.job.stem}.html"
+    return {"files": [str(interchange.write(out, plotter))]}
+
+
+def run_animate(options):
+    """Write the pictures of the run."""
+    from .reporting import interchange, tunnel_scene
+
+    job = read(options)
+    out = options.out or Path("build") / f"{options.job.stem}.gif"
+    count, width = options.frames, options.width
+    pictures = tunnel_scene.frames(job.cut, count, width=width, limit=job.limit)
+    return {"files": [str(interchange.write(out, counted(pictures, count)))]}
+
+
+def counted(pictures, count):
+    """Yield pictures and say how many are done."""
+    start = time.monotonic()
+    for number, picture in enumerate(pictures, start=1):
+        yield picture
+        pace = (time.monotonic() - start) / number
+        say(f"{number} of {count} pictures, {pace * (count - number):.0f} s to go")
 
 
 def run_atlas(options):
@@ -40,12 +181,10 @@ def run_atlas(options):
         scheduler=options.scheduler, jobs=options.jobs,
     )  # fmt: skip
     rows = atlas.summary(map(np.load, files))
-    beside = options.table.with_suffix(".part")
-    with beside.open("w", newline="") as file:
+    with beside(options.table) as new, new.open("w", newline="") as file:
         table = csv.DictWriter(file, rows[0], lineterminator="\n")
         table.writeheader()
         table.writerows({name: plain(value) for name, value in row.items()} for row in rows)
-    os.replace(beside, options.table)
 
 
 def plain(value):
@@ -54,4 +193,4 @@ def plain(value):
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,6 +1,7 @@
 """How fast set-values are made and laps are run."""
 
 import numpy as np
+import pytest
 
 from tests.bench.conftest import best_times
 from tunneller_lib.motion import (
@@ -22,8 +23,20 @@ STARTS, STOPS = RNG.integers(-(2**16), 2**16, (2, 500, 2))
 COUNT = 2 * np.pi / 2**16
 
 
-def plain_loop():
-    return list(line_ticks(0, STOP, TICKS))
+def plain_formula(start, stop, ticks):
+    """Return the closed form of one move, value by value."""
+    difference, first = stop - start, ticks // 2
+    return [start + (n * difference + first) // ticks for n in range(ticks + 1)]
+
+
+def each_move(function, starts, stops, ticks):
+    """Call a function of one move for each of many."""
+    return [
+        function(*ends, ticks) for ends in zip(np.ravel(starts).tolist(), np.ravel(stops).tolist())
+    ]
+
+
+MOVES = {"one move": (0, STOP, TICKS), "1000 moves": (STARTS, STOPS, 200)}
 
 
 def lap():
@@ -34,22 +47,21 @@ def lap():
     return values, np.diff(values, axis=0) / 0.005
 
 
-def test_line_against_the_plain_loop(benchmark, say):
-    benchmark(time_bresenham, 0, STOP, TICKS)
-    line, loop = best_times(lambda: time_bresenham(0, STOP, TICKS), plain_loop)
-    say("time_bresenham, set-values per second over those of the loop tick by tick", loop / line)
-    assert loop >= 4 * line
-
-
-def test_line_against_linspace(benchmark, say):
-    benchmark(time_bresenham, STARTS, STOPS, 200)
-    for what, ends, ticks in [("one move", (0, STOP), TICKS), ("1000 moves", (STARTS, STOPS), 200)]:
-        line, rounded = best_times(
-            lambda ends=ends, ticks=ticks: time_bresenham(*ends, ticks),
-            lambda ends=ends, ticks=ticks: np.rint(np.linspace(*ends, ticks + 1, axis=-1)),
-        )
-        say(f"time_bresenham, time over that of a rounded linspace, {what}", line / rounded)
-        assert line <= 3 * rounded
+@pytest.mark.parametrize("moves", MOVES)
+def test_line_against_plain_loops_and_linspace(benchmark, say, moves):
+    *ends, ticks = MOVES[moves]
+    benchmark(time_bresenham, *ends, ticks)
+    line, rounded, formula, sums = best_times(
+        lambda: time_bresenham(*ends, ticks),
+        lambda: np.rint(np.linspace(*ends, ticks + 1, axis=-1)),
+        lambda: each_move(plain_formula, *ends, ticks),
+        lambda: each_move(lambda *move: list(line_ticks(*move)), *ends, ticks),
+    )
+    say(f"time_bresenham, {moves}, times as fast as a plain loop over its formula", formula / line)
+    say(f"time_bresenham, {moves}, times as fast as the loop of additions", sums / line)
+    say(f"a rounded linspace, {moves}, times as fast as a loop over the formula", formula / rounded)
+    say(f"time_bresenham, {moves}, time over that of a rounded linspace", line / rounded)
+    assert min(formula, sums) >= 8 * line and line <= 3 * rounded
 
 
 def test_lap_with_a_lag(benchmark, say):

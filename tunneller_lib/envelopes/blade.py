@@ -73,6 +73,31 @@ class BladeRing:
         return np.stack([c * x - d * y, d * x + c * y, z], axis=-1)
 
 
+def clearance(ring, vertex, axis, half_angle, near, far, *, n=121):
+    """Return how far a truncated cone stays from the first blade and from both its neighbours.
+
+    Parameters
+    ----------
+    ring : BladeRing
+        The blades.
+    vertex, axis : (3,) float
+        Vertex in m, and a vector along the axis into the cone.
+    half_angle : float
+        Between axis and rulings, in rad.
+    near, far : float
+        Where the rulings begin and end, as distances from the vertex, in m.
+    n : int
+        Points are compared on a grid n by n of each blade.
+
+    Returns
+    -------
+    distance : (3,) float
+        In m, negative within the cone: to the first blade, the next and the last.
+    """
+    tool = vertex, axis, half_angle, near, far
+    return np.array([cone_distance(ring.mesh(n, k), *tool).min() for k in (0, 1, -1)])
+
+
 def cone_distance(point, vertex, axis, half_angle, near, far):
     """Return how far points are from a truncated cone, negative within it.
 

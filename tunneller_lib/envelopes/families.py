@@ -1,7 +1,8 @@
 """Surfaces that tools envelop, made from their motions, as functions for the recognisers.
 
-Coordinates are lists of three numbers, arrays or jets: what these functions return is a surface
-for `recognise` and `hyperosculating_cones` with model="space".
+Coordinates are lists of three numbers, arrays or jets: what `moving_cone`, `channel` and `ruled`
+return is a surface for `recognise` and `hyperosculating_cones` with model="space". Curves, lines
+and motions to give them stand below.
 """
 
 import numpy as np
@@ -96,6 +97,71 @@ def ruled(lines, *, offset=0.0):
         return add(point, times(t, direction), times(offset, n))
 
     return surface
+
+
+def helix(s, pitch=0.4):
+    """Return a helix about z that rises by `pitch` m a radian, its velocity and acceleration."""
+    c, d = np.cos(s), np.sin(s)
+    return [c, d, pitch * s], [-d, c, pitch + 0 * s], [-c, -d, 0 * s]
+
+
+def cubic(s, bend=1.0):
+    """Return the curve (s, bend s^2/2, s^3/6), its velocity and acceleration, in m."""
+    velocity = [1 + 0 * s, bend * s, s * s / 2]
+    return [s, bend * s**2 / 2, s**3 / 6], velocity, [0 * s, bend + 0 * s, s]
+
+
+def tangents(curve):
+    """Return the tangents of a curve, as lines for `ruled`."""
+
+    def lines(s):
+        point, velocity, acceleration = curve(s)
+        return point, velocity, velocity, acceleration
+
+    return lines
+
+
+def saddle(s):
+    """Return one family of the lines on z = x y, for `ruled`."""
+    point, direction = [s, 0 * s, 0 * s], [0 * s, 1 + 0 * s, s]
+    return point, [1 + 0 * s, 0 * s, 0 * s], direction, [0 * s, 0 * s, 1 + 0 * s]
+
+
+def helicoid(s, pitch=1.0):
+    """Return lines across the x axis that move by `pitch` m a radian of turn, for `ruled`."""
+    c, d, none = np.cos(s), np.sin(s), 0 * s
+    return [pitch * s, none, none], [pitch + none, none, none], [none, c, d], [none, -d, c]
+
+
+def turning(vertex, velocity, lean, *, rate=1.0, start=1.0):
+    """Return a motion whose axes turn about z, for `moving_cone`.
+
+    Parameters
+    ----------
+    vertex, velocity : callable
+        Of the time v: the vertex in m and its derivative.
+    lean : float
+        Angle of the first axis, that of the cone, from z, in rad.
+    rate, start : float
+        Turn of the axes by v, and at v = 0, in rad.
+
+    Returns
+    -------
+    motion : callable
+        Of v.
+    """
+
+    def motion(v):
+        c, d, p, q = np.cos(rate * v + start), np.sin(rate * v + start), np.cos(lean), np.sin(lean)
+        axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
+        return vertex(v), velocity(v), axes, [0 * v, 0 * v, rate + 0 * v]
+
+    return motion
+
+
+def cyclide(x, y):
+    """Return f(x, y) = y^2/(x^2 + y^2), in m: planes of a parabolic Dupin cyclide (Example 31)."""
+    return y * y / (x * x + y * y)
 
 
 def cross(a, b):

@@ -107,13 +107,44 @@ def isotropic_jet(frames, where):
     """
     r, n = ([Jet(c.c[:, where]) for c in jets] for jets in (frames.r, frames.n))
     x, y, _, fx, fy = isotropic_derivatives(r, n)
-    fx, fy = compose([fx, fy], *inverse(x, y))
+    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f.c[:3] = 0.0
+    return f
+
+
+def model_jet(surface, s, t):
+    """Return a surface in the isotropic model as it stands, without an adapted frame.
+
+    Parameters
+    ----------
+    surface : callable
+        Of two variables: three coordinates in m, with curvature nowhere 0.
+    s, t : (n,) float
+        Points, with no normal near (0, 0, -1).
+
+    Returns
+    -------
+    x, y : (n,) float
+        Places in the model.
+    f : Jet
+        There, of order 4, in m.
+    """
+    found = frames(surface, s, t, "space")
+    r, n = (_turned(np.swapaxes(found.axes, 1, 2), jets) for jets in (found.r, found.n))
+    r = [jet + moved for jet, moved in zip(r, found.contact.T)]
+    x, y, value, fx, fy = isotropic_derivatives(r, n)
+    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f.c[0] = value.value
+    return x.value, y.value, f
+
+
+def _integrated(fx, fy):
+    """Return a jet of order 4 from its first derivatives, its value left 0."""
     f = np.zeros_like(fx.c)
     # f itself would need the surface to order 5; its derivatives don't (Eqs 18 and 19).
     for place, (i, j) in enumerate(EXPONENTS[1:], start=1):
         part, i, j, times = (fx, i - 1, j, i) if i else (fy, i, j - 1, j)
         f[place] = part.c[EXPONENTS.index((i, j))] / times
-    f[1:3] = 0.0
     return Jet(f)
 
 

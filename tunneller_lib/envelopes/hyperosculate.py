@@ -36,9 +36,12 @@ class Cones:
         Residual of fourth-order contact (Eq. 12 in the adapted frame) over the sum of its terms,
         -1 to 1; 0 where the contact is of order 4.
     gouges : (k,) bool
-        Whether the cone enters the surface in every neighbourhood of the contact, as far as order
-        4 tells: False where `order4` vanishes, though a term of order 5 may make it enter; True
-        where `side` is 0.
+        Whether the cone enters the surface in every neighbourhood of the contact; True where
+        `side` is 0.
+    undecided : (k,) bool
+        Whether derivatives to order 4 can't tell: `order4` vanishes, as it does for the generators
+        of an envelope, which don't gouge. Other cones may, by orders 5 and 6. `gouges` is False
+        there, and a cone is surely free where neither is True.
     multiplicity : (k,) int
         How many cones fell together in this one.
     count : (...) int
@@ -60,6 +63,7 @@ class Cones:
     distance: np.ndarray
     order4: np.ndarray
     gouges: np.ndarray
+    undecided: np.ndarray
     multiplicity: np.ndarray
     count: np.ndarray
     state: np.ndarray
@@ -95,16 +99,17 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     Envelopes of cones, Eqs 9 to 12 with (12) mended, in the adapted frame: with the ruling
     along w, e across it and rho = cot(half_angle)/2 the contact is of order 3 where
     rho f_eee + 3 f_ew = 0. This trigonometric cubic has mean 0, hence 2, 4 or 6 zeros with their
-    multiplicities. The contact is one of tangent planes, and free of gouging only where K < 0
-    and rho^2 f_eeee + 6 rho f_eew + 3 (f_ww - f_ee) doesn't have the sign opposite to f_ee; the
-    document says always. The verdict is local: other parts of a cone may meet other parts of
-    the surface. Towards points of curvature 0 the vertices lose digits, see `frame.FLAT`.
+    multiplicities. The contact is one of tangent planes, and free of gouging where K < 0 and
+    rho^2 f_eeee + 6 rho f_eew + 3 (f_ww - f_ee) has the sign of f_ee; with the other sign, or
+    where K > 0, the cone gouges, and where that form vanishes it's undecided. The document says
+    free always. The verdict is local: other parts of a cone may meet other parts of the surface.
+    Towards points of curvature 0 the vertices lose digits, see `frame.FLAT`.
 
     Examples
     --------
     >>> cones = hyperosculating_cones(lambda x, y: y**2 / (x**2 + y**2), 0.5, 0.3, half_angle=0.5)
-    >>> len(cones.vertex), int(sum(abs(cones.order4) < 1e-9)), int(sum(cones.gouges))
-    (6, 2, 4)
+    >>> len(cones.vertex), int(sum(cones.gouges)), int(sum(cones.undecided))
+    (6, 4, 2)
     """
     half_angle = finite("half_angle", half_angle)
     if not 0 < half_angle < np.pi / 2:
@@ -143,6 +148,7 @@ def _of_block(surface, s, t, first, half_angle, model):
     w = np.cos(e) * other - np.sin(e) * tangent
     contact = found.contact[where[point]]
     lean = np.cos(half_angle) * w + np.sin(half_angle) * normal
+    gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     return (
         first + where[point],
         contact,
@@ -152,7 +158,8 @@ def _of_block(surface, s, t, first, half_angle, model):
         side,
         np.abs(rho * fee),
         order4,
-        (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0),
+        gouges,
+        ~gouges & (np.abs(order4) <= _CONTAINED),
         multiplicity[point, row],
         count,
         state,

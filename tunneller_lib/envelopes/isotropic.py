@@ -7,6 +7,7 @@ planes of a surface become a surface z = f(x, y), those of a cone a conic over a
 import numpy as np
 
 from ..arrays import dot, norm, points, real
+from .jet import variables
 
 
 def plane_to_point(n, h):
@@ -102,6 +103,32 @@ def contact_point(x, y, f, fx, fy):
     return x * r3 - fx, y * r3 - fy, r3
 
 
+def surface_points(f, x, y):
+    """Return points of the surface whose tangent planes lie on a graph (Eq. 20).
+
+    Parameters
+    ----------
+    f : callable
+        A function of two variables, built from ordinary arithmetic, with values in m.
+    x, y : (...) float
+        Places in the isotropic model.
+
+    Returns
+    -------
+    points : (..., 3) float
+        In m.
+
+    Examples
+    --------
+    >>> surface_points(lambda x, y: (x * x + y * y + 1) / 2, 0.6, 0.8)  # a sphere about (0, 0, 0)
+    array([-0.6, -0.8,  0. ])
+    """
+    s, t = variables(x, y)
+    jet = f(s, t) + 0.0 * s  # a constant is a function, too
+    first = jet.derivative(1, 0), jet.derivative(0, 1)
+    return np.stack(contact_point(*np.broadcast_arrays(x, y), jet.value, *first), axis=-1)
+
+
 def isotropic_derivatives(r, n):
     """Return x, y, f, fx, fy from points of a surface and unit normals there (Eqs 17 to 19).
 
@@ -119,81 +146,6 @@ def isotropic_derivatives(r, n):
     x, y = n[0] / below, n[1] / below
     f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
     return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
-
-
-def conic(point, centre, a, b, t):
-    """Return points of a conic over a circle (Eq. 8).
-
-    Parameters
-    ----------
-    point : (3,) float
-        The conic's point at t = 0.
-    centre : (2,) float
-        (u, v), from that point to the circle's centre.
-    a, b : float
-        The third coordinate is z + a sin(t) + b (1 - cos(t)), in m.
-    t : (...) float
-        Parameter, in rad.
-
-    Returns
-    -------
-    points : (..., 3) float
-        On the conic.
-    """
-    (x, y, z), (u, v), t = point, centre, real("t", t)
-    sin, rise = np.sin(t), 2 * np.sin(t / 2) ** 2
-    return np.stack([x + v * sin + u * rise, y - u * sin + v * rise, z + a * sin + b * rise], -1)
-
-
-def osculating_conic(centre, f):
-    """Return z, a, b of the conic over a circle that osculates a graph (Eq. 10).
-
-    Parameters
-    ----------
-    centre : (2,) float
-        (u, v), from the point to the circle's centre.
-    f : Jet
-        The function, at the one point.
-
-    Returns
-    -------
-    z, a, b : float
-        Coefficients for `conic`, in m.
-    """
-    u, v = centre
-    a = f.derivative(1, 0) * v - f.derivative(0, 1) * u
-    b = f.derivative(1, 0) * u + f.derivative(0, 1) * v
-    b = b + f.derivative(2, 0) * v**2 - 2 * f.derivative(1, 1) * u * v + f.derivative(0, 2) * u**2
-    return f.value, a, b
-
-
-def cone_vertex(point, centre, a, b):
-    """Return the vertex of the cone that a conic stands for (Eq. 22).
-
-    Parameters
-    ----------
-    point : (3,) float
-        The conic's point at t = 0.
-    centre : (2,) float
-        (u, v), from that point to the circle's centre.
-    a, b : float
-        As in `conic`, in m.
-
-    Returns
-    -------
-    vertex : (3,) float
-        In m; not finite for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0.
-    """
-    (x, y, z), (u, v) = point, centre
-    square = u * u + v * v
-    along, across = a * v + b * u, b * v - a * u
-    vertex = [
-        (x * x - y * y - 1) * along + 2 * x * y * across - 2 * square * (u * z + x * z + a * y),
-        (y * y - x * x - 1) * across + 2 * x * y * along - 2 * square * (v * z + y * z - a * x),
-        2 * x * along + 2 * y * across - 2 * square * z,
-    ]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.array(vertex) / (square * (x * x + y * y + 1 + 2 * u * x + 2 * v * y))
 
 
 def cone_planes(vertex, axis, half_angle, azimuth):

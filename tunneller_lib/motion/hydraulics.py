@@ -118,6 +118,18 @@ class Hydraulics:
         gain = float(min(np.abs(self.rate(angle, [1, -1]))))
         return Resonance(gain, w, self.damping / (2 * self.inertia * w))
 
+    def swing(self, angle):
+        """Return the gain of small swings about rest over that of steady motion, at joint angles.
+
+        (D_A / V_A + D_B / V_B) sqrt(D_A^2 - D_A D_B + D_B^2) / (D_A^2 / V_A + D_B^2 / V_B): swings
+        keep the pressures at which both lands lose the same, steady motion brings its own. It is 1
+        for equal areas, whatever the weight.
+        """
+        plus, minus = self.linkage.displacements(angle)
+        first, second = (v + self.hose for v in self.linkage.volumes(angle, self.low, self.high))
+        mean = (plus**2 - plus * minus + minus**2) ** 0.5
+        return mean * (plus / first + minus / second) / (plus**2 / first + minus**2 / second)
+
     def sides(self, angle):
         """Return (D, rho, load) of positive and of negative motion at a joint angle, in rad."""
         plus, minus = self.linkage.displacements(angle)

@@ -37,10 +37,10 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
     Notes
     -----
     Tunnelling robot, section 4.3, whose listing is this line with ties down, computed in floating
-    point. The closed form start + n q + (n r + N // 2) // N, with q and r the floored quotient
-    and remainder of the difference by N, is the exact line rounded to the nearest count: the
-    error is at most half a count, the end is exact, and the same points are met on the way back.
-    `line_ticks` computes the same without a product or a quotient.
+    point. The closed form (n D + N start + N // 2) // N, with D the difference and N the ticks, is
+    the exact line rounded to the nearest count: the error is at most half a count, the end is
+    exact, and the same points are met on the way back. `line_ticks` computes the same without a
+    product or a quotient.
 
     Examples
     --------
@@ -50,15 +50,11 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
     [[0, -1, -3], [7, 7, 7]]
     """
     start, difference, ticks = checked_move(start, stop, ticks)
-    quotient, remainder = np.divmod(difference, ticks)
-    n = np.arange(ticks + 1, dtype=np.int64)
-    # n r <= N^2 < 2^62 fits 64 bits; n D would not.
-    carries = n * remainder[..., None]
-    carries += _first(ticks, tie)
-    carries //= ticks
-    carries += n * quotient[..., None]
-    carries += start[..., None]
-    return carries
+    # N times the line, at most 2^31 N < 2^62, fits 64 bits; in place, for memory takes the time.
+    values = np.arange(ticks + 1, dtype=np.int64) * difference[..., None]
+    values += (ticks * start + _first(ticks, tie))[..., None]
+    values //= ticks
+    return values
 
 
 def line_ticks(start, stop, ticks, *, tie="up"):
@@ -67,7 +63,7 @@ def line_ticks(start, stop, ticks, *, tie="up"):
     The arguments are those of `time_bresenham` for one axis (start, stop, ticks, tie). A tick
     takes one comparison and two or three additions, and no number leaves the 32-bit range.
     """
-    start, difference, ticks = (int(number) for number in checked_move(start, stop, ticks))
+    start, difference, ticks = one_move(start, stop, ticks)
     quotient, remainder = divmod(difference, ticks)
     accumulator, complement = int(_first(ticks, tie)), ticks - remainder
     value = start
@@ -153,12 +149,12 @@ def polyline(knots, ticks, *, tie="up"):
     [[0, 2, 3, 3, 3, 3], [0, -1, -2, 0, 3, 5]]
     """
     knots, ticks = _segments(knots, ticks)
-    quotient, remainder = np.divmod(np.diff(knots, axis=0), ticks[:, None])
-    ends = np.cumsum(ticks)
     segment = np.repeat(np.arange(len(ticks)), ticks)
-    n = np.arange(ends[-1]) - np.repeat(ends - ticks, ticks)
-    carries = n[:, None] * remainder[segment] + _first(ticks, tie)[segment, None]
-    values = knots[segment] + n[:, None] * quotient[segment] + carries // ticks[segment, None]
+    n = np.arange(len(segment)) - (np.cumsum(ticks) - ticks)[segment]
+    first = ticks[:, None] * knots[:-1] + _first(ticks, tie)[:, None]
+    values = n[:, None] * np.diff(knots, axis=0)[segment]
+    values += first[segment]
+    values //= ticks[segment, None]
     return np.concatenate([values, knots[-1:]])
 
 
@@ -194,12 +190,37 @@ def rounding_spectrum(difference, ticks):
 
 
 def checked_move(start, stop, ticks):
-    """Return start, stop - start and ticks of moves, each within its 32-bit range."""
-    start, stop = whole("start", start, LOW, HIGH), whole("stop", stop, LOW, HIGH)
+    """Return start, stop - start and ticks of moves, each within its 32-bit range.
+
+    start broadcasts with the difference, whose shape is that of the moves.
+    """
     ticks = whole("ticks", ticks, 1, HIGH)
     if ticks.ndim:
         raise ValueError(f"ticks: must be one whole number; got an array of shape {ticks.shape}.")
-    return *np.broadcast_arrays(start, _difference(stop - start)), ticks
+    return *checked_ends(start, stop), ticks
+
+
+def checked_ends(start, stop, names=("start", "stop")):
+    """Return start and stop - start of moves, as `checked_move`; `names` are for messages."""
+    first, last = names
+    start, stop = whole(first, start, LOW, HIGH), whole(last, stop, LOW, HIGH)
+    try:
+        difference = stop - start
+    except ValueError:
+        raise ValueError(
+            f"{last}: must broadcast with {first} of shape {start.shape}; got shape {stop.shape}."
+        ) from None
+    return start, whole(f"{last} - {first}", difference, LOW, HIGH)
+
+
+def one_move(start, stop, ticks):
+    """Return the same of the move of one axis, as whole numbers of Python."""
+    start, difference, ticks = checked_move(start, stop, ticks)
+    if difference.ndim:
+        raise ValueError(
+            f"start, stop: must be of one axis; got arrays of shape {difference.shape}."
+        )
+    return int(start), int(difference), int(ticks)
 
 
 def _first(ticks, tie):
@@ -209,10 +230,6 @@ def _first(ticks, tie):
     return (ticks - TIES[tie]) // 2
 
 
-def _difference(difference):
-    return whole("stop - start", difference, LOW, HIGH)
-
-
 def _segments(knots, ticks):
     knots, ticks = whole("knots", knots, LOW, HIGH), whole("ticks", ticks, 1, HIGH)
     if knots.ndim != 2 or ticks.ndim != 1 or len(knots) != len(ticks) + 1 or not len(ticks):
@@ -220,5 +237,5 @@ def _segments(knots, ticks):
             "knots: must be an array (k + 1, n) for ticks (k,) of k >= 1 segments; "
             f"got {knots.shape} for {ticks.shape}."
         )
-    _difference(np.diff(knots, axis=0))
+    checked_ends(knots[:-1], knots[1:])
     return knots, ticks

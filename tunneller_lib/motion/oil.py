@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import positive
 from .hydraulics import Hydraulics
+from .plant import Lag, ValveResonance
 
 LAMINAR = 1e5  # Pa, below which the flow through a land turns from its root to a straight line
 PHASE = 0.2  # rad of the fastest resonance, the longest step of the integration
@@ -28,6 +29,10 @@ class Rigid:
     def command(self, rate, position):
         """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
         return self.axis.command(rate, position)
+
+    def linear(self, angle):
+        """Return the linear plant (T1) of small motions about a joint angle, in rad."""
+        return Lag(self.axis.resonance(angle).gain, self.axis.valve_lag)
 
     def rest(self, position):
         """Return the state at rest at a position, in rad."""
@@ -83,6 +88,16 @@ class Compressible:
     def command(self, rate, position):
         """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
         return self.axis.command(rate, position)
+
+    def linear(self, angle):
+        """Return the linear plant of small swings about rest at a joint angle, in rad.
+
+        A valve that is hardly open lets no oil escape from a load that swings; the further it
+        opens the more it damps. So these are the motions that grow first.
+        """
+        small, swing = self.axis.resonance(angle), float(self.axis.swing(angle))
+        return ValveResonance(swing * small.gain, small.gain, small.frequency, small.damping,
+                              self.axis.valve_lag)  # fmt: skip
 
     def rest(self, position):
         """Return the state at rest at a position, in rad: pressures that sum to the supply."""

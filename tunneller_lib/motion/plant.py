@@ -5,6 +5,7 @@ command), `transfer`, `stepper` (the next state, for `simulate`), `command` (sta
 """
 
 from dataclasses import dataclass, fields
+from operator import mul
 
 import numpy as np
 
@@ -148,16 +149,8 @@ class Resonance(_Linear):
 
     def discrete(self, tick):
         """Return Ad and Bd of a command held for a tick, in s."""
-        from scipy.linalg import expm
-
-        A, B = self.matrices()
         w = self.frequency
-        units = np.array([1.0, w, w**2])  # of one size, else expm loses digits of the small entries
-        block = np.zeros((4, 4))
-        block[:3, :3] = A / units[:, None] * units
-        block[:3, 3] = B / units
-        Ad = expm(block * positive("tick", tick))
-        return Ad[:3, :3] * units[:, None] / units, Ad[:3, 3] * units
+        return _held(*self.matrices(), np.array([1.0, w, w**2]), tick)
 
     def stepper(self, tick):
         """Return the function (state, command) -> state one tick, in s, later."""
@@ -170,6 +163,70 @@ class Resonance(_Linear):
             return x + a * v + b * w + g * u, c * v + d * w + h * u, e * v + f * w + i * u
 
         return step
+
+
+@dataclass(frozen=True)
+class ValveResonance(_Linear):
+    """K w^2 / (s (lag s + 1) (s^2 + 2 zeta w s + w^2)): a resonance behind a valve with a lag.
+
+    Parameters
+    ----------
+    gain : float
+        K of small swings, in rad/s for the full command 1.
+    steady : float
+        That of steady motion, by which the static inverse divides.
+    frequency : float
+        Natural frequency w, in rad/s.
+    damping : float
+        Damping ratio zeta.
+    lag : float
+        Time constant of the valve, in s.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't above zero.
+    """
+
+    gain: float
+    steady: float
+    frequency: float
+    damping: float
+    lag: float
+
+    def command(self, rate, position=0.0):
+        """Return the command that gives a steady rate, in rad/s; the same at every position."""
+        return rate / self.steady
+
+    def matrices(self):
+        """Return A and B of state' = A state + B command; angle, rate, change, spool."""
+        w, zeta = self.frequency, self.damping
+        A = np.diag([1.0, 1.0, self.gain * w**2], 1)
+        A[2, 1:3] = -(w**2), -2 * zeta * w
+        A[3, 3] = -1 / self.lag
+        return A, np.array([0, 0, 0, 1 / self.lag])
+
+    def discrete(self, tick):
+        """Return Ad and Bd of a command held for a tick, in s."""
+        w = self.frequency
+        return _held(*self.matrices(), np.array([1.0, w, w**2, w / self.gain]), tick)
+
+    def stepper(self, tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        rows = [[*a, b] for a, b in zip(*(m.tolist() for m in self.discrete(tick)))]
+        return lambda state, u: tuple(sum(map(mul, row, (*state, u))) for row in rows)
+
+
+def _held(A, B, units, tick):
+    """Return Ad and Bd of a command held for a tick; `units` are the sizes of the states."""
+    from scipy.linalg import expm
+
+    order = len(B)
+    block = np.zeros((order + 1, order + 1))
+    block[:order, :order] = A / units[:, None] * units  # else expm loses digits of small entries
+    block[:order, order] = B / units
+    Ad = expm(block * positive("tick", tick))
+    return Ad[:order, :order] * units[:, None] / units, Ad[:order, order] * units
 
 
 def _beyond(x):

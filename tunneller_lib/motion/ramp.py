@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..arrays import whole
-from .interpolate import checked_move
+from .interpolate import checked_move, one_move
 
-LONGEST = 65534  # ticks; the remainders of a parabola must fit 32 bits
+LONGEST = 65534  # ticks 2 M; the denominator 2 M^2 of a parabola must fit 32 bits
 
 
 def rest_to_rest(start, stop, ticks):
@@ -49,27 +49,41 @@ def rest_to_rest_ticks(start, stop, ticks):
     """Yield the set-values of `rest_to_rest` (start, stop, ticks) of one axis, tick by tick.
 
     Two remainder accumulators: one carries the speed, in units of 1/(2 M^2) of a count a tick with
-    M half the ticks, the other the position. Both run across the middle without a new start.
+    M half the ticks, the other the position. Both run across the middle without a new start, and no
+    number leaves the 32-bit range.
     """
-    start, difference, ticks = (int(number) for number in checked_move(start, stop, _even(ticks)))
-    scale = ticks * ticks // 2
-    speed, speed_rest = divmod(difference, scale)
-    gain, gain_rest = divmod(2 * difference, scale)
-    value, rest = start, scale // 2
-    yield value
+    start, difference, ticks = one_move(start, stop, _even(ticks))
+    middle = ticks // 2
+    scale = 2 * middle**2
+    speed = divmod(difference, scale)
+    gain = _plus(speed, speed, scale)
+    value = start, middle**2
+    yield value[0]
     for n in range(1, ticks + 1):
-        value, rest = value + speed, rest + speed_rest
-        if rest >= scale:
-            value, rest = value + 1, rest - scale
-        yield value
-        if n < ticks // 2:
-            speed, speed_rest = speed + gain, speed_rest + gain_rest
-            if speed_rest >= scale:
-                speed, speed_rest = speed + 1, speed_rest - scale
-        elif n > ticks // 2:
-            speed, speed_rest = speed - gain, speed_rest - gain_rest
-            if speed_rest < 0:
-                speed, speed_rest = speed - 1, speed_rest + scale
+        value = _plus(value, speed, scale)
+        yield value[0]
+        if n < middle:
+            speed = _plus(speed, gain, scale)
+        elif n > middle:
+            speed = _minus(speed, gain, scale)
+
+
+def _plus(a, b, scale):
+    """Return the sum of two mixed numbers (whole, rest) with 0 <= rest < scale.
+
+    Rests are compared with a complement: their sum could leave the 32-bit range.
+    """
+    complement = scale - b[1]
+    if a[1] >= complement:
+        return a[0] + (b[0] + 1), a[1] - complement
+    return a[0] + b[0], a[1] + b[1]
+
+
+def _minus(a, b, scale):
+    """Return the difference of two mixed numbers."""
+    if a[1] < b[1]:
+        return a[0] - (b[0] + 1), a[1] + (scale - b[1])
+    return a[0] - b[0], a[1] - b[1]
 
 
 def _even(ticks):

@@ -8,7 +8,7 @@ them no whole counts.
 import numpy as np
 
 from ..arrays import finite, positive, whole
-from .interpolate import HIGH, LOW, time_bresenham
+from .interpolate import checked_ends, checked_move, time_bresenham
 
 ONE = 1 << 16  # of a fixed-point number with 16 fractional bits
 FIXED_RANGE = (1 << 15) - 1  # its largest whole part
@@ -62,8 +62,8 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
         raise ValueError(f'division: must be "floor" or "truncate"; got {division!r}.')
     t = t1 + T * np.arange(int((t2 - t1) / T * (1 + 1e-12)) + 1)
     chop = np.floor if division == "floor" else np.trunc
-    y1, y2 = whole("y1", y1, LOW, HIGH), whole("y2", y2, LOW, HIGH)
-    nx = (np.asarray(y2 - y1, precision) / precision(t2 - t1)).astype(precision)
+    y1, k = checked_ends(y1, y2, ("y1", "y2"))
+    nx = (np.asarray(k, precision) / precision(t2 - t1)).astype(precision)
     nxi = chop(nx)
     fraction = nx - nxi
     y = np.broadcast_to(y1, nx.shape).astype(float)
@@ -95,9 +95,9 @@ def single_dda(start, stop, ticks):
     Section 4.1: "consecutively adding a value to y", so that rounding errors add up; what is sent
     for (start, stop, ticks) is the sum rounded to the nearest count.
     """
-    start, difference = _move(start, stop, ticks)
+    start, difference, ticks = checked_move(start, stop, ticks)
     step = (difference / ticks).astype(np.float32)
-    value, sums = start.astype(np.float32), []
+    value, sums = np.broadcast_to(start, difference.shape).astype(np.float32), []
     for _ in range(ticks + 1):
         sums.append(value)
         value = value + step
@@ -116,14 +116,14 @@ def fixed_truncated(start, stop, ticks):
 
 def naive_floor(start, stop, ticks):
     """Return the set-values start + floor(n D / N), with a product and a quotient a tick."""
-    start, difference = _move(start, stop, ticks)
+    start, difference, ticks = checked_move(start, stop, ticks)
     n = np.arange(ticks + 1)
     return start[..., None] + np.floor_divide(n * difference[..., None], ticks)
 
 
 def integer_slope(start, stop, ticks):
     """Return the set-values with the slope's whole part alone, its fraction forgotten."""
-    start, difference = _move(start, stop, ticks)
+    start, difference, ticks = checked_move(start, stop, ticks)
     return start[..., None] + np.arange(ticks + 1) * (difference // ticks)[..., None]
 
 
@@ -139,14 +139,12 @@ RIVALS = {
 }
 
 
-def _move(start, stop, ticks):
-    start, stop = whole("start", start, LOW, HIGH), whole("stop", stop, LOW, HIGH)
-    whole("ticks", ticks, 1, HIGH)
-    return np.broadcast_arrays(start, stop - start)
-
-
 def _fixed(start, stop, ticks, half):
-    start, difference = _move(start, stop, ticks)
+    start, difference, ticks = checked_move(start, stop, ticks)
+    whole("start", start, -FIXED_RANGE, FIXED_RANGE)
+    whole("stop", start + difference, -FIXED_RANGE, FIXED_RANGE)
     whole("stop - start", difference, -FIXED_RANGE, FIXED_RANGE)
     step = (difference * ONE + (ticks // 2 if half else 0)) // ticks
-    return start[..., None] + (np.arange(ticks + 1) * step[..., None] + half) // ONE
+    values = start[..., None] + (np.arange(ticks + 1) * step[..., None] + half) // ONE
+    whole("end in fixed point", values[..., -1], -FIXED_RANGE - 1, FIXED_RANGE)  # it may drift off
+    return values

@@ -125,7 +125,7 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
 
     Parameters
     ----------
-    plant : Integrator, Lag, Resonance, Hydraulics or a sequence of them
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a sequence of them
         One for each axis, or one for all.
     loop : Loop or a sequence of them
         One for each axis, or one for all; one tick for all.
@@ -141,8 +141,9 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     track : Track
         ``tick`` in s; ``setvalue`` and ``position`` (ticks + 1, ...) in rad; ``command`` and
         ``saturated`` (ticks, ...); ``states``, an array (ticks + 1, order) for each axis;
-        ``stable``, for each axis whether its linear loop is stable, None for a plant that isn't
-        linear. An unstable loop is run all the same: the valve's limit keeps it finite.
+        ``stable``, for each axis whether small motions are stable all over the range of its
+        set-values (`is_stable`), None with an ``inverse`` that isn't the plant's own. An unstable
+        loop is run all the same: the valve's limit keeps it finite.
 
     Raises
     ------
@@ -177,7 +178,8 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
     command = np.array([run[1] for run in runs]).T.reshape(shape)
     limit = np.array([one.limit for one in loops]) if values.ndim == 2 else loops[0].limit
-    stable = tuple(is_stable(*pair) for pair in zip(plants, loops))
+    ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
+    stable = tuple(None if inverse else is_stable(*parts) for parts in zip(plants, loops, ranges))
     saturated = np.abs(command) >= limit
     return Track(loops[0].tick, values, position, command, saturated, states, stable)
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import finite, positive, whole
-from .plant import Lag
+from ..arrays import finite, not_negative, positive, whole
+from .plant import Lag, Resonance
 
 
 def delay_limit(tick, delay=0):
@@ -47,13 +47,38 @@ def integral_limits(integral, tick):
     return integral * tick, (4 + integral * tick**2) / (2 * tick)
 
 
-def resonance_limit(frequency, damping):
+def resonance_limit(frequency, damping, lag=0.0):
     """Return the gain limit 2 zeta w of a resonance under a continuous P loop, in 1/s.
 
     Routh's criterion for s^3 + 2 zeta w s^2 + w^2 s + Kv w^2, with the `frequency` w in rad/s and
-    the `damping` ratio zeta: the practical limit of a hydraulic axis.
+    the `damping` ratio zeta: the practical limit of a hydraulic axis. A valve with a `lag` in s
+    multiplies it by (1 + 2 zeta w lag + (w lag)^2) / (1 + 2 zeta w lag)^2; small swings of T3 also
+    divide it by `Hydraulics.swing`.
     """
-    return 2 * positive("damping", damping) * positive("frequency", frequency)
+    rate = 2 * positive("damping", damping) * positive("frequency", frequency)
+    x = not_negative("lag", lag)
+    return rate * (1 + rate * x + (frequency * x) ** 2) / (1 + rate * x) ** 2
+
+
+def sampled_resonance_limit(frequency, damping, tick):
+    """Return the gain limit of a resonance under a P loop with a tick in s, in 1/s.
+
+    Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d = exp(-2 zeta w T)
+    and t the sum of the resonance's two roots: a quadratic and two linear conditions on Kv, of
+    which the first to fail is the limit. As the tick vanishes it is `resonance_limit`.
+    """
+    Ad, Bd = Resonance(1.0, frequency, damping).discrete(tick)
+    t, d = Ad[1, 1] + Ad[2, 2], np.exp(-2 * damping * frequency * tick)
+    h1, h2, h3 = Bd[0], (Ad @ Bd)[0], (Ad @ Ad @ Bd)[0]
+    b2, b1 = h1, h2 - (1 + t) * h1
+    b0 = h3 - (1 + t) * h2 + (t + d) * h1
+    # (1 - d)(1 - t + d), whose second factor loses its digits for short ticks; it is a mean step.
+    constant = -np.expm1(-2 * damping * frequency * tick) * (b2 + b1 + b0) / tick
+    roots = np.roots([b0 * (b2 - b0), (2 * d - 1 - t) * b0 - b1 - d * b2, constant])
+    limits = [root.real for root in roots if root.imag == 0 and root.real > 0]
+    limits += [(1 + d) / abs(b0)] if b0 else []
+    limits += [2 * (1 + t + d) / (b2 + b0 - b1)] if b2 + b0 > b1 else []
+    return float(min(limits))
 
 
 def closed_loop(plant, loop):
@@ -66,7 +91,7 @@ def closed_loop(plant, loop):
     order, m = len(Bd), loop.delay
     matrix = np.zeros((order + 1 + m, order + 1 + m))
     command = np.zeros(len(matrix))
-    command[0], command[order] = -loop.gain / plant.gain, 1 / plant.gain
+    command[0], command[order] = plant.command(-loop.gain), plant.command(1.0)
     matrix[:order, :order] = Ad
     matrix[order, [0, order]] = -loop.integral * loop.tick, 1
     if m == 0:
@@ -80,9 +105,14 @@ def closed_loop(plant, loop):
     return matrix
 
 
-def is_stable(plant, loop):
-    """Return whether a linear closed loop is stable; None for a plant that isn't linear."""
-    return bool(_radius(plant, loop) < 1) if hasattr(plant, "discrete") else None
+def is_stable(plant, loop, angles=(0.0,)):
+    """Return whether a closed loop is stable in small motions about rest.
+
+    T2 and T3 are judged by their linear models at each of the joint angles `angles`, in rad;
+    encoder, dead band and limit of the valve are left out.
+    """
+    models = {plant.linear(angle) for angle in angles} if hasattr(plant, "linear") else {plant}
+    return all(bool(_radius(model, loop) < 1) for model in models)
 
 
 def eigenvalue_limit(plant, loop, *, side="upper"):
@@ -90,7 +120,7 @@ def eigenvalue_limit(plant, loop, *, side="upper"):
 
     Parameters
     ----------
-    plant : Integrator, Lag or Resonance
+    plant : Integrator, Lag, Resonance or ValveResonance
         The axis.
     loop : Loop
         A stable loop, from whose gain the search starts.
@@ -117,9 +147,9 @@ def eigenvalue_limit(plant, loop, *, side="upper"):
 def continuous_limit(plant):
     """Return the gain at which the continuous P loop of a linear plant turns unstable, in 1/s."""
     A, B = plant.matrices()
-    column = np.outer(B, np.eye(len(B))[0]) / plant.gain
+    column = np.outer(B, np.eye(len(B))[0]) * plant.command(1.0)
     growth = lambda g: np.max(np.linalg.eigvals(A - g * column).real)  # noqa: E731
-    start = -1e-3 * min(A.diagonal().min(), -1e-300)
+    start = 1e-3 * min((-rate for rate in A.diagonal().tolist() if rate < 0), default=1.0)
     return _first_unstable(growth, start, 1.25)
 
 
@@ -133,7 +163,7 @@ def ripple(plant, gain, tick, harmonic=1):
     tick, gain = np.asarray(tick, float), positive("gain", gain)
     if not np.all(tick > 0):
         raise ValueError(f"tick: must be above zero, in s; got {tick!r}.")
-    open_loop = gain / plant.gain * plant.transfer(2j * np.pi * harmonic / tick)
+    open_loop = plant.command(gain) * plant.transfer(2j * np.pi * harmonic / tick)
     return 2 * np.abs(open_loop / (1 + open_loop))
 
 

@@ -6,6 +6,8 @@ import numpy as np
 
 from ..surfaces.rod_interval import ball_sweep, flat_interval
 
+BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of the grid
+
 
 class Lines(NamedTuple):
     """Lines in planes x = const, the same (m,) in each of n planes, none of them along x.
@@ -68,6 +70,19 @@ class Lines(NamedTuple):
         columns = self._turn(angle, half)
         return np.stack([*_range(self.x, centre[:, 0] - width, centre[:, 0] + width), *columns],
                         axis=-1)  # fmt: skip
+
+    def blocks(self, window):
+        """Yield slices of rows and columns that cover a window, of at most `BLOCK` lines each."""
+        first, last, start, stop = window
+        count = len(self.cos)
+        stop += start % count - start
+        start %= count
+        for left, end in ((start, min(stop, count)), (0, stop - count)):
+            for here in range(left, end, BLOCK):
+                columns = slice(here, min(here + BLOCK, end))
+                height = BLOCK // (columns.stop - here)
+                for top in range(first, last, height):
+                    yield slice(top, min(top + height, last)), columns
 
     def _turn(self, angle, half):
         """Return the first and past-the-last indices of the rays within angle -+ half."""

@@ -66,7 +66,7 @@ def draw_tasks(ax, rows, *, unit=1.0):
 
 
 def draw_responses(ax, models, loop, setvalues):
-    """Draw how models of an axis answer set-values; the title says which loops are unstable.
+    """Draw how models of an axis answer set-values; the title says which are unstable.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def draw_responses(ax, models, loop, setvalues):
     for name, track in tracks.items():
         ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
     unstable = [name for name, track in tracks.items() if track.stable == (False,)]
-    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "linear loops (T0, T1) stable")
+    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "all stable")
     ax.set(xlabel="$t$ / s", ylabel="position / deg")
     return tracks
 
@@ -119,6 +119,7 @@ def draw_hand_over(ax, tasks, run, ticks, *, unit=1.0):
     rows["preparation"] = "preparation", list(zip(free, run.ready))
     rows["segment"] = "tangent sphere", list(zip(run.started, ends))
     rows["starved"] = "error", [pair for pair in zip(run.needed, run.started) if pair[1] > pair[0]]
-    draw_tasks(ax, rows, unit=unit)
+    bars = draw_tasks(ax, rows, unit=unit)
+    bars[-2].set(ec="white", lw=1.0)  # segments follow each other without a gap
     for start in run.started:
         ax.axvline(unit * start, color=COLOURS["chord"], lw=0.4, ls=":")

@@ -13,6 +13,14 @@ def equal(ax, xlabel, ylabel):
     ax.set(xlabel=xlabel, ylabel=ylabel)
 
 
+def draw_pictures(axes, pictures, titles):
+    """Put pictures (n, m, 3), such as those of scenes, on axes, each with its title."""
+    for ax, picture, title in zip(axes.flat, pictures, titles):
+        ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
+        ax.set_title(title)
+        ax.axis("off")
+
+
 def draw_section(ax, section, **line):
     """Draw a section as seen by the machine, with y growing to the left.
 

@@ -16,6 +16,7 @@ import PIL.Image
 from IPython.display import Image
 
 from .digits import cell, exponent, number, significant, steady
+from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
@@ -209,7 +210,5 @@ def _pixel_preview(pixels):
 
 
 def _replace(path, content):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.new")
-    beside.write_bytes(content)
-    os.replace(beside, path)
+    with beside(path) as new:
+        new.write_bytes(content)

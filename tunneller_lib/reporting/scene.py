@@ -1,7 +1,6 @@
 """Pictures of surfaces in space, drawn without a screen."""
 
 import os
-from pathlib import Path
 
 # VTK chooses its window when it is imported.
 if "DISPLAY" not in os.environ:
@@ -12,6 +11,7 @@ import pyvista
 from IPython import get_ipython
 
 from ..envelopes.isotropic import cone_rulings
+from .kept_scene import keep
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
@@ -47,13 +47,15 @@ def scene(*, parallel=True):
     return plotter
 
 
-def surface(points):
+def surface(points, values=None):
     """Return a smooth mesh through a grid of points.
 
     Parameters
     ----------
     points : (n, m, 3) float
         Points of a surface, in m; rows that end where they began are joined.
+    values : dict of str to (n, m) float, optional
+        What colours it: scalars of the mesh, by name.
 
     Returns
     -------
@@ -76,7 +78,9 @@ def surface(points):
     if points.ndim != 3 or points.shape[-1] != 3:
         raise ValueError(f"points: must be a grid (n, m, 3); got {points.shape}.")
     grid = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
-    return grid.extract_surface(algorithm="geometry").clean()
+    for name, scalars in (values or {}).items():
+        grid[name] = np.ravel(scalars, order="F")
+    return grid.extract_surface(algorithm="geometry", pass_pointid=False, pass_cellid=False).clean()
 
 
 def curve(points, radius, values=None):
@@ -102,6 +106,27 @@ def curve(points, radius, values=None):
     return line.tube(radius=radius, n_sides=12)
 
 
+def rectangle(middle, a, b):
+    """Return a mesh of a rectangle, its middle (3,) and half its sides as vectors (3,), in m."""
+    return surface([[middle - a - b, middle - a + b], [middle + a - b, middle + a + b]])
+
+
+def pieces(points, keep):
+    """Return the parts of a closed curve's points (n, 3) where `keep` (n,) is True, as a list.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.arange(8)[:, None] * np.ones(3)
+    >>> [part[:, 0].tolist() for part in pieces(points, np.array([1, 1, 0, 0, 1, 1, 0, 1]) > 0)]
+    [[4.0, 5.0], [7.0, 0.0, 1.0]]
+    """
+    start = np.argmin(keep)  # so that no part is cut in two
+    points, keep = np.roll(points, -start, axis=0), np.roll(keep, -start)
+    parts = np.split(points, np.flatnonzero(np.diff(keep)) + 1)
+    return [part for part in parts[int(not keep[0]) :: 2] if len(part) > 1]
+
+
 def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
@@ -124,7 +149,7 @@ def cone(vertex, axis, half_angle, near, far):
     mesh : pyvista.PolyData
         The wall, without its ends.
     """
-    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 121))
+    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 361))
     return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
 
 
@@ -141,12 +166,29 @@ def arrow(start, vector, radius):
 def beside(*pictures):
     """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
     height = max(len(picture) for picture in pictures)
-    padded = []
-    for picture in pictures:
-        above = (height - len(picture)) // 2
-        below = height - len(picture) - above
-        padded.append(np.pad(picture, ((above, below), (0, 0), (0, 0)), constant_values=255))
-    return np.concatenate(padded, axis=1)
+    return np.concatenate([_padded(p, height, p.shape[1]) for p in pictures], axis=1)
+
+
+def rows(pictures, columns):
+    """Return pictures (n, m, 3) in rows of so many on white, each in the middle of its place.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rows([np.zeros((4, 6, 3)), np.zeros((2, 3, 3)), np.ones((4, 6, 3)), np.ones((1, 1, 3))],
+    ...      columns=2).shape
+    (8, 12, 3)
+    """
+    height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
+    padded = [_padded(picture, height, width) for picture in pictures]
+    places = range(0, len(padded), columns)
+    return np.concatenate([np.concatenate(padded[i : i + columns], axis=1) for i in places])
+
+
+def _padded(picture, height, width):
+    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape)]
+    rest = [size - had - gap for size, had, gap in zip((height, width), picture.shape, gaps)]
+    return np.pad(picture, (*zip(gaps, rest), (0, 0)), constant_values=255)
 
 
 def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, turn=True):
@@ -156,8 +198,8 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
     ----------
     plotter : pyvista.Plotter
         The scene; it is closed afterwards, unless somebody is there to turn it.
-    direction : (3,) float
-        From the middle of the scene towards the camera.
+    direction : (3,) float or None
+        From the middle of the scene towards the camera; None for a camera that is set already.
     up : (3,) float
         What points up in the picture.
     zoom : float
@@ -170,8 +212,9 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
     pixels : (n, m, 3) uint8
         Red, green, blue.
     """
-    plotter.view_vector(direction, viewup=up)
-    plotter.camera.zoom(zoom)
+    if direction is not None:
+        plotter.view_vector(direction, viewup=up)
+        plotter.camera.zoom(zoom)
     pixels = plotter.screenshot(return_img=True)
     keep(plotter)
     if turn and get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
@@ -180,37 +223,6 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
     else:
         plotter.close()
     return crop(pixels)
-
-
-def keep(plotter):
-    """Keep a scene for the web pages, where ``TUNNELLER_SCENES`` names a folder.
-
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-        The scene; it is named by the notebook's cell that is running.
-    """
-    if folder := os.environ.get("TUNNELLER_SCENES"):
-        for actor in plotter.actors.values():
-            if isinstance(actor, pyvista.Actor):
-                actor.mapper.dataset = light(actor.mapper.dataset)
-        cell = get_ipython().execution_count
-        before = sum(1 for _ in Path(folder).glob(f"{cell:02}-*"))
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        plotter.trame.export_vtksz(Path(folder, f"{cell:02}-{before}.vtksz"))
-
-
-def light(mesh):
-    """Return a mesh that packs well: single precision, without the bits that no screen shows."""
-    if not mesh.length:
-        return mesh
-    packed = mesh.copy()
-    step = 2.0 ** (np.ceil(np.log2(mesh.length)) - 13)
-    packed.points = (np.round(mesh.points / step) * step).astype(np.float32)
-    if "Normals" in mesh.point_data:
-        normals = np.round(mesh.point_data["Normals"] * 64) / 64
-        packed.point_data["Normals"] = normals.astype(np.float32)
-    return packed
 
 
 def crop(pixels):

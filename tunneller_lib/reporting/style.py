@@ -34,6 +34,8 @@ COLOURS = {
     "plane": "#CC79A7",
 }
 
+ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
+
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 9,

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import arrays
-from ..arrays import cross, directions, dot, finite_points, norm
-from .rod import nearest_point
-from .rod_interval import GUARD, frame
+from ..arrays import cross, directions, dot, near_points, norm, sizes
+from .rod_interval import GUARD, frame, nearest_point
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,8 @@ class Frustum:
     Raises
     ------
     ValueError
-        If a centre isn't one finite point, the centres coincide or a radius is negative.
+        If a centre isn't one finite point, the centres coincide, a radius is negative, or a size
+        is outside the range that `Rod` allows.
     """
 
     a: tuple[float, float, float]
@@ -39,10 +39,13 @@ class Frustum:
             object.__setattr__(self, name, arrays.not_negative(name, getattr(self, name)))
         if self.a == self.b:
             raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
+        near_points("a", self.a), near_points("b", self.b)
+        sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
+        sizes("radius_a", self.radius_a), sizes("radius_b", self.radius_b)
 
     def contains(self, points):
         """Return whether points (..., 3), in m, are inside or, within rounding, on the surface."""
-        q, v = finite_points("points", points) - self.a, np.subtract(self.b, self.a)
+        q, v = near_points("points", points) - self.a, np.subtract(self.b, self.a)
         length = float(norm(v))
         along = dot(q, v) / length
         off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
@@ -75,7 +78,7 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        p, u = finite_points("point", point), directions("direction", direction)
+        p, u = near_points("point", point), directions("direction", direction)
         a, b = np.array(self.a), np.array(self.b)
         axis = frame(a, b, u)
         turned = np.any(axis.start != a, axis=-1)

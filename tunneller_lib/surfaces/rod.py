@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import arrays
-from ..arrays import cross, directions, dot, finite_points, norm, real, two_product, two_sum
+from ..arrays import MOST, cross, directions, dot, near_points, norm, real, sizes
 from . import rod_rivals
-from .rod_interval import GUARD, flat_interval, frame, round_interval
+from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
-BLOCK = 32768  # parallel lines treated at once, so that they stay in the cache
+BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
 
 def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
@@ -33,17 +33,23 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
     enter, leave : (...) float
         In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
 
+    Raises
+    ------
+    ValueError
+        As by `Rod` and `Rod.meet_line`.
+
     Examples
     --------
     >>> enter, leave = meet_rods((0, 0, 0), (9, 0, 0), [1, 2, 3], (4, 2, 0), (0, 0, 1))
     >>> enter.round(3), leave.round(3)
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
-    a, b, p = (finite_points(n, x) for n, x in (("a", a), ("b", b), ("point", point)))
+    a, b, p = (near_points(n, x) for n, x in (("a", a), ("b", b), ("point", point)))
     direction, radius = directions("direction", direction), real("radius", radius)
     if not np.all(np.isfinite(radius) & (radius >= 0)):
         raise ValueError("radius: must hold finite numbers, none below zero.")
     _check(ends, method)
+    sizes("radius", radius), sizes("b - a", np.abs(b - a).max(axis=-1))
     if method != "exact":
         return rod_rivals.METHODS[method](a, b, radius, p, direction)
     return _meet(frame(a, b, direction), radius, ends == "round", p, direction)
@@ -57,21 +63,6 @@ def _check(ends, method="exact"):
         raise ValueError(f"method: must be one of {words}; got {method!r}.")
     if ends == "round" and method != "exact":
         raise ValueError(f'method: must be "exact" for round ends; got {method!r}.')
-
-
-def nearest_point(axis, p, direction):
-    """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
-
-    Parameters: axis, the points p (..., 3) and the direction of each line, in m.
-    """
-    q, q_low = two_sum(p, -axis.start)
-    shift = -dot(q, axis.along) / axis.speed
-    step, step_low = two_product(shift[..., None], direction)
-    q, low = two_sum(q, step)
-    q = q + (low + (step_low + q_low))  # at most one rounding, however far away p is
-    # Without a run the axis has no plane of its own: any length across will do.
-    s = np.where(axis.run > 0, dot(q, axis.across), norm(q))
-    return s, dot(q, axis.flat), dot(q, axis.along), shift
 
 
 def _meet(axis, radius, round_ends, p, direction):
@@ -99,12 +90,14 @@ class Rod:
     Raises
     ------
     ValueError
-        If an end isn't one finite point, the radius is negative or `ends` is another word.
+        If an end isn't one finite point, the radius is negative, `ends` is another word, or a
+        number is too small or too great for its square: radius, length and direction must be 0
+        or from 1e-100 to 1e100, and no coordinate above that.
 
     Notes
     -----
     Line and finite cylinder. A flat rod without length is empty, a round one is a ball. With
-    radius 0 it's the segment. Squares of lengths must neither over- nor underflow.
+    radius 0 it's the segment.
     """
 
     a: tuple[float, float, float]
@@ -116,6 +109,8 @@ class Rod:
         object.__setattr__(self, "a", arrays.point("a", self.a))
         object.__setattr__(self, "b", arrays.point("b", self.b))
         object.__setattr__(self, "radius", arrays.not_negative("radius", self.radius))
+        near_points("a", self.a), near_points("b", self.b)
+        sizes("radius", self.radius), sizes("b - a", np.abs(self.axis).max())
         _check(self.ends)
 
     @property
@@ -136,7 +131,7 @@ class Rod:
         >>> Rod((0, 0, 0), (4, 0, 0), 1).contains([(4, 0, 1), (4.5, 0, 0)])
         array([ True, False])
         """
-        q, v, length = finite_points("points", points) - self.a, self.axis, self.length
+        q, v, length = near_points("points", points) - self.a, self.axis, self.length
         if length == 0:
             return (norm(q) <= self.radius * (1 + GUARD)) & (self.ends == "round")
         guard = GUARD * (self.radius + length)
@@ -169,7 +164,8 @@ class Rod:
         Raises
         ------
         ValueError
-            If a direction is zero, a number isn't finite, or `method` is another word.
+            If a direction is zero, a number isn't finite or too great or small for its square, or
+            `method` is another word.
 
         Notes
         -----
@@ -188,7 +184,7 @@ class Rod:
         p, u = arrays.points("point", point), directions("direction", direction)
         if u.ndim > 1 or method != "exact":
             return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends, method=method)
-        enter, leave = np.full(p.shape[:-1], np.inf), np.full(p.shape[:-1], -np.inf)
+        enter, leave = np.empty(p.shape[:-1]), np.empty(p.shape[:-1])
         rows, firsts, lasts = p.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
         axis = frame(np.array(self.a), np.array(self.b), u)
         for start in range(0, len(rows), BLOCK):
@@ -199,49 +195,66 @@ class Rod:
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
         bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
-        if not np.isfinite(bound):
-            finite_points("point", p)
+        if not bound <= MOST:
+            near_points("point", p)
         r, run, rise = self.radius, axis.run, axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
-        side = np.abs(_along(p, axis.start, axis.across))
-        near = np.flatnonzero(side <= reach)
-        q, side = p[near], side[near]
-        m = _along(q, axis.start, axis.flat)
+        s = _along(p, axis.start, axis.across)
+        w = (r - s) * (r + s)
+        close = w >= (r - reach) * (r + reach)
         plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
         if not plain or self.ends == "round":
-            within = (m >= -reach) & (m <= run + reach)
-            near, q = near[within], q[within]
-            enter[near], leave[near] = _meet(axis, r, self.ends == "round", q, u)
-            return
-        w = np.sqrt(np.maximum((r - side) * (r + side), 0))
-        k = rise / axis.length * w
-        clear = (side <= r) & (m >= -k) & (m <= run + k)
-        # Within the guard, whose root is the most that it adds to k, the careful way decides.
-        more = np.sqrt((reach - r) * (reach + r))
-        edge = np.flatnonzero(~clear & (m >= -k - more) & (m <= run + k + more))
+            enter[:], leave[:] = np.inf, -np.inf
+            near = np.flatnonzero(close)
+            m = _along(p[near], axis.start, axis.flat)
+            near = near[(m >= -reach) & (m <= run + reach)]
+            enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
+        elif 2 * np.count_nonzero(close) > len(p):  # to pick them out would cost too much
+            self._meet_plainly(axis, p, s, w, u, (enter, leave))
+        else:
+            enter[:], leave[:] = np.inf, -np.inf
+            near = np.flatnonzero(close)
+            found = np.empty((2, len(near)))
+            self._meet_plainly(axis, p[near], s[near], w[near], u, found)
+            enter[near], leave[near] = found
+
+    def _meet_plainly(self, axis, p, s, w, u, found):
+        """Write to `found` where lines enter and leave that pass at s, with w = r^2 - s^2."""
+        r, run, rise, length = self.radius, axis.run, axis.rise, axis.length
+        m = _along(p, axis.start, axis.flat)
+        off = np.abs(m - run / 2)
+        with np.errstate(invalid="ignore"):
+            np.sqrt(w, out=w)  # not a number beside the rod, where no comparison holds
+            k = w * (rise / length) + run / 2
+        missed = ~(off <= k)
+        w *= length / run
+        disc, middle, z = m * (-run / rise), m * (rise / run), _along(p, axis.start, axis.along)
+        apart = length**2 / rise  # the two discs' planes, along the lines
+        first, last = np.maximum(disc, middle - w), np.minimum(disc + apart, middle + w)
+        # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
+        # whose root is the most that it adds to k, the careful way decides.
+        guard = 3 * GUARD * (r + run)  # the most that `reach` adds to r
+        more = np.sqrt(guard * (2 * r + guard))
+        edge = np.flatnonzero(missed)
+        edge = edge[
+            (np.abs(s[edge]) <= r + guard) & (off[edge] <= np.fmax(k[edge], run / 2) + more)
+        ]
+        edge = np.append(edge, np.flatnonzero(~missed & (last < first)))
+        for t, end, none in zip(found, (first, last), (np.inf, -np.inf)):
+            np.subtract(end, z, out=t)
+            if axis.speed != 1:
+                t /= axis.speed
+            np.copyto(t, none, where=missed)
         if len(edge):
-            enter[near[edge]], leave[near[edge]] = _meet(axis, r, False, q[edge], u)
-        clear = np.flatnonzero(clear)
-        near, m, w = near[clear], m[clear], w[clear] * (axis.length / run)
-        z = _along(q[clear], axis.start, axis.along)
-        middle = m * (rise / run)
-        first = np.maximum(middle - w, m * (-run / rise))
-        last = np.minimum(middle + w, rise + (run - m) * (run / rise))
-        enter[near] = (first - z) / axis.speed
-        leave[near] = (last - z) / axis.speed
-        # Disc and wall ought to agree at a rim; where rounding parts them the careful way decides.
-        crossed = np.flatnonzero(last < first)
-        if len(crossed):
-            some = near[crossed]
-            enter[some], leave[some] = _meet(axis, r, False, q[clear[crossed]], u)
+            found[0][edge], found[1][edge] = _meet(axis, r, False, p[edge], u)
 
 
 def _along(p, start, unit):
-    """Return the products of p - start with a unit vector, without its zeros."""
-    used = np.flatnonzero(unit)
-    total = (p[:, used[0]] - start[used[0]]) * unit[used[0]] if len(used) else np.zeros(len(p))
-    for i in used[1:]:
-        total += (p[:, i] - start[i]) * unit[i]
-    return total
+    """Return the products of p - start with a unit vector, perhaps a view of p."""
+    parts = []
+    for i in np.flatnonzero(unit):
+        part = p[:, i] - start[i] if start[i] else p[:, i]
+        parts.append(part * unit[i] if unit[i] != 1 else part)
+    return sum(parts[1:], parts[0]) if parts else np.zeros(len(p))

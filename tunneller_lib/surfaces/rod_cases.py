@@ -135,6 +135,33 @@ def nearly_parallel(rng, n):
     return a, b, radius, a + side, v + lean * np.linalg.norm(v, axis=-1, keepdims=True)
 
 
+def nearly_vertical(rng, n):
+    """Lines along z through the rims of rods whose axes run 1e-14 to 1e-9 of the radius."""
+    radius, upright = 10.0 ** rng.uniform(-6, 6, n), np.array([0.0, 0.0, 1.0])
+    turn = rng.uniform(0, 2 * np.pi, (2, n))
+    v = radius * np.stack([*(10.0 ** rng.uniform(-14, -9, n) * [np.cos(turn[0]), np.sin(turn[0])]),
+                           rng.choice([-1, 1], n) * 10.0 ** rng.uniform(-1, 4, n)])  # fmt: skip
+    # About the origin no digit of the tilt is lost; the other half is anywhere.
+    a = radius[:, None] * rng.normal(size=(n, 3)) * rng.integers(0, 2, n)[:, None]
+    b = a + v.T
+    side = np.cross(b - a, np.stack([np.cos(turn[1]), np.sin(turn[1]), 0 * radius], axis=-1))
+    side *= (radius / np.linalg.norm(side, axis=-1))[:, None]
+    return a, b, radius, np.where(rng.random(n)[:, None] < 0.5, a, b) + side, \
+        np.broadcast_to(upright, (n, 3)).copy()  # fmt: skip
+
+
+def very_short(rng, n):
+    """Lines of any direction through the rims of rods 1e-16 to 1e-9 of their radius long."""
+    radius = 10.0 ** rng.uniform(-6, 6, n)
+    v = rng.normal(size=(n, 3))
+    side = np.cross(v, rng.normal(size=(n, 3)))
+    side *= (radius / np.linalg.norm(side, axis=-1))[:, None]
+    v *= (radius * 10.0 ** rng.uniform(-16, -9, n) / np.linalg.norm(v, axis=-1))[:, None]
+    a = v * rng.uniform(-2, 2, n)[:, None]
+    u = np.where(rng.random(n)[:, None] < 0.5, rng.normal(size=(n, 3)), [0.0, 0.0, 1.0])
+    return a, a + v, radius, np.where(rng.random(n)[:, None] < 0.5, a, a + v) + side, u
+
+
 def nearly_level(rng, n):
     """Lines through a rim that lean against the end's plane by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
@@ -163,5 +190,6 @@ def degenerate(rng, n):
 
 GENERATORS = (
     whole_rims, far_rims, tangents, rulings, end_planes, rim_tangents, along_an_axis, float_rims,
-    vertical_lines, nearly_parallel, nearly_level, from_far, degenerate,
+    vertical_lines, nearly_parallel, nearly_vertical, nearly_level, very_short, from_far,
+    degenerate,
 )  # fmt: skip

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import cross, dot, norm, two_sum
+from ..arrays import cross, dot, norm, two_product, two_sum
 
 # Bound of the rounding here, in parts of the rod's size as the line sees it: s and m are sums of
 # three products of numbers that carry at most six roundings each.
@@ -48,6 +48,21 @@ def frame(a, b, direction):
     )  # fmt: skip
 
 
+def nearest_point(axis, p, direction):
+    """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
+
+    Parameters: axis, the points p (..., 3) and the direction of each line, in m.
+    """
+    q, q_low = two_sum(p, -axis.start)
+    shift = -dot(q, axis.along) / axis.speed
+    step, step_low = two_product(shift[..., None], direction)
+    q, low = two_sum(q, step)
+    q = q + (low + (step_low + q_low))  # at most one rounding, however far away p is
+    # Without a run the axis has no plane of its own: any length across will do.
+    s = np.where(axis.run > 0, dot(q, axis.across), norm(q))
+    return s, dot(q, axis.flat), dot(q, axis.along), shift
+
+
 def flat_interval(run, rise, length, radius, s, m):
     """Return where lines are inside flat rods, along the lines from the plane through the start.
 
@@ -80,14 +95,14 @@ def flat_interval(run, rise, length, radius, s, m):
     m = np.where(parallel, m, np.clip(m, -k, run + k))
     # The product keeps the digits that r^2 - s^2 would lose near a tangent.
     w = np.sqrt(np.maximum((radius - s) * (radius + s), 0))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         middle, half = m * rise / run, w * length / run
         first = np.where(parallel, -np.inf, middle - half)
         last = np.where(parallel, np.inf, middle + half)
         enter = np.where(level, first, np.maximum(first, -run * m / rise))
         leave = np.where(level, last, np.minimum(last, rise + run * (run - m) / rise))
     # A touch: disc and wall ought to agree, and rounding moves the one less than the other.
-    disc = run * run * w <= rise * radius * length
+    disc = (run / length) ** 2 * w <= rise / length * radius
     touch = np.where((enter > first) == disc, enter, leave)
     crossed = leave < enter
     return hit, np.where(crossed, touch, enter), np.where(crossed, touch, leave)

@@ -1,7 +1,8 @@
 """What the document weighs against its own method, kept for comparison: Line and finite cylinder.
 
-Each takes sound arrays, and answers as `Rod.meet_line` does. All solve
-the printed quadratic, whose leading coefficient vz^2 - vsq cancels for lines along the axis.
+Each takes sound arrays, and answers as `Rod.meet_line` does. All solve the printed quadratic, whose
+leading coefficient vz^2 - vsq cancels for lines along the axis. Its discriminant is of the sixth
+order in lengths and leaves the range of floats for rods below 1e-50 m or above 1e50 m.
 """
 
 import numpy as np

@@ -1,0 +1,52 @@
+"""A whole lap: set-values, axes and wall; and that laps cost what they should."""
+
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from tunneller_lib.motion import Lag, Loop
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, plan, simulate
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+
+SHAPE = 400, 720
+LIMITS = Limits(feed=0.06, acceleration=0.5)
+
+
+def job(laps=1):
+    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    return plan(circuit, LIMITS, tolerance=1e-3, laps=laps, advance=0.04 * (laps > 1))
+
+
+def run(lap):
+    loop = Loop(10.0, lap.tick, feedforward=1.0, delay=1, count=lap.count)
+    return simulate(lap, [Lag(0.5, 0.02)] * 2, [loop] * 2, shape=SHAPE)
+
+
+def spent(lap):
+    start = time.process_time()
+    run(lap)
+    return time.process_time() - start
+
+
+def test_a_lap_of_ten_thousand_ticks(benchmark, say):
+    lap = job()
+    assert lap.ticks.sum() > 10_000
+    seconds = benchmark.pedantic(spent, args=(lap,), rounds=2)
+    tracemalloc.start()
+    run(lap)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    say(f"a lap of {lap.ticks.sum()} ticks on {SHAPE[0]} x {SHAPE[1]} rays, CPU s", seconds)
+    say("its greatest memory, MB", peak / 1e6)
+
+
+@pytest.mark.parametrize("laps", [4])
+def test_laps_cost_in_proportion(benchmark, say, laps):
+    one, many = job(), job(laps)
+    spent(one)
+    several = benchmark.pedantic(spent, args=(many,), rounds=1)
+    alone = np.min([spent(one) for _ in range(2)])
+    say(f"{laps} laps over {laps} times one", several / (laps * alone))

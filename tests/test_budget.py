@@ -1,0 +1,304 @@
+"""The error budget: each fault alone against its closed form, what halves it, and their sum."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tunneller_lib.motion import (
+    Compressible,
+    Integrator,
+    Lag,
+    Loop,
+    Resonance,
+    Rigid,
+    reference_axes,
+)
+from tunneller_lib.motion import simulate as follow
+from tunneller_lib.motion.tasks import Task
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, Pose, budget, plan, starved
+from tunneller_lib.ream.budget import (
+    counts,
+    encoder,
+    following,
+    knots,
+    setpoints,
+    standing_elsewhere,
+    tangent_spheres,
+)
+from tunneller_lib.ream.sensitivity import (
+    acceleration,
+    geodesic_bend,
+    gradient,
+    joint_bend,
+    rounding_passed,
+    velocity,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+
+CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+TILTED = cutting_circuit(REFERENCE_MACHINE, Egg(0.5), pitch=0.03, yaw=-0.04)
+AXES = reference_axes(REFERENCE_MACHINE)
+BITS16 = 2 * np.pi / 2**16
+POSE = Pose(y=3e-3, z=-2e-3, roll=3e-3, pitch=2e-3, yaw=-4e-3)
+P, FED = {"feedforward": 0.0}, {"feedforward": 1.0}
+
+
+def job(circuit=CIRCUIT, *, feed=0.06, **options):
+    limits = Limits(feed=feed, acceleration=0.5)
+    return plan(circuit, limits, **({"tolerance": 1e-3, "rest": 0.5} | options))
+
+
+LAP = job()
+
+
+def pair(gains=(10.0, 10.0), **options):
+    return [Loop(gain, 0.005, **({"delay": 1, "count": BITS16} | options)) for gain in gains]
+
+
+CIRCUITS = pytest.mark.parametrize("circuit", [CIRCUIT, TILTED], ids=["aligned", "tilted"])
+TOLERANCES = pytest.mark.parametrize("tolerance", [3e-3, 1e-3, 2e-4])
+
+
+@CIRCUITS
+@TOLERANCES
+def test_knots_alone_leave_the_sagitta(circuit, tolerance):
+    fault = knots(job(circuit, tolerance=tolerance))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.under > fault.over  # chords keep inside
+
+
+@CIRCUITS
+@TOLERANCES
+def test_tangent_spheres_alone_leave_the_law_of_the_third_power(circuit, tolerance):
+    fault = tangent_spheres(job(circuit, tolerance=tolerance))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+
+
+@CIRCUITS
+def test_setpoints_alone_leave_the_sagitta_of_joint_lines(circuit):
+    for step in (2e-2, 5e-3):
+        fault = setpoints(job(circuit, step=step))
+        assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+
+
+@CIRCUITS
+@pytest.mark.parametrize("bits", [13, 16])
+def test_counts_alone_leave_their_rounding(circuit, bits):
+    count = 2 * np.pi / 2**bits
+    fault = counts(job(circuit, count=count))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    # Half a count of either set-value is met, and one count of both together isn't passed.
+    at = CIRCUIT.position(LAP.places)
+    off = np.abs(count * np.rint(at / count) - at).max()
+    assert off == pytest.approx(count / 2, rel=0.05)
+    steepest = np.abs(gradient(CIRCUIT, LAP.places, at)).sum(axis=-1).max()
+    assert max(fault.over, fault.under) <= count * steepest
+
+
+PLANTS = {"T0": Integrator(0.5), "T1": Lag(0.5, 0.02), "T2": [Rigid(a) for a in AXES]}
+
+
+@pytest.mark.parametrize("tier", PLANTS)
+@pytest.mark.parametrize("gains", [(10.0, 10.0), (10.0, 8.0), (8.0, 12.0)])
+@pytest.mark.parametrize("options", [P, FED])
+def test_following_alone_leaves_its_series_in_the_lag(tier, gains, options):
+    plants = PLANTS[tier] if tier == "T2" else [PLANTS[tier]] * 2
+    fault = following(LAP, plants, pair(gains, **options))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.06)
+
+
+def test_following_error_of_a_steady_rate_is_the_rate_over_the_gain():
+    at = CIRCUIT.position(LAP.places)
+    rate = np.diff(at, axis=0) / 0.005
+    track = follow(Integrator(0.5), pair(**P, count=0.0), at, slopes=rate)
+    for error, speed in zip(track.error.T, rate.T):
+        slow = np.convolve(speed, np.full(40, 1 / 40), "same")  # set-points on whole ticks jitter
+        assert np.abs(error).max() == pytest.approx(np.abs(slow).max() / 10, rel=0.05)
+
+
+def test_following_of_compressible_oil_is_worse_where_the_pressures_change_sides():
+    plants = [Compressible(a) for a in AXES]
+    fault = following(LAP, plants, pair(**FED))
+    slow = following(LAP, PLANTS["T2"], pair(**FED))
+    assert slow.measured < 1.06 * slow.closed < 1.06 * fault.closed  # the oil is late, too
+    assert fault.measured > 3 * fault.closed
+    rate = np.gradient(CIRCUIT.position(LAP.places)[:, 0])
+    worst = np.argmax(np.abs(fault.deviation))
+    turns = np.flatnonzero(np.diff(np.sign(rate[:-200])) != 0)
+    assert 0 < np.min(np.abs(worst - turns)) < 250  # just after theta turns back
+
+
+@pytest.mark.parametrize("feedforward", [0.0, 1.0])
+def test_encoder_in_slow_motion_is_half_a_count(feedforward):
+    count, gain, tick = 1e-3, 10.0, 0.01
+    slow = 1e-4 * count * gain  # rad/s: the axis settles long before the next count
+    wanted = slow * tick * np.arange(300_000)
+    loop = Loop(gain, tick, count=count, feedforward=feedforward)
+    track = follow(Integrator(0.5), loop, wanted, slopes=np.full(len(wanted) - 1, slow))
+    assert track.largest_error == pytest.approx(count / 2, rel=0.05)
+    # Each tick at the edge of a count is a step of Kv T counts, forth and back.
+    step = gain * tick
+    square = count**2 / 12 * ((1 - step) ** 2 + step**2)
+    assert track.rms_error == pytest.approx(np.sqrt(square), rel=0.05)
+    passed = rounding_passed(Integrator(0.5), loop, np.array([slow]))
+    assert passed[0] == pytest.approx(1 / 12, rel=0.02)  # the linear theory lacks those steps
+
+
+@pytest.mark.parametrize("tier", PLANTS)
+def test_encoder_alone_in_motion_is_what_the_linear_loop_passes_on(tier):
+    plants = PLANTS[tier] if tier == "T2" else [PLANTS[tier]] * 2
+    fault = encoder(LAP, plants, pair(**FED))
+    assert 0.75 < fault.measured / fault.closed < 1.35  # the axis answers to the rounding
+    half = BITS16 / 2 * np.abs(gradient(CIRCUIT, LAP.s, CIRCUIT.position(LAP.s))).sum(-1).max()
+    assert max(fault.over, fault.under) <= 1.2 * half
+
+
+@CIRCUITS
+@pytest.mark.parametrize("name", ["y", "z", "roll", "pitch", "yaw"])
+def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, name):
+    fault = standing_elsewhere(job(circuit), Pose(**{name: 2e-3}))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+
+
+def changed(fault, by, factor):
+    """Return the same fault with the knob turned by a factor."""
+    f = factor
+    if by == "knots":
+        numbers = (1e-3 / f**power for power in np.arange(1.0, 4.0, 0.02))
+        wanted = len(LAP.knots) * f
+        finer = min((job(tolerance=t) for t in numbers), key=lambda j: abs(len(j.knots) - wanted))
+        return fault(finer)
+    if by == "set-points":
+        return fault(job(step=5e-3 / f))
+    if by == "count":
+        return fault(job(count=BITS16 / f))
+    raise AssertionError(by)
+
+
+@pytest.mark.parametrize("fault", [knots, tangent_spheres, setpoints, counts])
+def test_faults_of_the_plan_are_halved_by_what_they_say(fault):
+    before = fault(LAP)
+    after = changed(fault, before.halved_by, before.factor)
+    assert after.measured == pytest.approx(before.measured / 2, rel=0.25)  # whole numbers of knots
+    assert after.closed == pytest.approx(before.closed / 2, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    "gains, options", [((10.0, 10.0), P), ((10.0, 8.0), P), ((10.0, 9.0), FED)]
+)
+def test_following_without_delay_is_halved_by_its_gain(gains, options):
+    plants = [Integrator(0.5)] * 2
+    before = following(LAP, plants, pair(gains, delay=0, **options))
+    raised = [gain * before.factor for gain in gains]
+    after = following(LAP, plants, pair(raised, delay=0, **options))
+    if options == FED:
+        assert max(before.measured, after.measured) < 2e-6  # nothing left to halve
+        return
+    assert (
+        0.8 < after.measured / (before.measured / 2) < 1.05
+    )  # its smaller part falls to a quarter
+
+
+@pytest.mark.parametrize("options", [P, FED])
+@pytest.mark.parametrize("gains", [(8.0, 8.0), (10.0, 8.0)])
+def test_following_with_delay_and_lag_is_halved_by_its_gain(gains, options):
+    plants = [Lag(0.5, 0.02)] * 2
+    before = following(LAP, plants, pair(gains, **options))
+    after = following(LAP, plants, pair([g * before.factor for g in gains], **options))
+    assert after.measured == pytest.approx(before.measured / 2, rel=0.15)
+    equal_p = options is P and gains[0] == gains[1]
+    assert (1 < before.factor < 1.3) if equal_p else (1.6 < before.factor < 2.2)
+
+
+def test_following_of_a_resonance_knows_its_lateness():
+    plants = [Resonance(0.5, 100.0, 0.15)] * 2
+    fault = following(LAP, plants, pair(**FED))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "call, message",
+    [
+        (lambda: budget(LAP, Integrator(0.5), pair(integral=1.0)), "without integral"),
+        (lambda: encoder(LAP, [Integrator(0.5)] * 2, pair(dead_band=0.1)), "without integral"),
+        (lambda: budget(LAP, Integrator(0.5), Loop(10.0, 0.01)), "must have the plan's tick"),
+        (lambda: budget(LAP, Integrator(0.5), 3), "loop: must be of class Loop"),
+        (lambda: budget(3, Integrator(0.5), pair()), "plan: must be of class Plan"),
+        (lambda: budget(LAP, Integrator(0.5), pair(), pose=3), "pose"),
+        (lambda: budget(starved(LAP, [Task("line", 5000, 400)], 150_000), Integrator(0.5), pair()),
+         "must not wait"),
+    ],
+)  # fmt: skip
+def test_budget_refuses_what_its_closed_forms_lack(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_encoder_and_pose_are_halved_by_half():
+    before = encoder(LAP, [Lag(0.5, 0.02)] * 2, pair(**FED))
+    after = encoder(LAP, [Lag(0.5, 0.02)] * 2, pair(count=BITS16 / before.factor, **FED))
+    assert after.measured == pytest.approx(before.measured / 2, rel=0.3)
+    half = replace(POSE, **{n: getattr(POSE, n) / 2 for n in ("y", "z", "roll", "pitch", "yaw")})
+    whole, less = standing_elsewhere(LAP, POSE), standing_elsewhere(LAP, half)
+    assert less.measured == pytest.approx(whole.measured / whole.factor, rel=0.01)
+
+
+def test_budget_adds_up_to_all_together():
+    loops, plant = pair(**FED), [Lag(0.5, 0.02)] * 2
+    faults = budget(LAP, plant, loops, pose=POSE)
+    assert [fault.source for fault in faults] == [
+        "knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose",
+    ]  # fmt: skip
+    ticks = len(LAP.setvalues)
+    total = np.zeros(ticks)
+    for fault in faults:
+        total[: len(fault.deviation)] += fault.deviation
+    track = follow(plant, loops, LAP.setvalues, slopes=LAP.slopes)
+    centre = LAP.centres(track.position, pose=POSE)
+    together = -CIRCUIT.profile.depth(centre[:, 1], centre[:, 2])
+    assert np.abs(together).max() > 3e-3
+    # What is left is the product of knots and following: corners at knots, cut by the lag.
+    assert np.abs(total - together).max() < 0.4e-3
+    assert np.sqrt(np.mean((total - together) ** 2)) < 0.05e-3
+
+
+# The derivatives
+
+
+def test_velocity_and_acceleration_against_differences():
+    torus, rng = Torus(0.08, 0.8), np.random.default_rng(5)
+    q, rate = rng.uniform(-0.6, 0.6, (50, 2)), rng.normal(size=(50, 2))
+    h = 1e-4
+    points = [torus.point(*(q + k * h * rate).T) for k in (-1, 0, 1)]
+    np.testing.assert_allclose((points[2] - points[0]) / (2 * h), velocity(torus, q, rate),
+                               atol=1e-7)  # fmt: skip
+    second = (points[2] - 2 * points[1] + points[0]) / h**2
+    np.testing.assert_allclose(second, acceleration(torus, q, rate), atol=1e-6)
+
+
+@CIRCUITS
+def test_gradient_and_bend_against_differences_of_the_overcut(circuit):
+    s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 60)
+    q, h = circuit.position(s), 1e-4
+    for k, unit in enumerate(np.eye(2)):
+        slope = (circuit.overcut(q + h * unit) - circuit.overcut(q - h * unit)) / (2 * h)
+        np.testing.assert_allclose(gradient(circuit, s, q)[:, k], slope, atol=1e-6)
+    for rate in np.random.default_rng(6).normal(size=(5, 2)):
+        sides = circuit.overcut(q + h * rate), circuit.overcut(q - h * rate)
+        bend = (sides[0] + sides[1] - 2 * circuit.overcut(q)) / h**2
+        away = np.min(np.abs(s[:, None] - circuit.profile.blends), axis=1) > 2e-3
+        np.testing.assert_allclose(joint_bend(circuit, s, q, np.broadcast_to(rate, q.shape))[away],
+                                   bend[away], atol=2e-3)  # fmt: skip
+
+
+def test_geodesic_bend_of_a_great_torus_is_the_sections_curvature():
+    flat = replace(REFERENCE_MACHINE, r=1e-9, R=500.0, height=0.0)
+    circuit = cutting_circuit(flat, Egg(0.5))
+    s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 40)
+    q = circuit.position(s)
+    normal = circuit.profile.normal(s)
+    along = np.stack([np.zeros_like(s), -normal[:, 1], normal[:, 0]], axis=-1)
+    np.testing.assert_allclose(geodesic_bend(circuit, s, q, along), circuit.profile.curvature(s),
+                               atol=0.02)  # fmt: skip

@@ -1,0 +1,277 @@
+"""The command line: jobs that are read, refused and run; what goes where."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from tunneller_lib.__main__ import main, parser
+from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
+from tunneller_lib.reporting.interchange import read_csv
+from tunneller_lib.reporting.job import WrongJob, read_job
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
+
+ROOT = Path(__file__).resolve().parents[1]
+REFERENCE = ROOT / "notebooks" / "reference.toml"
+# The reference, soon done.
+QUICK = {"feed = 0.1 ": "feed = 0.2 ", "step = 5e-3": "step = 1e-2", "rest = 1.0": "rest = 0.2",
+         "along = 200": "along = 40", "around = 360": "around = 60", '"T2"': '"T0"'}  # fmt: skip
+HORSESHOE = """shape = "pieces"
+pieces = [
+  {kind = "arc", y = 0, z = 0, radius = 0.5, start = 0, sweep_deg = 180},
+  {kind = "line", y = -0.5, z = 0, heading_deg = -90, length = 0.4},
+  {kind = "arc", y = -0.25, z = -0.4, radius = 0.25, start_deg = 180, sweep_deg = 90},
+  {kind = "line", y = -0.25, z = -0.65, heading = 0, length = 0.5},
+  {kind = "arc", y = 0.25, z = -0.4, radius = 0.25, start_deg = -90, sweep_deg = 90},
+  {kind = "line", y = 0.5, z = -0.4, heading_deg = 90, length = 0.4},
+]"""
+EGG = 'shape = "egg"'
+
+
+@pytest.fixture
+def job(tmp_path):
+    """Return a function that writes a job like the reference, with some of its text changed."""
+
+    def write(changes=None, *, quick=True):
+        text = REFERENCE.read_text()
+        for old, new in ((QUICK if quick else {}) | (changes or {})).items():
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        path = tmp_path / "job.toml"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def run(capsys, *arguments):
+    """Return exit code, standard output and standard error of a command."""
+    code = main([str(argument) for argument in arguments])
+    return code, *capsys.readouterr()
+
+
+# What a job says
+
+
+def test_reference_job_is_the_reference_machine():
+    job = read_job(REFERENCE)
+    assert Machine(**job.machine) == REFERENCE_MACHINE
+    plan = job.planned
+    assert plan.circuit.section.arcs == Egg(0.5).arcs and plan.count == 2 * np.pi / 2**16
+    assert (plan.tick, plan.laps, plan.advance) == (0.005, 1, 0.04)
+    plants, loops = job.axes
+    assert all(isinstance(plant, Rigid) for plant in plants)
+    assert loops[0].gain == 10 and loops[0].count == plan.count and job.error is None
+
+
+def test_job_without_a_wall_takes_the_usual_rays(job):
+    made = read_job(job({"[wall]": "[stance]", "along = 40": "", "around = 60": "",
+                         "thickness = 0.1": ""}))  # fmt: skip
+    assert made.wall == {"along": 200, "around": 360} and made.limit == 1.5e-3
+
+
+def test_job_takes_the_tiers(job):
+    for tier, kind in (("T0", Integrator), ("T1", Lag), ("T3", Compressible)):
+        plants, _ = read_job(job({'"T2"': f'"{tier}"'}, quick=False)).axes
+        assert all(isinstance(plant, kind) for plant in plants)
+    assert plants[0].axis.valve_lag == 0.004
+
+
+def test_job_takes_everything_that_the_reference_only_names(job):
+    changed = job({"# [stance]": "[stance]", "# pitch_deg = 0": "pitch_deg = 1",
+                   "# yaw_deg = 0": "yaw = 0.01", "# volume": "volume", "# flow": "flow",
+                   "# valve": "valve", "# integral = 0": "integral = 1", "# encoder_deg": "encoder",
+                   "# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3", "# z = -5e-4": "z = -5e-4",
+                   "# roll_deg": "roll_deg"})  # fmt: skip
+    made = read_job(changed)
+    assert made.planned.circuit.pitch == np.radians(1) and made.planned.circuit.yaw == 0.01
+    assert made.planned.limits.volume == 2e-4 and made.planned.limits.flow == 1e-4
+    assert made.axes[1][0].integral == 1 and made.axes[1][0].count == 0
+    assert made.error.y == 1e-3 and made.error.roll == np.radians(0.1)
+
+
+def test_job_takes_pieces_and_circles(job):
+    pieces = read_job(job({EGG: HORSESHOE, "a = 0.5 ": "# a"}))
+    assert len(pieces.planned.circuit.section.arcs) == 6
+    circle = read_job(job({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.5"}))
+    assert circle.planned.circuit.section.perimeter == pytest.approx(np.pi)
+
+
+WRONG = [
+    ({"r = 0.08": "r : 0.08"}, r"job\.toml: isn't TOML; Expected '=' after a key.*line 7"),
+    ({"r = 0.08": "q = 0.08"}, r"^\[machine\] q: isn't known; known are r, R, theta_min"),
+    ({"cutter_radius": "cutter_radios"}, r"cutter_radios: isn't known; 'cutter_radius' is meant"),
+    ({"phi_max_deg": "phi_max_dge"}, r"phi_max_dge: isn't known; 'phi_max' is meant, perhaps\.$"),
+    ({"depth = 0.02": "depth_deg = 1"}, r"^\[machine\] depth_deg: isn't known; 'depth' is meant"),
+    ({"phi_max_deg = 40": "phi_max_deg = 40\nphi_max = 0.7"},
+     r"^\[machine\] phi_max: is given in radians and in degrees\.$"),
+    ({"height = -0.36": ""}, r"^\[machine\] height: is missing \(m\)\.$"),
+    ({"theta_min_deg = -60": ""}, r"^\[machine\] theta_min: is missing \(rad, or theta_min_deg\)"),
+    ({"feed = 0.2 ": 'feed = "0.2 m/s" '},
+     r"^\[limits\] feed: must be a number in m/s; got '0\.2 m/s'\.$"),
+    ({"theta_max_deg = 35": "theta_max_deg = true"},
+     r"^\[machine\] theta_max_deg: must be a number in degrees; got True\.$"),
+    ({"laps = 1": "laps = 1.5"}, r"^\[plan\] laps: must be a whole number; got 1\.5\.$"),
+    ({"feedforward = 1 ": "feedforward = [1] "}, r"feedforward: must be a plain number; got \[1\]"),
+    ({'"T0"': '"T9"'}, r'^\[controller\] plant: must be "T0", "T1", "T2" or "T3"; got \'T9\'\.$'),
+    ({'"T0"': "0"}, r"^\[controller\] plant: must be a text; got 0\.$"),
+    ({EGG: 'shape = "oval"'}, r'shape: must be "egg", "circle" or "pieces"; got \'oval\'\.$'),
+    ({EGG: 'shape = "circle"'}, r"^\[section\] a: isn't known; known are radius\.$"),
+    ({EGG: 'shape = "pieces"', "a = 0.5 ": "#"}, r"pieces: must be a list of tables"),
+    ({EGG: 'shape = "pieces"', "a = 0.5 ": 'pieces = [{kind = "spline"}]\n#'},
+     r'^\[section\.pieces 1\] kind: must be "arc" or "line"; got \'spline\'\.$'),
+    ({EGG: 'shape = "pieces"', "a = 0.5 ": 'pieces = [{kind = "line", y = 0}]\n#'},
+     r"^\[section\.pieces 1\] z: is missing \(m\)\.$"),
+    ({"[wall]": "[walls]"}, r"^\[walls\]: is no table of a job; 'wall' is meant, perhaps\.$"),
+    ({"[limits]": "[[limits]]"}, r"^limits: must be a table, \[limits\]; got \["),
+    ({"[controller]": "[pose]"}, r"^\[controller\]: is missing\.$"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence"), WRONG)
+def test_job_that_cannot_be_understood_is_told_in_a_sentence(job, changes, sentence):
+    with pytest.raises(WrongJob, match=sentence):
+        read_job(job(changes))
+
+
+def test_job_without_a_readable_file(tmp_path):
+    with pytest.raises(WrongJob, match=r"none\.toml: can't be read; No such file"):
+        read_job(tmp_path / "none.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(WrongJob, match=r"bytes\.toml: is no text in UTF-8\.$"):
+        read_job(tmp_path / "bytes.toml")
+
+
+# What is run
+
+FILES = {"budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
+         "section.dxf", "wall.vtp", "wall.stl", "wall.png"}  # fmt: skip
+
+
+def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
+    out = tmp_path / "cut"
+    code, said, told = run(capsys, "cut", job({"# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3"}),
+                           "--out", out, "--json")  # fmt: skip
+    assert code == 0
+    answer = json.loads(said)
+    numbers = {"knots", "setpoints", "ticks", "laps"}
+    lengths = {"lap_time_s", "removed_m3", "overbreak_m", "underbreak_m"}
+    assert set(answer) == {*numbers, *lengths, "faults", "files"}
+    assert all(isinstance(answer[name], int) for name in numbers)
+    assert all(isinstance(answer[name], float) for name in lengths)
+    sources = ["knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose"]
+    assert [fault["source"] for fault in answer["faults"]] == sources
+    assert all(0 <= fault["rms_m"] < 0.01 for fault in answer["faults"])
+    pose = answer["faults"][-1]
+    assert pose["closed_m"] == pytest.approx(1e-3, rel=0.01)
+    assert {Path(name).name for name in answer["files"]} == FILES == {p.name for p in out.iterdir()}
+    assert "planned: " in told and "simulating 1 x " in told and "writing " in told
+    about, columns = read_csv((out / "setvalues.csv").read_text())
+    assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
+    assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")
+    assert (out / "budget.csv").read_text().count("\n") == 8
+
+
+def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
+    code, said, _ = run(capsys, "cut", job(), "--out", tmp_path / "cut")
+    assert code == 0
+    lines = said.splitlines()
+    assert "set-points" in lines[0] and "1 x " in lines[1] and "under-break" in lines[2]
+    assert [line.split()[0] for line in lines[5:11]] == [
+        "knots", "tangent", "set-points", "counts", "following", "encoder"]  # fmt: skip
+    assert {Path(line).name for line in lines[12:]} == FILES
+
+
+REFUSED = [
+    ({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.7"}, "machine: can't cut this section; wid"),
+    ({"a = 0.5 ": "a = -1 "}, "a: must be"),
+    ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
+    ({"arm_radius = 0.1": "arm_radius = 0.3"}, "arm_radius: an arm of 0.3 m is"),
+    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "theta_min: must be below theta_max"),
+    ({"feed = 0.2": "feed = nan"}, "feed: must be one number above zero; got nan."),
+    ({EGG: 'shape = "pieces"', "a = 0.5 ":
+      'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
+     "pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence"), REFUSED)
+def test_cut_refuses_a_job_with_one_and_a_sentence(capsys, job, tmp_path, changes, sentence):
+    code, said, told = run(capsys, "cut", job(changes), "--out", tmp_path / "cut", "--json")
+    assert code == 1 and set(json.loads(said)) == {"refused"}
+    assert json.loads(said)["refused"].startswith(sentence)
+    assert told.splitlines()[-1].startswith(f"refused: {sentence}")
+    assert not (tmp_path / "cut").exists()
+
+
+def test_cut_ends_with_two_where_it_cannot_understand(capsys, job, tmp_path):
+    code, said, told = run(capsys, "cut", tmp_path / "none.toml")
+    assert code == 2 and not said and told.startswith("wrong: ") and told.count("\n") == 1
+    code, said, _ = run(capsys, "cut", job({"laps = 1": "laps = []"}), "--json")
+    assert code == 2 and json.loads(said)["wrong"].startswith("[plan] laps: must be a whole number")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["dig"], ["cut"], ["scene", "job.toml", "--share", "2"], ["scene", "job.toml", "--share",
+     "half"], ["animate", "job.toml", "--frames", "1"],
+     ["animate", "job.toml", "--width", "1601"], ["animate", "job.toml", "--out", "a.avi"],
+     ["scene", "job.toml", "--out", "a.htm"], ["atlas", "--jobs", "0"],
+     ["atlas", "--table", "no/such/folder/atlas.csv"]],
+)  # fmt: skip
+def test_command_refuses_wrong_usage(capsys, arguments):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    said, told = capsys.readouterr()
+    assert end.value.code == 2 and not said and "error: " in told
+
+
+def test_scene_writes_a_page(capsys, job, tmp_path):
+    out = tmp_path / "page.html"
+    code, said, _ = run(capsys, "scene", job(), "--share", 0.3, "--out", out, "--json")
+    assert code == 0 and json.loads(said) == {"files": [str(out)]}
+    assert "<html" in out.read_text()[:1000].lower()
+
+
+def test_animate_writes_its_frames(capsys, job, tmp_path):
+    out = tmp_path / "run.gif"
+    code, said, told = run(capsys, "animate", job(), "--frames", 3, "--width", 160, "--out", out)
+    assert code == 0 and said == f"{out}\n"
+    assert "3 of 3 pictures, 0 s to go" in told
+    with PIL.Image.open(out) as film:
+        assert film.n_frames == 3 and film.size == (160, 100)
+
+
+def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tunneller_lib.__main__.sweep", stop)
+    code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
+    assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
+
+
+def test_help_names_the_commands_and_the_exit_codes(capsys):
+    with pytest.raises(SystemExit) as end:
+        parser().parse_args(["--help"])
+    said = capsys.readouterr().out
+    assert end.value.code == 0
+    assert all(word in said for word in ("cut", "scene", "animate", "atlas", "with 1", "with 2"))
+
+
+def test_process_ends_with_a_sentence_and_its_code(tmp_path):
+    (tmp_path / "job.toml").write_text("[machine")
+    done = subprocess.run([sys.executable, "-m", "tunneller_lib", "cut", tmp_path / "job.toml"],
+                          cwd=ROOT, text=True, capture_output=True)  # fmt: skip
+    assert done.returncode == 2 and not done.stdout
+    assert "isn't TOML" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_command_line_brings_pictures_only_when_they_are_made():
+    code = "import sys; from tunneller_lib.__main__ import parser; parser(); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, text=True, capture_output=True)
+    assert not {"pyvista", "vtk", "tunneller_lib.reporting.job"} & set(done.stdout.split())

@@ -1,0 +1,234 @@
+"""Files for other programs, written and read back."""
+
+import io
+import re
+
+import numpy as np
+import PIL.Image
+import pytest
+import pyvista
+from matplotlib import colormaps
+
+from tunneller_lib.motion import polyline
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, carve, plan, standing
+from tunneller_lib.reporting.interchange import (
+    dxf,
+    knots_csv,
+    read_csv,
+    setpoints_csv,
+    setvalues_csv,
+    wall_solid,
+    write,
+)
+from tunneller_lib.reporting.style import ERROR_MAP
+from tunneller_lib.reporting.tunnel_scene import SCALAR, tunnel_scene, wall_mesh
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
+
+EGG = Egg(0.5)
+SQUARE = closed_profile([
+    Line(y, z, k * np.pi / 2, 1.0)
+    for k, (y, z) in enumerate([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+])  # fmt: skip
+CIRCLE = closed_profile([Arc(0.1, -0.2, 0.6, 0.3, 2 * np.pi)])
+JOB = plan(cutting_circuit(REFERENCE_MACHINE, EGG), Limits(feed=0.2, acceleration=0.5),
+           tolerance=1e-3, step=1e-2, rest=0.2, laps=2, advance=0.04)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cut():
+    return carve(JOB, JOB.setvalues, shape=(80, 120))
+
+
+# Tables
+
+
+def test_setvalues_come_back_bit_for_bit():
+    about, columns = read_csv(setvalues_csv(JOB))
+    counts = np.stack([columns["theta"], columns["phi"]], axis=-1)
+    assert counts.dtype == np.int64
+    np.testing.assert_array_equal(about["count_rad"] * counts, JOB.setvalues)
+    np.testing.assert_array_equal(columns["tick"], np.arange(len(counts)))
+    assert about == {"tick_s": JOB.tick, "count_rad": JOB.count, "laps": 2, "advance_m": 0.04}
+
+
+def test_setpoints_make_the_setvalues():
+    about, columns = read_csv(setpoints_csv(JOB))
+    counts = np.stack([columns["theta"], columns["phi"]], axis=-1)
+    assert columns["ticks"][0] == 0 and columns["ticks"].sum() == len(JOB.setvalues) - 1
+    made = about["count_rad"] * polyline(counts, columns["ticks"][1:])
+    np.testing.assert_array_equal(made, JOB.setvalues)
+
+
+def test_knots_come_back_bit_for_bit():
+    about, columns = read_csv(knots_csv(JOB))
+    np.testing.assert_array_equal(columns["s"], JOB.knots)
+    at = about["count_rad"] * np.stack([columns["theta"], columns["phi"]], axis=-1)
+    assert np.max(np.abs(at - JOB.circuit.position(JOB.knots))) <= JOB.count / 2
+
+
+def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
+    for table in (knots_csv, setpoints_csv, setvalues_csv):
+        with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got None\.$"):
+            table(None)
+    text = "# tick_s = 0.005\ntick,theta,phi\n0,1,2\n1,2\n"
+    with pytest.raises(ValueError, match=r"^text: row 2 has 2 numbers under 3 names\.$"):
+        read_csv(text)
+    with pytest.raises(
+        ValueError, match=r"^text: column theta must hold numbers; got \['left'\]\.$"
+    ):
+        read_csv("tick,theta\n0,left\n")
+
+
+# The wall
+
+
+def test_wall_solid_is_closed_and_has_the_grids_volume(cut):
+    solid = wall_solid(cut.wall)
+    assert solid.is_manifold and solid.n_open_edges == 0
+    # Rows of wedges between the first and the last ray, from the outermost piece on each ray.
+    inner = np.linalg.norm(standing(cut.wall)[..., 1:], axis=-1)
+    areas = np.sum(cut.wall.high.max(axis=0) ** 2 - inner**2, axis=1) / 2
+    facet = 2 * np.pi / inner.shape[1]
+    length = np.diff(cut.wall.lines.x)
+    wedges = facet * np.sum((areas[1:] + areas[:-1]) / 2 * length)
+    assert solid.volume == pytest.approx(wedges, rel=2e-3)
+    assert np.allclose(np.reshape(solid.bounds, (3, 2))[0], cut.wall.lines.x[[0, -1]])
+
+
+def test_wall_solid_faces_outwards(cut):
+    # By the divergence theorem the signed volume is positive for outward triangles alone.
+    solid = wall_solid(cut.wall)
+    a, b, c = np.moveaxis(solid.points[solid.regular_faces].astype(float), 1, 0)
+    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(solid.volume, rel=1e-4)
+
+
+def test_stl_comes_back_in_millimetres(cut, tmp_path):
+    solid = wall_solid(cut.wall)
+    read = pyvista.read(write(tmp_path / "wall.stl", solid))
+    assert read.volume == pytest.approx(1e9 * solid.volume, rel=1e-5)
+    np.testing.assert_allclose(read.bounds, 1e3 * np.array(solid.bounds), rtol=1e-6)
+    assert read.n_cells == solid.n_cells and read.is_manifold
+
+
+def test_vtp_comes_back_with_its_errors(cut, tmp_path):
+    mesh = wall_mesh(cut.wall, JOB.circuit)
+    read = pyvista.read(write(tmp_path / "wall.vtp", mesh))
+    np.testing.assert_array_equal(read[SCALAR], mesh[SCALAR])
+    np.testing.assert_array_equal(read.points, mesh.points)
+    assert read[SCALAR].max() == 1e3 * cut.overbreak.max()
+
+
+# The drawing
+
+
+def entities(text):
+    """Return the entities of a drawing in DXF as dicts of their group codes."""
+    lines = text.splitlines()
+    pairs = list(zip(map(int, lines[::2]), lines[1::2]))
+    assert pairs[-1] == (0, "EOF") and len(lines) % 2 == 0
+    found = []
+    for code, value in pairs:
+        if code == 0:
+            found.append({})
+        if found:
+            found[-1][code] = value if code in (0, 2, 8) else float(value)
+    return [entity for entity in found if entity[0] in ("ARC", "CIRCLE", "LINE")]
+
+
+def ends(entity):
+    """Return start and end (2, 2) of an arc or a line, in mm."""
+    if entity[0] == "LINE":
+        return np.array([[entity[10], entity[20]], [entity[11], entity[21]]])
+    angle = np.radians([entity[50], entity[51]])
+    unit = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return np.array([entity[10], entity[20]]) + entity[40] * unit
+
+
+@pytest.mark.parametrize("section", [EGG, SQUARE, EGG.offset(0.1)], ids=["egg", "square", "offset"])
+def test_dxf_closes_and_lies_on_the_section(section):
+    pieces = entities(dxf({"WALL": section}))
+    assert [piece[0] for piece in pieces] == [
+        "ARC" if isinstance(arc, Arc) else "LINE" for arc in section.arcs
+    ]
+    points = np.array([ends(piece) for piece in pieces])
+    np.testing.assert_allclose(points[:, 0], 1e3 * section.point(section.blends[:-1]), atol=1e-9)
+    np.testing.assert_allclose(points[:, 1], np.roll(points[:, 0], -1, axis=0), atol=1e-9)
+    assert {piece[8] for piece in pieces} == {"WALL"}
+
+
+def test_dxf_of_arcs_turns_counter_clockwise_by_their_sweep():
+    for piece, arc in zip(entities(dxf({"WALL": EGG})), EGG.arcs):
+        assert (piece[51] - piece[50]) % 360 == pytest.approx(np.degrees(arc.sweep), abs=1e-9)
+
+
+def test_dxf_of_a_circle_is_a_circle():
+    (circle,) = entities(dxf({"WALL": CIRCLE}))
+    assert circle[0] == "CIRCLE"
+    assert [circle[code] for code in (10, 20, 40)] == pytest.approx([100, -200, 600])
+
+
+def test_dxf_keeps_layers_apart_and_refuses_other_things():
+    layers = [e[8] for e in entities(dxf({"SECTION": EGG, "CENTRE": JOB.circuit.profile}))]
+    assert layers == ["SECTION"] * 4 + ["CENTRE"] * 4
+    with pytest.raises(ValueError, match=r"^curves: must be of class Section"):
+        dxf({"SECTION": [1, 2]})
+
+
+# Files
+
+
+def test_write_leaves_the_old_file_if_the_new_one_fails(tmp_path):
+    path = write(tmp_path / "a" / "table.csv", "old\n")
+    with pytest.raises(TypeError):
+        write(path, 7)
+    assert path.read_bytes() == b"old\n" and list(path.parent.iterdir()) == [path]
+    write(path, "new\n")
+    assert path.read_bytes() == b"new\n" and list(path.parent.iterdir()) == [path]
+
+
+def test_gif_has_its_frames(tmp_path):
+    pictures = [np.full((40, 60, 3), 255, np.uint8) for _ in range(4)]
+    for k, picture in enumerate(pictures):
+        picture[10 : 14 + 5 * k, 20:30] = (200, 20, 30)
+    path = write(tmp_path / "run.gif", iter(pictures))
+    with PIL.Image.open(path) as film:
+        assert film.n_frames == 4 and film.size == (60, 40) and film.info["loop"] == 0
+        film.seek(3)
+        shown = np.asarray(film.convert("RGB")).astype(int)
+    assert np.max(np.abs(shown - pictures[3])) <= 8
+
+
+def test_gif_keeps_the_colours_of_errors(tmp_path):
+    scale = colormaps[ERROR_MAP](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
+    rng = np.random.default_rng(1)
+    others = np.clip(rng.normal(150, 40, (300, 50, 3)), 0, 255).astype(np.uint8)
+    path = write(tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)])
+    with PIL.Image.open(path) as film:
+        shown = np.asarray(film.convert("RGB"))[0].astype(int)
+    # Half a step of the 64 colours kept, and what Pillow's search is coarser than the nearest.
+    assert np.max(np.abs(shown - scale[0])) <= 6 + 4
+
+
+def test_gif_keeps_white_white(tmp_path):
+    pictures = [np.full((30, 30, 3), 255, np.uint8) for _ in range(2)]
+    pictures[1][5:9, 5:9] = 252
+    with PIL.Image.open(write(tmp_path / "run.gif", pictures)) as film:
+        assert np.all(np.asarray(film.convert("RGB")) == 255)
+
+
+def test_png_comes_back(tmp_path):
+    pixels = np.arange(300, dtype=np.uint8).reshape(10, 10, 3)
+    with PIL.Image.open(io.BytesIO(write(tmp_path / "wall.png", pixels).read_bytes())) as picture:
+        np.testing.assert_array_equal(np.asarray(picture), pixels)
+
+
+def test_html_scene_loads_nothing_from_elsewhere(cut, tmp_path):
+    text = write(tmp_path / "scene.html", tunnel_scene(cut, wall=cut.wall)).read_text()
+    assert len(text) > 500_000  # with program and data inside
+    named = set(re.findall(r"""(?:https?|wss?)://[^\s"'`)<>]+""", text))
+    # Comments and a base that only parses relative addresses.
+    assert named <= {"http://any", "http://www.kitware.com/Copyright.htm",
+                     "https://karthikkaranth.me/blog/generating-random-points-in-a-sphere/"
+                     "#better-choice-of-spherical-coordinates"}  # fmt: skip
+    assert not re.findall(r"""(?:src|href)\s*=\s*["']?//|url\(\s*["']?https?:|@import""", text)

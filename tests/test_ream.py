@@ -1,0 +1,328 @@
+"""The whole cut: plan, feed, wall; ideal chains against closed forms; plans that are refused."""
+
+import time
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tunneller_lib.motion import Integrator, Lag, Loop, reference_axes
+from tunneller_lib.motion.tasks import Task
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import (
+    Limits,
+    Pose,
+    carve,
+    overbreak,
+    plan,
+    scallop_height,
+    simulate,
+    standing,
+    starved,
+)
+from tunneller_lib.ream.wall import intact_wall, lap_volume, pass_distance
+from tunneller_lib.removal import removed_volume
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
+
+EGG = Egg(0.5)
+CIRCUIT = cutting_circuit(REFERENCE_MACHINE, EGG)
+BITS16 = 2 * np.pi / 2**16
+QUICK = Limits(feed=0.1, acceleration=0.5)
+LOOP = Loop(10.0, 0.005, feedforward=1.0, delay=1, count=BITS16)
+COARSE = (150, 240)
+
+
+def lap(limits=QUICK, **options):
+    return plan(CIRCUIT, limits, **({"tolerance": 1e-3, "rest": 0.5} | options))
+
+
+def ideal(job):
+    return job.circuit.position(job.places)
+
+
+# Plan
+
+
+def test_plan_begins_and_ends_at_rest_on_the_circuit():
+    job = lap()
+    assert job.feed[0] == job.feed[-1] == 0 and job.feed.max() == pytest.approx(0.1)
+    assert np.array_equal(job.counts[0], job.counts[-1])
+    assert job.s[0] == 0 and job.s[-1] == job.s[-2] == CIRCUIT.profile.perimeter
+    knots = np.isin(job.s, job.knots)
+    np.testing.assert_allclose(CIRCUIT.overcut(job.setpoints[knots]), 0, atol=1e-13)
+
+
+def test_plan_keeps_its_tolerance_and_its_counts():
+    job = lap()
+    over = CIRCUIT.overcut(job.setpoints)
+    assert -1e-3 <= over.min() < -0.9e-3 and over.max() <= 1e-3
+    off = job.setvalues[np.cumsum(job.ticks)] - job.setpoints[1:]
+    assert np.abs(off).max() <= BITS16 / 2 * (1 + 1e-9)
+    assert job.lap_time == pytest.approx(len(job.setvalues) * 0.005 - 0.005)
+
+
+def test_plan_moves_no_farther_than_a_step_and_never_faster_than_the_feed():
+    job = lap(step=4e-3)
+    centre = job.centres(job.setpoints)
+    moves = np.linalg.norm(np.diff(centre, axis=0), axis=1)
+    assert moves.max() <= 4e-3
+    due = np.cumsum(2 * moves[:-1] / (job.feed[1:-1] + job.feed[:-2]))
+    late = job.tick * np.cumsum(job.ticks[:-1]) - due
+    assert np.abs(late).max() <= 0.6 * job.tick  # half a tick, and chords for arcs
+
+
+def test_plan_spaces_knots_by_its_tolerance():
+    numbers = [len(lap(tolerance=t).knots) for t in (4e-3, 1e-3, 2.5e-4)]
+    assert numbers == sorted(numbers) and numbers[2] / numbers[1] == pytest.approx(2, rel=0.15)
+
+
+@pytest.mark.parametrize("laps, advance", [(1, 0.0), (3, 0.04)])
+def test_centres_step_back_between_laps(laps, advance):
+    job = lap(laps=laps, advance=advance)
+    ticks = job.ticks.sum()
+    every = np.concatenate([job.setvalues[:1], np.tile(job.setvalues[1:], (laps, 1))])
+    x = job.centres(every)[:, 0]
+    for k in range(laps):
+        moved = x[k * ticks + 1 : (k + 1) * ticks + 1]
+        np.testing.assert_allclose(moved, x[1 : ticks + 1] - k * advance, atol=1e-15)
+
+
+def test_pose_moves_as_a_rigid_body():
+    pose, centre = Pose(y=0.01, z=-0.02, roll=0.1, pitch=-0.2, yaw=0.3), np.array([0.1, 0.2, 0.3])
+    points = np.random.default_rng(1).normal(size=(20, 3))
+    moved = pose.moved(points, centre)
+    gaps = points[:, None] - points, moved[:, None] - moved
+    np.testing.assert_allclose(*(np.linalg.norm(g, axis=-1) for g in gaps), atol=1e-14)
+    np.testing.assert_allclose(
+        pose.moved(centre, centre), centre + np.array([0, 0.01, -0.02]), atol=1e-15
+    )
+    small = Pose(roll=1e-7, pitch=-2e-7, yaw=3e-7).moved(points, centre) - points
+    np.testing.assert_allclose(small, np.cross([1e-7, -2e-7, 3e-7], points - centre), atol=1e-12)
+
+
+# Feed
+
+
+def test_profile_of_a_constant_bound_is_a_trapezoid():
+    lengths = np.full(1000, 1e-3)
+    feed = Limits(feed=0.2, acceleration=0.1).profile(lengths, np.zeros((1001, 2)), np.ones(1000))
+    s = np.linspace(0, 1, 1001)
+    np.testing.assert_allclose(feed, np.minimum(0.2, np.sqrt(0.2 * np.minimum(s, 1 - s))),
+                               atol=1e-12)  # fmt: skip
+
+
+def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
+    rng = np.random.default_rng(2)
+    lengths, ground = rng.uniform(1e-3, 5e-3, 400), rng.uniform(1e-4, 1e-2, 400)
+    limits = Limits(feed=0.3, acceleration=0.4, volume=1e-4)
+    feed = limits.profile(lengths, np.zeros((401, 2)), ground)
+    bound = np.minimum(0.3, 1e-4 / ground)
+    assert np.all(np.maximum(feed[1:], feed[:-1]) <= bound * (1 + 1e-12))
+    climb = np.abs(np.diff(feed**2)) / (2 * lengths)
+    assert climb.max() <= 0.4 * (1 + 1e-9)
+    # Nowhere may it be raised: each inner value meets its bound or one of the two climbs.
+    full = (climb > 0.4 * (1 - 1e-9)) | (np.maximum(feed[1:], feed[:-1]) > bound * (1 - 1e-9))
+    assert np.all(full[1:] | full[:-1])
+
+
+def test_profile_with_any_acceleration_keeps_its_digits():
+    lengths, ground = np.full(500, 2e-3), np.linspace(1e-3, 5e-3, 500)
+    for acceleration in (1e6, 1e13, 1e30):
+        limits = Limits(feed=0.3, acceleration=acceleration, volume=1e-4)
+        feed = limits.profile(lengths, np.zeros((501, 2)), ground)
+        np.testing.assert_allclose(feed[1:-1], np.minimum(0.3, 1e-4 / ground[1:]), rtol=1e-9)
+
+
+def test_bounds_keep_valves_flow_and_volume():
+    axes = reference_axes(REFERENCE_MACHINE)
+    loose = lap()
+    lengths = np.linalg.norm(np.diff(loose.centres(loose.setpoints[:-1]), axis=0), axis=1)
+    moves, ground = loose.setpoints[:-1], np.full(len(lengths), 2e-3)
+    middle = (moves[1:] + moves[:-1]) / 2
+    rates = np.diff(moves, axis=0) / lengths[:, None]
+    limits = Limits(feed=9.0, acceleration=1.0, valve=0.5, axes=axes)
+    feed = limits.bounds(lengths, moves, ground)
+    opened = np.array([[abs(axis.command(float(v * r), float(q))) for v, r, q in zip(feed, *pair)]
+                       for axis, pair in zip(axes, zip(rates.T, middle.T))])  # fmt: skip
+    np.testing.assert_allclose(opened.max(axis=0), 0.5, rtol=1e-9)
+    limits = Limits(feed=9.0, acceleration=1.0, flow=1e-4, axes=axes)
+    feed = limits.bounds(lengths, moves, ground)
+    drawn = sum(np.where(r > 0, axis.sides(q)[0][0], axis.sides(q)[1][0]) * np.abs(r * feed)
+                for axis, r, q in zip(axes, rates.T, middle.T))  # fmt: skip
+    np.testing.assert_allclose(drawn, 1e-4, rtol=1e-12)
+    limits = Limits(feed=9.0, acceleration=1.0, volume=1e-4)
+    np.testing.assert_allclose(limits.bounds(lengths, moves, ground), 0.05, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"feed": 0.0}, "feed: must be one number above zero"),
+        ({"feed": np.inf}, "feed"),
+        ({"acceleration": -1.0}, "acceleration: must be one number above zero"),
+        ({"volume": np.nan}, "volume: must be one number above zero"),
+        ({"flow": 1e-4}, "axes: must be given for a limit of flow"),
+        ({"axes": (1, 2)}, "axes: must be of class Hydraulics"),
+        ({"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5}, "axes: must be two"),
+        ({"axes": reference_axes(REFERENCE_MACHINE), "valve": 3.0}, "valve: must be at most 1"),
+        ({"feed": "a"}, "feed: must hold real numbers"),
+    ],
+)
+def test_limits_refuse(options, message):
+    with pytest.raises(ValueError, match=message):
+        Limits(**({"feed": 0.1, "acceleration": 0.5} | options))
+
+
+# The wall of an ideal chain
+
+
+@pytest.fixture(scope="module")
+def two_laps():
+    job = lap(laps=3, advance=0.05)
+    return carve(job, ideal(job))
+
+
+def test_ideal_chain_leaves_the_wanted_wall_at_the_bottom(two_laps):
+    assert np.abs(two_laps.around).max() < 5e-6
+    assert np.abs(two_laps.deviation).max() < 1e-12
+    outside = two_laps.overbreak[two_laps.wall.lines.x < two_laps.wall.lines.x[2]]
+    np.testing.assert_allclose(outside, -REFERENCE_MACHINE.depth, atol=1e-12)
+
+
+def test_ideal_chain_leaves_scallops_of_the_formula(two_laps):
+    job, lines = two_laps.plan, two_laps.wall.lines
+    under = np.where(two_laps.reamed, -two_laps.overbreak, 0).max(axis=0)
+    s = np.linspace(0, CIRCUIT.profile.perimeter, 4000)
+    touch = CIRCUIT.profile.point(s) + REFERENCE_MACHINE.cutter_radius * CIRCUIT.profile.normal(s)
+    pitch = np.interp(np.arctan2(lines.sin, lines.cos), np.arctan2(touch[:, 1], touch[:, 0]),
+                      pass_distance(CIRCUIT, s, job.advance), period=2 * np.pi)  # fmt: skip
+    height = scallop_height(REFERENCE_MACHINE.cutter_radius, pitch)
+    missed = height - under
+    # A cusp is sharp, and between two rays along x its tip is missed by its slope's worth.
+    spacing = np.diff(two_laps.ends)[0] / 400
+    tip = spacing / 2 * job.advance / 2 / REFERENCE_MACHINE.cutter_radius
+    start = np.abs(np.angle(lines.cos + 1j * lines.sin)) < 0.2  # the machine's step takes cusps
+    assert np.all(missed[~start] < tip + 2e-5) and np.all(missed[~start] > -2e-5)
+    assert under.max() <= scallop_height(REFERENCE_MACHINE.cutter_radius, job.advance)
+
+
+def test_ideal_chain_removes_the_volume_of_the_closed_form():
+    job = lap(laps=4, advance=0.05)
+    cut = carve(job, ideal(job))
+    for steady in cut.lap_volumes[1:]:
+        assert steady == pytest.approx(lap_volume(CIRCUIT, 0.05), rel=5e-4)
+    assert cut.lap_volumes.sum() == pytest.approx(cut.removed.sum())
+    whole = intact_wall(CIRCUIT, *cut.ends, (4, 720)).volume
+    assert cut.removed.sum() == pytest.approx(whole - cut.wall.volume, rel=1e-9)
+
+
+def test_lap_volume_of_a_straight_pass_is_the_grooves():
+    flat = replace(REFERENCE_MACHINE, r=1e-9, R=60.0, phi_min=-1.0, phi_max=1.0, theta_min=-1.0,
+                   theta_max=1.0, height=0.0)  # fmt: skip
+    circle = closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)])
+    circuit = cutting_circuit(flat, circle)  # so great a torus is a plane across the tunnel
+    exact = removed_volume(0.2, 2 * np.pi * 0.32, 0.02, wall=0.5, pitch=0.04)
+    assert lap_volume(circuit, 0.04) == pytest.approx(exact, rel=2e-4)
+
+
+@pytest.mark.parametrize("feed", [0.3, 0.1])
+def test_overbreak_of_the_ideal_chain_is_that_of_the_grid_alone(feed):
+    job = lap(Limits(feed=feed, acceleration=0.5), rest=0.05, step=2e-2)
+    for shape in ((100, 180), (200, 360)):
+        assert np.abs(carve(job, ideal(job), shape=shape).around).max() < 0.1e-3
+
+
+# Simulation
+
+
+def test_simulate_a_lap_within_the_goal():
+    job = plan(CIRCUIT, Limits(feed=0.06, acceleration=0.5), tolerance=1e-3)
+    assert job.ticks.sum() > 10_000
+    tracemalloc.start()
+    before = time.process_time()
+    cut = simulate(job, Lag(0.5, 0.02), LOOP)
+    spent, peak = time.process_time() - before, tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    print(f"{job.ticks.sum()} ticks on 400 x 720 rays in {spent:.1f} s, {peak / 1e6:.0f} MB")
+    assert peak < 500e6
+    assert cut.removed.sum() == pytest.approx(9.72e-3, rel=0.05) and cut.wall.splits >= 0
+    # What the cutter's centre does is what the wall shows, but for tips between two rays.
+    assert 0.7 * cut.deviation.max() < cut.around.max() < cut.deviation.max() + 5e-6
+    assert cut.deviation.min() - 5e-6 < cut.around.min() < 0.9 * cut.deviation.min()
+
+
+def test_simulate_notes_the_rate_of_removal():
+    cut = simulate(lap(), Lag(0.5, 0.02), LOOP, shape=COARSE)
+    assert cut.noted[-1] == len(cut.centres) - 1
+    assert np.sum(cut.rate * np.diff(cut.noted) * 0.005) == pytest.approx(cut.removed.sum())
+    np.testing.assert_allclose(cut.power(5e6), 5e6 * cut.rate)
+    assert cut.rate[-1] == pytest.approx(0, abs=1e-8)  # at rest
+
+
+def test_simulate_in_another_pose_shifts_the_wall():
+    cut = simulate(lap(), Lag(0.5, 0.02), LOOP, pose=Pose(y=5e-3), shape=(200, 360))
+    straight = simulate(lap(), Lag(0.5, 0.02), LOOP, shape=(200, 360))
+    lines = cut.wall.lines
+    sides = cut.around - straight.around
+    assert sides[np.argmax(lines.cos)] == pytest.approx(5e-3, rel=0.02)
+    assert sides[np.argmin(lines.cos)] == pytest.approx(-5e-3, rel=0.02)
+    crown = np.argmax(lines.sin)
+    assert abs(sides[crown]) < 0.2e-3
+
+
+def test_starved_plan_costs_time_and_no_count():
+    job, tasks = lap(), [Task("line", 5000, 400), Task("servo", 5000, 600)]
+    late = starved(job, tasks, 60_000)
+    assert late.lap_time > job.lap_time + 1
+    at = np.concatenate([[0], np.cumsum(late.ticks)])
+    np.testing.assert_allclose(late.setvalues[at], BITS16 * late.counts, atol=1e-15)
+    moved = np.concatenate([[True], np.any(np.diff(late.counts, axis=0) != 0, axis=1)])
+    kept = np.concatenate([[True], np.any(np.diff(job.counts, axis=0) != 0, axis=1)])
+    assert np.array_equal(late.counts[moved], job.counts[kept])
+    same = starved(job, tasks, 100)
+    assert np.array_equal(same.ticks, job.ticks)
+
+
+@pytest.mark.parametrize(
+    "call, message",
+    [
+        (lambda: lap(arm_radius=0.25), r"an arm of 0.25 m is 0\.\d+ m in the wall \d\.\d+ m along"),
+        (lambda: lap(tolerance=-1), "tolerance"),
+        (lambda: lap(laps=0), "laps"),
+        (lambda: lap(advance=-0.1), "advance"),
+        (lambda: lap(Limits(feed=3.0, acceleration=50.0)), "at least one tick"),
+        (lambda: plan(EGG, QUICK, tolerance=1e-3), "circuit: must be of class Circuit"),
+        (lambda: plan(CIRCUIT, 0.1, tolerance=1e-3), "limits: must be of class Limits"),
+        (lambda: simulate(lap(), Integrator(0.5), replace(LOOP, gain=500.0)), "of theta isn't"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, tasks=[Task("line", 5000, 400)],
+                          cost=60_000), "the slow task starves the line at"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, tasks=[Task("line", 4000, 400)],
+                          cost=60), "must have the tick's period 5000 us"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, thickness=0.001), "is cut through"),
+        (lambda: simulate(lap(), Integrator(0.5), replace(LOOP, tick=0.01)), "the plan's tick"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, cost=9), "cost: needs tasks"),
+        (lambda: carve(lap(), np.zeros((9, 2))), "position: must be"),
+        (lambda: carve(3, np.zeros((9, 2))), "plan: must be of class Plan"),
+        (lambda: starved(lap(), None, 5), "tasks: must be a sequence"),
+        (lambda: lap(count=1e-300), "count: must lie between"),
+        (lambda: lap(rest=1e30), "rest: must be at most"),
+        (lambda: lap(laps=[1, 2]), "laps: must be one whole number"),
+        (lambda: lap_volume(CIRCUIT, 0.3), "advance: must leave cusps below"),
+        (lambda: lap_volume(3, 0.3), "circuit: must be of class Circuit"),
+        (lambda: scallop_height(0.2, -0.1), "pitch: must lie between"),
+        (lambda: QUICK.profile(np.ones(3), np.zeros((4, 2)), np.ones(2)), "lengths: must be"),
+        (lambda: QUICK.profile(np.zeros(3), np.zeros((4, 2)), np.ones(3)), "above zero"),
+        (lambda: QUICK.profile(np.ones(1), np.zeros((2, 2)), np.ones(1)), "m >= 2"),
+        (lambda: Pose(y="a"), "y: must hold real numbers"),
+        (lambda: Pose(y=np.nan), "y: must be one finite number"),
+        (lambda: scallop_height(0.2, 0.5), "pitch: must lie between"),
+        (lambda: cutting_circuit(replace(REFERENCE_MACHINE, height=0.3), EGG), "floor.*fails by"),
+        (lambda: standing(None), "wall: must be of class DexelGrid"),
+        (lambda: overbreak(None, CIRCUIT), "wall: must be of class DexelGrid"),
+    ],
+)  # fmt: skip
+def test_bad_plans_are_refused_before_the_run(call, message):
+    with pytest.raises(ValueError, match=message):
+        cut = call()
+        _ = cut.overbreak  # only a wall that is cut through is found later

@@ -1,0 +1,137 @@
+"""The machine in the tunnel: the wall in stages, parts where the simulation has them, pictures."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tunneller_lib.motion import Integrator, Loop
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, Pose, plan, simulate, standing
+from tunneller_lib.reporting.machine_model import DARK
+from tunneller_lib.reporting.scene import shoot
+from tunneller_lib.reporting.tunnel_scene import (
+    OPENED,
+    SCALAR,
+    frames,
+    posed_machine,
+    stages,
+    tunnel_mesh,
+    tunnel_scene,
+    wall_mesh,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+
+EGG = Egg(0.5)
+QUICK = Limits(feed=0.2, acceleration=0.5)
+SHAPE = 60, 90
+
+
+def simulated(pose=None, laps=1, **stance):
+    circuit = cutting_circuit(REFERENCE_MACHINE, EGG, **stance)
+    job = plan(circuit, QUICK, tolerance=1e-3, step=1e-2, rest=0.2, laps=laps, advance=0.04)
+    return simulate(job, Integrator(1.0), Loop(10.0, job.tick, feedforward=1.0), pose=pose,
+                    shape=SHAPE)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cut():
+    return simulated(laps=2, pose=Pose(y=1e-3, yaw=1e-3))
+
+
+def last(cut):
+    return len(cut.centres) - 1
+
+
+def test_stages_end_with_the_wall_and_begin_with_none_removed(cut):
+    before, half, after = stages(cut, [0, last(cut) // 2, last(cut)])
+    np.testing.assert_allclose(after.low, cut.wall.low, rtol=1e-14)
+    np.testing.assert_allclose(after.high, cut.wall.high, rtol=1e-14)
+    assert before.volume == pytest.approx(cut.wall.volume + cut.removed.sum(), rel=1e-12)
+    assert before.volume > half.volume > after.volume
+    np.testing.assert_allclose(EGG.depth(*standing(before)[..., 1:].T), 0, atol=1e-12)
+
+
+def test_stages_refuse_what_is_no_run(cut):
+    with pytest.raises(ValueError, match=r"^ticks: must ascend; got \[5, 3\]\.$"):
+        list(stages(cut, [5, 3]))
+    for wrong in ([-1], [last(cut) + 1], [0.5]):
+        with pytest.raises(ValueError, match=r"^ticks: must hold whole numbers"):
+            list(stages(cut, wrong))
+    with pytest.raises(ValueError, match=r"^cut: must be of class Cut"):
+        list(stages(cut.wall, [0]))
+
+
+def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
+    mesh = wall_mesh(cut.wall, cut.plan.circuit)
+    assert mesh.n_points == SHAPE[0] * SHAPE[1] and mesh.n_cells == (SHAPE[0] - 1) * SHAPE[1]
+    errors, points = cut.overbreak.ravel(), standing(cut.wall).reshape(-1, 3)
+    order = np.lexsort(np.round(points, 5).T)
+    found = np.lexsort(np.round(np.asarray(mesh.points, dtype=float), 5).T)
+    np.testing.assert_allclose(mesh.points[found], points[order], atol=1e-6)
+    np.testing.assert_array_equal(mesh[SCALAR][found], 1e3 * errors[order])
+    assert mesh.array_names == [SCALAR]
+
+
+def test_wall_mesh_opened_leaves_a_part_out(cut):
+    whole_angle = 2 * np.pi - np.ptp(OPENED)
+    for mesh in (wall_mesh(cut.wall, cut.plan.circuit, opened=True),
+                 tunnel_mesh(EGG, -1.0, 0.5, opened=True)):  # fmt: skip
+        angle = np.mod(np.arctan2(mesh.points[:, 2], mesh.points[:, 1]) - OPENED[1], 2 * np.pi)
+        assert angle[angle < 6.28].max() == pytest.approx(whole_angle, abs=0.08)
+
+
+def test_tunnel_mesh_lies_on_the_section():
+    mesh = tunnel_mesh(EGG, -1.0, 0.5)
+    np.testing.assert_allclose(EGG.depth(*mesh.points[:, 1:].T), 0, atol=1e-6)
+    assert set(np.unique(mesh.points[:, 0])) == {-1.0, 0.5}
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"laps": 2, "pose": Pose(y=3e-3, z=-2e-3, roll=0.01)},
+     {"pitch": np.radians(2), "yaw": np.radians(1)}],
+    ids=["straight", "stepped back and shifted", "tilted"],
+)  # fmt: skip
+def test_posed_machine_has_its_cutter_where_the_simulation_has_it(options):
+    cut = simulated(**options)
+    circuit = cut.plan.circuit
+    for tick in (0, last(cut) // 3, last(cut)):
+        dark = [np.reshape(mesh.bounds, (3, 2)) for mesh, look in posed_machine(cut, tick)
+                if look is DARK]  # fmt: skip
+        joint, cutter = dark[0].mean(axis=1), dark[-1]
+        np.testing.assert_allclose(cutter.mean(axis=1), cut.centres[tick], atol=2e-4)
+        assert np.ptp(cutter, axis=1).max() == pytest.approx(1.8 * 0.2, rel=2e-3)
+        # The machine keeps its length: only the pose error moves it, and each lap steps back.
+        back = cut.plan.advance * (tick > last(cut) // 2) * (cut.plan.laps - 1)
+        off = joint - [-back, 0, circuit.machine.height]
+        assert np.max(np.abs(off)) < (0.012 if "pose" in options else 5e-4)
+
+
+def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
+    early, late = (tunnel_scene(cut, tick, wall=wall) for tick, wall in
+                   zip((40, last(cut)), stages(cut, [40, last(cut)])))  # fmt: skip
+    assert early.camera.position == late.camera.position
+    pictures = [shoot(plotter, direction=None).astype(int) for plotter in (early, late)]
+    red, green, blue = np.moveaxis(pictures[1][:, :1300], -1, 0)  # without the colour bar
+    reddish = np.count_nonzero((red > green + 60) & (red > blue + 60) & (np.abs(green - blue) < 40))
+    red, green, blue = np.moveaxis(pictures[0][:, :1300], -1, 0)
+    before = np.count_nonzero((red > green + 60) & (red > blue + 60) & (np.abs(green - blue) < 40))
+    assert reddish > 200 and reddish > 5 * before  # the left wall loses too much
+
+
+def test_tunnel_scene_refuses_a_tick_beyond_the_run(cut):
+    with pytest.raises(ValueError, match=r"^tick: must hold whole numbers"):
+        tunnel_scene(cut, last(cut) + 1)
+    with pytest.raises(ValueError, match=r"^limit: must"):
+        tunnel_scene(cut, limit=0.0)
+
+
+def test_frames_show_the_run_from_first_to_last(cut):
+    few = replace(cut, centres=cut.centres[:200])
+    pictures = list(frames(few, 3, width=320))
+    assert [picture.shape for picture in pictures] == [(200, 320, 3)] * 3
+    assert all(np.any(a != b) for a, b in pairwise(pictures))
+    with pytest.raises(ValueError, match=r"^count: must hold whole numbers"):
+        next(frames(cut, 1))

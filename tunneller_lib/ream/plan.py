@@ -1,0 +1,249 @@
+"""From machine, section and tolerance to knots, set-points, feed and set-values."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import finite, instance, not_negative, points, positions, positive, whole
+from ..motion import polyline, polyline_slopes, tick_counts
+from ..paths import project_chord, projected_length
+from ..paths.circuit import Circuit
+from ..removal import removed_volume, rod_clearance
+from .feed import Limits
+
+LONGEST_REST = 1e4  # s
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A planned cut, the same in every lap.
+
+    Made by `plan`, which says what its fields mean.
+    """
+
+    circuit: Circuit
+    limits: Limits
+    knots: np.ndarray
+    s: np.ndarray
+    setpoints: np.ndarray
+    feed: np.ndarray
+    counts: np.ndarray
+    ticks: np.ndarray
+    tick: float
+    count: float
+    laps: int
+    advance: float
+
+    @property
+    def setvalues(self):
+        """Return the joint positions (ticks + 1, 2) of one lap, in rad, in whole counts."""
+        return self.count * polyline(self.counts, self.ticks)
+
+    @property
+    def slopes(self):
+        """Return the exact rates (ticks, 2) of `setvalues`, in rad/s."""
+        return self.count / self.tick * polyline_slopes(self.counts, self.ticks)
+
+    @property
+    def places(self):
+        """Return the arc lengths (ticks + 1,) along the offset section, in m, of each tick."""
+        ends = np.concatenate([[0], np.cumsum(self.ticks)])
+        return np.interp(np.arange(ends[-1] + 1), ends, self.s)
+
+    @property
+    def lap_time(self):
+        """Return the time of a lap, in s, its rest at the end included."""
+        return self.tick * int(self.ticks.sum())
+
+    def centres(self, position, *, pose=None):
+        """Return the cutter's centres (ticks + 1, 3), in m, in the frame of the tunnel.
+
+        Parameters
+        ----------
+        position : (ticks + 1, 2) float
+            Joint positions at every tick of one lap or of all, in rad.
+        pose : Pose, optional
+            Where the machine stands instead of where it should.
+        """
+        torus, position = self.circuit.machine.torus, positions("position", position)
+        centre = self.circuit.in_tunnel(torus.point(position[..., 0], position[..., 1]))
+        if pose is not None:
+            pose = instance("pose", pose, Pose)
+            centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
+        # The machine steps in the first tick of the next lap.
+        lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
+        centre[:, 0] -= self.advance * lap
+        return centre
+
+
+@dataclass(frozen=True)
+class Pose:
+    """By how much a machine stands elsewhere than planned, small: in m and rad.
+
+    Parameters
+    ----------
+    y, z : float
+        To the left and up.
+    roll, pitch, yaw : float
+        About the tunnel's x, y, z through the torus' centre, right-handed, in this order.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't finite.
+    """
+
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self):
+        for name in ("y", "z", "roll", "pitch", "yaw"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
+
+    def moved(self, point, centre):
+        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
+        turn = np.eye(3)
+        for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
+            i, j = [k for k in range(3) if k != axis]
+            one, (c, s) = np.eye(3), (np.cos(angle), np.sin(angle))
+            one[[i, j], [i, j]] = c
+            one[i, j], one[j, i] = (-s, s) if axis != 1 else (s, -s)
+            turn = one @ turn
+        return (points("point", point) - centre) @ turn.T + centre + [0.0, self.y, self.z]
+
+
+def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 2**16, rest=1.0,
+         laps=1, advance=0.0, arm_radius=0.0):  # fmt: skip
+    """Return how a machine is to cut a section, refused where it can't.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        From `cutting_circuit`: machine, section and pose, within the joint limits.
+    limits : Limits
+        Of the feed.
+    tolerance : float
+        Largest over- or under-break of the tangent-sphere paths between knots, in m, that decides
+        their number. Moves and counts add theirs, see `budget`.
+    step : float
+        Greatest distance of the set-points N on the tangent-sphere paths, in m: what the slow
+        task prepares and the fast one joins by integer lines.
+    tick : float
+        Period of the fast task, in s.
+    count : float
+        Angle of a count of both joints, in rad.
+    rest : float
+        Time for which the last set-value of a lap is held, in s.
+    laps : int
+        How often the circuit is run.
+    advance : float
+        Step of the machine out of the tunnel, towards -x, after each lap, in m.
+    arm_radius : float
+        Of a round-ended rod about the arm, in m, that must stay clear of the intact wall.
+
+    Returns
+    -------
+    plan : Plan
+        ``knots`` (n,) and ``s`` (m + 1,), arc lengths of knots and set-points, in m;
+        ``setpoints`` (m + 1, 2) in rad and ``counts`` (m + 1, 2), the first also the last;
+        ``feed`` (m + 1,) in m/s; ``ticks`` (m,). The last move is the rest.
+
+    Raises
+    ------
+    ValueError
+        If an argument is beyond its range, the arm touches the wall (with the place), or the feed
+        is too fast for the ticks.
+
+    Examples
+    --------
+    >>> from tunneller_lib.paths import cutting_circuit
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    >>> lap = plan(circuit, Limits(feed=0.1, acceleration=0.5), tolerance=1e-3)
+    >>> len(lap.knots), round(lap.lap_time)
+    (36, 31)
+    """
+    instance("circuit", circuit, Circuit)
+    instance("limits", limits, Limits)
+    step, tick, count = positive("step", step), positive("tick", tick), positive("count", count)
+    laps, advance = whole("laps", laps, 1, 10_000), not_negative("advance", advance)
+    if laps.ndim:
+        raise ValueError(f"laps: must be one whole number; got {laps!r}.")
+    if not 1e-9 <= count <= 0.1:
+        raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
+    if not_negative("rest", rest) > LONGEST_REST:
+        raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
+    knots = circuit.knots(tolerance)
+    _keep_clear(circuit, arm_radius)
+    s, setpoints, lengths = _setpoints(circuit, knots, step)
+    ground = _ground(circuit, s, lengths, advance if laps > 1 else 0.0)
+    feed = limits.profile(lengths, setpoints, ground)
+    times = np.concatenate([[0], np.cumsum(2 * lengths / (feed[1:] + feed[:-1]))])
+    ticks = tick_counts(times, tick)
+    held = max(round(rest / tick), 1)
+    s, feed = np.append(s, s[-1]), np.append(feed, 0.0)
+    setpoints = np.concatenate([setpoints, setpoints[-1:]])
+    counts = np.rint(setpoints / count).astype(np.int64)
+    ticks = np.append(ticks, held)
+    return Plan(circuit, limits, knots, s, setpoints, feed, counts, ticks, tick, count, int(laps),
+                advance)  # fmt: skip
+
+
+def _setpoints(circuit, knots, step):
+    """Return arc lengths (m + 1,), positions (m + 1, 2) and moves (m,) of the points N."""
+    torus, ends = circuit.machine.torus, np.append(knots, circuit.profile.perimeter)
+    at = circuit.position(ends)
+    at[-1] = at[0]
+    length = projected_length(torus, at[:-1], at[1:])
+    moves = np.ceil(length / step).astype(int)
+    s = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], moves)]
+    setpoints = join_knots(at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n,
+                                                                       spacing="arc"))  # fmt: skip
+    return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)
+
+
+def join_knots(knots, moves, way):
+    """Return the positions (m + 1, 2) of so many moves (n,) from each knot (n, 2) to the next.
+
+    The `way` from p to q (k, 2) in points is a function (p, q, points) -> (k, points, 2).
+    """
+    following = np.roll(knots, -1, axis=0)
+    path = np.empty((moves.sum() + 1, 2))
+    first = np.cumsum(moves) - moves
+    for n in np.unique(moves):
+        rows = np.flatnonzero(moves == n)
+        path[first[rows, None] + np.arange(n)] = way(knots[rows], following[rows], n + 1)[:, :-1]
+    path[-1] = knots[0]
+    return path
+
+
+def _ground(circuit, s, lengths, advance):
+    """Return the ground removed by each metre of the moves between arc lengths s, in m^2.
+
+    Moves are longer than what they cover of the section where the circuit leans out of its plane.
+    """
+    machine, profile = circuit.machine, circuit.profile
+    with np.errstate(divide="ignore"):
+        wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
+    across = np.diff(s) / lengths
+    return across * removed_volume(machine.cutter_radius, 1.0, max(machine.depth, 0.0), wall=wall,
+                                   pitch=advance or None)  # fmt: skip
+
+
+def _keep_clear(circuit, arm_radius):
+    """Raise ValueError if a round-ended rod about the arm touches the intact wall."""
+    machine, section = circuit.machine, circuit.section
+    s = np.linspace(0, circuit.profile.perimeter, 721)
+    theta = circuit.position(s)[:, 0]
+    ring = np.stack([np.cos(theta), np.zeros_like(theta), -np.sin(theta)], axis=-1)
+    joint, centre = circuit.in_tunnel(machine.r * ring), circuit.in_tunnel(circuit.point(s))
+    clear = rod_clearance(section, joint, centre, not_negative("arm_radius", arm_radius))
+    worst = int(np.argmin(clear))
+    if clear[worst] < 0:
+        raise ValueError(
+            f"arm_radius: an arm of {arm_radius:g} m is {-clear[worst]:.3f} m in the wall "
+            f"{s[worst]:.3f} m along the circuit."
+        )

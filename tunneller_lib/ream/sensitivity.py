@@ -1,0 +1,154 @@
+"""First and second derivatives of the over-break: closed forms behind the error budget.
+
+The cutter's centre at joint position q is f(q) outside the offset section. n is the section's
+outward normal and rho its radius of curvature at the place where f is zero.
+"""
+
+import numpy as np
+
+from ..arrays import dot, norm
+from ..motion import Compressible, Lag, Resonance, Rigid
+
+HARMONICS = 64  # of the encoder's rounding
+
+
+def wall_frame(circuit, s):
+    """Return normals and tangents (..., 3) and curvatures (...) of the offset section at s.
+
+    Arc lengths in m; directions in the machine's frame, curvatures 1/rho in 1/m.
+    """
+    normal = circuit.profile.normal(s)
+    tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    axes = circuit.axes[1:]
+    return normal @ axes, tangent @ axes, circuit.profile.curvature(s)
+
+
+def velocity(torus, q, rate):
+    """Return the centre's velocity (..., 3), in m/s, at joint positions and rates (..., 2)."""
+    (theta, phi), (p, w) = np.moveaxis(q, -1, 0), np.moveaxis(rate, -1, 0)
+    rho, drho = torus.r + torus.R * np.cos(phi), -torus.R * np.sin(phi) * w
+    return np.stack([
+        drho * np.cos(theta) - rho * np.sin(theta) * p,
+        torus.R * np.cos(phi) * w,
+        -drho * np.sin(theta) - rho * np.cos(theta) * p,
+    ], axis=-1)  # fmt: skip
+
+
+def acceleration(torus, q, rate):
+    """Return the centre's acceleration (..., 3), in m/s^2, while the joint rates are constant."""
+    (theta, phi), (p, w) = np.moveaxis(q, -1, 0), np.moveaxis(rate, -1, 0)
+    rho, drho = torus.r + torus.R * np.cos(phi), -torus.R * np.sin(phi) * w
+    radial, turning = -torus.R * np.cos(phi) * w**2 - rho * p**2, 2 * drho * p
+    return np.stack([
+        radial * np.cos(theta) - turning * np.sin(theta),
+        -torus.R * np.sin(phi) * w**2,
+        -radial * np.sin(theta) - turning * np.cos(theta),
+    ], axis=-1)  # fmt: skip
+
+
+def gradient(circuit, s, q):
+    """Return df/dq (..., 2), in m/rad, at joint positions q (..., 2) with f = 0 at places s."""
+    normal, _, _ = wall_frame(circuit, s)
+    units = np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2))
+    moves = velocity(circuit.machine.torus, q[..., None, :], units)
+    return dot(moves, normal[..., None, :])
+
+
+def joint_bend(circuit, s, q, rate):
+    """Return d^2 f/dt^2 (...) along straight lines in joint space, in m over the rate's s^2.
+
+    At joint positions q and rates (..., 2) where the circuit has the arc lengths s (...).
+    """
+    torus = circuit.machine.torus
+    normal, tangent, curvature = wall_frame(circuit, s)
+    along = dot(velocity(torus, q, rate), tangent)
+    return dot(acceleration(torus, q, rate), normal) + curvature * along**2
+
+
+def geodesic_bend(circuit, s, q, direction):
+    """Return d^2 f/dl^2 (...) along geodesics of unit directions (..., 3), in 1/m.
+
+    At joint positions q (..., 2) where the circuit has the arc lengths s (...).
+
+    The section's curvature less the part that the torus' own bend takes away: the sagitta
+    between knots a length l apart is this times l^2/8.
+    """
+    torus = circuit.machine.torus
+    normal, tangent, curvature = wall_frame(circuit, s)
+    across = torus.normal(q[..., 0], q[..., 1])
+    return (curvature * dot(direction, tangent) ** 2
+            - normal_curvature(torus, q, direction)[0] * dot(across, normal))  # fmt: skip
+
+
+def normal_curvature(torus, q, direction):
+    """Return normal curvature and geodesic torsion (...), in 1/m, in unit directions (..., 3)."""
+    zero = np.zeros(q.shape[:-1])
+    meridian = velocity(torus, q, np.stack([zero, zero + 1 / torus.R], axis=-1))
+    cos = dot(meridian, direction)
+    first, second = torus.curvatures(q[..., 0], q[..., 1])
+    sin = dot(np.cross(meridian, torus.normal(q[..., 0], q[..., 1])), direction)
+    return first * cos**2 + second * (1 - cos**2), (second - first) * sin * cos
+
+
+def lateness(plant):
+    """Return the time by which a plant's rate is late in slow motion, in s."""
+    if isinstance(plant, Lag):
+        return plant.lag
+    if isinstance(plant, Resonance):
+        return 2 * plant.damping / plant.frequency
+    if isinstance(plant, Compressible):
+        return plant.axis.valve_lag + lateness(plant.axis.resonance(0.0))
+    return plant.axis.valve_lag if isinstance(plant, Rigid) else 0.0
+
+
+def rounding_passed(plant, loop, rate):
+    """Return the mean square (m,) of what an encoder's rounding becomes at a joint, in counts^2.
+
+    At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
+    loop passes on each one, sampled at the ticks: 1/12 in slow motion, 1/12 Kv T / (2 - Kv T) for
+    T0 in fast motion. The axis also answers to the rounding and shifts its phase, which a linear
+    theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion, up to a third more between.
+    """
+    if not loop.count:
+        return np.zeros(len(rate))
+    k = np.arange(1, HARMONICS + 1)
+    turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
+    z = np.exp(2j * np.pi * k * turns[:, None])
+    linear = plant if hasattr(plant, "discrete") else Lag(1.0, lateness(plant))
+    Ad, Bd = linear.discrete(loop.tick)
+    held = np.broadcast_to((Bd / linear.gain).astype(complex)[:, None], (*z.shape, len(Bd), 1))
+    open_loop = np.linalg.solve(z[..., None, None] * np.eye(len(Bd)) - Ad, held)[..., 0, 0]
+    open_loop = loop.gain * open_loop / z**loop.delay
+    passed = np.abs(open_loop / (1 + open_loop)) ** 2
+    return np.sum(passed / k**2, axis=-1) / (2 * np.pi**2)
+
+
+def planned_motion(plan):
+    """Return places (m,) amid the moves and joint rates and accelerations (m, 2) of the plan there.
+
+    Without the feed's own changes, which move the joints along the circuit only.
+    """
+    circuit, h = plan.circuit, 1e-4  # m, less than a move: a blend isn't straddled
+    middle = (plan.s[1:] + plan.s[:-1]) / 2
+    before, at, after = (circuit.position(middle + shift) for shift in (-h, 0.0, h))
+    along = (after - before) / (2 * h)
+    speed = np.where(np.diff(plan.s) > 0, (plan.feed[1:] + plan.feed[:-1]) / 2, 0.0)
+    speed = speed / norm(velocity(circuit.machine.torus, at, along))
+    return middle, along * speed[:, None], (after - 2 * at + before) / h**2 * speed[:, None] ** 2
+
+
+def trailing(plan, plants, loops):
+    """Return the largest deviation, in m, by the series of a plan's loops in their lag.
+
+    For the axes (plants) of both joints; loops without encoder, integral and dead band.
+    """
+    circuit, tick = plan.circuit, plan.tick
+    middle, rate, change = planned_motion(plan)
+    share = np.array([loop.feedforward for loop in loops])
+    lag = 1 / np.array([loop.gain for loop in loops])
+    late = np.array([loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants)])
+    first = -(1 - share) * lag * rate
+    second = lag * ((1 - share) * (lag - tick / 2) - late) * change
+    at = circuit.position(middle)
+    off = dot(gradient(circuit, middle, at), first + second)
+    return float(np.abs(off + joint_bend(circuit, middle, at, first) / 2).max())

@@ -1,0 +1,164 @@
+"""The wall of a tunnel on rays from its axis: what stands, and how far from the wanted one."""
+
+import numpy as np
+
+from ..arrays import instance, norm, positive
+from ..paths.circuit import Circuit
+from ..removal import DexelGrid
+
+
+def intact_wall(circuit, start, stop, shape, *, thickness=0.1, memory=None):
+    """Return the ground behind a section before it is cut.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        With the section; the origin of its plane must be inside.
+    start, stop : float
+        Ends of the ground along the tunnel's x, in m.
+    shape : (int, int)
+        Rays along x and round.
+    thickness : float
+        Of the modelled ground, in m, along the rays.
+    memory : float, optional
+        Bytes that it may take; half of the computer's unless told.
+
+    Returns
+    -------
+    wall : DexelGrid
+        The ground.
+    """
+    section = instance("circuit", circuit, Circuit).section
+    angle = (np.arange(shape[1]) + 0.5) * 2 * np.pi / shape[1]
+    inner = section.ray(angle)
+    outer = inner + positive("thickness", thickness)
+    return DexelGrid.radial(start, stop, inner, outer, shape, memory=memory)
+
+
+def standing(wall):
+    """Return the points (n, m, 3), in m, where the ground begins that stands after the cuts.
+
+    On each ray that of the outermost piece: what the cutter has undercut is counted as gone.
+
+    Raises
+    ------
+    ValueError
+        If a ray is cut through.
+    """
+    low, high = instance("wall", wall, DexelGrid).low, wall.high
+    distance = np.where(high > low, low, -np.inf).max(axis=0)
+    if not np.all(np.isfinite(distance)):
+        raise ValueError("wall: is cut through; the modelled ground must be thicker.")
+    x = np.broadcast_to(wall.lines.x[:, None], distance.shape)
+    return np.stack([x, distance * wall.lines.cos, distance * wall.lines.sin], axis=-1)
+
+
+def overbreak(wall, circuit):
+    """Return how far (n, m) the standing ground is beyond the wanted wall, in m.
+
+    Parameters
+    ----------
+    wall : DexelGrid
+        The ground.
+    circuit : Circuit
+        Its section and its machine's depth of cut give the wanted wall.
+
+    Returns
+    -------
+    overbreak : (n, m) float
+        Along the section's normal: positive over-break, negative under-break; minus the depth
+        of cut where the section is as it was.
+    """
+    points, circuit = standing(wall), instance("circuit", circuit, Circuit)
+    return -circuit.section.depth(points[..., 1], points[..., 2]) - circuit.machine.depth
+
+
+def scallop_height(radius, pitch):
+    """Return the height of the cusps between passes of a ball, in m.
+
+    Parameters
+    ----------
+    radius : float
+        Of the cutter, in m.
+    pitch : (...) float
+        Distance of the passes across their direction, in m, at most 2 radius.
+
+    Returns
+    -------
+    height : (...) float
+        R - sqrt(R^2 - pitch^2/4), written without its cancellation.
+
+    Examples
+    --------
+    >>> float(scallop_height(0.2, 0.04).round(6))
+    0.001003
+    """
+    radius, pitch = positive("radius", radius), np.asarray(pitch, dtype=float)
+    if not np.all((pitch >= 0) & (pitch <= 2 * radius)):
+        raise ValueError(f"pitch: must lie between 0 and twice the radius {radius:g} m; "
+                         f"got {pitch}.")  # fmt: skip
+    return pitch**2 / 4 / (radius + np.sqrt(radius**2 - pitch**2 / 4))
+
+
+def pass_distance(circuit, s, advance):
+    """Return the distance (...) of passes across their direction, in m, that makes their cusps.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Of the cutter's centre.
+    s : (...) float
+        Arc lengths, in m.
+    advance : float
+        Step of the machine between laps, in m.
+
+    Returns
+    -------
+    pitch : (...) float
+        advance / sqrt(1 + tan^2(lean) rho / (rho + R)) with the lean of the circuit out of the
+        section's plane, the radius rho of the offset section and R of the cutter: on a straight
+        wall advance cos(lean), but the ball also reaches round the bend.
+    """
+    h = 1e-5 * circuit.profile.perimeter
+    move = circuit.in_tunnel(circuit.point(s + h)) - circuit.in_tunnel(circuit.point(s - h))
+    tan = move[..., 0] / norm(move[..., 1:])
+    bent = circuit.profile.curvature(s) * circuit.machine.cutter_radius
+    return positive("advance", advance) / np.sqrt(1 + tan**2 / (1 + bent))
+
+
+def lap_volume(circuit, advance):
+    """Return the ground that a lap removes behind earlier ones, in m^3.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Of the cutter's centre.
+    advance : float
+        Step of the machine between laps, in m, small against the cutter.
+
+    Returns
+    -------
+    volume : float
+        The layer between section and wanted wall over the advance, less the cusps that stay
+        between passes, whose centroids are taken at the wanted wall.
+
+    Raises
+    ------
+    ValueError
+        If the cusps are as high as the cut is deep.
+    """
+    machine, profile = instance("circuit", circuit, Circuit).machine, circuit.profile
+    radius, g = machine.cutter_radius, machine.depth
+    layer = circuit.section.perimeter * g + np.pi * g**2  # Steiner
+    ends = np.linspace(0, profile.perimeter, 4001)
+    s = (ends[1:] + ends[:-1]) / 2
+    half = pass_distance(circuit, s, advance) / 2
+    tallest = np.max(scallop_height(radius, 2 * half))
+    if g <= tallest:
+        raise ValueError(f"advance: must leave cusps below the depth of cut {g:g} m, or ground "
+                         f"between them isn't touched; got cusps of {tallest:.3g} m.")  # fmt: skip
+    # The strip down to the bottoms less two sectors and the triangle that the passes take of it.
+    cusp = 2 * half * radius - radius**2 * np.arcsin(half / radius) - half * np.sqrt(
+        (radius - half) * (radius + half))  # fmt: skip
+    bent = 1 + radius * profile.curvature(s)
+    return float(advance * (layer - np.sum(cusp / (2 * half) * bent * np.diff(ends))))

@@ -1,0 +1,208 @@
+"""A cut asked for by a small TOML file: see notebooks/reference.toml.
+
+Metres, seconds, radians and what follows from them; the name of an angle may end in ``_deg``, and
+its value is then in degrees. Names and types are checked here; sizes by what they are for.
+"""
+
+import tomllib
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
+from ..paths import cutting_circuit
+from ..ream import Limits, Pose, plan, simulate
+from ..surfaces import Arc, Egg, Line, Machine, closed_profile
+
+TEXT, WHOLE = "text", "whole number"
+# What each table may hold: units, TEXT or WHOLE. What has no default is needed.
+MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
+               cutter_radius="m", depth="m", height="m")  # fmt: skip
+SHAPES = {"egg": dict(a="m"), "circle": dict(radius="m"), "pieces": {}}
+PIECES = {
+    "arc": (Arc, dict(y="m", z="m", radius="m", start="rad", sweep="rad")),
+    "line": (Line, dict(y="m", z="m", heading="rad", length="m")),
+}
+STANCE = dict(pitch="rad", yaw="rad")
+LIMITS = dict(feed="m/s", acceleration="m/s^2", volume="m^3/s", flow="m^3/s", valve="1")
+PLAN = dict(tolerance="m", step="m", tick="s", count="rad", rest="s", laps=WHOLE, advance="m",
+            arm_radius="m")  # fmt: skip
+CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", delay=WHOLE,
+                  encoder="rad")  # fmt: skip
+POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
+WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
+PLANTS = "T0", "T1", "T2", "T3"
+
+
+class WrongJob(ValueError):
+    """A job that can't be understood; the message says where and why."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a file asks for, by its tables, in SI units.
+
+    Made by `read_job`; nothing is computed before it is asked for.
+    """
+
+    machine: dict
+    section: dict
+    limits: dict
+    plan: dict
+    controller: dict
+    stance: dict
+    pose: dict
+    wall: dict
+
+    @cached_property
+    def planned(self):
+        """Return the `Plan`, or raise ValueError with the reason against it."""
+        machine = Machine(**self.machine)
+        circuit = cutting_circuit(machine, _shape(self.section), **self.stance)
+        bounds = dict(self.limits)
+        if "flow" in bounds or "valve" in bounds:
+            bounds["axes"] = reference_axes(machine)
+        return plan(circuit, Limits(**bounds), **self.plan)
+
+    @cached_property
+    def axes(self):
+        """Return the plants and the loops of theta and phi, each a list of two."""
+        about = dict(self.controller)
+        tier, count = about.pop("plant"), about.pop("encoder", self.planned.count)
+        plants = []
+        for axis in reference_axes(self.planned.circuit.machine):
+            rate = axis.resonance((axis.low + axis.high) / 2).gain
+            tiers = Integrator(rate), Lag(rate, axis.valve_lag), Rigid(axis), Compressible(axis)
+            plants.append(tiers[PLANTS.index(tier)])
+        return plants, [Loop(tick=self.planned.tick, count=count, **about)] * 2
+
+    @cached_property
+    def error(self):
+        """Return the `Pose` that the machine has and doesn't know of, or None."""
+        return Pose(**self.pose) if self.pose else None
+
+    @property
+    def limit(self):
+        """Return the over-break at which the colours of pictures end, in m."""
+        return 1.5 * self.plan["tolerance"]
+
+    @cached_property
+    def cut(self):
+        """Return the simulated `Cut`, or raise ValueError with the reason against it."""
+        about = dict(self.wall)
+        shape = about.pop("along"), about.pop("around")
+        return simulate(self.planned, *self.axes, pose=self.error, shape=shape, **about)
+
+
+def read_job(path):
+    """Return the `Job` that a TOML file asks for, checked for names, types and units.
+
+    Raises
+    ------
+    WrongJob
+        If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
+        have or lacks one.
+    """
+    try:
+        tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
+    except UnicodeDecodeError:
+        raise WrongJob(f"{path}: is no text in UTF-8.") from None
+    except tomllib.TOMLDecodeError as error:
+        raise WrongJob(f"{path}: isn't TOML; {str(error).rstrip('.')}.") from None
+    known = [field.name for field in fields(Job)]
+    for name, table in tables.items():
+        if name not in known:
+            raise WrongJob(f"[{name}]: is no table of a job{_hint(name, known)}.")
+        if not isinstance(table, dict):
+            raise WrongJob(f"{name}: must be a table, [{name}]; got {table!r}.")
+    for name in ("machine", "section", "limits", "plan", "controller"):
+        if name not in tables:
+            raise WrongJob(f"[{name}]: is missing.")
+    given = {name: tables.get(name, {}) for name in known}
+    controller = _read("controller", given["controller"], CONTROLLER, ("plant", "gain"))
+    _one_of("[controller] plant", controller["plant"], PLANTS)
+    return Job(
+        machine=_read("machine", given["machine"], MACHINE, MACHINE),
+        section=_read_section(given["section"]),
+        limits=_read("limits", given["limits"], LIMITS, ("feed", "acceleration")),
+        plan=_read("plan", given["plan"], PLAN, ("tolerance",)),
+        controller=controller,
+        stance=_read("stance", given["stance"], STANCE),
+        pose=_read("pose", given["pose"], POSE),
+        wall={"along": 200, "around": 360, **_read("wall", given["wall"], WALL)},
+    )
+
+
+def _read(table, given, units, needed=()):
+    """Return a table's values by their names, in SI units."""
+    values = {}
+    for name, value in given.items():
+        key, where = name, f"[{table}] {name}"
+        if name.endswith("_deg") and units.get(name[:-4]) == "rad":
+            key = name[:-4]
+        if key not in units:
+            raise WrongJob(f"{where}: isn't known{_hint(name, units)}.")
+        if key in values:
+            raise WrongJob(f"[{table}] {key}: is given in radians and in degrees.")
+        unit = "degrees" if key != name else units[key]
+        kinds = {TEXT: str, WHOLE: int}.get(unit, (int, float))
+        if isinstance(value, bool) or not isinstance(value, kinds):
+            wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
+            raise WrongJob(f"{where}: must be {wanted.get(unit, f'a number in {unit}')}; "
+                           f"got {value!r}.")  # fmt: skip
+        values[key] = float(np.radians(value)) if key != name else value
+    for key in needed:
+        if key not in values:
+            unit = f"rad, or {key}_deg" if units[key] == "rad" else units[key]
+            raise WrongJob(f"[{table}] {key}: is missing ({unit}).")
+    return values
+
+
+def _read_section(given):
+    """Return what a section's table says, its pieces as arcs and lines."""
+    given = dict(given)
+    shape = given.pop("shape", None)
+    _one_of("[section] shape", shape, SHAPES)
+    if shape != "pieces":
+        return {"shape": shape, **_read("section", given, SHAPES[shape], SHAPES[shape])}
+    rows = given.pop("pieces", None)
+    _read("section", given, {"pieces": TEXT, "shape": TEXT})
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise WrongJob("[section] pieces: must be a list of tables, [[section.pieces]].")
+    pieces = []
+    for number, row in enumerate(map(dict, rows), start=1):
+        where = f"section.pieces {number}"
+        kind = row.pop("kind", None)
+        _one_of(f"[{where}] kind", kind, PIECES)
+        make, units = PIECES[kind]
+        pieces.append(make(**_read(where, row, units, units)))
+    return {"shape": shape, "pieces": tuple(pieces)}
+
+
+def _shape(section):
+    """Return the Section that a table says."""
+    if section["shape"] == "egg":
+        return Egg(section["a"])
+    if section["shape"] == "circle":
+        return closed_profile([Arc(0.0, 0.0, section["radius"], 0.0, 2 * np.pi)])
+    return closed_profile(section["pieces"])
+
+
+def _one_of(where, word, words):
+    """Refuse a word that isn't one of those known."""
+    if not isinstance(word, str) or word not in words:
+        *others, last = (f'"{each}"' for each in words)
+        raise WrongJob(f"{where}: must be {', '.join(others)} or {last}; got {word!r}.")
+
+
+def _hint(name, known):
+    """Return what a name may have been meant to be, as the end of a sentence."""
+    close = get_close_matches(name, known, n=1) or get_close_matches(
+        name.removesuffix("_deg"), known, n=1
+    )
+    return f"; {close[0]!r} is meant, perhaps" if close else f"; known are {', '.join(known)}"

@@ -1,0 +1,116 @@
+"""What came of a job: its numbers, and all files that others may want of it."""
+
+import csv
+import io
+from pathlib import Path
+
+from ..motion.export import c99, structured_text
+from ..ream import budget
+from . import interchange, scene
+from .tunnel_scene import picture, wall_mesh
+
+FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
+
+
+def outcome(job):
+    """Return the numbers of a job, in SI units, ready for JSON.
+
+    Parameters
+    ----------
+    job : Job
+        What was asked for.
+
+    Returns
+    -------
+    numbers : dict
+        Of the plan, of the wall, and ``faults``: the error budget, each source switched on alone,
+        with its greatest over- and under-break, and the closed form of its ``measure``.
+    """
+    plan, cut = job.planned, job.cut
+    faults = [
+        (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.halved_by, float(f.factor))
+        for f in budget(plan, *job.axes, pose=job.error)
+    ]
+    return {
+        "knots": len(plan.knots),
+        "setpoints": len(plan.s) - 1,
+        "ticks": int(plan.ticks.sum()),
+        "laps": plan.laps,
+        "lap_time_s": plan.lap_time,
+        "removed_m3": float(cut.removed.sum()),
+        "overbreak_m": max(float(cut.deviation.max()), 0.0),
+        "underbreak_m": max(float(-cut.deviation.min()), 0.0),
+        "faults": [dict(zip(FAULT, fault)) for fault in faults],
+    }
+
+
+def told(numbers):
+    """Return what `outcome` found as lines for people, lengths in mm."""
+    lines = [
+        f"{numbers['knots']} knots, {numbers['setpoints']} set-points, {numbers['ticks']} ticks",
+        f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
+        f"{1e3 * numbers['removed_m3']:.2f} l removed",
+        f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "
+        f"under-break {1e3 * numbers['underbreak_m']:.3f} mm",
+        "",
+        "each alone, in mm     over   under     rms   closed form      halved by",
+    ]
+    for fault in numbers["faults"]:
+        over, under, rms, closed = (
+            1e3 * fault[f"{k}_m"] for k in ("over", "under", "rms", "closed")
+        )
+        form = f"{closed:8.4f} {fault['measure']}"
+        lines.append(
+            f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:18s}"
+            f"{fault['halved_by']} x {fault['factor']:.2f}"
+        )
+    return "\n".join(lines)
+
+
+def write_all(job, folder, numbers, say):
+    """Write all files of a job into a folder.
+
+    Parameters
+    ----------
+    job : Job
+        What was asked for.
+    folder : path-like
+        Made where it is missing; files of these names are replaced.
+    numbers : dict
+        From `outcome`, for the table of the error budget.
+    say : function
+        Told what is being written.
+
+    Returns
+    -------
+    files : list of str
+        Their paths.
+    """
+    plan, cut, folder = job.planned, job.cut, Path(folder)
+    curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
+    makers = {
+        "budget.csv": lambda: _table(numbers["faults"]),
+        "knots.csv": lambda: interchange.knots_csv(plan),
+        "setpoints.csv": lambda: interchange.setpoints_csv(plan),
+        "setvalues.csv": lambda: interchange.setvalues_csv(plan),
+        "line.st": structured_text,
+        "line.c": c99,
+        "section.dxf": lambda: interchange.dxf(curves),
+        "wall.vtp": lambda: wall_mesh(cut.wall, plan.circuit),
+        "wall.stl": lambda: interchange.wall_solid(cut.wall),
+        "wall.png": lambda: scene.crop(picture(cut, wall=cut.wall, limit=job.limit)),
+    }
+    files = []
+    for name, make in makers.items():
+        say(f"writing {folder / name}")
+        files.append(str(interchange.write(folder / name, make())))
+    return files
+
+
+def _table(rows):
+    """Return rows of the same names as a table."""
+    text = io.StringIO()
+    table = csv.DictWriter(text, FAULT, lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    return text.getvalue()

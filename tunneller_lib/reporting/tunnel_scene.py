@@ -1,0 +1,226 @@
+"""The machine in the tunnel that it cuts, posed from a simulated run; the wall by its error.
+
+Everything is in the frame of the tunnel: x ahead, y to the left, z up, in m.
+"""
+
+import numpy as np
+import PIL.Image
+
+from ..arrays import instance, positive, whole
+from ..ream import Cut, overbreak, standing
+from ..removal import DexelGrid
+from . import scene
+from .machine_model import machine_model
+from .style import COLOURS, ERROR_MAP
+
+SCALAR = "over-break / mm"
+BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
+OPENED = np.radians([100, 285])  # angles from y over z that are left out, to look inside
+VIEW = (0.55, -1.5, 0.5)  # towards the camera
+ZOOM = 1.4
+WINDOW = 1600, 1000  # px
+BAR = {"vertical": True, "fmt": "%.1f", "below_label": "to cut", "n_labels": 5, "width": 0.03,
+       "height": 0.6, "position_x": 0.925, "position_y": 0.2}  # fmt: skip
+
+
+def stages(cut, ticks):
+    """Yield the wall as it stands after each of several ticks.
+
+    Parameters
+    ----------
+    cut : Cut
+        A simulated or carved cut.
+    ticks : sequence of int
+        Ascending, none beyond the last tick.
+
+    Yields
+    ------
+    wall : DexelGrid
+        Cut by the first ticks of the run; after the last tick as `Cut.wall`.
+
+    Raises
+    ------
+    ValueError
+        If the ticks don't ascend or are beyond the run.
+    """
+    ticks = whole("ticks", ticks, 0, len(instance("cut", cut, Cut).centres) - 1)
+    if np.any(np.diff(ticks) < 0):
+        raise ValueError(f"ticks: must ascend; got {ticks.tolist()}.")
+    circuit, lines = cut.plan.circuit, cut.wall.lines
+    inner = circuit.section.ray(np.arctan2(lines.sin, lines.cos))
+    wall = DexelGrid(lines, inner, cut.wall.high.max(axis=0))
+    for before, tick in zip([0, *ticks], ticks):
+        if tick > before:
+            wall.cut_path(cut.centres[before : tick + 1], circuit.machine.cutter_radius)
+        yield wall.copy()
+
+
+def wall_mesh(wall, circuit, *, opened=False):
+    """Return the standing wall, coloured by how far it is from the wanted one.
+
+    Parameters
+    ----------
+    wall : DexelGrid
+        The ground round a tunnel, on rays.
+    circuit : Circuit
+        Its section and its machine's depth of cut give the wanted wall.
+    opened : bool
+        Whether a part of the circumference is left out, to look inside.
+
+    Returns
+    -------
+    mesh : pyvista.PolyData
+        One point a ray, with the scalars `SCALAR`; minus the depth of cut where nothing is cut.
+    """
+    angle = np.arctan2(wall.lines.sin, wall.lines.cos)
+    around = np.append(np.arange(len(angle)), 0)
+    if opened:
+        turned = np.mod(angle - OPENED[1], 2 * np.pi)
+        around = np.argsort(turned)[: np.count_nonzero(turned < 2 * np.pi - np.ptp(OPENED))]
+    over = 1e3 * overbreak(wall, circuit)
+    return scene.surface(standing(wall)[:, around], {SCALAR: over[:, around]})
+
+
+def tunnel_mesh(section, start, stop, *, opened=False):
+    """Return the wall of a tunnel that isn't cut.
+
+    Parameters
+    ----------
+    section : Section
+        The tunnel's.
+    start, stop : float
+        Its ends along x, in m.
+    opened : bool
+        As for `wall_mesh`.
+
+    Returns
+    -------
+    mesh : pyvista.PolyData
+        The wall.
+    """
+    first, last = (OPENED[1] - 2 * np.pi, OPENED[0]) if opened else (0.0, 2 * np.pi)
+    angle = np.linspace(first, last, 361)
+    ray = section.ray(angle)
+    points = np.broadcast_arrays([[start], [stop]], ray * np.cos(angle), ray * np.sin(angle))
+    return scene.surface(np.stack(points, axis=-1))
+
+
+def posed_machine(cut, tick):
+    """Return the machine's parts at a tick of a cut, its cutter where the simulation has it.
+
+    Parameters
+    ----------
+    cut : Cut
+        A simulated or carved cut.
+    tick : int
+        Of the whole run.
+
+    Returns
+    -------
+    parts : list of (mesh, dict)
+        As from `machine_model`, in the tunnel's frame. A machine that stands elsewhere than it
+        should is shifted as a whole to its cutter's centre.
+    """
+    plan, centre = cut.plan, cut.centres[tick]
+    circuit, lap = plan.circuit, max(tick - 1, 0) // int(plan.ticks.sum())
+    unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
+    torus = circuit.machine.torus
+    theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
+    place = np.eye(4)
+    place[:3, :3] = circuit.axes
+    place[:3, 3] = centre - circuit.axes @ torus.point(theta, phi)
+    parts = machine_model(circuit.machine, theta, phi)
+    return [(mesh.transform(place, inplace=False), look) for mesh, look in parts]
+
+
+def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=True):
+    """Return the scene of a cut at a tick: tunnel, wall by error, machine, the cutter's path.
+
+    Parameters
+    ----------
+    cut : Cut
+        A simulated or carved cut.
+    tick : int, optional
+        Of the whole run; the last unless told.
+    wall : DexelGrid, optional
+        What stands at this tick, where it is known already: one of `stages`.
+    limit : float
+        Over- and under-break at the ends of the colour scale, in m; ground that stands farther
+        in is still to be cut, and has the tunnel's colour.
+    opened : bool
+        Whether a part of the wall is left out, to look inside.
+    bar : bool
+        Whether the colours are explained.
+
+    Returns
+    -------
+    plotter : pyvista.Plotter
+        To be shown, or for `scene.shoot` with no direction: its camera is set, and the same at
+        all ticks of a cut.
+
+    Raises
+    ------
+    ValueError
+        If the tick is beyond the run.
+    """
+    last = len(instance("cut", cut, Cut).centres) - 1
+    tick = last if tick is None else int(whole("tick", tick, 0, last))
+    limit = 1e3 * positive("limit", limit)
+    wall = next(stages(cut, [tick])) if wall is None else wall
+    plan, circuit, (start, stop) = cut.plan, cut.plan.circuit, wall.lines.x[[0, -1]]
+    behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
+    plotter = scene.scene(parallel=False)
+    plotter.window_size = WINDOW
+    for ends in ((behind, start), (stop, stop + FRONT)):
+        mesh = tunnel_mesh(circuit.section, *ends, opened=opened)
+        plotter.add_mesh(mesh, color=COLOURS["tunnel"])
+    plotter.view_vector(VIEW, viewup=(0, 0, 1))
+    plotter.camera.zoom(ZOOM)
+    plotter.add_mesh(
+        wall_mesh(wall, circuit, opened=opened), scalars=SCALAR, cmap=ERROR_MAP,
+        clim=(-limit, limit), below_color=COLOURS["tunnel"], show_scalar_bar=bar,
+        reset_camera=False, scalar_bar_args=dict(BAR),
+    )  # fmt: skip
+    for mesh, look in posed_machine(cut, tick):
+        plotter.add_mesh(mesh, reset_camera=False, **look)
+    if tick:
+        path = scene.curve(cut.centres[: tick + 1 : max(1, tick // 500)], 0.004)
+        plotter.add_mesh(path, color=COLOURS["chord"], reset_camera=False)
+    return plotter
+
+
+def picture(cut, tick=None, **options):
+    """Return the picture (n, m, 3) uint8 of a cut at a tick; options are those of `tunnel_scene`.
+
+    Nothing is cut off, so that pictures of a cut lie on each other.
+    """
+    plotter = tunnel_scene(cut, tick, **options)
+    pixels = plotter.screenshot(return_img=True)
+    plotter.close()
+    return pixels
+
+
+def frames(cut, count, *, width=800, limit=1.5e-3):
+    """Yield the pictures of an animation of a cut, from its first tick to its last.
+
+    Parameters
+    ----------
+    cut : Cut
+        A simulated or carved cut.
+    count : int
+        How many, at equal times; at least 2.
+    width : int
+        In pixels, at most that of a scene; the height is 5/8 of it.
+    limit : float
+        As for `tunnel_scene`.
+
+    Yields
+    ------
+    pixels : (n, m, 3) uint8
+        Red, green, blue.
+    """
+    count, width = int(whole("count", count, 2, 10_000)), int(whole("width", width, 64, WINDOW[0]))
+    ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
+    for tick, wall in zip(ticks, stages(cut, ticks)):
+        pixels = picture(cut, int(tick), wall=wall, limit=limit)
+        yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))
