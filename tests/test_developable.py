@@ -36,6 +36,18 @@ def test_tangent_planes_hold_neighbouring_points(name, scale):
     assert away[1] < 1e-8 and away[1] / away[0] == pytest.approx(8, rel=0.01)
 
 
+@pytest.mark.parametrize("function", [tangent_planes, osculating_cone])
+def test_no_plane_in_a_point_of_inflexion(function):
+    with pytest.raises(ValueError, match=r"^curve: must have no point of inflexion .*; got one\.$"):
+        function(lambda s: [s, s**3, 0.0], [0.5, 0.0])
+
+
+def test_tangent_planes_of_a_plane_curve_are_its_plane():
+    n, h = tangent_planes(lambda s: [np.cos(s), np.sin(s), 3.0], [0.1, 2.0])
+    np.testing.assert_allclose(n, [[0, 0, 1], [0, 0, 1]], atol=1e-15)
+    np.testing.assert_allclose(h, -3)
+
+
 @pytest.mark.parametrize(("name", "s", "power"), [
     ("cubic", 0.7, 3), ("cubic", -0.3, 3), ("cubic", 0.0, 4),
 ])  # fmt: skip

@@ -47,6 +47,12 @@ def test_fit_planes_wants_enough_planes():
         fit_planes(contact, n, scale=0.3)
 
 
+@pytest.mark.parametrize("degree", [0, 2.5, -1])
+def test_fit_planes_wants_a_degree(degree):
+    with pytest.raises(ValueError, match=r"^degree: must be a whole number of at least 1; got .*"):
+        fit_planes(*patch(graph, 30), scale=0.3, degree=degree)
+
+
 def test_tilted_turns_by_the_angle_in_all_directions():
     n = directions(RNG, 4000)
     turned = tilted(n, 0.1, RNG)

@@ -292,6 +292,17 @@ def test_double_cone_on_the_circle_of_example_31():
     assert sorted(cones.multiplicity) == [1, 1, 1, 1, 2]
 
 
+def test_the_normal_that_has_no_point_is_as_good_as_any():
+    plain = GENERAL["quartic graph"]
+    up, down = (
+        hyperosculating_cones(surface, 0.0, 0.0, half_angle=0.4, model="space")
+        for surface in (plain, lambda s, t: plain(t, s))
+    )
+    np.testing.assert_array_equal(down.normal, np.tile([0.0, 0.0, -1.0], (len(down.normal), 1)))
+    assert up.count == down.count > 0
+    np.testing.assert_allclose(np.sort(down.vertex, axis=0), np.sort(up.vertex, axis=0), atol=1e-12)
+
+
 @pytest.mark.parametrize("angle", [0, np.pi / 2, -0.1, 2.0, np.nan, np.inf, "a", [0.3]], ids=repr)
 def test_no_cone_of_a_wrong_angle(angle):
     with pytest.raises(ValueError, match=r"^half_angle: must .*got .*\.$"):

@@ -124,6 +124,7 @@ def test_surface_points_of_a_paraboloid_are_a_sphere():
     inward = np.stack(normal(x, y), axis=-1)
     np.testing.assert_allclose(r, m - radius * inward, atol=1e-12)
     assert surface_points(f, x[:, None], 0.0).shape == (20, 1, 3)
+    np.testing.assert_allclose(surface_points(lambda x, y: 0.5, 0.0, 0.0), [0, 0, -1])
 
 
 def test_cone_planes_touch_the_cone():

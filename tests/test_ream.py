@@ -126,6 +126,14 @@ def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
     assert np.all(full[1:] | full[:-1])
 
 
+def test_profile_with_any_acceleration_keeps_its_digits():
+    lengths, ground = np.full(500, 2e-3), np.linspace(1e-3, 5e-3, 500)
+    for acceleration in (1e6, 1e13, 1e30):
+        limits = Limits(feed=0.3, acceleration=acceleration, volume=1e-4)
+        feed = limits.profile(lengths, np.zeros((501, 2)), ground)
+        np.testing.assert_allclose(feed[1:-1], np.minimum(0.3, 1e-4 / ground[1:]), rtol=1e-9)
+
+
 def test_bounds_keep_valves_flow_and_volume():
     axes = reference_axes(REFERENCE_MACHINE)
     loose = lap()
@@ -154,8 +162,11 @@ def test_bounds_keep_valves_flow_and_volume():
         ({"feed": np.inf}, "feed"),
         ({"acceleration": -1.0}, "acceleration: must be one number above zero"),
         ({"volume": np.nan}, "volume: must be one number above zero"),
-        ({"flow": 1e-4}, "axes: must be given for a limit of oil flow"),
+        ({"flow": 1e-4}, "axes: must be given for a limit of flow"),
         ({"axes": (1, 2)}, "axes: must be of class Hydraulics"),
+        ({"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5}, "axes: must be two"),
+        ({"axes": reference_axes(REFERENCE_MACHINE), "valve": 3.0}, "valve: must be at most 1"),
+        ({"feed": "a"}, "feed: must hold real numbers"),
     ],
 )
 def test_limits_refuse(options, message):
@@ -289,8 +300,23 @@ def test_starved_plan_costs_time_and_no_count():
         (lambda: simulate(lap(), Integrator(0.5), LOOP, tasks=[Task("line", 4000, 400)],
                           cost=60), "must have the tick's period 5000 us"),
         (lambda: simulate(lap(), Integrator(0.5), LOOP, thickness=0.001), "is cut through"),
+        (lambda: simulate(lap(), Integrator(0.5), replace(LOOP, tick=0.01)), "the plan's tick"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, cost=9), "cost: needs tasks"),
+        (lambda: carve(lap(), np.zeros((9, 2))), "position: must be"),
+        (lambda: carve(3, np.zeros((9, 2))), "plan: must be of class Plan"),
+        (lambda: starved(lap(), None, 5), "tasks: must be a sequence"),
+        (lambda: lap(count=1e-300), "count: must lie between"),
+        (lambda: lap(rest=1e30), "rest: must be at most"),
+        (lambda: lap(laps=[1, 2]), "laps: must be one whole number"),
+        (lambda: lap_volume(CIRCUIT, 0.3), "advance: must leave cusps below"),
+        (lambda: lap_volume(3, 0.3), "circuit: must be of class Circuit"),
+        (lambda: scallop_height(0.2, -0.1), "pitch: must lie between"),
+        (lambda: QUICK.profile(np.ones(3), np.zeros((4, 2)), np.ones(2)), "lengths: must be"),
+        (lambda: QUICK.profile(np.zeros(3), np.zeros((4, 2)), np.ones(3)), "above zero"),
+        (lambda: QUICK.profile(np.ones(1), np.zeros((2, 2)), np.ones(1)), "m >= 2"),
+        (lambda: Pose(y="a"), "y: must hold real numbers"),
         (lambda: Pose(y=np.nan), "y: must be one finite number"),
-        (lambda: scallop_height(0.2, 0.5), "pitch: must be at most twice"),
+        (lambda: scallop_height(0.2, 0.5), "pitch: must lie between"),
         (lambda: cutting_circuit(replace(REFERENCE_MACHINE, height=0.3), EGG), "floor.*fails by"),
         (lambda: standing(None), "wall: must be of class DexelGrid"),
         (lambda: overbreak(None, CIRCUIT), "wall: must be of class DexelGrid"),

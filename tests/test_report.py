@@ -91,3 +91,9 @@ def test_no_result_is_typed_in_the_report():
     for path in [ROOT / "report" / "report.typ", *(ROOT / "report" / "sections").iterdir()]:
         prose = NOT_PROSE.sub(" ", path.read_text())
         assert {number.rstrip(".") for number in RESULT.findall(prose)} - GIVEN == set(), path
+
+
+def test_every_figure_of_the_pdf_has_its_text():
+    texts = [path.read_text() for path in (ROOT / "report").rglob("*.typ")]
+    figures = sum(len(re.findall(r'#fig\("', text)) for text in texts)
+    assert PDF.read_bytes().count(b"/Alt") >= figures > 0

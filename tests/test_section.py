@@ -53,6 +53,19 @@ def test_closed_profile_has_its_area_and_perimeter(pieces, area, perimeter):
     np.testing.assert_allclose(section.box, [(y.min(), z.min()), (y.max(), z.max())], atol=1e-6)
 
 
+@pytest.mark.parametrize("turns", [-3, -1, 1, 2, 5])
+def test_box_of_an_arc_that_starts_after_some_turns(turns):
+    moved = closed_profile([CIRCLE[0]._replace(start=2 * np.pi * turns)])
+    np.testing.assert_allclose(moved.box, [(-0.6, -0.6), (0.6, 0.6)], atol=1e-13)
+
+
+def test_depth_over_a_gap_that_is_accepted():
+    floor = Line(-0.5, -0.5, 0.0, 0.5 - 3e-12), Line(0.0, -0.5, 0.0, 0.5)
+    section = closed_profile([*floor, *SQUARE[1:]])
+    assert section.depth(-1.5e-12, -0.2) == pytest.approx(0.3, abs=1e-11)
+    assert section.ray(-QUARTER) == pytest.approx(0.5, abs=1e-11)
+
+
 @SHAPES
 def test_depth_against_the_nearest_of_many_points(pieces, area, perimeter):
     section = closed_profile(pieces)
@@ -96,7 +109,13 @@ def test_offset_of_arcs_and_lines_obeys_steiner():
         np.testing.assert_allclose(section.depth(*inner.point(s).T), d, atol=1e-13)
 
 
-@pytest.mark.parametrize("pieces, d", [(horseshoe(), 0.25), (CIRCLE, 0.7), (SQUARE, 0.01)])
+def test_offset_of_a_section_with_a_corner_is_refused():
+    for d in (0.01, 0.0, -0.3):
+        with pytest.raises(ValueError, match="d: a section with a corner has no offset"):
+            closed_profile(SQUARE).offset(d)
+
+
+@pytest.mark.parametrize("pieces, d", [(horseshoe(), 0.25), (CIRCLE, 0.7)])
 def test_offset_beyond_the_tightest_bend_is_refused(pieces, d):
     with pytest.raises(ValueError, match="d: must be below the section's least radius"):
         closed_profile(pieces).offset(d)
@@ -115,6 +134,9 @@ def changed(index, **fields):
         ([(0, 0, 1)], "must be arcs or lines"),
         ([Arc(0.0, np.nan, 1.0, 0.0, 7.0)], "must be arcs or lines of finite numbers"),
         (horseshoe()[:-1], "1 of 5 isn't met: it isn't closed; the gap is 0.4 m"),
+        (None, "must be a sequence of arcs and lines"),
+        ([Line("a", 0.0, 0.0, 1.0)], "must hold real numbers"),
+        (changed(1, heading=-QUARTER + 1e-9), "doesn't begin where"),
         (changed(1, length=0.41), "3 of 6 doesn't begin where the last one ended"),
         (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
         (changed(2, y=-0.2), "3 of 6 doesn't begin"),

@@ -1,7 +1,6 @@
 """JupyterLab in a page: notebooks opened, run, their sliders moved."""
 
 import json
-import time
 
 # Trame's client asks for a launcher first, which there is none of; it then goes on without.
 EXPECTED = "/paraview/"
@@ -72,21 +71,39 @@ class Lab:
     def errors(self):
         return [error for error in self.browser.errors if EXPECTED not in error]
 
-    # The first slider of the notebook that is open, and the picture below it.
-    HANDLE = "document.querySelector('.jp-NotebookPanel:not(.lm-mod-hidden) .noUi-handle')"
-    PICTURE = f"{HANDLE}?.closest('.jp-OutputArea')?.querySelector('.jp-OutputArea img')?.src"
-
     def move(self, times=1):
         """Move the first slider by the keyboard; return the seconds until each new picture."""
         browser, taken = self.browser, []
-        browser.until(f"!!({self.PICTURE})", RUN)
-        browser.run(f"{self.HANDLE}.scrollIntoView({{block: 'center'}})")
-        browser.run(f"{self.HANDLE}.focus()")
+        browser.run(HAND)
+        browser.until("!!hand.picture()", RUN)
+        browser.run("hand.handle().scrollIntoView({block: 'center'})")
+        browser.run("hand.handle().focus()")
         for k in range(times):
-            before = browser.run(self.PICTURE)
-            started = time.monotonic()
+            browser.run("hand.watch()")
             # There and back, so that no end of the slider is reached.
             browser.press(*(("ArrowRight", 39) if k % 2 else ("ArrowLeft", 37)))
-            browser.until(f"({self.PICTURE} ?? '') && {self.PICTURE} !== {json.dumps(before)}")
-            taken.append(time.monotonic() - started)
+            taken.append(browser.until("hand.taken") / 1000)
         return taken
+
+
+# The first slider of the notebook that is open and the picture below it; from the key to the new
+# picture the page's own clock runs.
+HAND = """
+window.hand = {
+  handle: () => document.querySelector(".jp-NotebookPanel:not(.lm-mod-hidden) .noUi-handle"),
+  area: () => hand.handle()?.closest(".jp-OutputArea"),
+  picture: () => hand.area()?.querySelector(".jp-OutputArea img")?.src,
+  watch: () => {
+    const before = hand.picture();
+    hand.taken = 0;
+    addEventListener("keydown", () => (hand.began = performance.now()),
+                     { capture: true, once: true });
+    new MutationObserver((_, observer) => {
+      const now = hand.picture();
+      if (!now || now === before) return;
+      observer.disconnect();
+      hand.taken = performance.now() - hand.began;
+    }).observe(hand.area(), { subtree: true, childList: true, attributes: true });
+  },
+};
+true"""

@@ -1,5 +1,6 @@
 """The notebooks in JupyterLab: run to the end, moved by hand, quick to answer."""
 
+import os
 import time
 
 import nbformat
@@ -44,8 +45,10 @@ def test_slider_of_a_plane_figure_answers_at_once(lab, name):
     lab.start()
     lab.finish()
     taken = sorted(lab.move(12))
-    print(f"\n{name}: {1000 * taken[0]:.0f} ms at best, {1000 * taken[6]:.0f} ms in the median")
-    assert taken[0] < 0.2
+    crowd = max(1, os.getloadavg()[0] / os.cpu_count())  # who else wants the processor
+    print(f"\n{name}: {1000 * taken[0]:.0f} ms at best, {1000 * taken[6]:.0f} ms in the median, "
+          f"where {crowd:.1f} share a core")  # fmt: skip
+    assert taken[0] < 0.2 * crowd
     lab.close()
 
 
@@ -54,7 +57,7 @@ def test_scene_is_turned_in_a_live_notebook(lab):
     lab.start()
     lab.finish()
     browser = lab.browser
-    frame = "document.querySelector('iframe.pyvista')"
+    frame = "document.querySelector('.jp-NotebookPanel:not(.lm-mod-hidden) iframe.pyvista')"
     browser.until(f"!!{frame}")
     # The scene inside comes from another address: it can only be looked at.
     wait(lambda: browser.picture(frame).std() > 3, said="a picture of the scene")

@@ -16,8 +16,16 @@ def derivatives(curve, s):
     s : (...) float
         Parameters.
     """
-    r = curve(variables(real("s", s), 0.0)[0])
+    s = variables(real("s", s), 0.0)[0]
+    r = [c + 0.0 * s for c in curve(s)]  # a constant coordinate is no jet
     return [np.stack([c.derivative(order, 0) for c in r], axis=-1) for order in range(4)]
+
+
+def _binormal(velocity, acceleration):
+    b = np.cross(velocity, acceleration)
+    if not np.all(norm(b) > 0):
+        raise ValueError("curve: must have no point of inflexion among those asked; got one.")
+    return b
 
 
 def tangent_planes(curve, s):
@@ -38,9 +46,14 @@ def tangent_planes(curve, s):
         Unit normals, along the binormals.
     h : (...) float
         Constant terms, in m.
+
+    Raises
+    ------
+    ValueError
+        If one of the points is one of inflexion.
     """
     point, velocity, acceleration, _ = derivatives(curve, s)
-    n = np.cross(velocity, acceleration)
+    n = _binormal(velocity, acceleration)
     n = n / norm(n)[..., None]
     return n, -dot(n, point)
 
@@ -64,6 +77,11 @@ def osculating_cone(curve, s):
     half_angle : (...) float
         In rad, up to pi: above pi/2 the tangent touches the half that `axis` points away from.
 
+    Raises
+    ------
+    ValueError
+        If one of the points is one of inflexion.
+
     Notes
     -----
     Envelopes of cones, section 4: second-order contact along the tangent. The axis is the Darboux
@@ -77,7 +95,7 @@ def osculating_cone(curve, s):
     (array([0., 0., 1.]), 45.0)
     """
     point, velocity, acceleration, third = derivatives(curve, s)
-    speed, b = norm(velocity), np.cross(velocity, acceleration)
+    speed, b = norm(velocity), _binormal(velocity, acceleration)
     curvature, torsion = norm(b) / speed**3, dot(b, third) / dot(b, b)
     axis = (torsion / speed)[..., None] * velocity + (curvature / norm(b))[..., None] * b
     return point, axis / norm(axis)[..., None], np.arctan2(curvature, torsion)

@@ -13,7 +13,10 @@ def _weight(x, y, u, v):
 
 
 def eq09(x, y, u, v, half_angle):
-    """Return the condition that a conic stands for a cone of a half-angle (in rad), a number."""
+    """Return the condition that a conic about (x + u, y + v) stands for a cone, a number.
+
+    The cone's `half_angle` is in rad.
+    """
     return _weight(x, y, u, v) ** 2 - 4 * np.tan(half_angle) ** 2 * (u * u + v * v)
 
 
@@ -34,7 +37,10 @@ def eq12(f, u, v):
 
 
 def eq14(f, x, y, u, v, half_angle):
-    """Return a sixth of the Jacobian of Eqs 9 and 11 by (u, v), in m, with Eq. 15 mended."""
+    """Return a sixth of the Jacobian of Eqs 9 and 11 by (u, v), in m, with Eq. 15 mended.
+
+    `f` at (x, y); `half_angle` is in rad.
+    """
     d, weight, square = f.derivative, _weight(x, y, u, v), np.tan(half_angle) ** 2
     p, q = 2 * x * weight - 4 * u * square, 2 * y * weight - 4 * v * square
     third = d(3, 0) * v**2 * p + d(2, 1) * v * (v * q - 2 * u * p)
@@ -43,12 +49,16 @@ def eq14(f, x, y, u, v, half_angle):
 
 
 def eq23(x, y, u, v):
-    """Return the condition that a conic stands for a cylinder, a number."""
+    """Return the condition that a conic about (x + u, y + v) stands for a cylinder, a number."""
     return _weight(x, y, u, v)
 
 
 def eq24(f, x, y, u, v, radius):
-    """Return the condition for a cylinder of a radius (in m, signed), in m, beside Eq. 23."""
+    """Return the condition for a cylinder beside Eq. 23, in m.
+
+    `f` at (x, y), the conic about (x + u, y + v); `radius` in m, positive where the normals point
+    to the axis.
+    """
     d = f.derivative
     second = d(2, 0) * v**2 - 2 * d(1, 1) * u * v + d(0, 2) * u**2
     height = f.value - x * d(1, 0) - y * d(0, 1) - radius

@@ -123,7 +123,8 @@ def surface_points(f, x, y):
     >>> surface_points(lambda x, y: (x * x + y * y + 1) / 2, 0.6, 0.8)  # a sphere about (0, 0, 0)
     array([-0.6, -0.8,  0. ])
     """
-    jet = f(*variables(x, y))
+    s, t = variables(x, y)
+    jet = f(s, t) + 0.0 * s  # a constant is a function, too
     first = jet.derivative(1, 0), jet.derivative(0, 1)
     return np.stack(contact_point(*np.broadcast_arrays(x, y), jet.value, *first), axis=-1)
 

@@ -1,5 +1,6 @@
 """How fast the cutter may go along its path: constant, or as fast as the limits let it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -19,12 +20,13 @@ class Limits:
     acceleration : float
         Along the path, in m/s^2: it starts and ends every lap at rest.
     volume : float
-        Ground that may be removed, in m^3/s (section 3.3.2).
+        Ground that a steady groove may remove, in m^3/s (section 3.3.2). Between knots and at
+        bends the ball takes somewhat more and less.
     flow : float
         Oil that the pump delivers to both axes together, in m^3/s; needs `axes`.
     valve : float
         Opening of the valve, 1 at most, that the steady motion may ask for; needs `axes`.
-    axes : tuple of Hydraulics, optional
+    axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
 
     Raises
@@ -43,12 +45,18 @@ class Limits:
     def __post_init__(self):
         for field in fields(self)[:-1]:
             value = getattr(self, field.name)
-            if np.ndim(value) or not value > 0:
+            number = real(field.name, value)
+            if number.ndim or not number > 0:
                 raise ValueError(f"{field.name}: must be one number above zero; got {value!r}.")
         for name in ("feed", "acceleration"):
             positive(name, getattr(self, name))
-        if self.axes is None and min(self.flow, self.valve) < np.inf:
-            raise ValueError("axes: must be given for a limit of oil flow or of valves; got None.")
+        if 1 < self.valve < np.inf:
+            raise ValueError(f"valve: must be at most 1, the open valve; got {self.valve!r}.")
+        if self.axes is None:
+            if min(self.flow, self.valve) < np.inf:
+                raise ValueError("axes: must be given for a limit of flow or of valves; got None.")
+        elif not isinstance(self.axes, Sequence) or len(self.axes) != 2:
+            raise ValueError(f"axes: must be two, theta and phi; got {self.axes!r}.")
         for axis in self.axes or ():
             instance("axes", axis, Hydraulics)
 
@@ -75,18 +83,32 @@ class Limits:
         Without acceleration each place has its own bound. With it the square of the feed rises by
         at most 2 a times the length, forwards from every place and backwards: two running minima.
         """
-        lengths, ground = real("lengths", lengths), real("ground", ground)
         bound = self.bounds(lengths, positions, ground)
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         square[[0, -1]] = 0
-        climb = 2 * self.acceleration * np.concatenate([[0], np.cumsum(lengths)])
+        # A climb beyond the greatest feed says nothing, and its sum would take digits away.
+        climb = np.minimum(2 * self.acceleration * real("lengths", lengths), square.max())
+        climb = np.concatenate([[0], np.cumsum(climb)])
         square = np.minimum.accumulate(square - climb) + climb
         square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
         return np.sqrt(np.maximum(square, 0))
 
     def bounds(self, lengths, positions, ground):
-        """Return the greatest steady feed (m,), in m/s, on each move of `profile`."""
+        """Return the greatest steady feed (m,), in m/s, on each move of `profile`.
+
+        The arguments (lengths, positions, ground) are the same.
+        """
+        lengths, ground = real("lengths", lengths), real("ground", ground)
         positions = real("positions", positions)
+        m = lengths.size
+        if m < 2 or lengths.shape != (m,) or ground.shape != (m,) or positions.shape != (m + 1, 2):
+            raise ValueError(
+                "lengths: must be (m,) with ground (m,) and positions (m + 1, 2), and "
+                f"m >= 2; got {lengths.shape}, {ground.shape}, {positions.shape}."
+            )
+        sound = np.all(np.isfinite(lengths) & (lengths > 0)) and np.all(np.isfinite(positions))
+        if not sound or not np.all(np.isfinite(ground) & (ground >= 0)):
+            raise ValueError("lengths: must be above zero, ground not below, positions finite.")
         with np.errstate(divide="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
         if self.axes is None:

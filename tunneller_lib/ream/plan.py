@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import instance, not_negative, points, positive, whole
+from ..arrays import finite, instance, not_negative, points, positions, positive, whole
 from ..motion import polyline, polyline_slopes, tick_counts
 from ..paths import project_chord, projected_length
 from ..paths.circuit import Circuit
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
+
+LONGEST_REST = 1e4  # s
 
 
 @dataclass(frozen=True)
@@ -63,9 +65,10 @@ class Plan:
         pose : Pose, optional
             Where the machine stands instead of where it should.
         """
-        torus = self.circuit.machine.torus
+        torus, position = self.circuit.machine.torus, positions("position", position)
         centre = self.circuit.in_tunnel(torus.point(position[..., 0], position[..., 1]))
         if pose is not None:
+            pose = instance("pose", pose, Pose)
             centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
         # The machine steps in the first tick of the next lap.
         lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
@@ -98,8 +101,7 @@ class Pose:
 
     def __post_init__(self):
         for name in ("y", "z", "roll", "pitch", "yaw"):
-            if np.ndim(getattr(self, name)) or not np.isfinite(getattr(self, name)):
-                raise ValueError(f"{name}: must be one finite number; got {getattr(self, name)!r}.")
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
 
     def moved(self, point, centre):
         """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
@@ -124,7 +126,8 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     limits : Limits
         Of the feed.
     tolerance : float
-        Largest over- or under-break between knots, in m, that decides their number.
+        Largest over- or under-break of the tangent-sphere paths between knots, in m, that decides
+        their number. Moves and counts add theirs, see `budget`.
     step : float
         Greatest distance of the set-points N on the tangent-sphere paths, in m: what the slow
         task prepares and the fast one joins by integer lines.
@@ -166,20 +169,26 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     instance("circuit", circuit, Circuit)
     instance("limits", limits, Limits)
     step, tick, count = positive("step", step), positive("tick", tick), positive("count", count)
-    laps, advance = int(whole("laps", laps, 1, 10_000)), not_negative("advance", advance)
+    laps, advance = whole("laps", laps, 1, 10_000), not_negative("advance", advance)
+    if laps.ndim:
+        raise ValueError(f"laps: must be one whole number; got {laps!r}.")
+    if not 1e-9 <= count <= 0.1:
+        raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
+    if not_negative("rest", rest) > LONGEST_REST:
+        raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
     knots = circuit.knots(tolerance)
     _keep_clear(circuit, arm_radius)
     s, setpoints, lengths = _setpoints(circuit, knots, step)
-    ground = _ground(circuit, s, advance if laps > 1 else 0.0)
+    ground = _ground(circuit, s, lengths, advance if laps > 1 else 0.0)
     feed = limits.profile(lengths, setpoints, ground)
     times = np.concatenate([[0], np.cumsum(2 * lengths / (feed[1:] + feed[:-1]))])
     ticks = tick_counts(times, tick)
-    held = max(round(not_negative("rest", rest) / tick), 1)
+    held = max(round(rest / tick), 1)
     s, feed = np.append(s, s[-1]), np.append(feed, 0.0)
     setpoints = np.concatenate([setpoints, setpoints[-1:]])
     counts = np.rint(setpoints / count).astype(np.int64)
     ticks = np.append(ticks, held)
-    return Plan(circuit, limits, knots, s, setpoints, feed, counts, ticks, tick, count, laps,
+    return Plan(circuit, limits, knots, s, setpoints, feed, counts, ticks, tick, count, int(laps),
                 advance)  # fmt: skip
 
 
@@ -211,13 +220,17 @@ def join_knots(knots, moves, way):
     return path
 
 
-def _ground(circuit, s, advance):
-    """Return the ground removed by each metre of the moves between arc lengths s, in m^2."""
+def _ground(circuit, s, lengths, advance):
+    """Return the ground removed by each metre of the moves between arc lengths s, in m^2.
+
+    Moves are longer than what they cover of the section where the circuit leans out of its plane.
+    """
     machine, profile = circuit.machine, circuit.profile
     with np.errstate(divide="ignore"):
         wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
-    return removed_volume(machine.cutter_radius, 1.0, max(machine.depth, 0.0), wall=wall,
-                          pitch=advance or None)  # fmt: skip
+    across = np.diff(s) / lengths
+    return across * removed_volume(machine.cutter_radius, 1.0, max(machine.depth, 0.0), wall=wall,
+                                   pitch=advance or None)  # fmt: skip
 
 
 def _keep_clear(circuit, arm_radius):

@@ -6,8 +6,8 @@ outward normal and rho its radius of curvature at the place where f is zero.
 
 import numpy as np
 
-from ..arrays import dot
-from ..motion import Integrator
+from ..arrays import dot, norm
+from ..motion import Compressible, Lag, Resonance, Rigid
 
 HARMONICS = 64  # of the encoder's rounding
 
@@ -90,6 +90,17 @@ def normal_curvature(torus, q, direction):
     return first * cos**2 + second * (1 - cos**2), (second - first) * sin * cos
 
 
+def lateness(plant):
+    """Return the time by which a plant's rate is late in slow motion, in s."""
+    if isinstance(plant, Lag):
+        return plant.lag
+    if isinstance(plant, Resonance):
+        return 2 * plant.damping / plant.frequency
+    if isinstance(plant, Compressible):
+        return plant.axis.valve_lag + lateness(plant.axis.resonance(0.0))
+    return plant.axis.valve_lag if isinstance(plant, Rigid) else 0.0
+
+
 def rounding_passed(plant, loop, rate):
     """Return the mean square (m,) of what an encoder's rounding becomes at a joint, in counts^2.
 
@@ -103,10 +114,41 @@ def rounding_passed(plant, loop, rate):
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
-    linear = plant if hasattr(plant, "discrete") else Integrator(1.0)
+    linear = plant if hasattr(plant, "discrete") else Lag(1.0, lateness(plant))
     Ad, Bd = linear.discrete(loop.tick)
     held = np.broadcast_to((Bd / linear.gain).astype(complex)[:, None], (*z.shape, len(Bd), 1))
     open_loop = np.linalg.solve(z[..., None, None] * np.eye(len(Bd)) - Ad, held)[..., 0, 0]
     open_loop = loop.gain * open_loop / z**loop.delay
     passed = np.abs(open_loop / (1 + open_loop)) ** 2
     return np.sum(passed / k**2, axis=-1) / (2 * np.pi**2)
+
+
+def planned_motion(plan):
+    """Return places (m,) amid the moves and joint rates and accelerations (m, 2) of the plan there.
+
+    Without the feed's own changes, which move the joints along the circuit only.
+    """
+    circuit, h = plan.circuit, 1e-4  # m, less than a move: a blend isn't straddled
+    middle = (plan.s[1:] + plan.s[:-1]) / 2
+    before, at, after = (circuit.position(middle + shift) for shift in (-h, 0.0, h))
+    along = (after - before) / (2 * h)
+    speed = np.where(np.diff(plan.s) > 0, (plan.feed[1:] + plan.feed[:-1]) / 2, 0.0)
+    speed = speed / norm(velocity(circuit.machine.torus, at, along))
+    return middle, along * speed[:, None], (after - 2 * at + before) / h**2 * speed[:, None] ** 2
+
+
+def trailing(plan, plants, loops):
+    """Return the largest deviation, in m, by the series of a plan's loops in their lag.
+
+    For the axes (plants) of both joints; loops without encoder, integral and dead band.
+    """
+    circuit, tick = plan.circuit, plan.tick
+    middle, rate, change = planned_motion(plan)
+    share = np.array([loop.feedforward for loop in loops])
+    lag = 1 / np.array([loop.gain for loop in loops])
+    late = np.array([loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants)])
+    first = -(1 - share) * lag * rate
+    second = lag * ((1 - share) * (lag - tick / 2) - late) * change
+    at = circuit.position(middle)
+    off = dot(gradient(circuit, middle, at), first + second)
+    return float(np.abs(off + joint_bend(circuit, middle, at, first) / 2).max())

@@ -1,18 +1,20 @@
 """The planned cut run through controller and axes, and the wall that the cutter leaves."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import instance, whole
+from ..arrays import instance, positions, whole
+from ..motion import Loop
 from ..motion import simulate as follow
 from ..motion.servo import Track
-from ..motion.tasks import hand_over
+from ..motion.tasks import hand_over, load
 from ..removal import DexelGrid
 from .plan import Plan, Pose
-from .wall import intact_wall, overbreak
+from .wall import intact_wall, overbreak, standing
 
 CHUNK = 50  # ticks after which the removed volume is noted
 
@@ -120,8 +122,11 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     laps = np.tile(plan.setvalues[1:], (plan.laps, 1))
     setvalues = np.concatenate([plan.setvalues[:1], laps])
     slopes = np.tile(plan.slopes, (plan.laps, 1))
+    loop = matching_loops(plan, loop)
     if tasks is not None:
         check_tasks(plan, tasks, cost)
+    elif cost is not None:
+        raise ValueError(f"cost: needs tasks; got {cost!r} without any.")
     track = follow(plant, loop, setvalues, slopes=slopes)
     for name, stable in zip(("theta", "phi"), track.stable):
         if stable is False:
@@ -147,9 +152,15 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
     cut : Cut
         Without a ``track``.
     """
-    ticks = int(plan.ticks.sum())
-    if len(position) == ticks + 1:
+    ticks = int(instance("plan", plan, Plan).ticks.sum())
+    position = positions("position", position)
+    if position.shape == (ticks + 1, 2):
         position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
+    if position.shape != (ticks * plan.laps + 1, 2):
+        raise ValueError(
+            f"position: must be ({ticks + 1}, 2) for one lap or ({ticks * plan.laps + 1}, 2) for "
+            f"all; got {position.shape}."
+        )
     centres = plan.centres(position, pose=pose)
     reach = plan.circuit.machine.cutter_radius
     ends = _ends(centres, reach)
@@ -157,6 +168,7 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
     laps = ticks * np.arange(plan.laps)
     noted = np.append(np.add.outer(laps, np.arange(0, ticks, CHUNK)).ravel(), ticks * plan.laps)
     removed = [wall.cut_path(centres[a : b + 1], reach) for a, b in pairwise(noted)]
+    standing(wall)  # refuses a wall that is cut through
     return Cut(plan, None, centres, wall, noted, np.array(removed))
 
 
@@ -169,13 +181,23 @@ def starved(plan, tasks, cost):
     """Return the plan as it runs if the slow task is late: the last set-value is held.
 
     The arguments (tasks, cost) are those of `simulate`. A set-point for which the line waits is
-    there twice, the second after the ticks that were lost.
+    there twice, the second after the ticks that were lost; what is lost between laps isn't.
     """
-    held = _held(plan, tasks, cost)
+    held = _held(plan, tasks, cost, 1)
     twice = np.repeat(np.arange(len(plan.s)), 1 + np.append(held > 0, False))
     ticks = np.stack([held, plan.ticks], axis=-1).ravel()
     return replace(plan, s=plan.s[twice], setpoints=plan.setpoints[twice], feed=plan.feed[twice],
                    counts=plan.counts[twice], ticks=ticks[ticks > 0])  # fmt: skip
+
+
+def matching_loops(plan, loop):
+    """Return the loops of both joints, refused if their tick isn't the plan's."""
+    loops = list(loop) if isinstance(loop, Sequence) else [loop] * 2
+    for one in loops:
+        if instance("loop", one, Loop).tick != plan.tick:
+            raise ValueError(f"loop: must have the plan's tick of {plan.tick:g} s; "
+                             f"got {one.tick:g} s.")  # fmt: skip
+    return loops
 
 
 def check_tasks(plan, tasks, cost):
@@ -183,20 +205,22 @@ def check_tasks(plan, tasks, cost):
 
     The tasks' unit is the microsecond; the first is the interpolation, with the plan's tick.
     """
-    held = _held(plan, tasks, cost)
+    held = _held(plan, tasks, cost, min(plan.laps, 2))
     if np.any(held):
-        first = int(np.flatnonzero(held)[0])
+        first = int(np.flatnonzero(held)[0]) % len(plan.ticks)
         raise ValueError(f"tasks: the slow task starves the line at {np.count_nonzero(held)} of "
                          f"{len(held)} set-points, first {plan.s[first]:.3f} m along the circuit; "
                          f"{held.sum() * plan.tick:.2f} s are lost.")  # fmt: skip
 
 
-def _held(plan, tasks, cost):
-    """Return how many ticks (m,) the line waits before each move but the first."""
+def _held(plan, tasks, cost, laps):
+    """Return how many ticks (laps m,) the line waits before each move but the first."""
+    load(tasks)  # refuses what aren't tasks
     period = round(1e6 * plan.tick)
     if tasks[0].period != period:
         raise ValueError(f"tasks: the first must have the tick's period {period} us; "
                          f"got {tasks[0].period}.")  # fmt: skip
     cost = int(whole("cost", cost, 1, 2**31 - 1))
-    run = hand_over(tasks, [cost] * len(plan.ticks), plan.ticks.tolist())
+    ticks = plan.ticks.tolist() * laps
+    run = hand_over(tasks, [cost] * len(ticks), ticks)
     return np.array([0, *run.starved[1:]])

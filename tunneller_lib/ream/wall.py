@@ -69,7 +69,7 @@ def overbreak(wall, circuit):
         Along the section's normal: positive over-break, negative under-break; minus the depth
         of cut where the section is as it was.
     """
-    points = standing(wall)
+    points, circuit = standing(wall), instance("circuit", circuit, Circuit)
     return -circuit.section.depth(points[..., 1], points[..., 2]) - circuit.machine.depth
 
 
@@ -94,8 +94,9 @@ def scallop_height(radius, pitch):
     0.001003
     """
     radius, pitch = positive("radius", radius), np.asarray(pitch, dtype=float)
-    if not np.all(np.abs(pitch) <= 2 * radius):
-        raise ValueError(f"pitch: must be at most twice the radius {radius:g} m; got {pitch}.")
+    if not np.all((pitch >= 0) & (pitch <= 2 * radius)):
+        raise ValueError(f"pitch: must lie between 0 and twice the radius {radius:g} m; "
+                         f"got {pitch}.")  # fmt: skip
     return pitch**2 / 4 / (radius + np.sqrt(radius**2 - pitch**2 / 4))
 
 
@@ -140,13 +141,22 @@ def lap_volume(circuit, advance):
     volume : float
         The layer between section and wanted wall over the advance, less the cusps that stay
         between passes, whose centroids are taken at the wanted wall.
+
+    Raises
+    ------
+    ValueError
+        If the cusps are as high as the cut is deep.
     """
-    machine, profile = circuit.machine, circuit.profile
+    machine, profile = instance("circuit", circuit, Circuit).machine, circuit.profile
     radius, g = machine.cutter_radius, machine.depth
     layer = circuit.section.perimeter * g + np.pi * g**2  # Steiner
     ends = np.linspace(0, profile.perimeter, 4001)
     s = (ends[1:] + ends[:-1]) / 2
     half = pass_distance(circuit, s, advance) / 2
+    tallest = np.max(scallop_height(radius, 2 * half))
+    if g <= tallest:
+        raise ValueError(f"advance: must leave cusps below the depth of cut {g:g} m, or ground "
+                         f"between them isn't touched; got cusps of {tallest:.3g} m.")  # fmt: skip
     # The strip down to the bottoms less two sectors and the triangle that the passes take of it.
     cusp = 2 * half * radius - radius**2 * np.arcsin(half / radius) - half * np.sqrt(
         (radius - half) * (radius + half))  # fmt: skip

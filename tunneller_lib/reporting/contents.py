@@ -95,7 +95,7 @@ def filled(notebook, sentence):
 
 
 def printed(text, unit, **more):
-    """Return a recorded number as it stands in prose: digits in groups, exponents raised.
+    r"""Return a recorded number as it stands in prose: digits in groups, exponents raised.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def printed(text, unit, **more):
     Examples
     --------
     >>> printed("1e-12", "m^3", bound=1e-12), printed("1078272", ""), printed("-5.0", "deg")
-    ('at most 10⁻¹² m³', '1\u202f078\u202f272', '−5.0°')
+    ('at most 10⁻¹²\u202fm³', '1\u202f078\u202f272', '−5.0°')
     """
     mantissa, _, power = text.partition("e")
     whole, point, fraction = mantissa.partition(".")

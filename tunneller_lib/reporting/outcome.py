@@ -7,7 +7,7 @@ from pathlib import Path
 from ..motion.export import c99, structured_text
 from ..ream import budget
 from . import interchange, scene
-from .tunnel_scene import tunnel_scene, wall_mesh
+from .tunnel_scene import picture, wall_mesh
 
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 
@@ -98,9 +98,7 @@ def write_all(job, folder, numbers, say):
         "section.dxf": lambda: interchange.dxf(curves),
         "wall.vtp": lambda: wall_mesh(cut.wall, plan.circuit),
         "wall.stl": lambda: interchange.wall_solid(cut.wall),
-        "wall.png": lambda: scene.shoot(
-            tunnel_scene(cut, wall=cut.wall, limit=job.limit), direction=None
-        ),
+        "wall.png": lambda: scene.crop(picture(cut, wall=cut.wall, limit=job.limit)),
     }
     files = []
     for name, make in makers.items():

@@ -149,7 +149,7 @@ def cone(vertex, axis, half_angle, near, far):
     mesh : pyvista.PolyData
         The wall, without its ends.
     """
-    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 121))
+    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 361))
     return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
 
 

@@ -122,7 +122,7 @@ def posed_machine(cut, tick):
         should is shifted as a whole to its cutter's centre.
     """
     plan, centre = cut.plan, cut.centres[tick]
-    circuit, lap = plan.circuit, min(tick // int(plan.ticks.sum()), plan.laps - 1)
+    circuit, lap = plan.circuit, max(tick - 1, 0) // int(plan.ticks.sum())
     unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
@@ -189,6 +189,17 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     return plotter
 
 
+def picture(cut, tick=None, **options):
+    """Return the picture (n, m, 3) uint8 of a cut at a tick; options are those of `tunnel_scene`.
+
+    Nothing is cut off, so that pictures of a cut lie on each other.
+    """
+    plotter = tunnel_scene(cut, tick, **options)
+    pixels = plotter.screenshot(return_img=True)
+    plotter.close()
+    return pixels
+
+
 def frames(cut, count, *, width=800, limit=1.5e-3):
     """Yield the pictures of an animation of a cut, from its first tick to its last.
 
@@ -211,7 +222,5 @@ def frames(cut, count, *, width=800, limit=1.5e-3):
     count, width = int(whole("count", count, 2, 10_000)), int(whole("width", width, 64, WINDOW[0]))
     ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
     for tick, wall in zip(ticks, stages(cut, ticks)):
-        plotter = tunnel_scene(cut, int(tick), wall=wall, limit=limit)
-        whole_picture = PIL.Image.fromarray(plotter.screenshot(return_img=True))
-        plotter.close()
-        yield np.asarray(whole_picture.resize((width, width * 5 // 8)))
+        pixels = picture(cut, int(tick), wall=wall, limit=limit)
+        yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))

@@ -30,11 +30,15 @@ class Arc(NamedTuple):
         normal = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         return np.array([self.y, self.z]) + self.radius * normal, normal
 
-    def depth(self, y, z):
-        """Return the depth of points behind the arc, infinite outside its sector, in m."""
+    def depth(self, y, z, slack):
+        """Return the depth of points behind the arc, infinite outside its sector, in m.
+
+        The sector is wider by `slack`, in m on the arc, at both ends: at a blend both pieces count.
+        """
         dy, dz = y - self.y, z - self.z
-        turned = np.mod(np.arctan2(dz, dy) - self.start + 1e-12, 2 * np.pi)  # at a blend: both
-        return np.where(turned <= self.sweep + 2e-12, self.radius - np.hypot(dy, dz), np.inf)
+        wider = 1e-12 + slack / self.radius
+        turned = np.mod(np.arctan2(dz, dy) - self.start + wider, 2 * np.pi)
+        return np.where(turned <= self.sweep + 2 * wider, self.radius - np.hypot(dy, dz), np.inf)
 
     def inset(self, d):
         """Return the arc at a distance d on its inner side."""
@@ -70,12 +74,11 @@ class Line(NamedTuple):
         points = np.array([self.y, self.z]) + s[..., None] * along
         return points, np.broadcast_to([along[1], -along[0]], points.shape)
 
-    def depth(self, y, z):
-        """Return the depth of points behind the line, infinite beyond its ends, in m."""
+    def depth(self, y, z, slack):
+        """Return the depth of points behind the line, infinite beyond its ends by `slack`, in m."""
         cos, sin = np.cos(self.heading), np.sin(self.heading)
         dy, dz = y - self.y, z - self.z
         along = cos * dy + sin * dz
-        slack = 1e-12 * self.length
         within = (-slack <= along) & (along <= self.length + slack)
         return np.where(within, cos * dz - sin * dy, np.inf)
 

@@ -1,5 +1,6 @@
 """Sections of a tunnel: closed convex curves of arcs and lines, and how deep points lie inside."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,8 +8,8 @@ import numpy as np
 from ..arrays import finite, real
 from .pieces import Arc, Line
 
-CLOSED = 1e-9  # largest gap between pieces, over the section's size
-SMOOTH = 1e-6  # largest turn at a blend, in rad: beyond it is a corner
+CLOSED = 1e-12  # largest gap between pieces, over the perimeter
+SMOOTH = 1e-12  # largest turn at a blend, in rad: beyond it is a corner
 
 
 class Section:
@@ -40,10 +41,9 @@ class Section:
         ends = [arc.locate(np.array([0.0, arc.length]))[0] for arc in self.arcs]
         for arc in self.arcs:
             if np.isfinite(arc.radius):
-                quarters = np.arange(-8, 9) * np.pi / 2  # where an arc runs along y or z
-                turned = quarters - arc.start
-                inside = (turned > 0) & (turned < arc.sweep)
-                ends.append(arc.locate(arc.radius * turned[inside])[0])
+                quarters = np.arange(4) * np.pi / 2  # where an arc runs along y or z
+                turned = np.mod(quarters - arc.start, 2 * np.pi)
+                ends.append(arc.locate(arc.radius * turned[turned < arc.sweep])[0])
         points = np.concatenate(ends)
         return np.array([points.min(axis=0), points.max(axis=0)])
 
@@ -105,8 +105,9 @@ class Section:
         """
         y, z = np.broadcast_arrays(real("y", y), real("z", z))
         inside, corner = np.full((2, *y.shape), np.inf)
+        slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
         for arc in self.arcs:
-            inside = np.minimum(inside, arc.depth(y, z))
+            inside = np.minimum(inside, arc.depth(y, z, slack))
             (start, _) = arc.locate(np.zeros(()))
             corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
         return np.where(np.isfinite(inside), inside, -corner)[()]
@@ -120,9 +121,11 @@ class Section:
             If the section's tightest bend isn't wider than d, or it has a corner.
         """
         d = finite("d", d)
-        if max(d, 0.0) >= self.least_radius:
-            raise ValueError(f"d: must be below the section's least radius {self.least_radius:g} m"
-                             f", which is 0 at a corner; got {d:g} m.")  # fmt: skip
+        if self.least_radius == 0:
+            raise ValueError("d: a section with a corner has no offset; round it first.")
+        if d >= self.least_radius:
+            raise ValueError(f"d: must be below the section's least radius {self.least_radius:g} m;"
+                             f" got {d:g} m.")  # fmt: skip
         return Profile(tuple(arc.inset(d) for arc in self.arcs))
 
     def ray(self, angle):
@@ -135,7 +138,10 @@ class Section:
         """
         if not self.depth(0.0, 0.0) > 0:
             raise ValueError("section: must have the origin of its plane inside; it hasn't.")
-        cos, sin = np.cos(real("angle", angle)), np.sin(real("angle", angle))
+        angle = real("angle", angle)
+        if not np.all(np.isfinite(angle)):
+            raise ValueError(f"angle: must be finite; got {angle!r}.")
+        cos, sin = np.cos(angle), np.sin(angle)
         low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
         for _ in range(60):  # the depth of a convex section changes its sign once along a ray
             middle = (low + high) / 2
@@ -182,9 +188,11 @@ def closed_profile(pieces):
     >>> round(closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]).area, 4)
     0.7854
     """
+    if not isinstance(pieces, Sequence):
+        raise ValueError(f"pieces: must be a sequence of arcs and lines; got {pieces!r}.")
     section = Profile(tuple(pieces))
     for k, piece in enumerate(section.arcs):
-        if not isinstance(piece, (Arc, Line)) or not np.all(np.isfinite(piece)):
+        if not isinstance(piece, (Arc, Line)) or not np.all(np.isfinite(real("pieces", piece))):
             raise ValueError(f"pieces: must be arcs or lines of finite numbers; got {piece!r}.")
         if not piece.length > 0 or not piece.radius > 0:
             raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
