@@ -165,8 +165,8 @@ class Record:
     def _merge(self, kind, name, entry):
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
         content = json.loads(file.read_text()) if file.exists() else {}
-        if shell := get_ipython():  # from top to bottom the count is the number of the code cell
-            entry = entry | {"cell": shell.execution_count}
+        if shell := get_ipython():  # run from top to bottom, the inputs so far are the code cells
+            entry = entry | {"cell": len(shell.user_ns["In"]) - 1}
         content.setdefault(kind, {})[name] = entry
         text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
         _replace(file, (text + "\n").encode())
