@@ -99,7 +99,7 @@ class Places(ast.NodeVisitor):
         tokens = tokenize.generate_tokens(io.StringIO(source).readline)
         words = tokenize.OP, tokenize.NAME, tokenize.NUMBER
         self.tokens = [(token.start, token.string) for token in tokens if token.type in words]
-        self.found = []
+        self.found, self.idle = [], []
         self.visit(ast.parse(source))
 
     def add(self, kind, start, end, change):
@@ -108,6 +108,10 @@ class Places(ast.NodeVisitor):
             if start <= place < end and (new := change(old)) is not None:
                 self.found.append((*place, kind, old, new))
                 return
+
+    def leave_out(self, start, end):
+        """Note places whose change isn't a fault in a formula."""
+        self.idle += [place for place in self.found if start <= place[:2] < end]
 
     def between(self, kind, left, right, change):
         self.add(kind, end_of(left), start_of(right), change)
@@ -132,6 +136,8 @@ class Places(ast.NodeVisitor):
             self.visit(node.left)
         else:
             self.generic_visit(node)
+        if guards(node.left) or guards(node.right):  # what is added to a divisor that may be 0
+            self.leave_out(end_of(node.left), end_of(node))
 
     def visit_AugAssign(self, node):
         self.between("sign", node.target, node.value, {"+=": "-=", "-=": "+="}.get)
@@ -179,8 +185,11 @@ class Places(ast.NodeVisitor):
     visit_JoinedStr = visit_Raise
 
     def visit_FunctionDef(self, node):
-        for part in [*node.args.defaults, *filter(None, node.args.kw_defaults), *node.body]:
-            self.visit(part)
+        for default in [*node.args.defaults, *filter(None, node.args.kw_defaults)]:
+            self.visit(default)
+            self.leave_out(start_of(default), end_of(default))  # how finely, how often
+        for statement in node.body:
+            self.visit(statement)
 
     def visit_AnnAssign(self, node):
         if node.value:
@@ -204,6 +213,10 @@ def joins(node):
     return bool(re.search(r"\bshape\b|Path|folder|root\b.*\bname|suffix", ast.unparse(node)))
 
 
+def guards(node):
+    return isinstance(node, ast.Compare) or "finfo" in ast.unparse(node)
+
+
 def modules():
     every = sorted(str(path.relative_to(COPY)) for path in COPY.glob("tunneller_lib/**/*.py"))
     return [file for file in every if not LEFT_OUT.fullmatch(file)]
@@ -217,13 +230,17 @@ def draw(file):
     # Columns of the syntax tree count bytes, those of tokens characters.
     if not source.isascii():
         source = re.sub(r"[^\x00-\x7f]", "?", source)
-    found = sorted(set(Places(source).found))
+    places = Places(source)
+    found = sorted(set(places.found))
     kinds = sorted({place[2] for place in found})
     draws.shuffle(kinds)
     chosen = []
     while found and len(chosen) < each:
         kind = kinds[len(chosen) % len(kinds)]
         place = draws.choice([p for p in found if p[2] == kind] or found)
+        if place in places.idle:
+            found.remove(place)
+            continue
         found = [p for p in found if p[0] != place[0]]  # another line next
         chosen.append(Mutant(file, *place))
     return chosen

@@ -44,6 +44,8 @@ def test_running_puts_results_into_place(notebook):
     run_notebook(notebook)
     assert is_run(notebook)
     assert records(notebook)[1]["numbers"]["it"]["value"] == 1
+    assert records(notebook)[1]["numbers"]["it"]["cell"] == 1
+    assert records(notebook)[1]["figures"]["axes"]["cell"] == 2
     assert (notebook.parent.parent / "figures" / "axes.svg").exists()
 
 

@@ -45,6 +45,20 @@ def test_geodesic_by_no_trial():
     for ratio in (4, 40, 4000):
         found = geodesic_inverse(Torus(1 / ratio, 1), *pairs(20_000))
         assert found.converged.all() and found.certified.all()
+    # A second way, without Clairaut: geodesics in a fan of directions meet the end's parallel
+    # farther and farther round, so that there is one direction to find, and no other.
+    torus, p, q = MACHINE.torus, (-0.9, -0.5), (0.3, 0.6)
+    fan = np.linspace(0.02, 1.45, 60)
+    ways = geodesic_direct(torus, p, fan, 3.0, 3001)
+    met = []
+    for theta, phi in np.moveaxis(ways.position, -1, 1):
+        i = np.argmax(phi > q[1])
+        met.append(np.interp(q[1], phi[i - 1 : i + 1], theta[i - 1 : i + 1]) if i else np.inf)
+    met = np.array(met)
+    reach = np.isfinite(met)
+    assert reach[:40].all() and np.all(np.diff(met[reach]) > 0)
+    direction = np.interp(q[0], met[reach], fan[reach])
+    assert abs(direction - geodesic_inverse(torus, p, q).azimuth1) < 1e-3
 
 
 def test_geodesic_in_real_time(monkeypatch):

@@ -57,6 +57,17 @@ def test_structured_text_of_long_moves():
         assert line(block, start, stop, ticks) == time_bresenham(start, stop, ticks).tolist()
 
 
+@ties
+def test_structured_text_is_indented_as_it_is_nested(tie):
+    depth = 0
+    for text in structured_text(tie=tie).splitlines()[1:-1]:
+        word = text.strip()
+        depth -= word.startswith(("END_", "ELSE"))
+        assert len(text) - len(word) == 4 * depth, text
+        depth += word.startswith(("VAR", "ELSE", "IF"))
+    assert depth == 0
+
+
 def test_structured_text_of_no_ticks_stays():
     block = FunctionBlock(structured_text())
     assert line(block, 3, 9, 2) == [3, 6, 9]

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.basic_listing import REPAIRS
+
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "report" / "ledger").glob("*.toml"))
 LEDGER = {id: row for file in FILES for id, row in tomllib.loads(file.read_text()).items()}
@@ -42,7 +44,57 @@ def test_every_proof_is_named_by_a_row():
         assert names_in(path) - proofs == set()
 
 
+# What each document numbers; its own headings where it numbers nothing.
+ITEMS = {
+    "tunneller": {
+        "Eq.": range(1, 20), "Fig.": range(1, 10),
+        "": ["abstract", "table", "listing", "4.3, listing", "5"],
+    },
+    "cone-envelopes": {
+        "Eq.": range(1, 27), "Fig.": range(1, 12),
+        "Theorem": [2, 4, 13, 16], "Example": [1, 10, 31, 32, 33], "Problem": [15, 30],
+        "Proposition": [6, 7, 9, 11, 17, 18, 19, 20, 22, 24, 26, 27],
+        "Corollary": [12, 25, 28, 29], "Remark": [3, 5, 14, 21, 23],
+    },
+    "line-cylinder": {
+        "": ["Point in cylinder", "Line intersect with cylinder", "Independent surfaces",
+             "The epsilon fix", "Two volumes", "Point within a 2D shape"],
+    },
+}  # fmt: skip
+EVERY_ITEM = [(name, kind, item) for name, kinds in ITEMS.items() for kind in kinds
+              for item in kinds[kind]]  # fmt: skip
+
+
+def places(document):
+    """Return what the rows of a document stand for: "Eq. 8" and "Eq. 9" for "Eqs 8 and 9"."""
+    rows = tomllib.loads((ROOT / "report" / "ledger" / f"{document}.toml").read_text())
+    found = set()
+    for where in (row["where"] for row in rows.values()):
+        found.add(re.sub(r"^(cones|appendix), ", "", where))
+        for kind, first, word, last in re.findall(
+            r"([A-Z][a-z]+)s?\.? (\d+)(?: (and|to) (\d+))?", where
+        ):
+            kind = {"Eq": "Eq.", "Eqs": "Eq.", "Fig": "Fig."}.get(kind, kind)
+            between = range(int(first), int(last or first) + 1) if word != "and" else [first, last]
+            found |= {f"{kind} {number}" for number in between}
+    return found
+
+
+@pytest.mark.parametrize(("document", "kind", "item"), EVERY_ITEM, ids=str)
+def test_every_numbered_item_has_a_row(document, kind, item):
+    found = places(document)
+    if kind:
+        assert f"{kind} {item}" in found
+    else:
+        assert any(re.search(rf"(^|, | and ){re.escape(item)}(,|$)", place) for place in found)
+
+
 @pytest.mark.parametrize("number", range(1, 20))
-def test_every_equation_has_a_row(number):
+def test_every_equation_of_the_robot_has_a_row_of_its_name(number):
     row = LEDGER[f"eq{number:02}"]
     assert re.search(rf"\bEq\. {number}$", row["where"])
+
+
+def test_every_listing_line_that_is_mended_has_a_row():
+    rows = " ".join(id for id in LEDGER if id.startswith("listing-"))
+    assert all(str(number) in rows for number in REPAIRS)

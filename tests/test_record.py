@@ -1,5 +1,6 @@
 """Records: what is printed, what is stored, what is refused."""
 
+import io
 import json
 
 import numpy as np
@@ -127,6 +128,7 @@ def test_drawing_has_the_same_bytes_twice(record, root):
         contents.append((root / "figures" / "line.svg").read_bytes())
     assert contents[0] == contents[1]
     assert preview.alt == "A\n  line."
+    assert PIL.Image.open(io.BytesIO(preview.data)).width == preview.width == 800
     assert stored(root)["figures"]["line"] == {"alt": "A line.", "file": "line.svg"}
 
 

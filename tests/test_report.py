@@ -7,7 +7,7 @@ import pytest
 
 from report.build import FIGURE_LIST, PDF, figure_list
 from report.compile import ReportFailed, compile_report
-from report.sources import ROOT, figure_files, notebooks, records
+from report.sources import ROOT, cells, figure_files, notebooks, records
 
 USE = re.compile(r'\b(num|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
 KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
@@ -20,6 +20,23 @@ def test_report_is_what_its_sources_give():
 
 def test_report_has_the_same_bytes_twice():
     assert compile_report() == compile_report()
+
+
+def test_report_of_a_clean_copy_has_the_same_bytes(copy):
+    """The folder, the time and what was built before leave no trace."""
+    for folder in ("tunneller_lib", "tests/references"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / folder, copy / folder, ignore=ignored)
+    assert compile_report(copy) == compile_report()
+
+
+def test_every_record_names_its_cell():
+    for notebook in notebooks():
+        code = [source for kind, source in cells(notebook) if kind == "code"]
+        for kind, entries in records(notebook)[1].items():
+            for name, entry in entries.items():
+                source = code[entry["cell"] - 1]
+                assert "record" in source, f"{notebook.stem}: {kind} {name} in cell {entry['cell']}"
 
 
 def test_figure_list_is_what_the_records_give():

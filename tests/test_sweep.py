@@ -1,6 +1,8 @@
 """The atlas and its sweep: the same bits on local cores, on a cluster, and after an interrupt."""
 
 import csv
+import re
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -16,6 +18,12 @@ FEW = [(0, 8), (12, 3)]
 def small(block):
     """Return a small table of a block; it stands in a module, for processes to find."""
     return np.sin(np.arange(6.0).reshape(2, 3) + 10 * block[0] + block[1])
+
+
+@contextmanager
+def at_once(_):
+    """Stand for a cluster, here and block by block."""
+    yield lambda survey, blocks: ((block, survey(block)) for block in blocks)
 
 
 def loaded(files):
@@ -55,6 +63,18 @@ def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
     told = capsys.readouterr().err
     assert "2 of 5 blocks are there" in told and "5 of 5 blocks, 0 s to go" in told
     assert [path.name for path in tmp_path.rglob("*.part")] == ["0-3.part"]  # another's
+
+
+def test_sweep_tells_the_time_to_go_from_its_own_pace(tmp_path, capsys, monkeypatch):
+    blocks = [(0, k) for k in range(6)]
+    sweep(small, blocks[:2], tmp_path, jobs=1)
+    clock = iter(range(100, 200, 10))  # ten seconds a block
+    monkeypatch.setattr("tunneller_lib.reporting.sweep.time.monotonic", lambda: next(clock))
+    capsys.readouterr()
+    monkeypatch.setattr("tunneller_lib.reporting.sweep.cluster", at_once)
+    sweep(small, blocks, tmp_path, scheduler="here")
+    told = capsys.readouterr().err
+    assert re.findall(r"blocks, (\d+) s to go", told) == ["30", "20", "10", "0"]
 
 
 def fails_late(block):

@@ -13,6 +13,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import PIL.Image
+from IPython import get_ipython
 from IPython.display import Image
 
 from .digits import cell, exponent, number, significant, steady
@@ -164,6 +165,8 @@ class Record:
     def _merge(self, kind, name, entry):
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
         content = json.loads(file.read_text()) if file.exists() else {}
+        if shell := get_ipython():  # run from top to bottom, the inputs so far are the code cells
+            entry = entry | {"cell": len(shell.user_ns["In"]) - 1}
         content.setdefault(kind, {})[name] = entry
         text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
         _replace(file, (text + "\n").encode())

@@ -1,0 +1,58 @@
+"""Curves, rulings and motions that envelopes are made of: each with the derivatives it claims."""
+
+import numpy as np
+import pytest
+
+from tests.envelopes_zoo import CURVES, MOTIONS, RULED
+from tunneller_lib.envelopes.families import helicoid, turning
+
+V = np.array([-0.8, 0.1, 1.3])
+STEP = 1e-5
+
+
+def rate(function, v):
+    """Return the central difference quotient of a function that gives a list of coordinates."""
+    ahead, back = np.asarray(function(v + STEP)), np.asarray(function(v - STEP))
+    return (ahead - back) / (2 * STEP)
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_curve_has_its_velocity_and_acceleration(name):
+    curve = CURVES[name]
+    _, velocity, acceleration = curve(V)
+    np.testing.assert_allclose(rate(lambda v: curve(v)[0], V), velocity, atol=1e-8)
+    np.testing.assert_allclose(rate(lambda v: curve(v)[1], V), acceleration, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", RULED)
+def test_rulings_have_their_derivatives(name):
+    lines = RULED[name]
+    _, velocity, _, turn = lines(V)
+    np.testing.assert_allclose(rate(lambda v: lines(v)[0], V), velocity, atol=1e-8)
+    np.testing.assert_allclose(rate(lambda v: lines(v)[2], V), turn, atol=1e-8)
+
+
+SLOW = turning(lambda v: [v, v * v, 0 * v], lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.8, rate=-0.3)
+
+
+@pytest.mark.parametrize("motion", [*MOTIONS.values(), SLOW], ids=[*MOTIONS, "slow"])
+def test_motion_turns_its_axes_as_it_says(motion):
+    _, velocity, axes, omega = motion(V)
+    np.testing.assert_allclose(rate(lambda v: motion(v)[0], V), velocity, atol=1e-8)
+    gram = np.einsum("ikn,jkn->nij", axes, axes)
+    np.testing.assert_allclose(gram, np.broadcast_to(np.eye(3), (3, 3, 3)), atol=1e-15)
+    for i, axis in enumerate(axes):
+        turned = np.cross(omega, axis, axis=0)
+        found = rate(lambda v, i=i: motion(v)[2][i], V)
+        np.testing.assert_allclose(found, turned, atol=1e-8)
+
+
+def test_turning_leans_from_z_and_starts_where_it_is_told():
+    axes = np.array(SLOW(0.0)[2])
+    assert axes[0] @ [0, 0, 1] == pytest.approx(np.cos(0.8))
+    np.testing.assert_allclose(axes[0, :2], np.sin(0.8) * np.array([np.cos(1), np.sin(1)]))
+
+
+def test_helicoid_moves_by_its_pitch():
+    point, *_ = helicoid(np.array([0, 2 * np.pi]), pitch=0.4)
+    np.testing.assert_allclose(point, [[0, 0.8 * np.pi], [0, 0], [0, 0]], atol=1e-15)
