@@ -42,10 +42,12 @@ class Lab:
         self.browser.until(f"{self.widget}.sessionContext.session?.kernel?.status === 'idle'")
 
     def close(self):
+        # A promise that nothing holds may be collected before it comes true.
         self.browser.run(
-            f"(async () => {{ const w = {self.widget}; await w.sessionContext.shutdown();"
-            "w.dispose(); return true; })()"
+            f"window.left = {self.widget};"
+            "window.leaving = left.sessionContext.shutdown().then(() => left.dispose()); true"
         )
+        self.browser.until("left.isDisposed")
 
     def start(self):
         """Have all cells run."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import dot, finite, norm, points, positive
+from ..arrays import dot, norm, points, positive, whole
 from .isotropic import plane_to_point
 
 ROUNDS = 4  # of reweighting
@@ -46,7 +46,7 @@ def fit_planes(contact, n, *, scale, degree=6):
     scale : float
         Size of the patch in the model, by which x and y are divided.
     degree : int
-        Of the polynomial.
+        Of the polynomial, from 1 to 20.
 
     Returns
     -------
@@ -73,8 +73,7 @@ def fit_planes(contact, n, *, scale, degree=6):
     True
     """
     contact, n, scale = points("contact", contact), points("n", n), positive("scale", scale)
-    if degree != int(finite("degree", degree)) or degree < 1:
-        raise ValueError(f"degree: must be a whole number of at least 1; got {degree}.")
+    degree = int(whole("degree", degree, 1, 20))
     planes = plane_to_point(n, -dot(n, contact))
     orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
     if len(planes) < len(orders):
