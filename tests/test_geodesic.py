@@ -11,6 +11,8 @@ from numpy.polynomial.legendre import leggauss
 
 from tests.shapes import log_uniform
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse, projected_length
+from tunneller_lib.paths.geodesic_classes import outer
+from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.surfaces import Cone, Torus
 
 MACHINE, RING, SPINDLE = Torus(0.08, 0.8), Torus(3, 1), Torus(0.5, 1)
@@ -520,3 +522,15 @@ def test_geodesic_functions_refuse_another_surface(torus):
         geodesic_inverse(torus, (0, 0), (0, 1))
     with pytest.raises(ValueError, match=r"^torus: must be of class Torus; got "):
         geodesic_direct(torus, (0, 0), 0, 1)
+
+
+@pytest.mark.parametrize("torus", [Torus(0.08, 0.8), Torus(3, 1)], ids=str)
+@pytest.mark.parametrize("u", [-0.15, 0.1, 0.4])
+def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
+    # Newton's method would find the root with a wrong rate, too, by halving its bracket.
+    a, b, step = np.array([0.5]), np.array([-0.3]), 1e-5
+    angle = [
+        integrate(torus, outer(torus, a, b, np.array([v])), 40)[0] for v in (u - step, u + step)
+    ]
+    _, rate, _ = integrate(torus, outer(torus, a, b, np.array([u])), 40)
+    assert (angle[1] - angle[0]) / (2 * step) == pytest.approx(rate, rel=1e-7)

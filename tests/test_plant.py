@@ -318,6 +318,14 @@ def test_rest_stays_at_rest(axis):
             assert np.all(np.abs(moved) <= 1e-9 * np.array([1, 1, 1e8, 1e8, 1])[: moved.shape[1]])
 
 
+def test_compressible_oil_is_held_at_no_pressure_and_not_before():
+    plant, turning = Compressible(THETA), 0.3  # rad/s, towards the first chamber's emptying
+    rates = [plant.derivative((0.0, turning, first, 2e6, 0.0), 0.0)[2] for first in (0.0, 0.5, 1e3)]
+    assert rates[0] == 0 and rates[1] == pytest.approx(rates[2], rel=1e-3) and rates[1] < -1e6
+    rates = [plant.derivative((0.0, -turning, 2e6, p, 0.0), 0.0)[3] for p in (0.0, 0.5, 1e3)]
+    assert rates[0] == 0 and rates[1] == pytest.approx(rates[2], rel=1e-3) and rates[1] < -1e6
+
+
 def test_compressible_oil_never_pulls():
     plant = Compressible(replace(THETA, inertia=400.0, supply=60e5))
     states = run(plant, 0.005, [1.0] * 60 + [-1.0] * 40, plant.rest(-0.5))
