@@ -8,6 +8,7 @@ from fractions import Fraction
 from math import factorial
 
 import numpy as np
+import pytest
 import sympy as sp
 from scipy.optimize import brentq
 
@@ -16,6 +17,7 @@ from tests.shapes import directions
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.blade import BladeRing, cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
+from tunneller_lib.envelopes.developable import osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.fit import fit_planes, mean_frame, tilted
 from tunneller_lib.envelopes.frame import frames, isotropic_jet, model_jet, tangent_graph
@@ -26,6 +28,7 @@ from tunneller_lib.envelopes.isotropic import (
     isotropic_derivatives,
     normal,
     plane_to_point,
+    point_to_plane,
     sphere_point,
     surface_points,
 )  # fmt: skip
@@ -157,9 +160,21 @@ def test_eq02_derivative_along_the_curve():
     K = d(x, x) * d(y, y) - d(x, y) ** 2
     shown = d(x, x, x) * d(y, y) - 2 * d(x, x, y) * d(x, y) + d(x, y, y) * d(x, x)
     assert zero(K.diff(x) - shown)
+    # With K = 0 it is the part of third order in (2), along (fyy, -fxy).
+    along = {u: F("yy"), v: -F("xy")}
+    part = (F("xxx") * u**2 + 2 * F("xxy") * u * v + F("xyy") * v**2).subs(along)
+    rest = F("xyy") * (F("xx") * F("yy") - F("xy") ** 2)
+    assert zero(plain(shown) * F("yy") - part - rest)
 
 
 def test_theorem2_developable_surfaces():
+    assert (len(DEVELOPABLE), len(GENERAL), len(RULED), len(MOTIONS), len(CURVES)) == (
+        8,
+        3,
+        6,
+        6,
+        6,
+    )
     for surface in DEVELOPABLE.values():
         assert recognise(surface, *GRID, "developable", model="space").residual < 1e-10
     for surface in GENERAL.values():
@@ -172,10 +187,20 @@ def test_theorem2_developable_surfaces():
 
 def test_example1_boundary_of_positive_measure():
     """The fat Cantor set: stage k leaves 2^k intervals shorter than 2^-k, of total above 1/2."""
-    removed = sum(sp.Integer(2) ** k / sp.Integer(4) ** (k + 1) for k in range(40))
-    left = 1 - removed
-    assert left > sp.Rational(1, 2) and left / 2**40 < sp.Rational(1, 2**40)
-    assert sp.limit(sp.Rational(1, 2) * (1 + sp.Integer(2) ** (-t)), t, sp.oo) == sp.Rational(1, 2)
+    stage, gaps = [(Fraction(0), Fraction(1))], []
+    for k in range(9):
+        assert sum(b - a for a, b in stage) == (1 + Fraction(1, 2**k)) / 2  # towards a half
+        assert len(stage) == 2**k and all(b - a <= Fraction(1, 2**k) for a, b in stage)
+        half = Fraction(1, 2 * 4 ** (k + 1))  # of the piece that is taken out of each middle
+        middles = [((a + b) / 2 - half, (a + b) / 2 + half) for a, b in stage]
+        gaps += middles
+        stage = [part for (a, b), (c, e) in zip(stage, middles) for part in ((a, c), (e, b))]
+    # So a gap, where a smooth g is above 0, is within 2^-k of any place that stays: all of the
+    # set, where g vanishes, is boundary. Every derivative of such a g is 0 at a gap's ends.
+    for a, _ in stage:
+        assert min(abs(end - a) for gap in gaps for end in gap) < Fraction(1, 2**8)
+    bump = sp.exp(-1 / x)
+    assert all(sp.limit(bump.diff(x, order), x, 0, "+") == 0 for order in range(4))
     column = sp.Function("h")(x)  # f depends on x only
     assert zero(column.diff(x, x) * column.diff(y, y) - column.diff(x, y) ** 2)
 
@@ -224,18 +249,23 @@ def test_eq04_resultant():
     resultant = sp.resultant(QUADRATIC.subs(v, 1), CUBIC.subs(v, 1), u)
     assert sp.expand(resultant - EQ4) == 0
     assert sp.expand(resultant - EQ4_PRINTED) != 0
+    assert len(EQ4.args) == 13 and len({*EQ4.args} - {*EQ4_PRINTED.args}) == 9  # nine terms
     # The printed terms aren't of one degree in third derivatives, and fail on a ruled surface.
     third = sp.Symbol("lambda")
     graded = sp.Poly(EQ4_PRINTED.subs({s: third * s for s in (_k, _l, _m, _n)}), third)
     assert len(graded.monoms()) > 1
     jet = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*variables(0.3, 0.4))
     assert abs(at(EQ4, jet)) < 1e-10 < 1e-3 < abs(at(EQ4_PRINTED, jet))
-    # In whole numbers: over two lines (p, q), (r, s) it's the cubic at the one times at the other.
+    # A second way, whole numbers: over two lines (p, q), (r, s) it's the cubic at the one times
+    # the cubic at the other.
+    wrong = 0
     for p1, q1, p2, q2, *cubic in np.random.default_rng(4).integers(-9, 10, (30, 8)).tolist():
         here = dict(zip((_k, _l, _m, _n), cubic))
         here |= {_a: p1 * p2, _b: sp.Rational(p1 * q2 + p2 * q1, 2), _c: q1 * q2}
         both = CUBIC.subs(here).subs({u: q1, v: -p1}) * CUBIC.subs(here).subs({u: q2, v: -p2})
         assert EQ4.subs(here) == both
+        wrong += EQ4_PRINTED.subs(here) != both
+    assert wrong > 25
 
 
 def test_discriminant_of_the_asymptotic_directions():
@@ -294,12 +324,25 @@ def test_eq05_envelope_of_moving_planes():
         m = np.stack([w + 0 * GRID[0] for w in vertex], -1)
         assert np.abs(((found.contact - m) * n).sum(-1)).max() < 1e-10, name
         assert np.abs(np.abs((found.axes[:, 2] * n).sum(-1)) - 1).max() < 1e-10, name
+        # The three planes themselves: T and its derivatives hold the point.
+        turn, time = variables(*GRID)
+        vertex, _, (a, b, c), _ = motion(time)
+        plane = [sine * i + cosine * (np.cos(turn) * j + np.sin(turn) * k)
+                 for i, j, k in zip(a, b, c)]  # fmt: skip
+        plane.append(-sum(i * j for i, j in zip(plane, vertex)))
+        for order in ((0, 0), (1, 0), (0, 1)):
+            T = [part.derivative(*order) for part in plane]
+            assert np.abs(sum(i * j for i, j in zip(T, found.contact.T)) + T[3]).max() < 1e-10
 
 
 def test_eq06_planes_to_points():
     n, h = directions(np.random.default_rng(0), 20), np.linspace(-3, 3, 20)
     expected = np.column_stack([n[:, :2], h]) / (n[:, 2:] + 1)
     assert np.allclose(plane_to_point(n, h), expected, rtol=1e-12)
+    back = point_to_plane(expected)  # no two planes have one point
+    assert np.allclose(back[0], n) and np.allclose(back[1], h)
+    with pytest.raises(ValueError, match=r"nor have the direction \(0, 0, -1\)"):
+        plane_to_point((0, 0, -1), 1)
 
 
 def test_eq07_spheres_to_paraboloids():
@@ -307,6 +350,8 @@ def test_eq07_spheres_to_paraboloids():
     m, radius = np.array([0.3, -0.7, 0.5]), 0.8
     a, b, c = plane_to_point(n, radius - n @ m).T  # inward normals
     assert np.allclose(sphere_point(m, radius, a, b) / c, 1, rtol=1e-9)
+    printed = (radius + m[2]) / 2 * (a**2 + b**2) - m[0] * a - m[1] * b + (radius - m[2]) / 2
+    assert np.allclose(printed / c, 1, rtol=1e-9)
 
 
 def test_top_view_is_the_stereographic_projection():
@@ -399,6 +444,72 @@ def test_third_order_contact_is_not_always_free():
     # And what decides: the sign of the fourth order against that of f_ee.
     assert np.array_equal(np.less(depths, -1e-9), cones.gouges)
     assert np.all(cones.gouges == (cones.side * cones.order4 < -1e-9))
+    # A second way, in fractions: over the cone's own circle, however near the contact, the
+    # surface lies within four cones by the fourth power of the step, and on both generators.
+    a, b = place = sp.Rational(99, 65), sp.Rational(27, 65)
+    square, half = a**2 + b**2, sp.Rational(1, 2)
+    for generator in ((-3, -4, 5), (-12, 5, 13)):
+        centre = tuple(sp.Rational(c, generator[2]) for c in generator[:2])
+        assert _within_the_cone(EX31, place, centre) == (0, [0] * 6)
+    for along, shift in (((2 * a * b, b**2 - a**2), b), ((a**2 - b**2, 2 * a * b), a)):
+        for cot in (half, -half):
+            size = (square + 1) / 2 / (cot - shift) / square
+            residual, inside = _within_the_cone(EX31, place, [size * c for c in along])
+            assert residual < 0 and min(inside[2:]) > 0
+            assert all(abs(deep / inside[-1] - 1) < 0.02 for deep in inside[3:])
+    # With K < 0 both signs occur, and that of f_ee keeps the surface out, whatever the direction.
+    for fourth, sign in ((4, -1), (8, 1)):
+        graph = 12 * x**2 - 12 * y**2 + fourth * x**4
+        residual, inside = _within_the_cone(graph, (0, 0), (0, 1))
+        assert sp.sign(residual) == sign and all(sp.sign(deep) == -sign for deep in inside[2:])
+        found = hyperosculating_cones(sp.lambdify((x, y), graph), 0.0, 0.0,
+                                      half_angle=np.arctan(0.5))  # fmt: skip
+        k = np.argmax(np.abs(found.axis @ _axis_over((0, 0), (0, 1), float)))
+        assert found.gouges[k] == (sign < 0)
+        if sign > 0:
+            around = [(i, j) for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)]
+            _, inside = _within_the_cone(graph, (0, 0), (0, 1), around)
+            assert max(inside) < 0
+
+
+def _axis_over(place, centre, number=sp.Rational):
+    """Return the axis of the cone over a circle through a place: its three normals' plane."""
+    (a, b), (c, e) = place, centre
+    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2]) / p
+    one, two, three = (n.subs({x: a + i, y: b + j}) for i, j in
+                       ((0, 0), (2 * c, 2 * e), (c + e, e - c)))  # fmt: skip
+    axis = (two - one).cross(three - one)
+    return axis if number is sp.Rational else np.array(axis.T / axis.norm(), float)[0]
+
+
+def _within_the_cone(graph, place, centre, around=None):
+    """Return Eq. 12 on the cone's side, and how deep surface points lie within the cone.
+
+    Exactly, for tan(theta) = 1/2: the points over the circle by steps t of 0.1 to 1e-9, depths in
+    powers t^4; or those next to the place in given directions.
+    """
+    here = dict(zip((x, y, u, v), (*place, *centre))) | {tan: sp.Rational(1, 2)}
+    jet = {s: (graph.diff(*[x] * i, *[y] * j) if i + j else graph).subs(here)
+           for (i, j), s in NAMES.items()}  # fmt: skip
+    a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
+    assert nine == eleven == 0
+    contact = sp.Matrix(contact_point(x, y, graph, graph.diff(x), graph.diff(y)))
+    vertex = sp.Matrix(_vertex(jet[F("")], a, b)).subs(here)
+    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
+    opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
+    side = sp.sign(opposite.dot(contact.subs(here) - vertex))  # Proposition 20
+    axis = _axis_over(place, centre)
+    depths = []
+    for step in [sp.Rational(1, 10**k) for k in (1, 2, 3, 5, 7, 9)]:
+        turn, rise = 2 * step / (1 + step**2), 2 * step**2 / (1 + step**2)  # sin, 1 - cos
+        moves = [(v * turn + u * rise, v * rise - u * turn)] if around is None else [
+            (step * i, step * j) for i, j in around]  # fmt: skip
+        for move in moves:
+            there = {x: x + move[0], y: y + move[1]}
+            out = contact.subs(there, simultaneous=True).subs(here) - vertex
+            deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
+            depths.append(deep / step**4)
+    return twelve * side, depths
 
 
 # ---- section 5: conics ------------------------------------------------------------------------
@@ -414,6 +525,14 @@ def test_eq08_eq09_prop9_special_conics():
             size = float((W**2).subs(here))
             assert abs(EQ9.subs({**here, tan: np.tan(angle)})) < 1e-8 * (size + 1)
             assert abs(EQ9.subs({**here, tan: np.tan(angle + 0.1)})) > 1e-3 * size
+    # (8) itself: over such a circle it runs through planes of one point and one angle.
+    vertex, axis = rng.normal(size=3), directions(rng, 1)[0]
+    points = cone_points(vertex, axis, ANGLE)
+    U, V = circle_centre(points) - points[0, :2]
+    slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
+    found = conic(points[0], (U, V), slope @ [V, -U], slope @ [U, V], np.linspace(0, 6, 25))
+    n, h = point_to_plane(found)
+    assert np.allclose(n @ vertex, -h, atol=1e-9) and np.allclose(n @ axis, np.sin(ANGLE))
 
 
 def test_example10_conics_in_a_graph():
@@ -463,7 +582,8 @@ def test_eq12_fourth_order():
                - 4 * F("xyy") * v * u**3 + F("yyy") * u**4 + LOWER)  # fmt: skip
     left = plain(on_circle(f, 4)) + plain(on_circle(f, 2))
     assert zero(left - EQ12) and not zero(left - printed)
-    # In fractions: the series of conic less graph, whose t^3 and t^4 are -(11)/6 and -(12)/24.
+    # A second way, fractions: the series of conic less graph has -(11)/6 for t^3 and -(12)/24
+    # for t^4.
     for here in np.random.default_rng(12).integers(-9, 10, (10, 19)).tolist():
         (x0, y0, U, V), graph = here[:4], dict(zip(NAMES, here[4:]))
         sine, rise = [0, 1, 0, Fraction(-1, 6), 0], [0, 0, Fraction(1, 2), 0, Fraction(-1, 24)]
@@ -603,6 +723,42 @@ def test_derivative_of_eq11():
     # 3 g times (14) is half of g times the Jacobian.
     jacobian = sp.Matrix([EQ9, EQ11]).jacobian([u, v]).det()
     assert sp.expand(3 * g * eq14(UT, VT) - g * jacobian / 2) == 0
+    # Printed with five indices in one place: wrong for x^3 y, whose fxxxy is 6.
+    fifth = sp.Symbol("fxxxxy")
+    printed = fourth.subs(F("xxxy"), fifth) + 3 * third + turned
+    cubic = {s: (x**3 * y).diff(*[x] * i, *[y] * j) for (i, j), s in NAMES.items() if i + j}
+    wrong = (_moved_eq11(du, dv) - printed).subs(fifth, 0).subs(cubic)
+    assert sp.expand(wrong + 24 * u * v**3) == 0
+    # A second way, fractions: along a straight move of (x, y, u, v) Eq. 11 of a polynomial of
+    # degree 4 is of degree 4 itself, so that five values give the exact derivative.
+    corrected = fourth + 3 * third + turned
+    for move in np.random.default_rng(16).integers(-9, 10, (10, 19)).tolist():
+        (U, V, DU, DV), graph = move[:4], dict(zip(NAMES, move[4:]))
+        here = {s: graph[order] for order, s in NAMES.items()} | {u: U, v: V, du: DU, dv: DV}
+        slope = _slope(_eleven(graph, U + step * DU, V + step * DV, V * step, -U * step)
+                       for step in STEPS)  # fmt: skip
+        assert slope == corrected.subs(here)
+        if graph[3, 1] * V * U:
+            assert slope != printed.subs(fifth, 0).subs(here)
+
+
+def _eleven(graph, U, V, dx, dy):
+    """Return Eq. 11 of a polynomial, by its derivatives at one place, dx and dy away from it."""
+    jet = {
+        s: sum(Fraction(value * dx ** (i - k) * dy ** (j - m), factorial(i - k) * factorial(j - m))
+               for (i, j), value in graph.items() if i >= k and j >= m)
+        for (k, m), s in NAMES.items()
+    }  # fmt: skip
+    return EQ11.subs({s: sp.Rational(value) for s, value in jet.items()}).subs({u: U, v: V})
+
+
+STEPS = -2, -1, 1, 2
+
+
+def _slope(values):
+    """Return the derivative at 0 of a polynomial of degree 4, exactly, from those at STEPS."""
+    back2, back, on, on2 = values
+    return sp.Rational(8 * (on - back) - (on2 - back2)) / 12
 
 
 def test_eq14_jacobian():
@@ -622,7 +778,7 @@ def test_eq15_gradient():
     # Neither half of the gradient nor parallel to it.
     assert sp.expand(gradient[0] - 2 * printed[0]) != 0
     assert sp.expand(gradient[0] * printed[1] - gradient[1] * printed[0]) != 0
-    # In fractions: (9) is of degree 2 in u and in v, so that central differences are exact.
+    # A second way, fractions: (9) is of degree 2 in u and in v, and central differences exact.
     for a, b, U, V, T in np.random.default_rng(15).integers(1, 9, (10, 5)).tolist():
         four = [_eq9(a, b, *move, T) for move in ((U + 1, V), (U - 1, V), (U, V + 1), (U, V - 1))]
         here = {x: a, y: b, u: U, v: V, tan: sp.Rational(1, T)}
@@ -638,6 +794,14 @@ def test_derivative_of_eq09():
     assert sp.expand(moved - (4 * bracket * W - rest)) == 0
     assert sp.expand(moved - (2 * bracket * W - rest)) != 0
     assert sp.expand(moved / 2 - ((v + du) * UT - (u - dv) * VT)) == 0
+    # A second way, fractions: along a straight move (9) is a polynomial of degree 4.
+    wrong = 0
+    for a, b, U, V, DU, DV, T in np.random.default_rng(17).integers(1, 9, (20, 7)).tolist():
+        here = {x: a, y: b, u: U, v: V, du: DU, dv: DV, tan: sp.Rational(1, T)}
+        slope = _slope(_eq9(a + s * V, b - s * U, U + s * DU, V + s * DV, T) for s in STEPS)
+        assert slope == (4 * bracket * W - rest).subs(here)
+        wrong += slope != (2 * bracket * W - rest).subs(here)
+    assert wrong > 15
 
 
 def test_eq16_motion_of_the_centre():
@@ -694,6 +858,9 @@ def test_eq17_to_eq20_prop18_surface_and_graph():
     assert np.allclose(r, printed, atol=1e-13)
     back = isotropic_derivatives(r, normal(a, b))
     assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
+    n = np.array(normal(a, b))  # (17) to (19) as printed
+    printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
+    assert np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
     # The surface has these normals: derivatives of its points are across them.
     s, w = variables(a, b)
     f4 = example(s, w)
@@ -717,6 +884,9 @@ def test_eq22_prop19_vertex():
         slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
         found = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V])
         assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
+        here = dict(zip((x, y, u, v), (*points[0, :2], U, V)))
+        printed = sp.Matrix(_vertex(points[0, 2], slope @ [V, -U], slope @ [U, V])).subs(here)
+        assert np.allclose(np.array(printed.T, float)[0], found, rtol=1e-9, atol=1e-9)
 
 
 def test_prop20_side():
@@ -828,9 +998,14 @@ def test_prop26_channels_to_paraboloids():
 def test_eq25_prop27_tangent_planes_meet_over_the_centre():
     eq25 = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
     for growth in (0.0, 0.1):
-        jet, centre = _channel_conic(growth)[2:4]
+        px, py, jet, centre, points, found = _channel_conic(growth)
         assert abs(at(eq25, jet, u=centre[0], v=centre[1])) < 1e-9
         assert abs(at(eq25, jet, u=centre[0], v=-centre[1])) > 1e-3
+        # The tangent planes of the graph along the conic do meet there, in one point.
+        a, b, value, fx, fy = isotropic_derivatives(found.contact.T, found.axes[:, 2].T)
+        assert np.allclose(np.stack([a, b, value], axis=-1), points, atol=1e-12)
+        height = value + fx * (px + centre[0] - a) + fy * (py + centre[1] - b)
+        assert np.ptp(height) < 1e-10 < 1e-2 < np.ptp(value)
 
 
 def test_eq26_corollary28_channels():
@@ -964,6 +1139,13 @@ def test_example31_six_positions():
     on = 1 / np.tan(ANGLE)
     cones = hyperosculating_cones(example, on * np.cos(turn), on * np.sin(turn), half_angle=ANGLE)
     assert np.all(cones.count == 5) and np.all(np.bincount(cones.index, cones.multiplicity) == 6)
+    # And on four circles of half that radius through the origin, centred on the axes.
+    for centre in on / 2 * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
+        circle = centre + on / 2 * np.stack([np.cos(4 * turn), np.sin(4 * turn)], axis=-1)
+        circle = circle[np.min(np.abs(circle), axis=-1) > 0.1 * on]
+        cones = hyperosculating_cones(example, *circle.T, half_angle=ANGLE)
+        assert len(circle) > 100 and np.all(cones.count == 5)
+        assert np.all(np.bincount(cones.index, cones.multiplicity) == 6)
 
 
 def test_example31_four_principal_positions():
@@ -988,6 +1170,19 @@ def test_example31_four_principal_positions():
         gap = sp.factor(side * EQ12.subs(ON_EX31).subs(here))
         # Minus squares, but where square = |shift| cot: there it meets a generator.
         assert _is_minus_a_square(gap, (square + shift * t) ** 2)
+    # Principal directions: along the rulings the normal changes in their own direction.
+    cones = hyperosculating_cones(example, 0.9, 0.6, half_angle=ANGLE)
+    X, Y = variables(0.9, 0.6)
+    f4 = example(X, Y)
+    moving = contact_point(X, Y, f4, f4.d(0), f4.d(1))
+    rates = [np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in part], float)
+             for part in (moving, normal(X, Y))]  # fmt: skip
+    for k in np.flatnonzero(cones.gouges):
+        ruling = cones.contact[k] - cones.vertex[k]
+        step, rest = np.linalg.lstsq(rates[0], ruling, rcond=None)[:2]
+        assert np.all(rest < 1e-20)
+        assert np.linalg.norm(np.cross(rates[1] @ step, ruling)) < 1e-10
+    assert np.count_nonzero(cones.gouges) == 4
 
 
 def _vertex(z, a, b):
@@ -1163,21 +1358,67 @@ def test_fig4_osculating_circle_in_the_top_view():
     assert np.allclose(vertex, CURVES["helix"](s0)[0], atol=1e-5)
 
 
+def _roof(s):
+    """Return planes of one slope through the tangents of an ellipse."""
+    normals = np.stack([np.cos(s), np.sin(s), 1 + 0 * s], axis=-1) / np.sqrt(2)
+    return normals, -np.sqrt(4 * np.cos(s) ** 2 + np.sin(s) ** 2) / np.sqrt(2)
+
+
 def test_fig5_hyperosculation_of_a_developable():
-    """A helix is the same everywhere: each osculating cone of its tangents hyperosculates."""
-    s0, gaps = 0.6, []
-    for step in (0.02, 0.04):
-        near = _along_helix(s0 + np.array([-1e-3, 0, 1e-3]))
-        far = _along_helix(np.array([s0 + step]))[0]
-        centre = circle_centre(near)
-        gaps.append(abs(np.linalg.norm(far[:2] - centre) - np.linalg.norm(near[1, :2] - centre)))
-    assert max(gaps) < 1e-9  # its normals are a circle on the sphere
+    """Planes of one slope on an ellipse, at its vertices; not the tangents of a regular edge."""
+    # Their normals are on a circle; they leave the cone with the evolute's point for a vertex by
+    # p''' + p', the rate of the radius of curvature, which is 0 at the ellipse's vertices alone.
+    a, b = sp.symbols("a b", positive=True)
+    support = sp.sqrt(a**2 * sp.cos(t) ** 2 + b**2 * sp.sin(t) ** 2)
+    radius = a**2 * b**2 / support**3
+    assert zero(support + support.diff(t, 2) - radius)
+    rate = 3 * a**2 * b**2 * (a**2 - b**2) * sp.sin(t) * sp.cos(t) / support**5
+    assert zero(radius.diff(t) - rate)
+    for s0, power in ((0.0, 4), (np.pi / 2, 4), (0.7, 3)):
+        p0, p1, rho = (float(e.subs({a: 2, b: 1, t: s0}))
+                       for e in (support, support.diff(t), radius))  # fmt: skip
+        turn = np.array([[np.cos(s0), np.sin(s0)], [-np.sin(s0), np.cos(s0)]])
+        vertex = np.array([*((p0 - rho, p1) @ turn), rho])
+        gaps = [n @ vertex + h for n, h in (_roof(s0 + step) for step in (0.01, 0.02))]
+        assert abs(np.log2(gaps[1] / gaps[0]) - power) < 0.05
+    # A regular edge: its planes leave each of its points by curvature times torsion over 6.
+    bend, twist = (sp.Function(name)(t) for name in ("bend", "twist"))
+    q = [sp.Function(f"q{axis}")(t) for axis in "TNB"]  # from the moving frame to the point
+    rates = dict(zip((c.diff(t) for c in q),
+                     (bend * q[1] - 1, twist * q[2] - bend * q[0], -twist * q[1])))  # fmt: skip
+    away = q[2]
+    for order in (1, 2, 3):
+        away = sp.expand(away.diff(t).subs(rates))
+        left = away.subs(dict.fromkeys(q, 0))
+        assert zero(left + (bend * twist if order == 3 else 0))
+
+    # So a helix', though the normals of its planes are those of a cone.
+    def helix(s):
+        return CURVES["helix"](s)[0]
+
+    vertex, axis, angle = osculating_cone(helix, 0.6)
+    n, h = tangent_planes(helix, 0.6 + np.array([0.01, 0.02]))
+    assert np.allclose(n @ axis, np.sin(angle), atol=1e-14)
+    assert abs(np.log2((n @ vertex + h)[1] / (n @ vertex + h)[0]) - 3) < 0.01
 
 
 def test_fig6_common_plane():
-    near = _along_helix(0.6 + np.array([-1e-3, 0, 1e-3]))
-    found = _along_helix(np.array([0.6]))[0]
-    assert np.allclose(found, near[1], atol=1e-15)
+    """Surface and cone have the plane and the ruling; their neighbours part at third order."""
+
+    def edge(s):
+        return CURVES["knot"](s)[0]
+
+    vertex, axis, angle = osculating_cone(edge, 0.6)
+    n, h = tangent_planes(edge, 0.6)
+    ruling = np.array(CURVES["knot"](0.6)[1], dtype=float)
+    assert np.isclose(n @ axis, np.sin(angle)) and np.isclose(n @ vertex, -h)
+    assert np.isclose(axis @ ruling, np.cos(angle) * np.linalg.norm(ruling))
+    gaps = []
+    for step in (0.01, 0.02):
+        n, h = tangent_planes(edge, 0.6 + step)
+        gaps.append((n @ vertex + h, n @ axis - np.sin(angle)))
+    powers = np.log2(np.divide(*gaps[::-1]))
+    assert np.all(np.abs(powers - 3) < 0.1), powers
 
 
 def test_fig7_contact_curve_crosses_the_circles():

@@ -4,12 +4,16 @@
 report/ledger/line-cylinder.toml.
 """
 
+from fractions import Fraction
+from math import sqrt
+
 import numpy as np
+import pytest
 import sympy as sp
 
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box, meet_rods
 from tunneller_lib.surfaces import rod_cases as cases
-from tunneller_lib.surfaces.rod_exact import judge
+from tunneller_lib.surfaces.rod_exact import exact_intervals, judge
 from tunneller_lib.surfaces.rod_interval import frame
 from tunneller_lib.surfaces.rod_rivals import crossings, three_surfaces
 
@@ -21,6 +25,7 @@ p = q + sp.Matrix([0, 0, z])
 vsq, vq = v.dot(v), v.dot(q)
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 UP = (0, 0, 1)
+SCALES = (2.0**-60, 1.0, 2.0**60)
 EMPTY = (np.inf, -np.inf)
 
 
@@ -64,14 +69,21 @@ def test_without_loss_of_generality():
         lifted = Rod((0, 0, 0), turn @ (b[i] - a[i]), radius[i])
         again = lifted.meet_line(turn @ (point[i] - a[i]), (0, 0, np.linalg.norm(u[i])))
         np.testing.assert_allclose(again, (found[0][i], found[1][i]), atol=1e-6)
+    # In floats the turn rounds: of lines that touch, many then pass by, judged in whole numbers.
+    a, b, radius, point, u = cases.tangents(np.random.default_rng(11), 500)
+    turn = np.linalg.qr(np.random.default_rng(12).normal(size=(3, 3)))[0]
+    turned = exact_intervals(0 * a, (b - a) @ turn, radius, (point - a) @ turn, u @ turn)
+    assert np.all(np.less_equal(*exact_intervals(a, b, radius, point, u)))
+    assert 0.1 < np.mean(np.greater(*turned)) < 0.9
 
 
-def test_convex_interval():
+@pytest.mark.parametrize("ends", ["flat", "round"])
+def test_convex_interval(ends):
     a, b, radius, point, u = float_rods(1)
-    enter, leave = meet_rods(a, b, radius, point, u)
+    enter, leave = meet_rods(a, b, radius, point, u, ends=ends)
     for i in np.flatnonzero(enter < leave)[:200]:
         t = np.linspace(enter[i] - 1, leave[i] + 1, 101)
-        inside = Rod(a[i], b[i], radius[i]).contains(point[i] + t[:, None] * u[i])
+        inside = Rod(a[i], b[i], radius[i], ends=ends).contains(point[i] + t[:, None] * u[i])
         assert np.array_equal(inside, (t >= enter[i]) & (t <= leave[i]))
 
 
@@ -123,8 +135,16 @@ def test_disc_at_b():
     printed, corrected = vsq - vq / vz, (vsq - vq) / vz
     assert not zero(v.dot(p.subs(z, printed) - v)) and zero(v.dot(p.subs(z, corrected) - v))
     assert zero(v.dot(p - v) - (vq + vz * z - vsq))  # the line above it is right
+    # A second way: the judge in whole numbers, and the library, leave there and not as printed.
     values = {vx: 90, vy: 0, vz: 120, qx: 80, qy: 0}
-    assert np.isclose(ROD.meet_line((80, 0, 0), UP)[1], float(corrected.subs(values)))
+    wrong, right = (float(form.subs(values)) for form in (printed, corrected))
+    line = np.array([ROD.a]), np.array([ROD.b]), np.array([25.0]), np.array([[80.0, 0, 0]])
+    for scale in SCALES:
+        arrays = [scale * array for array in line]
+        leaves = exact_intervals(*arrays, np.array([UP]))[1, 0], meet_rods(*arrays, UP)[1][0]
+        assert np.allclose(np.divide(leaves, scale), right, rtol=1e-14) and abs(right - wrong) > 1e4
+    # A length plus an area: on a rod with vz = 1 alone the slip isn't seen.
+    assert zero((printed - corrected).subs(vz, 1))
 
 
 def test_disc_test_at_b():
@@ -186,6 +206,30 @@ def shares(kind, n=20_000):
     return np.mean([wall, disc, wall & disc, ~(wall | disc)], axis=1)
 
 
+def decisions(a, b, radius, point, closed):
+    """Return what floats decide for a line along z through a rim of one rod: wall, disc.
+
+    The document's own formulas, one operation after the other; `closed` says whether equality
+    counts.
+    """
+    v_x, v_y, v_z = (b[i] - a[i] for i in range(3))
+    x, y, height = (point[i] - a[i] for i in range(3))
+    v_sq, v_q, q_q = v_x * v_x + v_y * v_y + v_z * v_z, v_x * x + v_y * y, x * x + y * y
+    A, B = v_z * v_z - v_sq, v_q * v_z
+    D = B * B - A * (v_q * v_q + radius * radius * v_sq - q_q * v_sq)
+    share, off = 2.0, []  # no root: nothing to accept
+    if D >= 0:
+        roots = [(-B + sign * sqrt(D)) / A for sign in (1, -1)]
+        share = (v_q + v_z * min(roots, key=lambda root: abs(root - height))) / v_sq
+    for z_, centre in ((-v_q / v_z, (0, 0, 0)), ((v_sq - v_q) / v_z, (v_x, v_y, v_z))):
+        off.append([x - centre[0], y - centre[1], z_ - centre[2], abs(z_ - height)])
+    ox, oy, oz, _ = min(off, key=lambda candidate: candidate[3])
+    far = ox * ox + oy * oy + oz * oz
+    if closed:
+        return 0 <= share <= 1, radius * radius >= far
+    return 0 < share < 1, radius * radius > far
+
+
 def test_chance_at_rims():
     # "25 % both, 25 % none": two fair coins. They're nearly independent, but not fair.
     for kind, both, none in (
@@ -197,6 +241,18 @@ def test_chance_at_rims():
         assert np.all(found[:2] > 0.5) and found[2] > 0.27 and found[3] < 0.22
         np.testing.assert_allclose(found[2:], (both, none), atol=0.02)
         np.testing.assert_allclose(found[3], np.prod(1 - found[:2]), atol=0.02)
+        assert found[0] - found[2] > 0 or found[1] - found[2] > 0  # one alone
+    # A second way: the document's formulas in plain floats, which are no different. Rounding goes
+    # either way alike, but equality is accepted: what closed comparisons have too often, open
+    # ones have too seldom.
+    lines = [array.tolist() for array in cases.vertical_lines(np.random.default_rng(5), 10_000)[:4]]
+    closed, open_ = (
+        np.array([decisions(*line, closed=kind) for line in zip(*lines)]) for kind in (True, False)
+    )
+    for accepted, both, none in ((closed, 0.30, 0.18), (open_, 0.18, 0.30)):
+        np.testing.assert_allclose(np.mean(accepted.all(axis=1)), both, atol=0.02)
+        np.testing.assert_allclose(np.mean(~accepted.any(axis=1)), none, atol=0.02)
+        assert np.all(np.abs(np.mean(accepted, axis=0) - 0.5) > 0.03)
 
 
 def failures(kind, method, n=1_500):
@@ -256,20 +312,53 @@ def test_epsilon_fix():
         found = rod.meet_line((1.5 * unit, 0, 0.5 * unit), (0.1, 0, 1), method="epsilon")
         thick.append(found[0] <= found[1])
     assert thick == [False, True]
+    # A second way: fractions. A disc with that number added reaches a line half a radius beside
+    # the rod if the rod is small; and where a line touches, the discriminant is 0, in floats often
+    # below, and no epsilon is in it.
+    for unit, reached in ((Fraction(1), False), (Fraction(1, 10**5), True)):
+        assert ((unit + Fraction(1, 10**5)) ** 2 >= (unit * 3 / 2) ** 2) is reached
+    below = 0
+    for *rod, p_, u_ in zip(*cases.tangents(np.random.default_rng(4), 300)):
+        line = p_ + 99_991 * u_, u_
+        exact, rounded = (discriminant(*rod, *line, number) for number in (Fraction, float))
+        assert exact == 0
+        below += rounded < 0
+    assert below > 30
 
 
-def test_scaled_epsilon():
+def discriminant(a, b, radius, point, direction, number):
+    """Return the discriminant of a line's quadratic for the wall, in fractions or in floats."""
+    v_, q_, u_ = ([number(c) for c in array] for array in (b - a, point - a, direction))
+    vv, uu, qq, uv, qv, uq = (
+        sum(c * d for c, d in zip(*pair))
+        for pair in ((v_, v_), (u_, u_), (q_, q_), (u_, v_), (q_, v_), (u_, q_))
+    )
+    A, B = uu * vv - uv * uv, uq * vv - qv * uv
+    return B * B - A * (qq * vv - qv * qv - number(radius) ** 2 * vv)
+
+
+@pytest.mark.parametrize(("tilt", "height"), [(3e-5, 1e4), (2e-4, 1e6), (5e-4, 1e9)])
+def test_scaled_epsilon(tilt, height):
     # A slight tilt: the line is inside from half the height to the top.
-    rod, p_ = Rod((0, 0, 0), (3e-5, 0, 1e4), 1.0), np.array([1 + 1.5e-5, 0, 0])
+    rod, p_ = Rod((0, 0, 0), (tilt, 0, height), 1.0), np.array([1 + tilt / 2, 0, 0])
     assert abs(rod.b[0]) + abs(rod.b[1]) < 0.001
 
     def share(epsilon):
         arguments = np.array(rod.a), np.array(rod.b), 1.0, p_, np.array([0.0, 0, 1])
-        return np.array(three_surfaces(*arguments, epsilon=epsilon)) / 1e4
+        return np.array(three_surfaces(*arguments, epsilon=epsilon)) / height
 
-    np.testing.assert_allclose(np.array(rod.meet_line(p_, UP)) / 1e4, (0.5, 1), atol=1e-9)
+    np.testing.assert_allclose(np.array(rod.meet_line(p_, UP)) / height, (0.5, 1), atol=1e-9)
     np.testing.assert_allclose(share(0.00001), (1, 1), atol=1e-9)  # paper thin
     np.testing.assert_allclose(share(0.001), (0, 1), atol=1e-9)  # twice too thick
+    # A second way: fractions. The line comes within 1 of the axis at half the height and stays
+    # there; h^2 is less than a float of vsq can tell; and for a's disc, which the line passes
+    # by, the greater epsilon is enough and the lesser isn't.
+    run, top = Fraction(tilt), Fraction(height)
+    length2, beside = run**2 + top**2, 1 + run / 2
+    for z_, inside in ((Fraction(499, 1000), False), (Fraction(501, 1000), True), (1, True)):
+        assert ((beside * top - z_ * top * run) ** 2 <= length2) is inside  # the distance
+    assert run**2 < Fraction(np.spacing(float(length2))) / 2
+    assert (1 + Fraction(1, 10**5)) ** 2 < beside**2 < (1 + Fraction(1, 10**3)) ** 2
 
 
 def test_two_volumes():
@@ -315,6 +404,24 @@ def test_two_volumes_of_parallel_lines():
     exact = ROD.meet_line(points, UP)
     clear = exact[1] - exact[0] > 1e-6
     np.testing.assert_allclose(np.array(together)[:, clear], np.array(exact)[:, clear], atol=1e-6)
+    # A second way: it is done. Four numbers of the rod once, two products a line, and the two
+    # intervals' common part is what the judge in whole numbers says.
+    for scale in SCALES:
+        run, rise, size = 90 * scale, 120 * scale, 25 * scale
+        steep, wide, flat, high = rise / run, np.hypot(run, rise) / run, run / rise, run**2 / rise
+        lines = scale * np.round(points[:400])
+        m_, s_ = lines @ (1, 0, 0), lines @ (0, 1, 0)
+        with np.errstate(invalid="ignore"):
+            reach = wide * np.sqrt(size**2 - s_**2)
+        enter = np.maximum(steep * m_ - reach, -flat * m_)
+        leave = np.minimum(steep * m_ + reach, rise + high - flat * m_)
+        rods = np.broadcast_to(scale * np.array([ROD.a, ROD.b])[:, None], (2, 400, 3))
+        first, last = exact_intervals(*rods, np.full(400, size), lines * (1, 1, 0),
+                                      np.broadcast_to(np.array(UP, float), (400, 3)))  # fmt: skip
+        clear = last - first > 1e-6 * scale
+        assert np.array_equal(leave - enter > 1e-6 * scale, clear) and 100 < clear.sum() < 300
+        np.testing.assert_allclose(enter[clear], first[clear], atol=1e-12 * size)
+        np.testing.assert_allclose(leave[clear], last[clear], atol=1e-12 * size)
 
 
 def test_two_ellipses_and_a_rectangle():
@@ -339,6 +446,21 @@ def test_eccentricity():
     # e = vz/|v| is the ratio of the axes; the eccentricity is |f . v|/|v|.
     ratio = sp.Rational(120, 150)
     assert sp.Ellipse((0, 0), 25 * ratio, 25).eccentricity == sp.sqrt(1 - ratio**2) != ratio
+    # A second way: a gardener's. Points of the rim as lines see it, found by the library at its
+    # disc, have one sum of distances from two foci, as far from the centre as the eccentricity
+    # says; from those that the printed one says they haven't, but for an axis at 45 degrees.
+    turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    for rise, run in ((120, 90), (20, 99), (300, 40), (7, 7)):
+        for scale in SCALES:
+            coin = Rod((0, 0, 0), (1e-9 * scale * run, 0, 1e-9 * scale * rise), scale)
+            e = rise / np.hypot(rise, run)
+            out = scale * np.stack([e * np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
+            within, beyond = (coin.meet_line(part * out, UP) for part in (1 - 1e-6, 1 + 1e-6))
+            assert np.all(np.less(*within)) and np.all(np.greater(*beyond))
+            for eccentricity, holds in ((np.sqrt(1 - e * e), True), (e, rise == run)):
+                foci = [np.array([0, sign * eccentricity * scale, 0]) for sign in (1, -1)]
+                total = sum(np.linalg.norm(out - focus, axis=-1) for focus in foci) / scale
+                assert bool(np.ptp(total) < 1e-12) is holds
 
 
 def test_miss_conditions():
@@ -354,6 +476,21 @@ def test_miss_conditions():
     sharp = (np.abs(s_) > 25) | (m_ < -k) | (m_ > 90 + k)
     assert not np.any(loose & (enter <= leave)) and np.any(~loose & (enter > leave))
     assert np.array_equal(sharp, enter > leave)
+    # A second way: the judge in whole numbers, on a raster, where borders are met exactly; with
+    # e = 4/5 the sharp rule is one of whole numbers, too.
+    m_, s_ = (grid.ravel() for grid in np.meshgrid(np.arange(-30, 121, 2), np.arange(-35, 36, 5)))
+    outside = np.where(m_ < 0, -m_, np.maximum(m_ - 90, 0))
+    sharp = (np.abs(s_) > 25) | (25 * outside**2 > 16 * (625 - s_**2))
+    loose = (np.abs(s_) > 25) | (m_ < -20) | (m_ > 110)
+    printed = (np.abs(s_) > 25) | (m_ < 20) | (m_ > 110)
+    n = len(m_)
+    for scale in SCALES:
+        rods = np.broadcast_to(scale * np.array([ROD.a, ROD.b])[:, None], (2, n, 3))
+        lines = scale * np.stack([m_, s_, 0 * m_], axis=-1)
+        up = np.broadcast_to(np.array(UP, float), (n, 3))
+        missed = np.greater(*exact_intervals(*rods, np.full(n, 25 * scale), lines, up))
+        assert np.array_equal(sharp, missed) and np.all(missed[loose])
+        assert 100 < np.count_nonzero(printed & ~missed)
 
 
 def test_filter_by_two_products():
@@ -437,3 +574,16 @@ def test_part_two():
     for i in range(5):
         cone, rod = Frustum(a[i], b[i], 0.3, 0.3), Rod(a[i], b[i], 0.3)
         np.testing.assert_allclose(cone.meet_line(point, u), rod.meet_line(point, u), atol=1e-6)
+    # A truncated cone by its definition: the radius grows with the share of the axis. The depth
+    # below its wall is concave along lines, so that what is inside is an interval.
+    for i in range(20):
+        cone, axis = Frustum(a[i], b[i], 0.2, 0.9), b[i] - a[i]
+        for enter, leave, p_, u_ in zip(*cone.meet_line(point, u), point, u):
+            middle, half = ((enter + leave) / 2, leave - enter) if enter < leave else (0, 3)
+            out = p_ + (middle + half * np.linspace(-1, 1, 82))[:, None] * u_ - a[i]
+            share = out @ axis / (axis @ axis)
+            depth = 0.2 + 0.7 * share - np.linalg.norm(out - share[:, None] * axis, axis=-1)
+            assert np.all(np.diff(depth, 2) < 1e-12)
+            inside = (depth >= 0) & (share >= 0) & (share <= 1)
+            within = np.abs(np.linspace(-1, 1, 82)) < 0.5
+            assert np.array_equal(inside, within & (enter < leave))
