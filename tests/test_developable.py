@@ -12,7 +12,7 @@ CURVES = {"cubic": lambda s: cubic(s, bend=0.8)[0], "helix": lambda s: helix(s)[
 
 
 def gap(curve, s, step):
-    """Return how far a neighbouring plane lies from the osculating cone's circle."""
+    """Return how far a neighbouring plane's normal lies from the osculating cone's circle."""
     _, axis, half_angle = osculating_cone(curve, s)
     centre, radius = top_circle(axis, half_angle)
     place = plane_to_point(*tangent_planes(curve, s + step))[:2]
@@ -51,9 +51,24 @@ def test_tangent_planes_of_a_plane_curve_are_its_plane():
 @pytest.mark.parametrize(("name", "s", "power"), [
     ("cubic", 0.7, 3), ("cubic", -0.3, 3), ("cubic", 0.0, 4),
 ])  # fmt: skip
-def test_osculating_cone_is_left_at_third_order_or_at_fourth(name, s, power):
+def test_normals_leave_the_cones_at_third_order_or_at_fourth(name, s, power):
     gaps = [gap(CURVES[name], s, step) for step in (0.01, 0.02)]
     assert np.log2(gaps[1] / gaps[0]) == pytest.approx(power, abs=0.15)
+
+
+@pytest.mark.parametrize(("name", "s"), [("cubic", 0.7), ("cubic", 0.0), ("helix", 0.3)])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_planes_leave_the_vertex_at_third_order(name, s, scale):
+    """By curvature times torsion over 6 times the arc's third power, also at such a place."""
+
+    def curve(s):
+        return [scale * c for c in CURVES[name](s)]
+
+    vertex, *_ = osculating_cone(curve, s)
+    n, h = tangent_planes(curve, s + 1e-3)
+    _, v, a, third = derivatives(curve, s)
+    volume = np.dot(np.cross(v, a), third) / np.linalg.norm(np.cross(v, a))
+    assert (n @ vertex + h) / scale == pytest.approx(-volume / scale * 1e-9 / 6, rel=0.01)
 
 
 def test_osculating_cone_of_a_helix_holds_all_its_normals():

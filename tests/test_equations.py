@@ -70,6 +70,13 @@ def test_ring_radius_words():
     node = {x: 0, y: sp.sqrt(R**2 - r**2), z: 0}
     assert zero([TORUS.subs(node), *[TORUS.diff(v).subs(node) for v in (x, y, z)]])
     assert close(Torus(1, 2).point(0.7, np.arccos(-1 / 2)), [0, 3**0.5, 0])
+    # A second way, measured on the library's tori: distances from a circle of either radius.
+    for torus in TORI:
+        x_, y_, z_ = torus.point(*3 * draw(30, 2, 50)).T
+        ring, printed = (np.hypot(np.hypot(x_, z_) - size, y_) for size in (torus.r, torus.R))
+        inner = np.hypot(np.hypot(x_, z_) + torus.r, y_)  # of the sheet beyond the axis
+        assert close(np.minimum(abs(ring - torus.R), abs(inner - torus.R)), 0, torus.R)
+        assert np.ptp(printed) > 0.1 * torus.r
 
 
 def test_joint_ranges():
@@ -82,7 +89,8 @@ def test_joint_ranges():
     degrees = [limits.theta_min, limits.theta_max, limits.phi_min, limits.phi_max]
     assert close(np.degrees(degrees), [-60, 35, -40, 40], 10)
     assert limits.within_limits([0.0, 0.0]) and not limits.within_limits(np.radians([0, -130]))
-    # The printed relation admits poses with the cutter behind the joints, the corrected none.
+    # A second way, poses: the printed relation admits some with the cutter behind the joints, the
+    # corrected none.
     behind = limits.torus.point(0, np.radians(np.arange(-260, 41)))[:, 0] < limits.r
     assert np.any(behind[:221]) and not np.any(behind[220:])  # up to -40, and from there on
 
@@ -193,6 +201,7 @@ def test_eq01_cited_as_eq02():
     printed = TORUS  # Eq. 2, whose left side is zero already
     on_surface = printed.subs(dict(zip((x, y, z), parametrised())))
     assert zero(on_surface) and not zero(on_surface**2 - squared_eq1)
+    # A second way, in numbers: the sum is that of Eq. 1, while Eq. 2 says 0.
     point = Torus(1, 2).point(0.7, 0.4)
     assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4) and close(
         Torus(1, 2).implicit(point), 0
@@ -231,6 +240,13 @@ def test_eq02_expansion():
     assert (printed - truth).subs(pole) == -(R**2)
     # The document's next line follows from the corrected one only.
     assert zero(corrected - (r**2 + 2 * r * R * sp.cos(phi) + R**2))
+    # A second way, in numbers: the library's points, near and far.
+    for torus in TORI:
+        angles = draw(31, 2, 50)
+        truth = np.sum(torus.point(*angles) ** 2, axis=-1) / torus.R**2
+        values = (torus.r, torus.R, *angles)
+        assert close(at(corrected, (r, R, theta, phi), values) / torus.R**2, truth)
+        assert np.max(np.abs(at(printed, (r, R, theta, phi), values) / torus.R**2 - truth)) > 0.1
     assert close(np.sum(Torus(1, 2).point(0, np.pi / 2) ** 2), 5)
 
 
@@ -338,6 +354,7 @@ def test_eq05_T2():
     corrected = printed[2] + 2 * t3**2  # 4 t3^2 for 2 t3^2
     truth = line_polynomial().coeff_monomial(t**2)
     assert zero(corrected - truth) and not zero(printed[2] - truth)
+    # A second way, from roots that are known.
     pairs = itertools.combinations([7, 9, 11, 13], 2)
     assert by_known_roots(corrected, printed[4]) == sum(p * q for p, q in pairs) == 590
     assert by_known_roots(printed[2], printed[4]) == 390
@@ -357,6 +374,7 @@ def test_eq05_T0():
     corrected = t2**2 - 4 * r**2 * (R**2 - a2**2)  # t2^2 for t2
     truth = line_polynomial().coeff_monomial(1)
     assert zero(corrected - truth) and not zero(printed[0] - truth)
+    # A second way, from roots that are known.
     assert by_known_roots(corrected, printed[4]) == 7 * 9 * 11 * 13
     assert by_known_roots(printed[0], printed[4]) == 79
     assert close(Torus(1, 2).meet_line((-10, 0, 0), (-9, 0, 0)), [7, 9, 11, 13], 10)
@@ -370,6 +388,7 @@ def test_eq05_quartic():
     for form, found in ((printed, False), (corrected, True)):
         quartic = sp.Poly(sum(c * t**p for p, c in form.items()).subs(line), t)
         assert (quartic.real_roots() == [7, 9, 11, 13]) is found
+    # A second way, in numbers: the library's coefficients, and its roots by no polynomial.
     ends = draw(6, 6, 40)
     for torus in TORI:
         values = (torus.r, torus.R, *ends)
@@ -654,7 +673,7 @@ def test_eq11_N4():
     s, (nu4, _) = m1**2 + m3**2, eq11_corrected_nu()
     printed, corrected = m1**4 * s * nu4, m1**4 * s**2 * nu4
     assert zero(corrected - coefficient(4)) and not zero(printed - coefficient(4))
-    # Degrees: every coefficient's must fall by one as n1's rises.
+    # A second way, by degrees: every coefficient's must fall by one as n1's rises.
     whole = {p: eq11_corrected(4).coeff(n1, p) for p in (2, 1, 0)} | {4: corrected}
     lengths = (r, R, *m)
     assert {sp.Poly(c, *lengths).total_degree() + p for p, c in whole.items()} == {16}
@@ -668,7 +687,8 @@ def test_eq11_nu4():
     assert not zero(s**2 * printed - coefficient(4, 0))
     assert zero(corrected - ((s + r**2 + m2**2) ** 2 - 4 * r**2 * s))
     assert (printed - corrected).subs(EXAMPLE) == 64  # 2 (m3^2 - m2^2) m1^2
-    # In numbers: N1, which holds, is minus N4 times the sum of the feet's triple products.
+    # A second way, in numbers: N1, which holds, is minus N4 times the sum of the feet's triple
+    # products.
     feet, values = Torus(1, 4).feet((2, 1, 3))[:, 0], {**EXAMPLE}
     triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
     wanted = -float(coefficient(1, 0).subs(values)) / triples
@@ -702,7 +722,7 @@ def test_eq11_nu0():
         assert not zero(wrong - corrected)
     assert zero(mended_head + mended_bracket - printed - corrected)
     assert sp.Poly(head, r, R, *m).total_degree() == 10  # among terms of degree 8
-    # In numbers: N0 is N4 times the product of the feet's n1.
+    # A second way, in numbers: N0 is N4 times the product of the feet's n1.
     wanted = float(coefficient(4, 0).subs(EXAMPLE)) * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
     for form, right in ((corrected, True), (printed, False)):
         assert bool(abs(float((m1**4 * form).subs(EXAMPLE)) / wanted - 1) < 1e-9) is right
@@ -713,6 +733,7 @@ def test_eq11_quartic():
     assert zero(eq11_corrected(0) - feet_product().as_expr())
     printed = eq11_printed()
     quartic = sum(printed[f"N{p}"] * n1**p for p in range(5))
+    # A second way, in numbers: the library's feet, by no polynomial.
     foot = Torus(1, 4).feet((2, 1, 3))[:, 0]
     wrong, right = (
         sp.lambdify(n1, e.subs(EXAMPLE) / abs(e.subs(EXAMPLE).subs(n1, 0)))
@@ -748,6 +769,7 @@ def test_nearest_foot():
     near, far = sp.symbols("near far", positive=True)
     assert zero((R - near) ** 2 - (R - far) ** 2 - (far - near) * (2 * R - near - far))
     assert zero((R + near) ** 2 - (R - near) ** 2 - 4 * R * near)
+    # A second way, measured on the library's feet.
     for torus in TORI[:3]:
         centres = 2 * torus.R * draw(13, 500, 3)
         rho = np.hypot(centres[:, 0], centres[:, 2])
@@ -841,6 +863,7 @@ def test_groove_volume():
     assert zero(printed.subs(g, 2 * R) - 2 * sp.pi * V_L)  # the whole cylinder, 2 pi times
     sector = printed / (2 * sp.pi)
     segment = R**2 * sp.acos((R - g) / R) - (R - g) * sp.sqrt(2 * R * g - g**2)
+    # A second way, by quadrature; a third is measured in test_groove_along_a_wall.
     for depth in (sp.Rational(1, 10), sp.Rational(1, 2), sp.Rational(3, 2)):
         area = 2 * mp.quad(lambda v: mp.sqrt(1 - v * v), [1 - float(depth), 1])
         assert close(float(segment.subs({R: 1, g: depth})), float(area))
@@ -882,6 +905,11 @@ def test_eq13_k():
     rim = {n1: 3, n2: 0, n3: -4}
     assert corrected == sp.Rational(9, 16) and zero(EQ13.subs(rim).subs(k, corrected))
     assert printed == sp.Rational(1, 9) and EQ13.subs(rim).subs(k, printed) == sp.Rational(65, 9)
+    # A second way: the listing, and the library's cone, on which that circle is, near and far.
+    for size in (1e-6, 1.0, 1e6):
+        circle = size * np.array([3.0, 0, -4])
+        assert abs(Cone(np.arctan(0.75)).implicit(circle)) < 1e-14 * size**2
+        assert abs(Cone(np.arctan(0.75) / 2).implicit(circle)) > 7 * size**2  # alpha/2
     assert "K=(R/HH)^2" in PRINTED[120]  # the listing has it right
     assert close(Cone(np.arctan(0.75)).k, 9 / 16)
 
@@ -951,8 +979,12 @@ def test_numeric_example():
     # Where 8.39997 comes from: n1 and n2 of this foot with n3 of the other.
     mixed = sp.Matrix([feet[1][0], feet[1][1], feet[0][2]]) - centre
     assert abs(mixed.norm() - printed[1]) < 6e-6
-    found = Cone(np.arctan(0.5)).feet(np.array(centre.T, float)[0])
+    # A second way, in floats: the library's feet and their distances.
+    middle = np.array(centre.T, float)[0]
+    found = Cone(np.arctan(0.5)).feet(middle)
     assert close(found, np.array([foot.T for foot in feet], float).reshape(2, 3), 10)
+    away = np.linalg.norm(found - middle, axis=-1)
+    assert close(away, [12 / 5**0.5 - 4, 12 / 5**0.5 + 4], 10) and abs(away[1] - printed[1]) > 0.9
 
 
 def test_fig9_development():
@@ -1006,8 +1038,14 @@ def test_eq17_labels():
     corrected = sp.atan2(point[1], point[0])  # phi
     off = [(polar.subs(phi, angle) - point).subs(chord).norm() for angle in (printed, corrected)]
     assert sp.N(off[0]) > 1 and abs(sp.N(off[1])) < 1e-12
-    table = ConeChord(1, 1, 0.5, 0.25).table(0.5)
-    assert close(table[1], float(sp.N(corrected.subs(chord))))
+    # A second way, in numbers: the library's point of the development has that angle.
+    for values in CHORDS:
+        chord = ConeChord(*values)
+        for share in (0.1, 0.5, 0.9):
+            here = chord.geodesic(share)
+            angle, whole = chord.table(share)[1], 2 * np.pi * np.sin(chord.cone.half_angle)
+            polar = np.hypot(*here) * np.array([np.cos(angle), np.sin(angle)])
+            assert close(polar, here, 10) and abs(angle - whole) > 1
 
 
 def test_tan_phi():
@@ -1040,10 +1078,14 @@ def test_eq18_chain():
     assert zero([ratio - S / R, 2 * sp.pi / (2 * sp.pi * R / S) - S / R])
     printed, corrected = S / R, S / R * phi
     assert zero(corrected - ratio * phi) and not zero(printed - ratio * phi)
+    # A second way, in numbers: the azimuth and the development's point, which share no formula.
     for values in CHORDS:
-        chord = ConeChord(*values)
-        angle = chord.table(0.5)[1]
-        assert close(chord.azimuth(0.5), np.hypot(*values[:2]) / values[0] * angle)
+        chord, share = ConeChord(*values), np.linspace(0, 1, 11)
+        ratio = np.hypot(*values[:2]) / values[0]
+        angle = np.arctan2(*chord.geodesic(share).T[::-1])
+        assert close(chord.azimuth(share), ratio * angle)
+        assert np.ptp(chord.azimuth(share)) > 0.6  # no constant
+        assert close(chord.azimuth(1.0), 2 * np.pi * values[3])  # Theta_f
 
 
 def test_eq18_branch():
@@ -1079,7 +1121,7 @@ def test_eq19_row_m3():
     assert zero(corrected - (p * q.dot(plane) - q * p.dot(plane)))  # on the line
     assert zero(corrected.dot(plane))  # and in the plane
     assert zero((printed - corrected)[:3, 0]) and not zero(printed.dot(plane))
-    # With the document's own P, Q and plane only the corrected row gives its M.
+    # A second way: with the document's own P, Q and plane only the corrected row gives its M.
     appendix = [(1, R, 0, -H), (1, 0, h * R / H, -h), (0, -sp.sin(theta), sp.cos(theta), 0)]
     shown = -h * H * (sp.tan(theta) + 1) / (H * sp.tan(theta) + h)
     for sign, right in ((+1, False), (-1, True)):
@@ -1195,6 +1237,7 @@ def test_table():
     assert TABLE.size == 55 and differing(truth) == set(MISPRINTS)
     for cell, digits in MISPRINTS.items():
         assert round(truth[cell], 4) == digits
+    # A second way, in floats: the library's table, by feet and development.
     table = ConeChord(*EXAMPLE_CONE).table(np.arange(11) / 10)
     table[:, 1] = np.degrees(table[:, 1])
     assert close(table, truth, 100)
@@ -1205,6 +1248,7 @@ def test_table_difference_misprint(row):
     _, _, LN, NN, printed = TABLE[row]
     corrected = MISPRINTS[row, 4]
     assert round(NN - LN, 4) == corrected != printed  # against the printed row's own columns
+    # A second way: to thirty digits.
     assert round(exact_table()[row, 4], 4) == corrected
 
 
@@ -1215,6 +1259,7 @@ def test_table_angle_misprint():
     printed, corrected = sp.Rational(267542, 10000), sp.Rational(267541, 10000)
     unit = sp.Rational(1, 10000)
     assert abs(angle - corrected) < unit / 2 < abs(angle - printed)
+    # A second way, in floats: the library's table.
     table = ConeChord(*EXAMPLE_CONE).table(0.6)
     assert round(np.degrees(table[1]), 4) == float(corrected)
 
@@ -1225,7 +1270,12 @@ def test_table_columns():
     geodesic, approximation = truth[:, 3], truth[:, 2]
     assert np.max(np.abs(TABLE[:, 2] - geodesic)) > 0.02  # as the text orders them
     assert np.max(np.abs(TABLE[:, [2, 3]].T - [approximation, geodesic])) < 6e-5
+    # A second way: the order in which the listing prints them; its NN is the development's.
     assert PRINTED[240].endswith("LN, NN, NN-LN")
+    assert "NN=SQR(ND1^2+ND2^2)" in PRINTED[160]
+    run_rows = np.array(run(*EXAMPLE_CONE, 10, repaired=ALL))
+    radii = np.linalg.norm(ConeChord(*EXAMPLE_CONE).geodesic(np.arange(11) / 10), axis=-1)
+    assert close(run_rows[:, 3], radii, 1e4) and np.max(np.abs(run_rows[:, 2] - radii)) > 0.02
 
 
 def listing_error(values, repaired):
@@ -1241,6 +1291,7 @@ def test_listing_as_printed():
         run(*EXAMPLE_CONE, 10)
     rows = np.array(run(*EXAMPLE_CONE, 10, repaired=ALL))
     assert differing(rows) == set(MISPRINTS)
+    # A second way, on other cones: the library's table.
     for values in ((2, 1, 0.5, 0.3, 10), (4, 3, 1, 0.4, 5), (1, 2, 0.5, 0.1, 20)):
         assert listing_error(values, ALL) < 1e-8
 
@@ -1250,9 +1301,10 @@ def test_listing_180():
     printed, corrected = "A2=A*A", "A2=2*A"
     assert printed in PRINTED[180] and corrected in REPAIRS[180]
     assert differing(np.array(run(*EXAMPLE_CONE, 10, repaired=[180]))) == set(MISPRINTS)
+    # A second way, on another cone: P lies at S from the apex.
     others = [line for line in ALL if line != 180]
     start = run(1, 2, 0.5, 0.25, 10, repaired=others)[0]
-    assert abs(start[2] - 5**0.5) > 0.05  # P lies on the cone, at S = sqrt(5)
+    assert abs(start[2] - 5**0.5) > 0.05  # S = sqrt(5)
     assert abs(run(1, 2, 0.5, 0.25, 10, repaired=ALL)[0][2] - 5**0.5) < 1e-9
 
 
@@ -1262,6 +1314,11 @@ def test_listing_120():
     assert listing_error((*EXAMPLE_CONE, 10), others) < 1e-8
     assert listing_error((2, 1, 0.5, 0.25, 10), others) > 1
     assert listing_error((2, 1, 0.5, 0.25, 10), ALL) < 1e-8
+    # A second way: the whole development, f = 1, has the base circle 2 pi R for its arc.
+    for repaired, whole in ((others, False), (ALL, True)):
+        *_, (_, degrees, *_) = run(0.5, 3, 1, 0.25, 10, repaired=repaired)
+        arc = 4 * np.radians(degrees) * np.hypot(0.5, 3)
+        assert bool(abs(arc - 2 * np.pi * 0.5) < 1e-8) is whole
 
 
 def test_listing_100():

@@ -92,3 +92,12 @@ def test_geodesic_is_approximated():
     assert np.max(aside) < 0.0125 and np.median(aside) < 2e-4
     joint = path_length(torus, RIVALS["joint space"], p, q) / geodesic.length - 1
     assert np.median(joint) > 500 * np.median(excess)
+    # About one middle, chords of half the length deviate an eighth as much.
+    middle, half = (p + q)[:200] / 2, (q - p)[:200] / 2
+    worst = []
+    for part in (1 / 8, 1 / 16):
+        ends = middle - part * half, middle + part * half
+        track = RIVALS["tangent spheres"](torus, *ends, np.linspace(0, 1, 17))
+        short = geodesic_inverse(torus, *ends).points(65).deviation(track)
+        worst.append(np.max(np.abs(short), axis=-1))
+    assert abs(np.median(np.log2(worst[0] / worst[1])) - 3) < 0.1

@@ -133,6 +133,8 @@ def test_equal_increments():
             steps = {*np.diff(time_bresenham(0, difference, ticks)).tolist()}
             assert steps <= {difference // ticks, difference // ticks + 1}
             assert (len(steps) == 1) == (difference % ticks == 0)
+            off = ticks * time_bresenham(0, difference, ticks) - np.arange(ticks + 1) * difference
+            assert np.max(np.abs(off)) <= ticks / 2  # half a count
 
 
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
@@ -236,16 +238,20 @@ def test_listing_plot():
 def test_listing_floats():
     # nx and e are no integers; in floating point some ties tip over. Scaled by N nothing does.
     _, rounded = run_listing(0, 30, 0, 13, 1, number=float)
-    odd = []
-    for difference in range(1, 200):
-        _, wanted = run_listing(0, 30, 0, difference, 1)
-        _, found = run_listing(0, 30, 0, difference, 1, number=float)
-        np.testing.assert_array_equal(listing(0, 30, 0, difference, 1)[1], found)
-        if difference < 20:
-            assert matlab_listing.run(t2=30, y1=0, y2=difference).drawn[0][2] == found
-        odd += [difference] if found != wanted else []
-        assert time_bresenham(0, difference, 30, tie="down").tolist() == wanted
+    wanted, found = (
+        {k: run_listing(0, 30, 0, k, 1, number=number)[1] for k in range(1, 200)}
+        for number in (Fraction, float)
+    )
+    odd = [k for k in wanted if found[k] != wanted[k]]
     assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
+    # A second way: the library's copy and the text itself tip over where it does; the integer
+    # line nowhere.
+    for difference in wanted:
+        np.testing.assert_array_equal(listing(0, 30, 0, difference, 1)[1], found[difference])
+        if difference < 20:
+            program = matlab_listing.run(t2=30, y1=0, y2=difference)
+            assert program.drawn[0][2] == found[difference]
+        assert time_bresenham(0, difference, 30, tie="down").tolist() == wanted[difference]
 
 
 def test_listing_slope():
@@ -254,6 +260,7 @@ def test_listing_slope():
         assert listing(0, 10, 5, 30, float(T))[1][-1] == end
         t, y = run_listing(0, 10, 5, 30, T, steps_of=T)
         assert (t[-1], y[-1]) == (10, 30)
+        # A second way: the text itself, and the integer line.
         for repaired, last in ((["continuation"], end), (["continuation", "slope"], 30)):
             program = matlab_listing.run(T=T, number=Fraction, repaired=repaired)
             assert program.drawn[0][2][-1] == last
@@ -300,7 +307,8 @@ def test_listing_ideal_line():
     assert sp.simplify(printed.subs(t, t1) - y1) != 0
     assert sp.simplify(corrected.subs(t, t1) - y1) == sp.simplify(corrected.subs(t, t2) - y2) == 0
     assert sp.simplify(printed.subs(t1, 0) - corrected.subs(t1, 0)) == 0
-    # Run from t1 = 3: the line drawn ends far from the circles, repaired it passes through them.
+    # A second way, the text itself: run from t1 = 3, the line drawn ends far from the circles,
+    # repaired it passes through them.
     for repaired, off in ((["continuation"], Fraction(75, 7)), (["continuation", "ideal line"], 0)):
         program = matlab_listing.run(t1=3, number=Fraction, repaired=repaired)
         circles, ideal = (entry for entry in program.drawn if entry[0] == "plot")

@@ -48,6 +48,21 @@ def test_groove_along_a_wall():
     strip = ((path + sp.sqrt(r_**2 - x**2)) ** 2 - W**2) / 2
     parts = path * (sp.sqrt(r_**2 - x**2) - (r_ - g_)) + (r_**2 - x**2 - (r_ - g_) ** 2) / 2
     assert sp.simplify(sp.expand(strip - parts)) == 0
+    # Over the groove's width, a turn of c/(W - R + g): what there is more, as the library has it.
+    a = sp.symbols("a", positive=True)  # half the width, the root of 2 R g - g^2
+    assert sp.integrate((a**2 - x**2) / 2, (x, -a, a)) == 2 * a**3 / 3
+    for size, wall in ((1e-6, 0.5), (1.0, 0.25), (1.0, 50.0), (1e6, 0.5)):
+        tool = size * radius, size * step, size * g
+        more = removed_volume(*tool, wall=size * wall) - removed_volume(*tool)
+        turn = step / (wall - radius + g)
+        wanted = turn * 2 / 3 * (2 * radius * g - g * g) ** 1.5
+        assert abs(more / size**3 - wanted) < 1e-12 * wanted + 1e-15
+        # And by quadrature of the strips.
+        numbers = {r_: radius, g_: g, W: wall}
+        width = np.sqrt(2 * radius * g - g * g) * np.polynomial.legendre.leggauss(60)[0]
+        weight = np.sqrt(2 * radius * g - g * g) * np.polynomial.legendre.leggauss(60)[1]
+        whole = turn * weight @ sp.lambdify(x, strip.subs(numbers))(width)
+        assert abs(removed_volume(*tool, wall=size * wall) / size**3 / whole - 1) < 1e-10
 
 
 def test_single_change():

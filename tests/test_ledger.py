@@ -38,6 +38,18 @@ def test_row_has_a_proof(id):
     assert name in names_in(path)
 
 
+MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
+
+
+@pytest.mark.parametrize("id", MENDED)
+def test_correction_is_proved_in_two_ways(id):
+    path, _, name = LEDGER[id]["proof"].partition("::")
+    text = (ROOT / path).read_text()
+    (proof,) = (e for e in ast.parse(text).body if getattr(e, "name", "") == name)
+    first, mark, second = ast.get_source_segment(text, proof).partition("# A second way")
+    assert mark and " assert" in first and "assert" in second
+
+
 def test_every_proof_is_named_by_a_row():
     proofs = {row["proof"].partition("::")[2] for row in LEDGER.values()}
     for path in (ROOT / "tests").glob("test_equations*.py"):

@@ -85,8 +85,9 @@ def osculating_cone(curve, s):
     Notes
     -----
     Envelopes of cones, section 4: second-order contact along the tangent. The axis is the Darboux
-    vector, torsion times tangent plus curvature times binormal; contact is of third order where
-    their ratio is stationary.
+    vector, torsion times tangent plus curvature times binormal. Where their ratio is stationary
+    the normals keep to the cone's by an order more, but the planes don't: as the curve is regular
+    they leave the vertex by curvature times torsion over 6 times the arc's third power.
 
     Examples
     --------
