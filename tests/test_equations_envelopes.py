@@ -1358,7 +1358,7 @@ def test_fig4_osculating_circle_in_the_top_view():
     assert np.allclose(vertex, CURVES["helix"](s0)[0], atol=1e-5)
 
 
-def _roof(s):
+def _slope_planes(s):
     """Return planes of one slope through the tangents of an ellipse."""
     normals = np.stack([np.cos(s), np.sin(s), 1 + 0 * s], axis=-1) / np.sqrt(2)
     return normals, -np.sqrt(4 * np.cos(s) ** 2 + np.sin(s) ** 2) / np.sqrt(2)
@@ -1379,7 +1379,7 @@ def test_fig5_hyperosculation_of_a_developable():
                        for e in (support, support.diff(t), radius))  # fmt: skip
         turn = np.array([[np.cos(s0), np.sin(s0)], [-np.sin(s0), np.cos(s0)]])
         vertex = np.array([*((p0 - rho, p1) @ turn), rho])
-        gaps = [n @ vertex + h for n, h in (_roof(s0 + step) for step in (0.01, 0.02))]
+        gaps = [n @ vertex + h for n, h in (_slope_planes(s0 + step) for step in (0.01, 0.02))]
         assert abs(np.log2(gaps[1] / gaps[0]) - power) < 0.05
     # A regular edge: its planes leave each of its points by curvature times torsion over 6.
     bend, twist = (sp.Function(name)(t) for name in ("bend", "twist"))
