@@ -241,7 +241,7 @@ def test_chance_at_rims():
         assert np.all(found[:2] > 0.5) and found[2] > 0.27 and found[3] < 0.22
         np.testing.assert_allclose(found[2:], (both, none), atol=0.02)
         np.testing.assert_allclose(found[3], np.prod(1 - found[:2]), atol=0.02)
-        assert found[0] - found[2] > 0 or found[1] - found[2] > 0  # one alone
+        assert np.all(found[:2] > found[2] + 0.01)  # one alone occurs, either one
     # A second way: the document's formulas in plain floats, which are no different. Rounding goes
     # either way alike, but equality is accepted: what closed comparisons have too often, open
     # ones have too seldom.
