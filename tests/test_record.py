@@ -8,6 +8,7 @@ import PIL.Image
 import pytest
 
 from tunneller_lib.reporting import Record
+from tunneller_lib.reporting.record import PRINTED
 from tunneller_lib.reporting.style import figure
 
 
@@ -136,6 +137,12 @@ def test_pixels_are_saved_as_they_are(record, root):
     pixels = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
     record.figure(pixels, "pixels", "Stripes.")
     np.testing.assert_array_equal(PIL.Image.open(root / "figures" / "pixels.png"), pixels)
+
+
+def test_pixels_are_no_wider_than_print_can_show(record, root):
+    record.figure(np.full((40, 2 * PRINTED, 3), 80, dtype=np.uint8), "wide", "Grey.")
+    with PIL.Image.open(root / "figures" / "wide.png") as saved:
+        assert saved.size == (PRINTED, 20)
 
 
 def test_figure_needs_an_alternative_text(record):
