@@ -2,6 +2,7 @@
 
 import io
 import json
+from pathlib import Path
 
 import numpy as np
 import PIL.Image
@@ -117,6 +118,11 @@ def test_table_is_printed_with_its_decimals(record, root):
 def test_table_is_refused(record, rows, decimals, message):
     with pytest.raises(ValueError, match=message):
         record.table("t", ["x"], rows, decimals=decimals)
+
+
+def test_results_go_to_the_checkout_unless_told(monkeypatch):
+    monkeypatch.delenv("TUNNELLER_RESULTS", raising=False)
+    assert Record("01_test").root == Path(__file__).parents[1]
 
 
 def test_drawing_has_the_same_bytes_twice(record, root):
