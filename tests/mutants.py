@@ -3,9 +3,10 @@
 A mutant is the library with one token changed: a sign, an exponent, a factor, an index, a
 comparison or a constant. Which ones is drawn from the syntax trees with a fixed seed, for each
 module by itself, so that an edit of one module leaves the others' draw alone. Each is judged in a
-copy of the checkout under build/mutants, first by the tests that speak of its module, then by all
-others but notebooks and benchmarks. What was judged before is not judged again. The result is
-tests/mutants.csv; why a mutant may survive stands in tests/mutants.toml.
+copy of the checkout under build/mutants: by the tests that speak of its module, then by all others,
+then by the notebooks. What was judged before is not judged again. The result is tests/mutants.csv.
+Mutants that can't be noticed stand in tests/mutants.toml with the reason, count as survivors, and
+meet the nearest tests only.
 """
 
 import argparse
@@ -42,7 +43,7 @@ REASONS = ROOT / "tests" / "mutants.toml"
 COLUMNS = ["file", "line", "kind", "before", "after", "killed by"]
 SEED = "tunneller"
 EACH, SHORT = 2, 130  # mutants of a module; only one where it has fewer lines
-NEAR, FAR = 300, 3000  # s of processor time for a run of tests; what doesn't end is noticed too
+LIMITS = 300, 3000, 3000  # s of processor time for each lot; what doesn't end is noticed too
 
 HEAVY = (
     "scipy.optimize scipy.integrate scipy.linalg sympy mpmath hypothesis matplotlib.pyplot pyvista "
@@ -255,7 +256,7 @@ def public(file):
 
 
 def tests_of(file):
-    """Return the tests in two lots: those which speak of a module, nearest first, and the rest."""
+    """Return the tests in three lots: those nearest to a module, the others, the notebooks."""
     words = re.compile(rf"\b({'|'.join(sorted(public(file)) or ['-'])})\b")
     stem, room = Path(file).stem, ".".join(Path(file).parts[:2]).removesuffix(".py")
     near = {}
@@ -265,7 +266,7 @@ def tests_of(file):
             near[name] = len(words.findall(text)) + 5 * (room in text) + 1000 * (stem in path.stem)
     names = sorted(near, key=lambda name: -near[name])
     rest = [other for other in modules() if other != file]
-    return [file, *names[:4]], [*names[4:], *rest]
+    return [file, *names[:4]], [*names[4:], *rest], ["notebooks"]
 
 
 class First:
@@ -314,6 +315,7 @@ def warm_up():
     settings |= {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
     # Compiled files are told apart by time and size, which a mutant may share with the next.
     settings |= {"PYVISTA_JUPYTER_BACKEND": "static", "PYTHONDONTWRITEBYTECODE": "1"}
+    settings |= {"PYTHONPATH": str(COPY)}  # what the notebooks import
     os.environ.update(settings)
     sys.dont_write_bytecode = True
     for name in HEAVY:
@@ -321,12 +323,12 @@ def warm_up():
 
 
 def judge(mutant, lot):
-    """Return the test of a module's near or far lot that notices a mutant, or nothing."""
+    """Return the test of one of a module's lots that notices a mutant, or nothing."""
     target = COPY / mutant.file
     before, after = mutant.lines()
     try:
         target.write_text("".join(after))
-        return run(tests_of(mutant.file)[lot], (NEAR, FAR)[lot])
+        return run(tests_of(mutant.file)[lot], LIMITS[lot])
     finally:
         target.write_text("".join(before))
 
@@ -418,23 +420,24 @@ def main():
         return
     warm_up()
     known, killers = Known(), [""] * len(mutants)
-    near, far = tests_of(modules()[0])
-    passes = [*near, *far]
-    if run(["tests/test_arrays.py"], NEAR):
+    reasons = tomllib.loads(REASONS.read_text()) if REASONS.exists() else {}
+    explained = {(entry["file"], entry["after"]) for entry in reasons.values()}
+    passes = list(itertools.chain(*tests_of(modules()[0])))
+    if run(["tests/test_arrays.py"], LIMITS[0]):
         sys.exit("Tests fail in the copy although nothing was altered.")
-    if not options.near and known.judge("unchanged", known.all, 1, lambda: run(passes, FAR)):
+    if not options.near and known.judge("unchanged", known.all, 2, lambda: run(passes, LIMITS[2])):
         known.forget(known.all)
         sys.exit("The tests must pass before a fault is planted.")
-    for lot in [0] if options.near else [0, 1]:
+    for lot in range(1 if options.near else 3):
         for i, mutant in enumerate(mutants):
+            if lot and (mutant.file, mutant.row("")["after"]) in explained:
+                continue
             name = f"{lot + 1}: {i + 1}/{len(mutants)} {mutant.file}:{mutant.line} {mutant.kind}"
             key = hashlib.sha256("".join([mutant.file, *mutant.lines()[1]]).encode()).hexdigest()
             killers[i] = known.judge(name, key, lot, lambda m=mutant, lot=lot: judge(m, lot))
     rows = [mutant.row(by) for mutant, by in zip(mutants, killers)]
     if not options.of and not options.near:
         replace(TABLE, table(sorted(rows, key=lambda row: (row["file"], row["line"]))))
-    reasons = tomllib.loads(REASONS.read_text()) if REASONS.exists() else {}
-    explained = {(entry["file"], entry["after"]) for entry in reasons.values()}
     alive = [row for row in rows if not row["killed by"]]
     say(f"{len(rows) - len(alive)} of {len(rows)} noticed.")
     for row in alive:

@@ -434,3 +434,5 @@ def test_preparation_time():
     enough = math.ceil(response / FAST[0].period)
     assert not any(hand_over(FAST, [cost] * 6, [enough] * 6).starved[1:])
     assert all(hand_over(FAST, [cost] * 6, [enough - 1] * 6).starved[1:])
+    one_short = [enough, enough, enough - 1, enough, enough, enough]
+    assert np.flatnonzero(hand_over(FAST, [cost] * 6, one_short).starved[1:]).tolist() == [2]

@@ -1,6 +1,7 @@
 """The ledger of claims: every row whole, every proof there, every equation judged."""
 
 import ast
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -24,8 +25,9 @@ def names_in(path):
 @pytest.mark.parametrize("id", LEDGER)
 def test_row_is_whole(id):
     row = LEDGER[id]
-    assert list(row) == ["where", "claim", "verdict", "origin", "says", "proof"]
-    assert all(row[key] == row[key].strip() != "" for key in row if key != "origin")
+    assert list(row) == ["where", "claim", "verdict", "origin", "says", "proof", "seen"]
+    assert all(row[key] == row[key].strip() for key in row)
+    assert all(row[key] for key in row if key not in ("origin", "seen"))
     assert row["claim"].endswith(".") and row["says"].endswith(".")
     assert row["verdict"] in VERDICTS
     assert row["origin"] in ({""} if row["verdict"] == "holds" else ORIGINS)
@@ -48,6 +50,13 @@ def test_correction_is_proved_in_two_ways(id):
     (proof,) = (e for e in ast.parse(text).body if getattr(e, "name", "") == name)
     first, mark, second = ast.get_source_segment(text, proof).partition("# A second way")
     assert mark and " assert" in first and "assert" in second
+
+
+@pytest.mark.parametrize("id", [id for id, row in LEDGER.items() if row["seen"]])
+def test_what_shows_a_row_is_recorded(id):
+    notebook, kind, name = LEDGER[id]["seen"].split("/", 2)
+    recorded = json.loads((ROOT / "report" / "numbers" / f"{notebook}.json").read_text())
+    assert recorded[kind][name]["cell"] > 0
 
 
 def test_every_proof_is_named_by_a_row():

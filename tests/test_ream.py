@@ -217,13 +217,23 @@ def test_ideal_chain_removes_the_volume_of_the_closed_form():
     assert cut.removed.sum() == pytest.approx(whole - cut.wall.volume, rel=1e-9)
 
 
-def test_lap_volume_of_a_straight_pass_is_the_grooves():
+def round_pass():
+    """Return a circuit in a round tunnel on a torus so great that it's a plane across."""
     flat = replace(REFERENCE_MACHINE, r=1e-9, R=60.0, phi_min=-1.0, phi_max=1.0, theta_min=-1.0,
                    theta_max=1.0, height=0.0)  # fmt: skip
-    circle = closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)])
-    circuit = cutting_circuit(flat, circle)  # so great a torus is a plane across the tunnel
+    return cutting_circuit(flat, closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]))
+
+
+def test_lap_volume_of_a_straight_pass_is_the_grooves():
     exact = removed_volume(0.2, 2 * np.pi * 0.32, 0.02, wall=0.5, pitch=0.04)
-    assert lap_volume(circuit, 0.04) == pytest.approx(exact, rel=2e-4)
+    assert lap_volume(round_pass(), 0.04) == pytest.approx(exact, rel=2e-4)
+
+
+def test_plan_feeds_a_round_pass_so_that_the_groove_has_the_volume_allowed():
+    job = plan(round_pass(), Limits(feed=9.0, acceleration=9.0, volume=2e-4), tolerance=1e-5)
+    steady = job.feed[1:-2]
+    assert np.mean(np.isclose(steady, steady.max(), rtol=1e-3)) > 0.9
+    assert steady.max() * removed_volume(0.2, 1.0, 0.02, wall=0.5) == pytest.approx(2e-4, rel=1e-3)
 
 
 @pytest.mark.parametrize("feed", [0.3, 0.1])

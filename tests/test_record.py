@@ -2,12 +2,14 @@
 
 import io
 import json
+from pathlib import Path
 
 import numpy as np
 import PIL.Image
 import pytest
 
 from tunneller_lib.reporting import Record
+from tunneller_lib.reporting.record import PRINTED
 from tunneller_lib.reporting.style import figure
 
 
@@ -118,6 +120,11 @@ def test_table_is_refused(record, rows, decimals, message):
         record.table("t", ["x"], rows, decimals=decimals)
 
 
+def test_results_go_to_the_checkout_unless_told(monkeypatch):
+    monkeypatch.delenv("TUNNELLER_RESULTS", raising=False)
+    assert Record("01_test").root == Path(__file__).parents[1]
+
+
 def test_drawing_has_the_same_bytes_twice(record, root):
     contents = []
     for _ in range(2):
@@ -136,6 +143,12 @@ def test_pixels_are_saved_as_they_are(record, root):
     pixels = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
     record.figure(pixels, "pixels", "Stripes.")
     np.testing.assert_array_equal(PIL.Image.open(root / "figures" / "pixels.png"), pixels)
+
+
+def test_pixels_are_no_wider_than_print_can_show(record, root):
+    record.figure(np.full((40, 2 * PRINTED, 3), 80, dtype=np.uint8), "wide", "Grey.")
+    with PIL.Image.open(root / "figures" / "wide.png") as saved:
+        assert saved.size == (PRINTED, 20)
 
 
 def test_figure_needs_an_alternative_text(record):

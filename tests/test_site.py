@@ -41,7 +41,7 @@ def test_site_has_no_faults(site):
 
 
 def test_site_has_its_parts(site):
-    for name in ("index.html", "report.html", "report.pdf", "library/index.html",
+    for name in ("index.html", "report.html", "report/report.pdf", "library/index.html",
                  "scenes/viewer.js", "chapters/02_torus.html"):  # fmt: skip
         assert (site / name).stat().st_size > 1000, name
 

@@ -1,5 +1,6 @@
-"""Put the site together: chapters, report, reference, figures, scenes, search."""
+"""Put the site together: chapters, report, proofs, reference, figures, scenes, search."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.library import Reference, modules, room
 from report.site.markup import plain
 from report.site.paper import captions, report_page, tables
+from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
 from report.site.search import script, sections
 from report.sources import ROOT, notebooks, report_sources, scene_files
@@ -22,7 +24,7 @@ PAGES = jinja2.Environment(
 PLACES = [
     ("Chapters", "index.html"),
     ("Report", "report.html"),
-    ("PDF", "report.pdf"),
+    ("PDF", "report/report.pdf"),
     ("Library", "library/index.html"),
 ]
 
@@ -64,10 +66,11 @@ def build(folder, chosen=None):
     shutil.rmtree(folder, ignore_errors=True)
     site = Site(folder)
     shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
-    shutil.copy(ROOT / "report" / "report.pdf", folder)
+    chosen = notebooks() if chosen is None else chosen
     style, body, headings = report_page()
-    add_chapters(site, notebooks() if chosen is None else chosen, captions(body))
-    add_report(site, style, body, headings)
+    add_chapters(site, chosen, captions(body))
+    add_report(site, style, body, headings, chosen)
+    add_proofs(site)
     add_library(site)
     style = HtmlFormatter(cssclass="code").get_style_defs(".code")
     site.write("style.css", style + "\n" + (HERE / "style.css").read_text())
@@ -77,7 +80,6 @@ def build(folder, chosen=None):
 
 def add_chapters(site, chosen, figure_captions):
     """Write a page for each notebook, their pictures and scenes."""
-    pages = {notebook.name: page_name(notebook) for notebook in chosen}
     titles = {page_name(n): f"{n.stem[:2]} {title(n)}" for n in chosen}
     order, set_tables = list(titles), tables()
     for notebook in chosen:
@@ -85,7 +87,7 @@ def add_chapters(site, chosen, figure_captions):
         root = "../" * here.count("/")
         scenes = scene_files(notebook)
         chapter = Chapter(
-            notebook, lambda url, root=root: follow(url, pages, root), root,
+            notebook, lambda url, root=root: follow(url, chosen, root), root,
             [name(path) for path in scenes], set_tables, figure_captions,
         )  # fmt: skip
         body = chapter.html()
@@ -107,23 +109,36 @@ def add_chapters(site, chosen, figure_captions):
     add_viewer(site)
 
 
-def follow(url, pages, root):
-    """Return where a link of a notebook leads on the site."""
-    name, hash_, anchor = url.rpartition("/")[2].partition("#")
-    if url.endswith("report.pdf"):
-        return f"{root}report.pdf"
+def follow(url, chosen, root):
+    """Return where a link of a notebook or of the report leads on the site."""
+    path, hash_, anchor = url.partition("#")
+    name = Path(path).name
+    if name == "report.pdf":
+        return f"{root}report/report.pdf"
+    if name.startswith("test_"):
+        return f"{root}{proof_page(Path(name))}{hash_}{anchor}"
     if name.endswith(".ipynb"):
-        return root + pages.get(name, "index.html") + hash_ + anchor
+        found = [page_name(n) + hash_ + anchor for n in chosen if n.name == name]
+        return root + (found or ["index.html"])[0]
     return url
 
 
-def add_report(site, style, body, headings):
-    """Write the report's page."""
+def add_report(site, style, body, headings, chosen):
+    """Write the report's page, and the PDF where its links find the tests."""
+    body = re.sub(r'href="(\.\./[^"]+)"', lambda m: f'href="{follow(m[1], chosen, "")}"', body)
     contents = [entry(plain(text), f"#{name}", level=level) for level, name, text in headings]
     site.page(
         "report.html", "Report", body, kind="report", style=style, contents=contents,
         contents_name="Sections",
     )  # fmt: skip
+    site.write("report/report.pdf", (ROOT / "report" / "report.pdf").read_bytes())
+
+
+def add_proofs(site):
+    """Write a page for each file of tests that the ledger names, and the file."""
+    for path in proofs():
+        site.page(proof_page(path), path.name, proof_html(path), kind="library", here="report.html")
+        site.write(f"tests/{path.name}", path.read_bytes())
 
 
 def add_library(site):

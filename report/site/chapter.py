@@ -75,7 +75,7 @@ class Chapter:
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
         turning = "".join(map(self.scene, self.scenes_of(number)))
-        return f'<div class="source">{code(source)}</div>\n{outputs}{turning}'
+        return f'<div class="source" id="cell-{number}">{code(source)}</div>\n{outputs}{turning}'
 
     def output(self, output):
         if output.output_type == "stream":

@@ -99,7 +99,7 @@ def draw_limits(ax, machine):
     theta = np.degrees([machine.theta_min, machine.theta_max])
     phi = np.degrees([machine.phi_min, machine.phi_max])
     lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
-    ax.set(xlabel="theta / deg", ylabel="phi / deg")
+    ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
     return lines
 
 

@@ -61,12 +61,13 @@ def draw_ways(ax, torus, p, q):
     ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
     for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
         excess = 1e6 * (path_length(torus, RIVALS[name], p, q) / geodesic.length - 1)
-        ways[name] = RIVALS[name](torus, p, q, t), colour, f"longer by {excess:.3g} ppm"
+        told = f"longer by {float(f'{excess:.3g}'):g} ppm"  # three digits, no exponent
+        ways[name] = RIVALS[name](torus, p, q, t), colour, told
     artists = []
     for name, (way, colour, told) in ways.items():
         theta, phi = np.degrees(way.T)
         artists += ax.plot(theta, phi, color=COLOURS[colour], label=f"{name}, {told}")
-    ax.set(xlabel="θ / °", ylabel="φ / °")
+    ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
     ax.legend()
     return artists
 
@@ -102,7 +103,8 @@ def draw_rivals(ax, torus, p, q):
         ax.annotate("Q", (theta1 + turn, phi1 - 30), ha="center")
     ax.plot(theta, phi, "k.")
     ax.annotate("P", (theta, phi - 32), ha="center")
-    ax.set(xlabel="θ / °", ylabel="φ / °", xticks=range(-180, 181, 60), xlim=(-190, 190))
+    ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg", xlim=(-190, 190))
+    ax.set_xticks(range(-180, 181, 60))
     return lines
 
 

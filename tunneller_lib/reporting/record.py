@@ -21,6 +21,7 @@ from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
+PRINTED = 1900  # px, the most a page's width can show, 16 cm at 300 dpi
 
 
 class Record:
@@ -135,7 +136,7 @@ class Record:
         Parameters
         ----------
         picture : matplotlib.figure.Figure or (n, m, 3) uint8
-            A drawing, saved as SVG, or pixels, saved as PNG.
+            A drawing, saved as SVG, or pixels, saved as PNG, no wider than print can show.
         name : str
             File name, without suffix.
         alt : str
@@ -157,7 +158,7 @@ class Record:
         if isinstance(picture, matplotlib.figure.Figure):
             suffix, content = ".svg", _svg(picture)
         else:
-            suffix, content = ".png", _png(picture)
+            suffix, content = ".png", _png(_narrowed(picture, min(PRINTED, picture.shape[1])))
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
         return preview(picture, alt)
@@ -208,8 +209,12 @@ def _png(pixels):
 
 
 def _pixel_preview(pixels):
-    height = round(PREVIEW * pixels.shape[0] / pixels.shape[1])
-    return _png(np.asarray(PIL.Image.fromarray(pixels).resize((PREVIEW, height))))
+    return _png(_narrowed(pixels, PREVIEW))
+
+
+def _narrowed(pixels, width):
+    height = round(width * pixels.shape[0] / pixels.shape[1])
+    return np.asarray(PIL.Image.fromarray(pixels).resize((width, height)))
 
 
 def _replace(path, content):
