@@ -16,6 +16,8 @@ from tunneller_lib.removal import (
     removed_volume,
     ring,
 )
+from tunneller_lib.reporting import figure
+from tunneller_lib.reporting.rod_plot import draw_passes
 
 
 @given(log_uniform(1e-6, 1e6), st.floats(0, 2))
@@ -105,3 +107,17 @@ WRONG = [
 def test_wrong_input_is_told(call, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         call()
+
+
+@pytest.mark.parametrize("pitch", [0.02, 0.16, 0.5])
+def test_draw_passes_draws_what_is_removed(pitch):
+    radius, depth = 0.2, 0.06
+    _, ax = figure(height=5)
+    areas = draw_passes(ax, radius, depth, pitch)
+    drawn = 0.0
+    for path in areas["taken"].get_paths():
+        x, y = path.vertices.T
+        drawn += abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1))) / 2
+    assert np.isclose(drawn, groove_area(radius, depth, pitch=pitch), rtol=0.02)
+    half = np.radians(areas["sector"].theta2 - areas["sector"].theta1) / 2
+    assert np.isclose(half, np.arccos(1 - depth / radius))

@@ -21,7 +21,7 @@ from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
-PRINTED = 1900  # px, the most a page's width can show, 16 cm at 300 dpi
+PRINTED = 1500  # px, the width of a page, 16 cm, at 240 dpi
 
 
 class Record:

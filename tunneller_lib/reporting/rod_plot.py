@@ -1,7 +1,7 @@
-"""Plane drawings of a rod's shadow along a line, and of two positions of a ball."""
+"""Plane drawings of a rod's shadow along a line, of two positions and of two passes of a ball."""
 
 import numpy as np
-from matplotlib.patches import Ellipse, Rectangle
+from matplotlib.patches import Circle, Ellipse, Rectangle, Wedge
 
 from .plot import equal
 from .style import COLOURS
@@ -69,4 +69,38 @@ def draw_two_balls(ax, radius, advance):
                 color=COLOURS["cutter"], lw=0.8)  # fmt: skip
         ax.plot(centre, 0, "+", color=COLOURS["cutter"])
     equal(ax, "along the path / m", "across / m")
+    return areas
+
+
+def draw_passes(ax, radius, depth, pitch):
+    """Draw a plane wall, across the path, with a pass of a ball beside an earlier one.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    radius, depth, pitch : float
+        Of the ball; how far it cuts behind the wall; from pass to pass, all in m.
+
+    Returns
+    -------
+    areas : dict of str to matplotlib.artist.Artist
+        What the pass takes, and the sector that the document takes for the groove.
+    """
+    x = np.linspace(-pitch - 1.25 * radius, 1.25 * radius, 801)
+    wall = depth - radius  # the centres are on this line
+    earlier, this = (wall + np.sqrt(np.clip(radius**2 - (x - at) ** 2, 0, None))
+                     for at in (-pitch, 0))  # fmt: skip
+    earlier = np.maximum(earlier, 0)
+    ax.axhspan(0, radius, color=COLOURS["tunnel"], alpha=0.5, lw=0)
+    ax.fill_between(x, 0, earlier, color="white", lw=0)
+    look = {"where": this > earlier, "color": COLOURS["correct"], "lw": 0}
+    areas = {"taken": ax.fill_between(x, earlier, this, **look)}
+    for at in (-pitch, 0):
+        ax.add_patch(Circle((at, wall), radius, fill=False, ec=COLOURS["cutter"], lw=0.8))
+    half = np.degrees(np.arccos(1 - depth / radius))
+    areas["sector"] = Wedge((0, wall), radius, 90 - half, 90 + half, fill=False,
+                            ec=COLOURS["printed"], lw=1.5)  # fmt: skip
+    ax.add_patch(areas["sector"])
+    equal(ax, "across / m", "into the wall / m")
     return areas
