@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.envelopes_zoo import CURVES, MOTIONS, RULED
-from tunneller_lib.envelopes.families import helicoid, turning
+from tunneller_lib.envelopes.families import helicoid, helix, helix_lines, ruled, tangents, turning
 
 V = np.array([-0.8, 0.1, 1.3])
 STEP = 1e-5
@@ -56,3 +56,19 @@ def test_turning_leans_from_z_and_starts_where_it_is_told():
 def test_helicoid_moves_by_its_pitch():
     point, *_ = helicoid(np.array([0, 2 * np.pi]), pitch=0.4)
     np.testing.assert_allclose(point, [[0, 0.8 * np.pi], [0, 0], [0, 0]], atol=1e-15)
+
+
+def test_helix_lines_run_from_tangents_to_a_helicoid():
+    s, t = np.linspace(-2, 3, 7), np.linspace(0.1, 1.7, 7)
+    np.testing.assert_array_equal(ruled(helix_lines)(s, t), ruled(tangents(helix))(s, t))
+    across = ruled(lambda s: helix_lines(s, np.pi / 2))
+    x, y, z = across(s, 1 + 0 * s)  # every line meets the axis at t = 1, level with its start
+    np.testing.assert_allclose([x, y, z - 0.4 * s], 0, atol=1e-15)
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.3, np.pi / 2])
+def test_helix_lines_turn_as_their_directions_differ(twist):
+    s, h = np.linspace(-2, 3, 7), 1e-5
+    (*_, before, _), (*_, after, _) = (helix_lines(s + d, twist, pitch=0.7) for d in (-h, h))
+    turn = helix_lines(s, twist, pitch=0.7)[3]
+    np.testing.assert_allclose(np.subtract(after, before) / (2 * h), turn, atol=1e-9)

@@ -16,6 +16,7 @@ from tunneller_lib.envelopes.isotropic import (
     contact_point,
     isotropic_derivatives,
     normal,
+    plane_azimuth,
     plane_to_point,
     point_to_plane,
     sphere_point,
@@ -136,6 +137,23 @@ def test_cone_planes_touch_the_cone():
     ruling = cone_rulings(axis, 0.4, 0.7)
     np.testing.assert_allclose((n * ruling).sum(-1), 0, atol=1e-14)
     np.testing.assert_allclose((ruling * axis).sum(-1), np.cos(0.4), rtol=1e-13)
+
+
+def test_plane_azimuth_is_the_one_that_made_the_plane():
+    axis = directions(RNG, 50)[:, None]
+    azimuth = np.linspace(-3.1, 3.1, 40)
+    for half_angle in (0.01, 0.5, 1.5):
+        n, _ = cone_planes((1, 2, 3), 7 * axis, half_angle, azimuth)
+        found = plane_azimuth(7 * axis, half_angle, n)
+        assert found.shape == (50, 40)
+        np.testing.assert_allclose(found, np.broadcast_to(azimuth, (50, 40)), atol=1e-11)
+
+
+def test_plane_azimuth_of_one_plane_per_cone():
+    axis, angle = directions(RNG, 9), np.linspace(0.1, 1.2, 9)
+    azimuth = RNG.uniform(-3, 3, 9)
+    n, _ = cone_planes((0, 0, 0), axis, angle, azimuth)
+    np.testing.assert_allclose(plane_azimuth(axis, angle, n), azimuth, atol=1e-12)
 
 
 def test_osculating_conic_leaves_the_graph_at_third_order():

@@ -133,6 +133,18 @@ def helicoid(s, pitch=1.0):
     return [pitch * s, none, none], [pitch + none, none, none], [none, c, d], [none, -d, c]
 
 
+def helix_lines(s, twist=0.0, pitch=0.4):
+    """Return lines from a helix: its tangents, turned by `twist` in rad, for `ruled`.
+
+    They turn in the osculating planes, towards the axis: pi/2 makes a helicoid. `pitch` is in m a
+    radian of s.
+    """
+    c, d, (point, velocity, acceleration) = np.cos(twist), np.sin(twist), helix(s, pitch)
+    jerk = [np.sin(s), -np.cos(s), 0 * s]
+    direction = add(times(c, velocity), times(d, acceleration))
+    return point, velocity, direction, add(times(c, acceleration), times(d, jerk))
+
+
 def turning(vertex, velocity, lean, *, rate=1.0, start=1.0):
     """Return a motion whose axes turn about z, for `moving_cone`.
 

@@ -180,6 +180,20 @@ def cone_planes(vertex, axis, half_angle, azimuth):
     return n, -dot(n, vertex)
 
 
+def plane_azimuth(axis, half_angle, n):
+    """Return azimuths (...), in rad, at which `cone_planes` gives unit normals n (..., 3).
+
+    The axis (..., 3) and the half-angle (...) are as there, and the normals those of planes that
+    touch such a cone.
+    """
+    half_angle, right = real("half_angle", half_angle), np.array([0.0, np.pi / 2])
+    pair, _ = cone_planes((0.0, 0.0, 0.0), points("axis", axis)[..., None, :],
+                          half_angle[..., None], right)  # fmt: skip
+    share = np.sin(half_angle) ** 2  # of the axis in the product of any two normals
+    cosine, sine = (dot(pair[..., i, :], points("n", n)) - share for i in (0, 1))
+    return np.arctan2(sine, cosine)
+
+
 def cone_rulings(axis, half_angle, azimuth):
     """Return unit vectors along rulings, in the planes that `cone_planes` gives for these.
 
