@@ -21,7 +21,7 @@ from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
-PRINTED = 1500  # px, the width of a page, 16 cm, at 240 dpi
+PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
 
 
 class Record:
