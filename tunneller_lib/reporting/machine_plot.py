@@ -74,7 +74,7 @@ def draw_plan_view(ax, machine, phi):
     ax.add_patch(Circle(tip, machine.cutter_radius, color=COLOURS["cutter"], alpha=0.5))
     ax.plot(*tip, "o", color=COLOURS["tangent sphere"])
     ax.add_patch(Arc(hinge, 0.7, 0.7, theta1=0, theta2=np.degrees(phi), lw=0.8))
-    ax.annotate("$\\phi$", (machine.r + 0.38, 0.05))
+    ax.annotate(r"$\varphi$", (machine.r + 0.38, 0.05))
     ax.annotate("$r$", (machine.r / 2, -0.08), ha="center", va="center")
     ax.annotate("$R$", (hinge + tip) / 2 + [-0.05, 0.06], ha="center", va="center")
     equal(ax, "x / m (forwards)", "y / m (left)")
