@@ -75,11 +75,11 @@ def notebook_sources(notebook):
     root = notebook.parent.parent
     code, folders = (root / "tunneller_lib").rglob("*.py"), ("notebooks", "tests/references")
     data = [file for folder in folders for file in sorted((root / folder).glob("*.csv"))]
-    shared = [root / "environment.txt", *sorted(code), *data]
+    shared = [root / "environment.txt", notebook.with_name("contents.toml"), *sorted(code), *data]
     written = [cells(notebook)]
     if notebook.stem == INDEX:
         others = [other for other in notebooks(root) if other != notebook]
-        shared += [notebook.with_name("contents.toml"), *(records(n)[0] for n in others)]
+        shared += [records(n)[0] for n in others]
         written += [[n.name, cells(n)[0]] for n in others]
     return digest(json.dumps(written).encode(), file_digest(root, shared).encode())
 

@@ -1,13 +1,21 @@
 """The index: every chapter in a part, every number a recorded one."""
 
+import json
 import re
 import tomllib
 
 import pytest
 
 from report.sources import INDEX, ROOT, notebooks
-from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.contents import chapters, contents_table, draw_map, filled, printed
+from tunneller_lib.reporting import Record, figure
+from tunneller_lib.reporting.contents import (
+    chapters,
+    contents_table,
+    draw_map,
+    ending,
+    filled,
+    printed,
+)
 
 FOLDER = ROOT / "notebooks"
 CONTENTS = tomllib.loads((FOLDER / "contents.toml").read_text())
@@ -27,7 +35,7 @@ def test_parts_follow_parts_that_there_are():
 
 
 def test_findings_are_of_chapters_and_hold_no_typed_result():
-    assert CONTENTS["found"].keys() <= {n.stem for n in CHAPTERS}
+    assert CONTENTS["found"].keys() == {n.stem for n in CHAPTERS}
     for stem, sentence in CONTENTS["found"].items():
         left = re.sub(r"\{[^}]*\}|\bEq\. \d+", "", sentence)
         assert not re.search(r"\d", left), stem
@@ -46,6 +54,22 @@ def test_contents_table_links_every_chapter():
     assert all(f"]({n.name})" in text for n in CHAPTERS)
 
 
+def test_ending_tells_the_finding_and_the_ways_on(monkeypatch):
+    monkeypatch.delenv("TUNNELLER_RESULTS")  # only to read
+    text = ending(Record("08_cone")).data
+    assert chapters(FOLDER)[7].found in text
+    assert re.findall(r"\]\((\w+)\.ipynb\)", text) == ["00_index", "07_chord", "09_geodesic"]
+    first, last = (ending(Record(CHAPTERS[i].stem)).data for i in (0, -1))
+    assert first.count(".ipynb)") == last.count(".ipynb)") == 2
+
+
+def test_every_chapter_ends_with_what_came_out():
+    for notebook in CHAPTERS:
+        *_, title, last = json.loads(notebook.read_text())["cells"]
+        assert "".join(title["source"]) == "## What came out"
+        assert "".join(last["source"]) == "ending(record)"
+
+
 def test_draw_map_draws_parts_with_chapters():
     _, ax = figure(height=5)
     numbers = [int(n.stem[:2]) for n in CHAPTERS]
@@ -56,8 +80,8 @@ def test_draw_map_draws_parts_with_chapters():
 
 def test_filled_refuses_what_is_not_recorded():
     with pytest.raises(ValueError, match=r"^07_chord: records no number 'no such'\.$"):
-        filled(FOLDER / "07_chord.ipynb", "It is {no such}.")
-    assert "at most 0.0001" in filled(FOLDER / "07_chord.ipynb", "{worst ratio, arc}.")
+        filled("07_chord", "It is {no such}.")
+    assert "at most 0.0001" in filled("07_chord", "{worst ratio, arc}.")
 
 
 @pytest.mark.parametrize(

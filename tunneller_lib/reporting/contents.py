@@ -29,7 +29,7 @@ class Chapter:
     question : str
         Its title.
     found : str
-        The answer in a sentence, or what the reader will see.
+        The answer in a sentence.
     """
 
     number: int
@@ -61,34 +61,56 @@ def chapters(folder=NOTEBOOKS):
     for path in sorted(folder.glob("[0-9]*.ipynb")):
         if number := int(path.stem[:2]):
             text = "".join(json.loads(path.read_text())["cells"][0]["source"])
-            seen = re.search(r"\*\*You will see\*\* (.*?)\. (?:\*\*|[A-Z])", text + " A", re.S)
-            found = filled(path, said[path.stem]) if path.stem in said else f"{seen[1]}."
             question = text.split("\n")[0].lstrip("# ")
-            made.append(Chapter(number, path.name, question, " ".join(found.split())))
+            found = filled(path.stem, said[path.stem], folder.parent)
+            made.append(Chapter(number, path.name, question, found))
     return made
 
 
-def filled(notebook, sentence):
+def ending(record):
+    """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
+
+    Parameters
+    ----------
+    record : Record
+        Of the notebook.
+
+    Returns
+    -------
+    ending : IPython.display.Markdown
+        The sentence of ``contents.toml``; links to the chapter before, the index and the next.
+    """
+    names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
+    at = names.index(record.notebook)
+    near = dict.fromkeys([names[0], names[at - 1], *names[at + 1 : at + 2]])
+    ways = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
+    said = filled(record.notebook, _contents(NOTEBOOKS)["found"][record.notebook], record.root)
+    return Markdown(f"{said}\n\n{ways}")
+
+
+def filled(stem, sentence, root=CHECKOUT):
     """Return a sentence with the numbers of a notebook in place of their names in braces.
 
     Parameters
     ----------
-    notebook : pathlib.Path
-        The notebook.
+    stem : str
+        The notebook's name, without its suffix.
     sentence : str
         The sentence.
+    root : pathlib.Path
+        The folder in which the numbers lie under report/numbers.
 
     Raises
     ------
     ValueError
         If the notebook doesn't record a number of that name.
     """
-    file = notebook.parent.parent / "report" / "numbers" / f"{notebook.stem}.json"
+    file = root / "report" / "numbers" / f"{stem}.json"
     numbers = json.loads(file.read_text())["numbers"]
 
     def told(match):
         if match[1] not in numbers:
-            raise ValueError(f"{notebook.stem}: records no number {match[1]!r}.")
+            raise ValueError(f"{stem}: records no number {match[1]!r}.")
         return printed(**numbers[match[1]])
 
     return re.sub(r"\{([^{}]+)\}", told, sentence)
