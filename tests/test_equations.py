@@ -780,6 +780,14 @@ def test_nearest_foot():
         first = np.argmin(away, axis=-1) == 0
         assert np.array_equal(first, plus + minus > 2 * torus.R)
         assert 0 < np.sum(first) < len(first)
+    # On the working sheet alone the nearest point is the working foot.
+    for torus in TORI[:3]:
+        sheet = np.arccos(-torus.r / torus.R) * np.linspace(-1, 1, 4001)
+        turns = np.pi * np.linspace(-1, 1, 101)[:, None]
+        for centre in torus.point(*draw(17, 8, 2).T) * 0.6:
+            least = np.linalg.norm(torus.point(turns, sheet) - centre, axis=-1).min()
+            away = np.linalg.norm(torus.foot(centre) - centre)
+            assert away <= least < 1.01 * away + 0.01 * torus.R
     # A chord within the joint limits whose middle has another foot nearest: R/r = 10.
     ends = Torus(1, 10).point(np.arcsin([-0.8, 8 / 17]), 0.0)
     middle = np.mean(ends, axis=0)

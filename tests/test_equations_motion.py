@@ -244,14 +244,15 @@ def test_listing_floats():
     )
     odd = [k for k in wanted if found[k] != wanted[k]]
     assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
-    # A second way: the library's copy and the text itself tip over where it does; the integer
-    # line nowhere.
-    for difference in wanted:
-        np.testing.assert_array_equal(listing(0, 30, 0, difference, 1)[1], found[difference])
-        if difference < 20:
-            program = matlab_listing.run(t2=30, y1=0, y2=difference)
-            assert program.drawn[0][2] == found[difference]
-        assert time_bresenham(0, difference, 30, tie="down").tolist() == wanted[difference]
+    assert all(time_bresenham(0, k, 30, tie="down").tolist() == wanted[k] for k in wanted)
+    # A second way: the library's copy and the text itself tip over where it does.
+    for ticks in range(1, 65):
+        differences = np.arange(-2 * ticks, 2 * ticks + 1)
+        rows = [run_listing(0, ticks, 0, int(k), 1, number=float)[1] for k in differences]
+        np.testing.assert_array_equal(listing(0, ticks, 0, differences, 1)[1], rows)
+    for ticks, difference in [(12, -1), (18, 65), (20, -17), (22, 85), (30, 13)]:
+        program = matlab_listing.run(t2=ticks, y1=0, y2=difference)
+        assert program.drawn[0][2] == listing(0, ticks, 0, difference, 1)[1].tolist()
 
 
 def test_listing_slope():

@@ -63,7 +63,7 @@ def test_site_shows_recorded_figures_with_text_and_caption(site):
 
 def test_site_sets_recorded_tables(site):
     table = re.search(r"<table>.*?</table>", page(site, "08"), re.S)[0]
-    assert "<th>radius as printed</th>" in table and "<td>misprint</td>" in table
+    assert "<th>radius as printed</th>" in table and "<td>wrong</td>" in table
 
 
 def test_site_shows_what_the_notebook_prints(site):

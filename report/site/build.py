@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import jinja2
+import nbformat
 from pygments.formatters import HtmlFormatter
 
 from report.site.chapter import Chapter, page_name, title
@@ -102,11 +103,21 @@ def add_chapters(site, chosen, figure_captions):
             here, title(notebook), body, kind="chapter", here="index.html",
             contents=contents, contents_name="Chapters", **near,
         )  # fmt: skip
+        site.write(f"notebooks/{notebook.name}", to_run(notebook))  # the PDF leads there
         for file, content in chapter.pictures.items():
             site.write(f"figures/{file}", content)
         for path in scenes:
             site.write(f"scenes/{name(path)}.js", scene_script(path))
     add_viewer(site)
+
+
+def to_run(notebook):
+    """Return a notebook's file without its outputs."""
+    content = nbformat.read(notebook, as_version=4)
+    for cell in content.cells:
+        if cell.cell_type == "code":
+            cell.outputs, cell.execution_count = [], None
+    return nbformat.writes(content)
 
 
 def follow(url, chosen, root):

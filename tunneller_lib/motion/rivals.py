@@ -65,7 +65,6 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
     y1, k = checked_ends(y1, y2, ("y1", "y2"))
     nx = (np.asarray(k, precision) / precision(t2 - t1)).astype(precision)
     nxi = chop(nx)
-    fraction = nx - nxi
     y = np.broadcast_to(y1, nx.shape).astype(float)
     e = np.zeros_like(nx)
     stored = []
@@ -75,7 +74,7 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
         e = e - carry.astype(precision)
         stored.append(y)
         y = y + nxi
-        e = e + fraction
+        e = e + nx - nxi  # in the listing's order: e + (nx - nxi) rounds otherwise
     return t, np.stack(stored, axis=-1)
 
 
