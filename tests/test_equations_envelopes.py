@@ -5,12 +5,13 @@ it and the corrected form is proved.
 """
 
 from fractions import Fraction
+from itertools import pairwise
 from math import comb, factorial
 
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RULED, pipe, ruled
 from tests.shapes import directions
@@ -139,6 +140,130 @@ def cone_points(vertex, axis, half_angle, n=9):
     return plane_to_point(*cone_planes(vertex, axis, half_angle, 2 * np.pi * np.arange(n) / n))
 
 
+# ---- section 1: what tools do -----------------------------------------------------------------
+
+
+def test_point_contact_of_second_order():
+    # A cone's graph has a Hessian of determinant 0, and contact of order 2 shares the Hessian.
+    cone = tan * sp.sqrt(x**2 + y**2)
+    assert zero(cone.diff(x, 2) * cone.diff(y, 2) - cone.diff(x, y) ** 2)
+    # A cone of 45 degrees that leaves a surface of revolution by the third power of the height,
+    # all along a circle: K is 0 on that circle, and not beside it.
+    height = sp.Symbol("height")
+    away = sp.expand((1 + height + height**3) ** 2 - (1 + height) ** 2)
+    assert sp.Poly(away, height).terms()[-1] == ((3,), 2)
+
+    def surface(s, t):
+        return [(1 + t + t**3) * np.cos(s), (1 + t + t**3) * np.sin(s), t]
+
+    around, heights = np.meshgrid(np.linspace(0, 6, 7), [-0.1, 0.0, 0.1])
+    state = hyperosculating_cones(surface, around, heights, half_angle=ANGLE, model="space").state
+    assert np.all((state == "flat") == (heights == 0)) and np.all(state[::2] == "regular")
+    assert recognise(surface, around, heights, "developable", model="space").verdict == "is not"
+
+
+def test_osculation_penetrates():
+    # Surfaces: the first form by which graphs of exact order 2 differ takes both signs.
+    assert zero(CUBIC.subs({u: -u, v: -v}, simultaneous=True) + CUBIC)
+    # Cones of 30 degrees, as sets of planes: points of the surface of Example 31 over the cone's
+    # circle are within the cone on one side of the contact, outside on the other.
+    here = 0.5, 0.3
+    jet = example(*variables(*here))
+    steps = np.array([2e-4, -2e-4, 4e-4])
+    for turn in np.linspace(0.1, 6.1, 13):
+        way = np.array([np.cos(turn), np.sin(turn)])
+        centre = way * (1 + np.dot(here, here)) / (2 * np.tan(ANGLE) - 2 * np.dot(here, way))
+        names = dict(zip("xyuv", (*here, *centre)))
+        assert abs(at(EQ9.subs(tan, np.tan(ANGLE)), jet, **names)) < 1e-9
+        assert abs(at(EQ11, jet, **names)) > 1e-3  # of no higher order
+        contact = np.array([*here, jet.value])
+        _, a, b = osculating_conic(centre, example(*variables(*here)))
+        n, _ = point_to_plane(conic(contact, centre, a, b, np.array([0.0, 2.0, 4.0])))
+        axis = np.linalg.solve(n, np.full(3, np.sin(ANGLE)))
+        px, py, _ = conic(contact, centre, a, b, steps / np.hypot(*centre)).T
+        near = example(*variables(px, py))
+        r = contact_point(px, py, near.value, near.derivative(1, 0), near.derivative(0, 1))
+        out = np.stack(r, axis=-1) - cone_vertex(contact, centre, a, b)
+        deep = (out @ axis) ** 2 - np.cos(ANGLE) ** 2 * np.sum(out**2, axis=-1)
+        assert deep[0] * deep[1] < 0 and abs(np.log2(deep[2] / deep[0]) - 3) < 0.1
+
+
+def test_cylinders_mill_what_has_a_ruled_offset():
+    # A surface whose offset is ruled touches the cylinders about the rulings.
+    s, t = GRID
+    for name, lines in RULED.items():
+        r = np.stack(np.broadcast_arrays(*ruled(name, 0.1)(s, t)), axis=-1)
+        found = frames(ruled(name, 0.1), s, t, "space")
+        point, _, along, _ = (np.stack(np.broadcast_arrays(*c), axis=-1) for c in lines(s))
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        out = r - point
+        out = out - np.sum(out * along, axis=-1, keepdims=True) * along
+        np.testing.assert_allclose(np.linalg.norm(out, axis=-1), 0.1, rtol=1e-12)
+        across = np.linalg.norm(np.cross(out, found.axes[:, 2]), axis=-1)
+        assert np.max(across) < 1e-12
+
+    # One tolerance: where a ruled surface errs by so much from the offset, so does the cylinder.
+    def offset(a, b):
+        return np.array([a, b, a * b + 0.01 * np.cos(3 * a) * np.cos(2 * b)])
+
+    def away(place, start):
+        best = minimize(lambda at: np.sum((offset(*at) - place) ** 2), start, tol=1e-14)
+        return np.sqrt(best.fun)
+
+    places = [(a, b) for a in np.linspace(-0.5, 0.5, 5) for b in np.linspace(-0.5, 0.5, 5)]
+    axes, milled = (
+        np.array([np.stack(ruled("saddle", radius)(*place)) for place in places])
+        for radius in (0.0, 0.1)
+    )
+    starts = [axis[:2] for axis in axes]
+    erring = np.array([away(*both) for both in zip(axes, starts)])
+    errors = np.array([abs(away(*both) - 0.1) for both in zip(milled, starts)])
+    assert 0.007 < np.max(erring) <= 0.01
+    np.testing.assert_allclose(errors, erring, atol=2e-4)
+
+
+def test_cones_mill_a_hyperboloid():
+    a, c, z = sp.symbols("a c z", positive=True)
+    focal = sp.sqrt(a**2 + c**2)
+    outside = (x**2 + y**2) / a**2 - z**2 / c**2 - 1
+    # Vertex (focal, 0, 0), axis along y, tan(theta) = c/a: its points have y^2 >= wall.
+    wall = ((x - focal) ** 2 + z**2) * (a / c) ** 2
+    left = sp.expand(outside.subs(y, sp.sqrt(wall)))
+    assert zero(left - (focal * x - a**2) ** 2 / (a * c) ** 2)  # a square: touches, never enters
+    assert outside.diff(y) == 2 * y / a**2  # and deeper in the cone it's farther outside
+    # The conic of contact meets every parallel circle, so that turning covers the surface.
+    assert zero((x**2 + wall).subs(x, a**2 / focal) - a**2 * (1 + z**2 / c**2))
+    # Contact along the surface's own rulings is another matter: along a cone's ruling the
+    # tangent plane stays, and so would the surface's.
+    ruling = sp.Matrix([sp.cos(t), sp.sin(t), tan])
+    n = (g * ruling).diff(g).cross((g * ruling).diff(t))
+    assert all(zero(e) for e in n - g * ruling.cross(ruling.diff(t)))
+    # A second way: the library finds these cones from the surface's derivatives alone, and none
+    # of the surface's points lies within them.
+    around, heights = np.meshgrid(np.linspace(-np.pi, np.pi, 361), np.linspace(-2, 2, 161))
+    for radius, height in ((1, 1), (2, 1)):
+
+        def surface(s, t, radius=radius, height=height):
+            size = radius * np.sqrt(1 + t * t / height**2)
+            return [size * np.cos(s), size * np.sin(s), t]
+
+        assert recognise(surface, *GRID, "ruled", model="space").verdict == "is"
+        assert recognise(surface, *GRID, "developable", model="space").verdict == "is not"
+        angle = np.arctan(height / radius)
+        cones = hyperosculating_cones(surface, *GRID, half_angle=angle, model="space")
+        which = np.flatnonzero(cones.undecided)  # those with contact of order 4
+        assert set(cones.index[which]) == set(range(GRID[0].size))
+        vertex, axis = cones.vertex[which], cones.axis[which]
+        circle = np.hypot(vertex[:, 0], vertex[:, 1])
+        np.testing.assert_allclose(circle, np.hypot(radius, height), rtol=1e-9)
+        assert np.max(np.abs(vertex[:, 2])) < 1e-9 and np.max(np.abs(axis[:, 2])) < 1e-9
+        assert np.max(np.abs(np.sum(vertex * axis, axis=-1))) < 1e-9
+        points = np.stack(surface(around, heights), axis=-1)
+        for k in range(0, len(which), 9):
+            distance = cone_distance(points, vertex[k], axis[k], angle, 0.0, 4.0)
+            assert -1e-12 < distance.min() < 1e-3
+
+
 # ---- section 2: developable surfaces ----------------------------------------------------------
 
 
@@ -237,6 +362,30 @@ EQ4_PRINTED = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _b 
                - 6 * _c * _k * _n * _a**2 + _n**2 * _a**3)  # fmt: skip
 
 
+def test_ruled_surfaces_as_limits():
+    for lines in RULED.values():
+
+        def motion(s, lines=lines):
+            """Carry a cone with its vertex on the line's own point and its axis along it."""
+            point, velocity, along, rate = (np.array(c, float) for c in lines(s))
+            size = np.linalg.norm(along)
+            axis = along / size
+            turn = np.cross(axis, rate / size)
+            second = np.cross(turn, axis) / np.linalg.norm(turn)
+            return point, velocity, [axis, second, np.cross(axis, second)], turn
+
+        for s, far in ((0.3, 0.4), (0.6, -0.7)):
+            vertex, velocity, (axis, second, third), turn = motion(s)
+            move = velocity + far * np.cross(turn, axis)  # of the ruling's point beside it
+            u = np.arctan2(-move @ second, move @ third)  # the azimuth of its tangent plane
+            gaps = [np.linalg.norm(moving_cone(motion, angle)(u, s) - vertex - far * axis)
+                    for angle in (1e-3, 1e-4, 1e-5)]  # fmt: skip
+            np.testing.assert_allclose(np.divide(gaps[:2], gaps[1:]), 10, rtol=0.02)
+            # The plane is the ruled surface's, turned by the angle.
+            n = np.cos(u) * second + np.sin(u) * third
+            assert abs(n @ axis) < 1e-12 and abs(n @ move) < 1e-12
+
+
 def test_eq03_line_contact():
     derivative = f
     for order in (1, 2, 3):
@@ -266,6 +415,14 @@ def test_eq04_resultant():
         assert EQ4.subs(here) == both
         wrong += EQ4_PRINTED.subs(here) != both
     assert wrong > 25
+
+
+def test_solutions_that_jump():
+    for place, lines in ((2, {(1, 1)}), (-2, {(1, -1)}), (0, {(1, 1), (1, -1)})):
+        second = x * u**3 - sp.Abs(x) * v**3
+        system = [e.subs({x: place, u: 1}) for e in (u**2 - v**2, second)]  # u = 0 gives v = 0
+        roots = [root for root in sp.roots(system[0], v) if system[1].subs(v, root) == 0]
+        assert {(1, root) for root in roots} == lines
 
 
 def test_discriminant_of_the_asymptotic_directions():
@@ -381,6 +538,91 @@ def test_prop7_tangent_cones_are_conics_in_the_surface():
     flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     assert flat[2] < 1e-10 * flat[0]
     assert abs(intrinsic_radius(points) - (np.pi / 2 - ANGLE)) < 1e-9
+
+
+def test_osculating_circles_between_vertices():
+    # By a curve's support function p: the radius is p + p'', the centre moves by as much as the
+    # radius grows and turns as it does so, so that circles between vertices are nested.
+    support = sp.Function("support")(t)
+    n = sp.Matrix([sp.cos(t), sp.sin(t)])
+    radius = support + support.diff(t, 2)
+    middle = support * n + support.diff(t) * n.diff(t) - radius * n
+    assert all(zero(e) for e in middle.diff(t) + radius.diff(t) * n)
+    rng = np.random.default_rng(6)
+    for a, b, c, e in rng.uniform(-0.04, 0.04, (4, 4)):
+        waves = a * sp.cos(2 * t) + b * sp.sin(2 * t) + c * sp.cos(3 * t) + e * sp.sin(3 * t)
+        size, rate, centre = (
+            sp.lambdify(t, thing.subs(support, 1 + waves).doit())
+            for thing in (radius, radius.diff(t), middle)
+        )
+        turns = np.linspace(0, 2 * np.pi, 721)
+        signs = np.sign(rate(turns))
+        changes = np.flatnonzero(signs[1:] != signs[:-1])
+        vertices = [brentq(rate, turns[i], turns[i + 1]) for i in changes]
+        assert len(vertices) >= 4 and size(turns).min() > 0
+        for first, last in pairwise(vertices):
+            between = np.linspace(first, last, 12)
+            places, sizes = np.array([centre(s).ravel() for s in between]), size(between)
+            apart = np.linalg.norm(places[:, None] - places, axis=-1)
+            assert np.all((apart < np.abs(sizes[:, None] - sizes)) | np.eye(12, dtype=bool))
+        # Two circles of one size, on both sides of a vertex, cross.
+        for before, vertex, after in zip(vertices, vertices[1:], vertices[2:]):
+            sizes = [size(place) for place in (before, vertex, after)]
+            least = max(sizes[::2]) if sizes[1] > sizes[0] else min(sizes[::2])
+            level = (sizes[1] + least) / 2
+            one, two = (
+                brentq(lambda at, size=size, level=level: size(at) - level, *side)
+                for side in ((before, vertex), (vertex, after))
+            )
+            assert 1e-9 < np.linalg.norm(centre(one) - centre(two)) < 2 * level
+
+
+def test_definition8_contact_of_a_curve_and_a_graph():
+    def graph(a, b):
+        return a**2 - 3 * a * b + b**3 + 2 * a
+
+    def orders(gap, s):
+        """Return up to which power the gap vanishes, by the quotient and by its derivatives."""
+        powers = [n for n in range(6) if sp.limit(gap / s**n, s, 0) == 0]
+        still = [n for n in range(6) if all(gap.diff(s, k).subs(s, 0) == 0 for k in range(n + 1))]
+        assert powers == still == list(range(len(powers)))
+        return len(powers) - 1
+
+    across, up = t + t**2, 1 - 2 * t + t**3
+    for n in range(5):
+        curve = sp.Matrix([across, up, graph(across, up) + 7 * t ** (n + 1)])
+        assert orders(sp.expand(curve[2] - graph(curve[0], curve[1])), t) == n
+        # Another parameter, with a rate of its own.
+        other = curve.subs(t, 3 * g - g**2)
+        assert orders(sp.expand(other[2] - graph(other[0], other[1])), g) == n
+        # Curves in the graph that agree with it so far: its shadow, and as many more as one likes.
+        for aside in (0, 1, -4):
+            held = across + aside * t ** (n + 1)
+            within = sp.Matrix([held, up, graph(held, up)])
+            assert min(orders(sp.expand(e), t) for e in curve - within) == n
+    # A tangent has order 1, a curve in the graph every one.
+    slope = [graph(x, y).diff(e).subs({x: 0, y: 1}) for e in (x, y)]
+    line = sp.Matrix([t, 1 - t, graph(0, 1) + (slope[0] - slope[1]) * t])
+    assert orders(sp.expand(line[2] - graph(line[0], line[1])), t) == 1
+    assert orders(sp.expand(graph(t, t) - graph(t, t)), t) == 5
+
+
+def test_planes_through_a_tangent():
+    # An elliptic point, 2 z = a x^2 + 2 b x y + c y^2 with a, c, a c - b^2 > 0; planes through x.
+    a, c, rest = sp.symbols("a c rest", positive=True)
+    b = sp.sqrt(a * c - rest)
+    form = (a * x**2 + 2 * b * x * y + c * y**2) / 2
+    # Inclined by its tangent m against the normal, y = m z, the curve is z = a x^2/2 + ...
+    m = sp.Symbol("m", real=True)
+    height = sp.Function("height")(x)
+    cut = height - form.subs(y, m * height)
+    at_rest = {height: 0, x: 0}
+    first = sp.solve(cut.diff(x).subs(height.diff(x), g).subs(at_rest), g)
+    assert first == [0] and cut.subs(at_rest) == 0
+    second = cut.diff(x, 2).subs(height.diff(x, 2), t).subs(height.diff(x), 0).subs(at_rest)
+    assert zero(sp.solve(second, t)[0] - a)  # of order 1 and no more
+    # The tangent plane, z = 0: a sum of squares, zero in the point alone.
+    assert zero(form - ((a * x + b * y) ** 2 + rest * y**2) / (2 * a))
 
 
 def test_sphere_and_cone_touch_to_first_order_only():
@@ -532,6 +774,30 @@ def test_eq08_eq09_prop9_special_conics():
     found = conic(points[0], (U, V), slope @ [V, -U], slope @ [U, V], np.linspace(0, 6, 25))
     n, h = point_to_plane(found)
     assert np.allclose(n @ vertex, -h, atol=1e-9) and np.allclose(n @ axis, np.sin(ANGLE))
+
+
+def test_angle_of_proposition9():
+    # O outside the circle about C, and inside: OA and OB from OC and the radius.
+    far, radius = sp.symbols("far radius", positive=True)
+    for sign, near in ((1, far - radius), (-1, radius - far)):
+        quotient = (far + radius - sign * near) / (1 + sign * near * (far + radius))
+        assert zero(quotient - 2 * radius / (1 + far**2 - radius**2))
+        one, two = sp.symbols("one two", positive=True)  # the angles BSO and ASO
+        difference = (sp.tan(one) - sign * sp.tan(two)) / (1 + sign * sp.tan(one) * sp.tan(two))
+        assert zero(sp.expand_trig(sp.tan(one - sign * two)) - difference)
+    below = 1 + (x + u) ** 2 + (y + v) ** 2 - u**2 - v**2
+    assert zero(below - W)
+    assert zero(4 * tan**2 * (u**2 + v**2) - below**2 + EQ9)  # cot = 2 sqrt/below, squared
+    # ASB is the circle's radius on the sphere, or a straight angle less it.
+    rng = np.random.default_rng(8)
+    for centre, size in zip(rng.normal(size=(12, 2)), rng.uniform(0.1, 2, 12)):
+        turns = 2 * np.pi * np.arange(9) / 9
+        circle = centre + size * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+        ends = centre + np.outer([size, -size], centre / np.linalg.norm(centre))
+        one, two = np.column_stack([ends, [1, 1]])  # as seen from S
+        angle = np.arctan2(np.linalg.norm(np.cross(one, two)), one @ two)
+        assert abs(min(angle, np.pi - angle) - intrinsic_radius(circle)) < 1e-9
+        assert np.isclose(np.tan(angle), 2 * size / (1 + centre @ centre - size**2))
 
 
 def test_example10_conics_in_a_graph():

@@ -3,9 +3,13 @@
 One proof a claim; the verdicts stand in report/ledger/tunneller.toml.
 """
 
+import re
+from math import atan2, sqrt
+
 import numpy as np
 import sympy as sp
 
+from tests import matlab_listing
 from tests.basic_listing import PRINTED, REPAIRS, run
 from tunneller_lib.paths import (
     ConeChord,
@@ -13,6 +17,7 @@ from tunneller_lib.paths import (
     cutting_circuit,
     geodesic_direct,
     geodesic_inverse,
+    project_chord,
 )
 from tunneller_lib.reporting.machine_model import BODY, machine_model
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
@@ -191,3 +196,23 @@ def test_listing_pi():
     table = ConeChord(1, 1, 0.5, 0.25).table(np.arange(11) / 10)
     table[:, 1] = np.degrees(table[:, 1])
     assert 0 < np.max(np.abs(printed - table)) < 1e-7
+
+
+def test_efficient_implementation():
+    # Neither of the document's programs moves on a torus, and neither takes a time or a count.
+    basic, matlab = " ".join(PRINTED.values()), matlab_listing.PRINTED
+    assert set(re.findall(r"[A-Z]+(?=\()", basic)) <= {"SQR", "COS", "SIN", "ATN", "TAN"}
+    assert PRINTED[240] == "LPRINT U,180*PHI/PI, LN, NN, NN-LN"  # all that it prints a step
+    assert not re.search(r"\b(sin|cos|atan2?|sqrt|tic|toc|clock|cputime)\b", matlab)
+    # What the first one computes, mended, is the path on its cone.
+    for row in run(3, 4, 1, 0.2, 10, repaired=list(REPAIRS)):
+        chord = ConeChord(3, 4, 1, 0.2)
+        assert np.isclose(row[2], chord.table(row[0])[2], rtol=1e-9)
+    # Ours for a torus: a chord's point by three sums, then a root and two arctangents.
+    ends = (-0.3, 0.2), (0.4, -0.3)
+    (x1, y1, z1), q = (MACHINE.torus.point(*end).tolist() for end in ends)
+    dx, dy, dz = ((far - near) / 10 for far, near in zip(q, (x1, y1, z1)))
+    for expected in project_chord(MACHINE.torus, *ends, 11):
+        found = atan2(-z1, x1), atan2(y1, sqrt(x1 * x1 + z1 * z1) - MACHINE.r)
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+        x1, y1, z1 = x1 + dx, y1 + dy, z1 + dz

@@ -87,6 +87,16 @@ def test_convex_interval(ends):
         assert np.array_equal(inside, (t >= enter[i]) & (t <= leave[i]))
 
 
+def test_wall_steps():
+    share = p.dot(v) / vsq
+    off = v * share - p
+    first = off.dot(v * share)
+    assert zero(first) and zero(off.dot(off) - (first - off.dot(p)))
+    # r^2 = -(v m - p).p, brought to one side; with m put in it is the quadratic over vsq.
+    left = r**2 + v.dot(p) * share - p.dot(p)
+    assert zero(left - (r**2 + off.dot(p))) and zero(left - (r**2 - off.dot(off)))
+
+
 def test_wall_quadratic():
     printed = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
     share = p.dot(v) / vsq

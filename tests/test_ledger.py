@@ -75,7 +75,7 @@ ITEMS = {
         "Eq.": range(1, 27), "Fig.": range(1, 12),
         "Theorem": [2, 4, 13, 16], "Example": [1, 10, 31, 32, 33], "Problem": [15, 30],
         "Proposition": [6, 7, 9, 11, 17, 18, 19, 20, 22, 24, 26, 27],
-        "Corollary": [12, 25, 28, 29], "Remark": [3, 5, 14, 21, 23],
+        "Corollary": [12, 25, 28, 29], "Remark": [3, 5, 14, 21, 23], "Definition": [8],
     },
     "line-cylinder": {
         "": ["Point in cylinder", "Line intersect with cylinder", "Independent surfaces",
