@@ -1,9 +1,33 @@
-"""How `make mutants` draws its faults: one token each, in formulas, the same each time."""
+"""The planted faults of `make mutants`: drawn as said, nearly all noticed, the rest explained."""
+
+import csv
+import tomllib
+from collections import Counter
 
 import pytest
 
 from tests import mutants
-from tests.mutants import Mutant, Places, more
+from tests.mutants import REASONS, TABLE, Mutant, Places, more
+
+ROOMS = {"arrays.py", "envelopes", "motion", "paths", "ream", "removal", "reporting", "surfaces"}
+KINDS = {"branch", "constant", "exponent", "factor", "index", "sign"}
+ROWS = list(csv.DictReader(TABLE.read_text().splitlines()))
+
+
+def test_all_rooms_and_kinds_are_altered():
+    assert len(ROWS) >= 60
+    assert {row["file"].split("/")[1] for row in ROWS} == ROOMS
+    assert min(Counter(row["kind"] for row in ROWS).values()) >= 6
+    assert {row["kind"] for row in ROWS} == KINDS
+
+
+def test_of_planted_faults_at_most_a_twentieth_survives():
+    alive = [row for row in ROWS if not row["killed by"]]
+    assert len(alive) <= 0.05 * len(ROWS)
+    reasons = tomllib.loads(REASONS.read_text()).values()
+    explained = {(entry["file"], entry["after"]) for entry in reasons}
+    assert explained == {(row["file"], row["after"]) for row in alive}
+    assert all(entry["why"].endswith(".") for entry in reasons)
 
 
 @pytest.mark.parametrize(
