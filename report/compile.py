@@ -40,7 +40,7 @@ def compile_report(root=ROOT):
     Parameters
     ----------
     root : pathlib.Path
-        The folder that holds report, figures, notebooks, tunneller_lib and environment.txt.
+        The folder that holds report, figures, notebooks, tunneller_lib, tests and environment.txt.
 
     Raises
     ------

@@ -94,6 +94,7 @@ def report_sources(root=ROOT):
     """Return the one digest of everything that the report is made from."""
     report = root / "report"
     written = [report / "compile.py", *(p for p in report.rglob("*") if p.suffix in WRITTEN)]
+    written += [root / "tests" / "mutants.csv", root / "tests" / "mutants.toml"]
     made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
     parts = [notebook_sources(n) for n in notebooks(root)]
     return digest(*map(str.encode, parts), file_digest(root, sorted(written) + made).encode())

@@ -68,8 +68,9 @@ def copy(tmp_path):
     """Return a study of its own, with a report that says what a test wants."""
     for folder in ("report", "figures", "notebooks"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
-    for file in ("environment.txt", "CITATION.cff"):
-        shutil.copy(ROOT / file, tmp_path)
+    (tmp_path / "tests").mkdir()
+    for file in ("environment.txt", "CITATION.cff", "tests/mutants.csv", "tests/mutants.toml"):
+        shutil.copy(ROOT / file, tmp_path / file)
     return tmp_path
 
 

@@ -53,6 +53,7 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert (gain.min, gain.max, gain.value, delay.max) == (1.0, 20.0, 10.0, 4)
     delay.value = 3
     assert calls[-1] == {"gain": 10.0, "delay": 3}
+    assert shown[-1].alt.endswith("Drawn for gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
 
 

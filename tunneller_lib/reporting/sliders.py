@@ -16,8 +16,9 @@ def sliders(draw, *, alt="", **ranges):
     draw : function
         Takes the values by the names of the ranges and returns a drawing or pixels.
     alt : str
-        What the drawing shows, for those who can't see it. With it a run without a screen shows
-        the drawing too; without, that's left to the one who records it.
+        What the drawing shows at the start, for those who can't see it; where there are sliders
+        their values are added. With it a run without a screen shows the drawing too; without,
+        that's left to the one who records it.
     **ranges
         (low, high, start) of each value; whole numbers make a slider of whole numbers.
 
@@ -38,9 +39,12 @@ def sliders(draw, *, alt="", **ranges):
     picture = draw(**{name: start for name, (_, _, start) in ranges.items()})
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
-        shown = ipywidgets.interactive_output(
-            lambda **values: display(preview(draw(**values), alt)), controls
-        )
+
+        def show(**values):
+            here = ", ".join(f"{name} {value:g}" for name, value in values.items())
+            display(preview(draw(**values), f"{alt} Drawn for {here}."))
+
+        shown = ipywidgets.interactive_output(show, controls)
         display(ipywidgets.VBox([*controls.values(), shown]))
     elif alt:
         display(preview(picture, alt))
