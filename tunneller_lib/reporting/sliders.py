@@ -20,7 +20,8 @@ def sliders(draw, *, alt="", **ranges):
         their values are added. With it a run without a screen shows the drawing too; without,
         that's left to the one who records it.
     **ranges
-        (low, high, start) of each value; whole numbers make a slider of whole numbers.
+        (low, high, start) of each value, perhaps with its unit; whole numbers make a slider of
+        whole numbers.
 
     Returns
     -------
@@ -33,10 +34,10 @@ def sliders(draw, *, alt="", **ranges):
     ValueError
         If a start isn't in its range.
     """
-    for name, (low, high, start) in ranges.items():
+    for name, (low, high, start, *_) in ranges.items():
         if not low <= start <= high:
             raise ValueError(f"{name}: must start from {low} to {high}; got {start}.")
-    picture = draw(**{name: start for name, (_, _, start) in ranges.items()})
+    picture = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
 
@@ -51,8 +52,10 @@ def sliders(draw, *, alt="", **ranges):
     return picture
 
 
-def _slider(name, low, high, start):
-    limits = {"min": low, "max": high, "value": start, "description": name}
+def _slider(name, low, high, start, unit=""):
+    limits = {"min": low, "max": high, "value": start}
+    limits |= {"description": f"{name} / {unit}" if unit else name}
+    limits |= {"style": {"description_width": "initial"}}
     if all(isinstance(number, int) for number in (low, high, start)):
         return ipywidgets.IntSlider(**limits, continuous_update=False)
     return ipywidgets.FloatSlider(**limits, step=(high - low) / 100, continuous_update=False)
