@@ -250,7 +250,7 @@ def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tunneller_lib.__main__.sweep", stop)
+    monkeypatch.setattr("tunneller_lib.reporting.sweep.sweep", stop)
     code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
     assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
 
@@ -260,7 +260,59 @@ def test_help_names_the_commands_and_the_exit_codes(capsys):
         parser().parse_args(["--help"])
     said = capsys.readouterr().out
     assert end.value.code == 0
-    assert all(word in said for word in ("cut", "scene", "animate", "atlas", "with 1", "with 2"))
+    words = "cut", "scene", "animate", "atlas", "with 1", "with 2", "130"
+    assert all(word in said for word in words)
+
+
+def without(package, *arguments):
+    """Run the command line in a process that lacks a package."""
+    code = f"import sys; sys.modules[{package!r}] = None; from tunneller_lib.__main__ import main; "
+    return subprocess.run([sys.executable, "-c", f"{code}sys.exit(main())", *arguments],
+                          cwd=ROOT, text=True, capture_output=True)  # fmt: skip
+
+
+@pytest.mark.parametrize("package", ["numpy", "scipy", "matplotlib", "pyvista", "PIL", "trame"])
+def test_help_needs_no_package(package):
+    done = without(package, "--help")
+    assert done.returncode == 0 and "COMMAND" in done.stdout and not done.stderr
+
+
+@pytest.mark.parametrize(("command", "package", "name"), [
+    ("cut", "matplotlib", "matplotlib"), ("cut", "pyvista", "pyvista"),
+    ("animate", "PIL", "pillow"), ("scene", "trame", "trame"),
+])  # fmt: skip
+def test_command_names_the_package_that_it_lacks(command, package, name):
+    done = without(package, command, str(REFERENCE), "--json")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".[command]')
+    assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
+
+
+@pytest.mark.parametrize(("error", "code", "answer"), [
+    (KeyboardInterrupt(), 130, {"interrupted": True}),
+    (MemoryError(), 1, {"refused": "the job needs more memory than there is."}),
+    (PermissionError(13, "Permission denied", "cut"), 2, {"wrong": "cut: Permission denied."}),
+])  # fmt: skip
+def test_command_that_is_stopped_answers_in_json(capsys, monkeypatch, error, code, answer):
+    def stop(*_):
+        raise error
+
+    monkeypatch.setattr("tunneller_lib.reporting.job.read_job", stop)
+    ended, said, told = run(capsys, "cut", REFERENCE, "--json")
+    assert ended == code and json.loads(said) == answer
+    assert told.count("\n") == 1 and told.startswith(next(iter(answer)))
+
+
+def test_answer_that_nobody_reads_stops_nothing():
+    code = "import tunneller_lib.__main__ as m; input(); m.tell('one'); m.tell('two'); print('end')"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, text=True, stdin=-1,
+                               stdout=-1, stderr=-1)  # fmt: skip
+    process.stdout.close()
+    told = process.stderr
+    process.stdin.write("go\n")
+    process.stdin.close()
+    assert process.wait(30) == 0 and told.read() == ""
+    told.close()
 
 
 def test_process_ends_with_a_sentence_and_its_code(tmp_path):
@@ -274,4 +326,5 @@ def test_process_ends_with_a_sentence_and_its_code(tmp_path):
 def test_command_line_brings_pictures_only_when_they_are_made():
     code = "import sys; from tunneller_lib.__main__ import parser; parser(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, text=True, capture_output=True)
-    assert not {"pyvista", "vtk", "tunneller_lib.reporting.job"} & set(done.stdout.split())
+    brought = set(done.stdout.split())
+    assert not {"numpy", "matplotlib", "pyvista", "tunneller_lib.reporting"} & brought
