@@ -11,6 +11,7 @@ import pytest
 
 from tunneller_lib.__main__ import main, parser
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
+from tunneller_lib.reporting.files import check_writable
 from tunneller_lib.reporting.interchange import read_csv
 from tunneller_lib.reporting.job import WrongJob, read_job
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
@@ -138,6 +139,11 @@ def test_job_that_cannot_be_understood_is_told_in_a_sentence(job, changes, sente
         read_job(job(changes))
 
 
+def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
+    (tmp_path / "job.toml").write_bytes(b"\xef\xbb\xbf" + REFERENCE.read_bytes())
+    assert read_job(tmp_path / "job.toml") == read_job(REFERENCE)
+
+
 def test_job_without_a_readable_file(tmp_path):
     with pytest.raises(WrongJob, match=r"none\.toml: can't be read; No such file"):
         read_job(tmp_path / "none.toml")
@@ -160,7 +166,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     answer = json.loads(said)
     numbers = {"knots", "setpoints", "ticks", "laps"}
     lengths = {"lap_time_s", "removed_m3", "overbreak_m", "underbreak_m"}
-    assert set(answer) == {*numbers, *lengths, "faults", "files"}
+    assert set(answer) == {*numbers, *lengths, "faults", "files", "warnings"}
     assert all(isinstance(answer[name], int) for name in numbers)
     assert all(isinstance(answer[name], float) for name in lengths)
     sources = ["knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose"]
@@ -169,11 +175,45 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     pose = answer["faults"][-1]
     assert pose["closed_m"] == pytest.approx(1e-3, rel=0.01)
     assert {Path(name).name for name in answer["files"]} == FILES == {p.name for p in out.iterdir()}
-    assert "planned: " in told and "simulating 1 x " in told and "writing " in told
+    steps = "planning ...", "planned: ", "simulating 1 x ", "budget: source 7 of 7", "writing "
+    assert all(step in told for step in steps) and answer["warnings"] == []
     about, columns = read_csv((out / "setvalues.csv").read_text())
     assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
     assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")
     assert (out / "budget.csv").read_text().count("\n") == 8
+
+
+def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
+    code, said, told = run(capsys, "cut", job({"tolerance = 1e-3": "tolerance = 1.0"}),
+                           "--out", tmp_path / "cut", "--json")  # fmt: skip
+    (asked,) = json.loads(said)["warnings"]
+    assert code == 0 and told.splitlines()[-1] == f"warning: {asked}"
+    assert asked.startswith("[plan] tolerance: 1 m isn't below the depth of cut 0.02 m; ")
+    code, said, told = run(capsys, "cut", job({"# [pose]": "[pose]", "# y = 1e-3": "y = 1e-2"}),
+                           "--out", tmp_path / "cut", "--json")  # fmt: skip
+    assert code == 0 and told.splitlines()[-2:] == [
+        f"warning: {warning}" for warning in json.loads(said)["warnings"]]  # fmt: skip
+    for name, line in zip(("over", "under"), told.splitlines()[-2:]):
+        worst = 1e3 * json.loads(said)[f"{name}break_m"]
+        assert line == (f"warning: the {name}-break of {worst:.3g} mm is {worst:.2g} times the "
+                        "tolerance of 1 mm.")  # fmt: skip
+
+
+def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
+    (tmp_path / "file").touch()
+    (tmp_path / "taken.html").mkdir()
+    for command, out, why in (
+        ("cut", "file/cut", f"can't be written; {tmp_path / 'file'} is no folder."),
+        ("scene", "taken.html", "is a folder, not a file."),
+    ):
+        code, said, told = run(capsys, command, job(), "--out", tmp_path / out, "--json")
+        assert code == 2 and json.loads(said)["wrong"].endswith(why) and "simulat" not in told
+
+
+def test_folder_that_is_read_only_is_told(monkeypatch, tmp_path):
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(PermissionError, match=f"can't be written; {tmp_path} is read-only"):
+        check_writable(tmp_path / "cut" / "budget.csv")
 
 
 def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):

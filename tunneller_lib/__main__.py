@@ -151,16 +151,21 @@ def table(text):
     return Path(text)
 
 
-def read(options):
-    """Return the job that a command names, planned, after saying so."""
+def read(options, out):
+    """Return the job that a command names, planned and simulated, after saying so.
+
+    Whether the file `out` can be written is looked at between, and no folder made yet.
+    """
     import numpy as np
 
+    from .reporting.files import check_writable
     from .reporting.job import read_job
     from .reporting.sweep import say
 
     job = read_job(options.job)
     say("planning ...")
     plan, start = job.planned, time.monotonic()
+    check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     n, m = job.wall["along"], job.wall["around"]
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
@@ -175,12 +180,15 @@ def run_cut(options):
     from .reporting.outcome import outcome, told, write_all
     from .reporting.sweep import say
 
-    job = read(options)
-    numbers = outcome(job)
+    folder = options.out or Path("build") / options.job.stem
+    job = read(options, folder / "budget.csv")
+    numbers = outcome(job, say)
     if not options.json:
         tell(told(numbers) + "\n")
-    folder = options.out or Path("build") / options.job.stem
-    return {**numbers, "files": write_all(job, folder, numbers, say)}
+    files = write_all(job, folder, numbers, say)
+    for warning in numbers["warnings"]:
+        say(f"warning: {warning}")
+    return {**numbers, "files": files}
 
 
 def run_scene(options):
@@ -188,10 +196,10 @@ def run_scene(options):
     import_module("trame")  # else first asked for when the page is written, after the simulation
     from .reporting import interchange, tunnel_scene
 
-    job = read(options)
+    out = options.out or Path("build") / f"{options.job.stem}.html"
+    job = read(options, out)
     tick = round(options.share * (len(job.cut.centres) - 1))
     plotter = tunnel_scene.tunnel_scene(job.cut, tick, limit=job.limit)
-    out = options.out or Path("build") / f"{options.job.stem}.html"
     return {"files": [str(interchange.write(out, plotter))]}
 
 
@@ -199,8 +207,8 @@ def run_animate(options):
     """Write the pictures of the run."""
     from .reporting import interchange, tunnel_scene
 
-    job = read(options)
     out = options.out or Path("build") / f"{options.job.stem}.gif"
+    job = read(options, out)
     count, width = options.frames, options.width
     pictures = tunnel_scene.frames(job.cut, count, width=width, limit=job.limit)
     return {"files": [str(interchange.write(out, counted(pictures, count)))]}

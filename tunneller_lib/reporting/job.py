@@ -107,7 +107,7 @@ def read_job(path):
         have or lacks one.
     """
     try:
-        tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        tables = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
     except UnicodeDecodeError:
