@@ -228,14 +228,19 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
 
 REFUSED = [
     ({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.7"}, "machine: can't cut this section; wid"),
-    ({"a = 0.5 ": "a = -1 "}, "a: must be"),
+    ({"a = 0.5 ": "a = -1 "}, "[section] a: must be"),
+    ({"depth = 0.02": "depth = -0.02"}, "[machine] depth: must be one finite number, not below"),
+    ({"along = 40": "along = -2"}, "[wall] along, around: must hold whole numbers"),
+    ({"thickness = 0.1": "thickness = -1"}, "[wall] thickness: must be"),
+    ({"delay = 1": "delay = -1"}, "[controller] delay: must hold whole numbers"),
+    ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
-    ({"arm_radius = 0.1": "arm_radius = 0.3"}, "arm_radius: an arm of 0.3 m is"),
-    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "theta_min: must be below theta_max"),
-    ({"feed = 0.2": "feed = nan"}, "feed: must be one number above zero; got nan."),
+    ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
+    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
+    ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
-     "pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
+     "[section] pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
 ]  # fmt: skip
 
 
