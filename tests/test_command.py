@@ -1,6 +1,7 @@
 """The command line: jobs that are read, refused and run; what goes where."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -279,7 +280,13 @@ def test_scene_writes_a_page(capsys, job, tmp_path):
     out = tmp_path / "page.html"
     code, said, _ = run(capsys, "scene", job(), "--share", 0.3, "--out", out, "--json")
     assert code == 0 and json.loads(said) == {"files": [str(out)]}
-    assert "<html" in out.read_text()[:1000].lower()
+    page = out.read_text()
+    title = re.search(r"<title>(.*)</title>", page)[1]
+    assert re.fullmatch(
+        r"The machine in the tunnel after \d\.\d s; colours: over-break / mm", title
+    )
+    assert f'aria-label="{title}"' in page and f"{title}. Drag to turn" in page
+    assert "<title>" not in page[page.index("</title>") :] and "VTK.js | Example" not in page
 
 
 def test_animate_writes_its_frames(capsys, job, tmp_path):
