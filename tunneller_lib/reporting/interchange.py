@@ -4,6 +4,7 @@ Tables and VTP are in metres, radians and whole counts; STL and DXF, which carry
 millimetres as most programs take them.
 """
 
+import json
 import re
 from html import escape
 from pathlib import Path
@@ -222,6 +223,8 @@ def _vtp(path, mesh):
 
 def _html(path, plotter):
     page, title = plotter.trame.export_html(None).getvalue(), escape(plotter.title)
+    for bar in plotter.scalar_bars.values():  # the viewer has a word of its own for them all
+        page = page.replace('"Below"', json.dumps(bar.GetBelowRangeAnnotation() or "below"))
     plotter.close()
     page = re.sub("<title>.*?</title>", f"<title>{title}</title>", page, count=1)
     page = page.replace("<body>", PAGE.format(title), 1)
