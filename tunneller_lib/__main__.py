@@ -56,7 +56,7 @@ PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
 def ended(options, code, how, why):
-    """Say how a command ended early, and why if that isn't all; return its exit code."""
+    """Say how a command of these options ended early, and why; return its exit code."""
     print(how if why is True else f"{how}: {why}", file=sys.stderr, flush=True)
     if getattr(options, "json", False):
         tell(json.dumps({how: why}))
