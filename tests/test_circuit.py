@@ -181,6 +181,13 @@ def test_knots_refuse_another_tolerance(tolerance):
         of(REFERENCE_MACHINE).knots(tolerance)
 
 
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-15, 1e-300])
+def test_knots_are_not_more_than_any_machine_wants(tolerance):
+    sentence = rf"^tolerance: must be such that 20000 knots keep it; got {tolerance:g} m\.$"
+    with pytest.raises(ValueError, match=sentence):
+        of(REFERENCE_MACHINE).knots(tolerance)
+
+
 def test_position_broadcasts():
     for circuit in (of(WIDE), of(WIDE, 0.03, 0.01)):
         assert circuit.position(np.zeros((4, 5))).shape == (4, 5, 2)
@@ -188,7 +195,7 @@ def test_position_broadcasts():
         assert circuit.in_tunnel(np.zeros((4, 5, 3))).shape == (4, 5, 3)
 
 
-OFFSET_TOO_GREAT = replace(REFERENCE_MACHINE, depth=-0.05)
+OFFSET_TOO_GREAT = replace(REFERENCE_MACHINE, cutter_radius=0.27)
 
 
 @pytest.mark.parametrize("machine, egg, pitch, message", [
@@ -208,7 +215,7 @@ def test_cutting_circuit_refuses_in_one_sentence(machine, egg, pitch, message):
 
 def test_tilted_circuit_beyond_degeneration_is_refused():
     with pytest.raises(ValueError, match="bend, offset < least radius"):
-        of(replace(WIDE, depth=-0.07), pitch=0.01)
+        of(replace(WIDE, cutter_radius=0.29), pitch=0.01)
 
 
 @pytest.mark.parametrize("name", ["pitch", "yaw"])

@@ -1,6 +1,7 @@
 """The command line: jobs that are read, refused and run; what goes where."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from tunneller_lib.__main__ import main, parser
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
+from tunneller_lib.reporting.files import check_writable
 from tunneller_lib.reporting.interchange import read_csv
 from tunneller_lib.reporting.job import WrongJob, read_job
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
@@ -138,6 +140,11 @@ def test_job_that_cannot_be_understood_is_told_in_a_sentence(job, changes, sente
         read_job(job(changes))
 
 
+def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
+    (tmp_path / "job.toml").write_bytes(b"\xef\xbb\xbf" + REFERENCE.read_bytes())
+    assert read_job(tmp_path / "job.toml") == read_job(REFERENCE)
+
+
 def test_job_without_a_readable_file(tmp_path):
     with pytest.raises(WrongJob, match=r"none\.toml: can't be read; No such file"):
         read_job(tmp_path / "none.toml")
@@ -160,7 +167,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     answer = json.loads(said)
     numbers = {"knots", "setpoints", "ticks", "laps"}
     lengths = {"lap_time_s", "removed_m3", "overbreak_m", "underbreak_m"}
-    assert set(answer) == {*numbers, *lengths, "faults", "files"}
+    assert set(answer) == {*numbers, *lengths, "faults", "files", "warnings"}
     assert all(isinstance(answer[name], int) for name in numbers)
     assert all(isinstance(answer[name], float) for name in lengths)
     sources = ["knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose"]
@@ -169,11 +176,45 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     pose = answer["faults"][-1]
     assert pose["closed_m"] == pytest.approx(1e-3, rel=0.01)
     assert {Path(name).name for name in answer["files"]} == FILES == {p.name for p in out.iterdir()}
-    assert "planned: " in told and "simulating 1 x " in told and "writing " in told
+    steps = "planning ...", "planned: ", "simulating 1 x ", "budget: source 7 of 7", "writing "
+    assert all(step in told for step in steps) and answer["warnings"] == []
     about, columns = read_csv((out / "setvalues.csv").read_text())
     assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
     assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")
     assert (out / "budget.csv").read_text().count("\n") == 8
+
+
+def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
+    code, said, told = run(capsys, "cut", job({"tolerance = 1e-3": "tolerance = 1.0"}),
+                           "--out", tmp_path / "cut", "--json")  # fmt: skip
+    (asked,) = json.loads(said)["warnings"]
+    assert code == 0 and told.splitlines()[-1] == f"warning: {asked}"
+    assert asked.startswith("[plan] tolerance: 1 m isn't below the depth of cut 0.02 m; ")
+    code, said, told = run(capsys, "cut", job({"# [pose]": "[pose]", "# y = 1e-3": "y = 1e-2"}),
+                           "--out", tmp_path / "cut", "--json")  # fmt: skip
+    assert code == 0 and told.splitlines()[-2:] == [
+        f"warning: {warning}" for warning in json.loads(said)["warnings"]]  # fmt: skip
+    for name, line in zip(("over", "under"), told.splitlines()[-2:]):
+        worst = 1e3 * json.loads(said)[f"{name}break_m"]
+        assert line == (f"warning: the {name}-break of {worst:.3g} mm is {worst:.2g} times the "
+                        "tolerance of 1 mm.")  # fmt: skip
+
+
+def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
+    (tmp_path / "file").touch()
+    (tmp_path / "taken.html").mkdir()
+    for command, out, why in (
+        ("cut", "file/cut", f"can't be written; {tmp_path / 'file'} is no folder."),
+        ("scene", "taken.html", "is a folder, not a file."),
+    ):
+        code, said, told = run(capsys, command, job(), "--out", tmp_path / out, "--json")
+        assert code == 2 and json.loads(said)["wrong"].endswith(why) and "simulat" not in told
+
+
+def test_folder_that_is_read_only_is_told(monkeypatch, tmp_path):
+    monkeypatch.setattr("os.access", lambda *_: False)
+    with pytest.raises(PermissionError, match=f"can't be written; {tmp_path} is read-only"):
+        check_writable(tmp_path / "cut" / "budget.csv")
 
 
 def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
@@ -188,14 +229,19 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
 
 REFUSED = [
     ({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.7"}, "machine: can't cut this section; wid"),
-    ({"a = 0.5 ": "a = -1 "}, "a: must be"),
+    ({"a = 0.5 ": "a = -1 "}, "[section] a: must be"),
+    ({"depth = 0.02": "depth = -0.02"}, "[machine] depth: must be one finite number, not below"),
+    ({"along = 40": "along = -2"}, "[wall] along, around: must hold whole numbers"),
+    ({"thickness = 0.1": "thickness = -1"}, "[wall] thickness: must be"),
+    ({"delay = 1": "delay = -1"}, "[controller] delay: must hold whole numbers"),
+    ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
-    ({"arm_radius = 0.1": "arm_radius = 0.3"}, "arm_radius: an arm of 0.3 m is"),
-    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "theta_min: must be below theta_max"),
-    ({"feed = 0.2": "feed = nan"}, "feed: must be one number above zero; got nan."),
+    ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
+    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
+    ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
-     "pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
+     "[section] pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
 ]  # fmt: skip
 
 
@@ -234,7 +280,14 @@ def test_scene_writes_a_page(capsys, job, tmp_path):
     out = tmp_path / "page.html"
     code, said, _ = run(capsys, "scene", job(), "--share", 0.3, "--out", out, "--json")
     assert code == 0 and json.loads(said) == {"files": [str(out)]}
-    assert "<html" in out.read_text()[:1000].lower()
+    page = out.read_text()
+    title = re.search(r"<title>(.*)</title>", page)[1]
+    assert re.fullmatch(
+        r"The machine in the tunnel after \d\.\d s; colours: over-break / mm", title
+    )
+    assert f'aria-label="{title}"' in page and f"{title}. Drag to turn" in page
+    assert '"to cut"' in page and '"Below"' not in page
+    assert "<title>" not in page[page.index("</title>") :] and "VTK.js | Example" not in page
 
 
 def test_animate_writes_its_frames(capsys, job, tmp_path):
@@ -250,7 +303,7 @@ def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tunneller_lib.__main__.sweep", stop)
+    monkeypatch.setattr("tunneller_lib.reporting.sweep.sweep", stop)
     code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
     assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
 
@@ -260,7 +313,59 @@ def test_help_names_the_commands_and_the_exit_codes(capsys):
         parser().parse_args(["--help"])
     said = capsys.readouterr().out
     assert end.value.code == 0
-    assert all(word in said for word in ("cut", "scene", "animate", "atlas", "with 1", "with 2"))
+    words = "cut", "scene", "animate", "atlas", "with 1", "with 2", "130"
+    assert all(word in said for word in words)
+
+
+def without(package, *arguments):
+    """Run the command line in a process that lacks a package."""
+    code = f"import sys; sys.modules[{package!r}] = None; from tunneller_lib.__main__ import main; "
+    return subprocess.run([sys.executable, "-c", f"{code}sys.exit(main())", *arguments],
+                          cwd=ROOT, text=True, capture_output=True)  # fmt: skip
+
+
+@pytest.mark.parametrize("package", ["numpy", "scipy", "matplotlib", "pyvista", "PIL", "trame"])
+def test_help_needs_no_package(package):
+    done = without(package, "--help")
+    assert done.returncode == 0 and "COMMAND" in done.stdout and not done.stderr
+
+
+@pytest.mark.parametrize(("command", "package", "name"), [
+    ("cut", "matplotlib", "matplotlib"), ("cut", "pyvista", "pyvista"),
+    ("animate", "PIL", "pillow"), ("scene", "trame", "trame"),
+])  # fmt: skip
+def test_command_names_the_package_that_it_lacks(command, package, name):
+    done = without(package, command, str(REFERENCE), "--json")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".[command]')
+    assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
+
+
+@pytest.mark.parametrize(("error", "code", "answer"), [
+    (KeyboardInterrupt(), 130, {"interrupted": True}),
+    (MemoryError(), 1, {"refused": "the job needs more memory than there is."}),
+    (PermissionError(13, "Permission denied", "cut"), 2, {"wrong": "cut: Permission denied."}),
+])  # fmt: skip
+def test_command_that_is_stopped_answers_in_json(capsys, monkeypatch, error, code, answer):
+    def stop(*_):
+        raise error
+
+    monkeypatch.setattr("tunneller_lib.reporting.job.read_job", stop)
+    ended, said, told = run(capsys, "cut", REFERENCE, "--json")
+    assert ended == code and json.loads(said) == answer
+    assert told.count("\n") == 1 and told.startswith(next(iter(answer)))
+
+
+def test_answer_that_nobody_reads_stops_nothing():
+    code = "import tunneller_lib.__main__ as m; input(); m.tell('one'); m.tell('two'); print('end')"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, text=True, stdin=-1,
+                               stdout=-1, stderr=-1)  # fmt: skip
+    process.stdout.close()
+    told = process.stderr
+    process.stdin.write("go\n")
+    process.stdin.close()
+    assert process.wait(30) == 0 and told.read() == ""
+    told.close()
 
 
 def test_process_ends_with_a_sentence_and_its_code(tmp_path):
@@ -274,4 +379,5 @@ def test_process_ends_with_a_sentence_and_its_code(tmp_path):
 def test_command_line_brings_pictures_only_when_they_are_made():
     code = "import sys; from tunneller_lib.__main__ import parser; parser(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, text=True, capture_output=True)
-    assert not {"pyvista", "vtk", "tunneller_lib.reporting.job"} & set(done.stdout.split())
+    brought = set(done.stdout.split())
+    assert not {"numpy", "matplotlib", "pyvista", "tunneller_lib.reporting"} & brought

@@ -12,7 +12,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Torus
 
 EGG = Egg(0.5)
 FAILURES = {
-    "bend": {"depth": -0.05},
+    "bend": {"cutter_radius": 0.27},
     "width": {"phi_max": 0.3},
     "crown": {"theta_min": -0.85},
     "floor": {"theta_max": 0.3},
@@ -27,7 +27,7 @@ machines = st.builds(
     phi_min=st.floats(-1.5, -0.2),
     phi_max=st.floats(0.2, 1.5),
     cutter_radius=st.just(0.2),
-    depth=st.floats(-0.02, 0.19),
+    depth=st.floats(0, 0.19),
     height=st.floats(-0.6, 0.1),
 )
 
@@ -85,7 +85,8 @@ def test_check_names_every_inequality_that_fails():
 
 
 def test_requirement_invert_is_strict():
-    assert not replace(REFERENCE_MACHINE, depth=-0.05).requirements(EGG)[0].met  # offset = a/2
+    machine = replace(REFERENCE_MACHINE, cutter_radius=0.27)
+    assert machine.offset == 0.25 and not machine.requirements(EGG)[0].met  # offset = a/2
 
 
 @pytest.mark.parametrize("position, within", [
@@ -118,6 +119,7 @@ RADIANS = "both in rad from -pi to pi"
     ({"theta_min": 1}, f"theta_min: must be below theta_max, {RADIANS}; got 1 and 0.610865."),
     ({"phi_min": 1, "phi_max": 1}, f"phi_min: must be below phi_max, {RADIANS}; got 1 and 1."),
     ({"theta_min": -60}, f"theta_min: must be below theta_max, {RADIANS}; got -60 and 0.610865."),
+    ({"depth": -0.02}, "depth: must be one finite number, not below zero; got -0.02."),
     ({"depth": 0.2}, "depth: must be below the cutter's radius 0.2 m; got 0.2 m."),
     ({"height": np.nan}, "height: must be one finite number; got nan."),
     ({"cutter_radius": 0}, "cutter_radius: must be one finite number above zero; got 0."),

@@ -3,21 +3,23 @@
 import argparse
 import csv
 import json
+import os
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
-import numpy as np
-
-from .paths import atlas
-from .reporting.files import beside
-from .reporting.sweep import say, sweep
+# Whatever isn't in Python itself is imported by the command that needs it: --help needs nothing,
+# and what is missing, or an interrupt meanwhile, is told in a sentence.
 
 ABOUT = """plan, simulate and show cuts of a tunnelling robot
 
 A job is a TOML file in metres, seconds and radians (or degrees, in names that end in _deg);
-notebooks/reference.toml is one. Progress goes to stderr. Ends with 0 if all is well, with 1 if the
-job is refused for a reason, with 2 if it, or the command, can't be understood."""
+notebooks/reference.toml is one. Progress goes to stderr.
+
+Ends with 0 if all is well, though there may be warnings; with 1 if the job is understood but
+refused, with the reason; with 2 if a file, the command or a package isn't there or isn't as it
+must be; with 130 if it is interrupted."""
 
 
 def main(arguments=None):
@@ -25,20 +27,53 @@ def main(arguments=None):
     options = parser().parse_args(arguments)
     try:
         answer = options.run(options)
+        if answer is not None:
+            tell(json.dumps(answer, indent=1) if options.json else "\n".join(answer["files"]))
+        return 0
     except KeyboardInterrupt:
-        say("interrupted")
-        return 130
-    except (ValueError, OSError) as error:
+        return ended(options, 130, "interrupted", True)
+    except BrokenPipeError:  # nobody reads the progress any more
+        unread(sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        name = error.name.partition(".")[0]
+        extra = "cluster" if name == "distributed" else "command"
+        return ended(options, 2, "wrong", f"the package {PACKAGES.get(name, name)} is missing; "
+                     f'pip install ".[{extra}]" in this study\'s folder brings it.')  # fmt: skip
+    except MemoryError:
+        return ended(options, 1, "refused", "the job needs more memory than there is.")
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return ended(options, 2, "wrong", f"{where}{error.strerror or error}.")
+    except ValueError as error:
         from .reporting.job import WrongJob
 
-        wrong = isinstance(error, (WrongJob, OSError))
-        print(f"{'wrong' if wrong else 'refused'}: {error}", file=sys.stderr)
-        if getattr(options, "json", False):
-            print(json.dumps({"wrong" if wrong else "refused": str(error)}))
-        return 2 if wrong else 1
-    if answer is not None:
-        print(json.dumps(answer, indent=1) if options.json else "\n".join(answer["files"]))
-    return 0
+        wrong = isinstance(error, WrongJob)
+        return ended(options, 2 if wrong else 1, "wrong" if wrong else "refused", str(error))
+
+
+PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
+
+
+def ended(options, code, how, why):
+    """Say how a command of these options ended early, and why; return its exit code."""
+    print(how if why is True else f"{how}: {why}", file=sys.stderr, flush=True)
+    if getattr(options, "json", False):
+        tell(json.dumps({how: why}))
+    return code
+
+
+def tell(text):
+    """Print an answer; who stopped reading it, as `| head` does, still gets the files."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        unread(sys.stdout)
+
+
+def unread(stream):
+    """Let a stream go nowhere, so that nothing fails when Python flushes it at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def parser():
@@ -116,12 +151,21 @@ def table(text):
     return Path(text)
 
 
-def read(options):
-    """Return the job that a command names, planned, after saying so."""
+def read(options, out):
+    """Return the job that a command names, planned and simulated, after saying so.
+
+    Whether the file `out` can be written is looked at between, and no folder made yet.
+    """
+    import numpy as np
+
+    from .reporting.files import check_writable
     from .reporting.job import read_job
+    from .reporting.sweep import say
 
     job = read_job(options.job)
+    say("planning ...")
     plan, start = job.planned, time.monotonic()
+    check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     n, m = job.wall["along"], job.wall["around"]
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
@@ -134,23 +178,28 @@ def read(options):
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
     from .reporting.outcome import outcome, told, write_all
+    from .reporting.sweep import say
 
-    job = read(options)
-    numbers = outcome(job)
-    if not options.json:
-        print(told(numbers), end="\n\n", flush=True)
     folder = options.out or Path("build") / options.job.stem
-    return {**numbers, "files": write_all(job, folder, numbers, say)}
+    job = read(options, folder / "budget.csv")
+    numbers = outcome(job, say)
+    if not options.json:
+        tell(told(numbers) + "\n")
+    files = write_all(job, folder, numbers, say)
+    for warning in numbers["warnings"]:
+        say(f"warning: {warning}")
+    return {**numbers, "files": files}
 
 
 def run_scene(options):
     """Write the scene at a share of the run."""
+    import_module("trame")  # else first asked for when the page is written, after the simulation
     from .reporting import interchange, tunnel_scene
 
-    job = read(options)
+    out = options.out or Path("build") / f"{options.job.stem}.html"
+    job = read(options, out)
     tick = round(options.share * (len(job.cut.centres) - 1))
     plotter = tunnel_scene.tunnel_scene(job.cut, tick, limit=job.limit)
-    out = options.out or Path("build") / f"{options.job.stem}.html"
     return {"files": [str(interchange.write(out, plotter))]}
 
 
@@ -158,8 +207,8 @@ def run_animate(options):
     """Write the pictures of the run."""
     from .reporting import interchange, tunnel_scene
 
-    job = read(options)
     out = options.out or Path("build") / f"{options.job.stem}.gif"
+    job = read(options, out)
     count, width = options.frames, options.width
     pictures = tunnel_scene.frames(job.cut, count, width=width, limit=job.limit)
     return {"files": [str(interchange.write(out, counted(pictures, count)))]}
@@ -167,6 +216,8 @@ def run_animate(options):
 
 def counted(pictures, count):
     """Yield pictures and say how many are done."""
+    from .reporting.sweep import say
+
     start = time.monotonic()
     for number, picture in enumerate(pictures, start=1):
         yield picture
@@ -176,6 +227,12 @@ def counted(pictures, count):
 
 def run_atlas(options):
     """Sweep the blocks that are missing, then write the summary."""
+    import numpy as np
+
+    from .paths import atlas
+    from .reporting.files import beside
+    from .reporting.sweep import sweep
+
     files = sweep(
         atlas.survey, atlas.blocks(), options.folder,
         scheduler=options.scheduler, jobs=options.jobs,

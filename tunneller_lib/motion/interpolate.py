@@ -110,7 +110,8 @@ def tick_counts(times, tick):
     if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)):
         raise ValueError(f"times: must be a list of at least two finite times; got {times!r}.")
     if np.any(np.abs(times) > HIGH * tick):
-        raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; got {times!r}.")
+        raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; "
+                         f"got {np.abs(times).max():g} s.")  # fmt: skip
     ticks = np.diff(np.floor(times / tick + 0.5).astype(np.int64))
     if np.any(ticks < 1):
         k = int(np.argmax(ticks < 1))

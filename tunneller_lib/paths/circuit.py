@@ -9,6 +9,7 @@ from ..surfaces import Machine, Section
 from .projection import project_chord
 
 SAMPLES = 33  # points of each projected chord at which its depth is looked at
+MOST_KNOTS = 20_000  # far beyond any machine: 1e-8 m in a tunnel of a metre
 
 
 def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
@@ -185,6 +186,11 @@ class Circuit:
             Ascending from 0; the loop closes from the last knot to the first. Every blend of
             the section is a knot, and each arc is divided evenly.
 
+        Raises
+        ------
+        ValueError
+            If the tolerance isn't above zero, or needs more than `MOST_KNOTS` knots.
+
         Notes
         -----
         The sagitta of a plane chord would ask for steps of sqrt(8 radius tolerance). The normal
@@ -195,8 +201,9 @@ class Circuit:
         blends = self.profile.blends
         radius = np.array([arc.radius for arc in self.profile.arcs])
         steps = np.diff(blends) / np.sqrt(8 * radius * tolerance)
-        counts = np.maximum(np.ceil(steps / 2), 1).astype(int)
-        while True:
+        counts = np.maximum(np.ceil(steps / 2), 1)
+        while counts.sum() <= MOST_KNOTS:
+            counts = counts.astype(int)
             arcs = zip(blends, blends[1:], counts)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
             error = np.max(np.abs(self.path_overcut(s)), axis=-1)
@@ -205,4 +212,6 @@ class Circuit:
                 return s
             # The error falls with the square of the number; approach from below, by one at least.
             more = np.maximum(np.floor(counts * np.sqrt(worst / tolerance)), counts + 1)
-            counts = np.where(worst > tolerance, more, counts).astype(int)
+            counts = np.where(worst > tolerance, more, counts)
+        raise ValueError(f"tolerance: must be such that {MOST_KNOTS} knots keep "
+                         f"it; got {tolerance:g} m.")  # fmt: skip

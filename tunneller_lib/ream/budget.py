@@ -71,7 +71,7 @@ class Fault:
         return self.rms if self.measure == "rms" else max(self.over, self.under)
 
 
-def budget(plan, plant, loop, *, pose=None):
+def budget(plan, plant, loop, *, pose=None, say=None):
     """Return the faults of a planned lap, each switched on alone.
 
     Parameters
@@ -82,6 +82,8 @@ def budget(plan, plant, loop, *, pose=None):
         The axes theta and phi and their position loops.
     pose : Pose, optional
         Where the machine stands instead of where it should.
+    say : function, optional
+        Told which source is next.
 
     Returns
     -------
@@ -99,9 +101,16 @@ def budget(plan, plant, loop, *, pose=None):
         raise ValueError("plan: must not wait between set-points; look at its `following` alone.")
     plants = list(plant) if isinstance(plant, Sequence) else [plant] * 2
     loops = matching_loops(plan, loop)
-    faults = [knots(plan), tangent_spheres(plan), setpoints(plan), counts(plan)]
-    faults += [following(plan, plants, loops), encoder(plan, plants, loops)]
-    return faults if pose is None else [*faults, standing_elsewhere(plan, pose)]
+    sources = [(source, ()) for source in (knots, tangent_spheres, setpoints, counts)]
+    sources += [(source, (plants, loops)) for source in (following, encoder)]
+    if pose is not None:
+        sources.append((standing_elsewhere, (pose,)))
+    faults = []
+    for number, (source, given) in enumerate(sources, start=1):
+        if say is not None:
+            say(f"budget: source {number} of {len(sources)}")
+        faults.append(source(plan, *given))
+    return faults
 
 
 def knots(plan):

@@ -12,6 +12,7 @@ from ..removal import removed_volume, rod_clearance
 from .feed import Limits
 
 LONGEST_REST = 1e4  # s
+MOST_SETPOINTS, MOST_TICKS = 1_000_000, 5_000_000  # of a lap; of all laps
 
 
 @dataclass(frozen=True)
@@ -184,6 +185,10 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     times = np.concatenate([[0], np.cumsum(2 * lengths / (feed[1:] + feed[:-1]))])
     ticks = tick_counts(times, tick)
     held = max(round(rest / tick), 1)
+    total = int(ticks.sum()) + held
+    if total * int(laps) > MOST_TICKS:
+        raise ValueError(f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
+                         f"{total} ticks of {tick:g} s.")  # fmt: skip
     s, feed = np.append(s, s[-1]), np.append(feed, 0.0)
     setpoints = np.concatenate([setpoints, setpoints[-1:]])
     counts = np.rint(setpoints / count).astype(np.int64)
@@ -198,7 +203,12 @@ def _setpoints(circuit, knots, step):
     at = circuit.position(ends)
     at[-1] = at[0]
     length = projected_length(torus, at[:-1], at[1:])
-    moves = np.ceil(length / step).astype(int)
+    with np.errstate(over="ignore"):
+        moves = np.ceil(length / step)
+    if not moves.sum() <= MOST_SETPOINTS:
+        raise ValueError(f"step: must leave at most {MOST_SETPOINTS} set-points; got {step:g} m, "
+                         f"which needs {moves.sum():.3g}.")  # fmt: skip
+    moves = moves.astype(int)
     s = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], moves)]
     setpoints = join_knots(at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n,
                                                                        spacing="arc"))  # fmt: skip
@@ -229,7 +239,7 @@ def _ground(circuit, s, lengths, advance):
     with np.errstate(divide="ignore"):
         wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
     across = np.diff(s) / lengths
-    return across * removed_volume(machine.cutter_radius, 1.0, max(machine.depth, 0.0), wall=wall,
+    return across * removed_volume(machine.cutter_radius, 1.0, machine.depth, wall=wall,
                                    pitch=advance or None)  # fmt: skip
 
 

@@ -1,8 +1,30 @@
 """Files that nobody finds half-written."""
 
+import errno
 import os
 from contextlib import contextmanager
 from pathlib import Path
+
+
+def check_writable(path):
+    """Raise OSError if a file can't be made or replaced; nothing is made yet.
+
+    Examples
+    --------
+    >>> check_writable("build/wall.stl")
+    >>> check_writable("/")
+    Traceback (most recent call last):
+    IsADirectoryError: [Errno 21] is a folder, not a file: '/'
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a folder, not a file", str(path))
+    there = next(folder for folder in path.absolute().parents if folder.exists())
+    if not there.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, f"can't be written; {there} is no folder",
+                                 str(path))  # fmt: skip
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
 
 
 @contextmanager

@@ -4,7 +4,9 @@ Tables and VTP are in metres, radians and whole counts; STL and DXF, which carry
 millimetres as most programs take them.
 """
 
+import json
 import re
+from html import escape
 from pathlib import Path
 
 import matplotlib
@@ -21,6 +23,12 @@ from .style import ERROR_MAP
 
 JOINTS = "theta", "phi"
 MM = 1000.0
+# The viewer takes the page's element of the class content, or else all of its body.
+PAGE = """<body>
+    <main class="content" role="img" aria-label="{0}" style="width: 100vw; height: 100vh"></main>
+    <p style="position: fixed; left: 1em; bottom: 0; color: #444; pointer-events: none">
+      {0}. Drag to turn, turn the wheel to zoom, drag with shift to move.
+    </p>"""
 WHOLE_TURN = 2 * np.pi - 1e-9  # from here on an arc is a circle, in rad
 
 
@@ -214,8 +222,12 @@ def _vtp(path, mesh):
 
 
 def _html(path, plotter):
-    page = plotter.trame.export_html(None).getvalue()
+    page, title = plotter.trame.export_html(None).getvalue(), escape(plotter.title)
+    for bar in plotter.scalar_bars.values():  # the viewer has a word of its own for them all
+        page = page.replace('"Below"', json.dumps(bar.GetBelowRangeAnnotation() or "below"))
     plotter.close()
+    page = re.sub("<title>.*?</title>", f"<title>{title}</title>", page, count=1)
+    page = page.replace("<body>", PAGE.format(title), 1)
     # The viewer inside asks its makers' site for the icon of the page; nothing else is loaded.
     _text(path, re.sub(r"https://kitware\.github\.io/[^`\"']*", "data:,", page))
 

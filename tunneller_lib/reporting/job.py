@@ -5,6 +5,7 @@ its value is then in degrees. Names and types are checked here; sizes by what th
 """
 
 import tomllib
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from functools import cached_property
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import positive, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, plan, simulate
@@ -34,6 +36,7 @@ CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", del
                   encoder="rad")  # fmt: skip
 POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
 WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
+MOST_RAYS = 100_000  # each way; memory bounds both together
 PLANTS = "T0", "T1", "T2", "T3"
 
 
@@ -60,12 +63,18 @@ class Job:
     @cached_property
     def planned(self):
         """Return the `Plan`, or raise ValueError with the reason against it."""
-        machine = Machine(**self.machine)
-        circuit = cutting_circuit(machine, _shape(self.section), **self.stance)
+        with _said_of("machine"):
+            machine = Machine(**self.machine)
+        with _said_of("section"):
+            section = _shape(self.section)
+        circuit = cutting_circuit(machine, section, **self.stance)
         bounds = dict(self.limits)
         if "flow" in bounds or "valve" in bounds:
             bounds["axes"] = reference_axes(machine)
-        return plan(circuit, Limits(**bounds), **self.plan)
+        with _said_of("limits"):
+            limits = Limits(**bounds)
+        with _said_of("plan"):
+            return plan(circuit, limits, **self.plan)
 
     @cached_property
     def axes(self):
@@ -77,12 +86,14 @@ class Job:
             rate = axis.resonance((axis.low + axis.high) / 2).gain
             tiers = Integrator(rate), Lag(rate, axis.valve_lag), Rigid(axis), Compressible(axis)
             plants.append(tiers[PLANTS.index(tier)])
-        return plants, [Loop(tick=self.planned.tick, count=count, **about)] * 2
+        with _said_of("controller"):
+            return plants, [Loop(tick=self.planned.tick, count=count, **about)] * 2
 
     @cached_property
     def error(self):
         """Return the `Pose` that the machine has and doesn't know of, or None."""
-        return Pose(**self.pose) if self.pose else None
+        with _said_of("pose"):
+            return Pose(**self.pose) if self.pose else None
 
     @property
     def limit(self):
@@ -94,6 +105,9 @@ class Job:
         """Return the simulated `Cut`, or raise ValueError with the reason against it."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
+        with _said_of("wall"):
+            whole("along, around", shape, 1, MOST_RAYS)
+            positive("thickness", about.get("thickness", 1.0))
         return simulate(self.planned, *self.axes, pose=self.error, shape=shape, **about)
 
 
@@ -107,7 +121,7 @@ def read_job(path):
         have or lacks one.
     """
     try:
-        tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        tables = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
     except UnicodeDecodeError:
@@ -191,6 +205,15 @@ def _shape(section):
     if section["shape"] == "circle":
         return closed_profile([Arc(0.0, 0.0, section["radius"], 0.0, 2 * np.pi)])
     return closed_profile(section["pieces"])
+
+
+@contextmanager
+def _said_of(table):
+    """Begin a refusal with the table that it is about."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"[{table}] {error}") from None
 
 
 def _one_of(where, word, words):

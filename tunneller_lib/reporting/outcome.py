@@ -9,28 +9,33 @@ from ..ream import budget
 from . import interchange, scene
 from .tunnel_scene import picture, wall_mesh
 
+WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 
 
-def outcome(job):
+def outcome(job, say=None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
     ----------
     job : Job
         What was asked for.
+    say : function, optional
+        Told how far it is.
 
     Returns
     -------
     numbers : dict
         Of the plan, of the wall, and ``faults``: the error budget, each source switched on alone,
-        with its greatest over- and under-break, and the closed form of its ``measure``.
+        with its greatest over- and under-break, and the closed form of its ``measure``;
+        ``warnings``, sentences.
     """
     plan, cut = job.planned, job.cut
     faults = [
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.halved_by, float(f.factor))
-        for f in budget(plan, *job.axes, pose=job.error)
+        for f in budget(plan, *job.axes, pose=job.error, say=say)
     ]
+    over, under = max(float(cut.deviation.max()), 0.0), max(float(-cut.deviation.min()), 0.0)
     return {
         "knots": len(plan.knots),
         "setpoints": len(plan.s) - 1,
@@ -38,10 +43,25 @@ def outcome(job):
         "laps": plan.laps,
         "lap_time_s": plan.lap_time,
         "removed_m3": float(cut.removed.sum()),
-        "overbreak_m": max(float(cut.deviation.max()), 0.0),
-        "underbreak_m": max(float(-cut.deviation.min()), 0.0),
+        "overbreak_m": over,
+        "underbreak_m": under,
         "faults": [dict(zip(FAULT, fault)) for fault in faults],
+        "warnings": _warnings(job, over, under),
     }
+
+
+def _warnings(job, over, under):
+    """Return sentences about a cut that is hardly what was meant; sizes in mm, perhaps."""
+    depth, tolerance = job.machine["depth"], job.plan["tolerance"]
+    found = []
+    if tolerance >= depth:
+        found.append(f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
+                     "are all sizes in metres?")  # fmt: skip
+    for name, worst in (("over", over), ("under", under)):
+        if worst > WORSE * tolerance:
+            found.append(f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} "
+                         f"times the tolerance of {1e3 * tolerance:g} mm.")  # fmt: skip
+    return found
 
 
 def told(numbers):

@@ -171,6 +171,7 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
     plotter = scene.scene(parallel=False)
     plotter.window_size = WINDOW
+    plotter.title = f"The machine in the tunnel after {tick * plan.tick:.1f} s; colours: {SCALAR}"
     for ends in ((behind, start), (stop, stop + FRONT)):
         mesh = tunnel_mesh(circuit.section, *ends, opened=opened)
         plotter.add_mesh(mesh, color=COLOURS["tunnel"])

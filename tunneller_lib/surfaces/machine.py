@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, instance, positions, positive
+from ..arrays import finite, instance, not_negative, positions, positive
 from .section import Section
 from .torus import Torus
 
@@ -42,14 +42,15 @@ class Machine:
     cutter_radius : float
         Radius of the spherical cutter, in m.
     depth : float
-        Depth that it cuts behind the given wall, in m, less than its radius.
+        Depth that it cuts behind the given wall, in m, from 0 to less than its radius.
     height : float
         Height of the torus' centre over the centre of the section's roof, in m.
 
     Raises
     ------
     ValueError
-        If a size isn't above zero, a limit isn't an angle in rad or a range is empty.
+        If a size isn't above zero, the depth isn't from 0 to below the cutter's radius, a limit
+        isn't an angle in rad or a range is empty.
 
     Notes
     -----
@@ -70,7 +71,7 @@ class Machine:
     def __post_init__(self):
         for field in fields(self):
             size = field.name in ("r", "R", "cutter_radius")
-            check = positive if size else finite
+            check = positive if size else not_negative if field.name == "depth" else finite
             object.__setattr__(self, field.name, check(field.name, getattr(self, field.name)))
         for joint in ("theta", "phi"):
             low, high = getattr(self, f"{joint}_min"), getattr(self, f"{joint}_max")
