@@ -84,6 +84,16 @@ def test_search_finds_sections_that_are_there(site, index):
         assert not name or f'id="{name}"' in (site / file).read_text(), address
 
 
+def test_search_finds_tests_and_equations_by_name(site, index):
+    assert "\u200b" not in (site / "report.html").read_text()
+    assert not any("&#" in text for _, _, text in index["sections"])
+    places = {index["sections"][n][1] for n in index["words"]["test_eq05_quartic"]}
+    assert "tests/test_equations.html#test_eq05_quartic" in places
+    assert any(place.startswith("report.html#judged") for place in places)
+    numbered = [title for title, _, _ in index["sections"] if title.endswith(" · Eq. 5")]
+    assert numbered[0].startswith("Report · ") and "ruling" in numbered[0]
+
+
 def test_library_has_every_public_name(site):
     reference = Reference(modules())
     for module in reference.modules:
@@ -132,6 +142,7 @@ def test_markdown_follows_links_and_names_headings():
 
 def test_plain_leaves_text_alone():
     assert plain("<p>a &lt; b</p><style>x</style><p>c&amp;d</p>") == "a < b c&d"
+    assert plain("<math><mo>&#x02212;</mo><mi>&#x003B8;</mi></math>") == "−θ"
     assert anchor("Where <em>now</em>?") == "where-now"
 
 
@@ -153,8 +164,19 @@ def test_sections_are_cut_at_headings():
     assert list(sections("A", "p.html", body)) == [
         ("A", "p.html#a", "one"), ("A · B", "p.html#b", "two")
     ]  # fmt: skip
-    assert words("Bartoň’s 2nd") == ["barton", "s", "2nd"]
+    assert words("Bartoň’s 2nd 𝑅") == ["barton", "s", "2nd", "r"]
     assert '"one":[0]' in script(list(sections("A", "p.html", body)))
+    assert '{"words":{"5":[0],"θ":[0]}' in script([("a", "p.html", "b θ 5")])
+
+
+def test_sections_name_judged_equations():
+    body = (
+        'one<div class="judged"><math>x</math><div class="label">(5)</div><div class="mark">'
+        '<span id="judged-1"></span><span class="verdict">holds</span> <code>t</code></div></div>'
+    )
+    assert list(sections("A", "p.html", body))[1] == (
+        "A · Eq. 5", "p.html#judged-1", "x holds t"
+    )  # fmt: skip
 
 
 def test_no_own_script_or_style_names_an_address():

@@ -19,10 +19,16 @@ const found = document.getElementById("found");
 let loading;
 
 function wordsOf(text) {
-  return text.toLowerCase().normalize("NFKD").match(/[\p{L}\p{N}_]+/gu) || [];
+  return text.normalize("NFKD").toLowerCase().match(/[\p{L}\p{N}_]+/gu) || [];
 }
 
-// Sections with every word, or a word that begins with it; those with it in the title first.
+// How well a word answers what is wanted: it is that, begins with that, or a part of a name does.
+function weigh(word, part) {
+  if (word === part) return 3;
+  return word.startsWith(part) || word.includes("_" + part) ? 1 : 0;
+}
+
+// Sections with every word; those with it in the title first.
 function search(text) {
   const wanted = wordsOf(text);
   const { words, sections } = window.searchIndex;
@@ -30,12 +36,13 @@ function search(text) {
   wanted.forEach((part, n) => {
     const here = new Map();
     for (const [word, places] of Object.entries(words)) {
-      if (!word.startsWith(part)) continue;
-      const weight = word === part ? 3 : 1;
+      const weight = weigh(word, part);
+      if (!weight) continue;
       for (const place of places) here.set(place, Math.max(here.get(place) || 0, weight));
     }
     for (const [place, weight] of here) {
-      const title = wordsOf(sections[place][0]).some((word) => word.startsWith(part)) ? 5 : 0;
+      const titled = Math.max(0, ...wordsOf(sections[place][0]).map((word) => weigh(word, part)));
+      const title = titled && titled + 4;
       if ((scores.get(place)?.[1] || 0) === n) {
         scores.set(place, [(scores.get(place)?.[0] || 0) + weight + title, n + 1]);
       }

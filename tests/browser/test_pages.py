@@ -51,6 +51,14 @@ def test_scene_is_turned(browser, page):
     assert browser.errors == [] and elsewhere(browser) == []
 
 
+def test_search_finds_names_and_equations(browser):
+    browser.open((SITE / "index.html").as_uri())
+    for text, first in (("eq11_nu0", "test_eq11_nu0"), ("Eq. 5", "Eq. 5")):
+        browser.run(f"(field.value = {text!r}, answer().then(() => true))")
+        assert first in browser.run("document.querySelector('#found a b').textContent")
+    assert browser.errors == []
+
+
 def test_search_is_done_by_keyboard(browser):
     browser.open((SITE / "index.html").as_uri())
     browser.run("document.getElementById('search').focus()")
