@@ -95,21 +95,65 @@ document.addEventListener("click", (event) => {
 });
 
 // ---- scenes: one viewer for all, and a script with the data of each
-const how = "Drag to turn, wheel to come nearer, shift and drag to move";
+const how =
+  "Drag or press the arrow keys to turn, wheel or + and − to come nearer or go back, " +
+  "shift and drag to move";
+const steps = { ArrowLeft: [6, 0], ArrowRight: [-6, 0], ArrowUp: [0, -6], ArrowDown: [0, 6] }; // degrees
+const nearer = { "+": 1.1, "=": 1.1, "-": 1 / 1.1, "−": 1 / 1.1 };
 
-async function turn(event) {
-  const box = event.target.closest(".scene");
-  const name = box.dataset.scene;
-  event.target.textContent = "Loading …";
-  if (!window.OfflineLocalView) await load(root + "scenes/viewer.js");
-  await load(`${root}scenes/${name}.js`);
+// What a key does to a scene's cameras; whether it does anything.
+function steer(view, key) {
+  if (!(key in steps || key in nearer)) return false;
+  for (const renderer of view.getRenderers()) {
+    const camera = renderer.getActiveCamera();
+    const [across, up] = steps[key] || [0, 0];
+    camera.azimuth(across);
+    camera.elevation(up);
+    camera.orthogonalizeViewUp();
+    camera.dolly(nearer[key] || 1);
+    renderer.resetCameraClippingRange();
+    renderer.updateLightsGeometryToFollowCamera();
+  }
+  view.render();
+  return true;
+}
+
+function show(box) {
   const stage = document.createElement("div");
   stage.className = "stage";
-  stage.setAttribute("role", "img");
-  stage.setAttribute("aria-label", `${how}: ${box.dataset.said}`);
+  stage.tabIndex = 0;
+  stage.setAttribute("role", "application");
+  stage.setAttribute("aria-label", `${box.dataset.said}. ${how}`);
   const told = document.createElement("p");
   told.textContent = how;
   box.replaceChildren(stage, told);
-  window.OfflineLocalView.load(stage, { base64Str: window.scenes[name] });
+  window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
+  const view = window.renderWindow; // the viewer leaves its latest there
+  for (const inner of stage.querySelectorAll("[tabindex]")) inner.tabIndex = -1;
+  stage.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (steer(view, event.key)) event.preventDefault();
+  });
+  stage.focus({ preventScroll: true });
+}
+
+async function turn(event) {
+  const button = event.target;
+  const box = button.closest(".scene");
+  const said = button.textContent;
+  button.textContent = "Loading …";
+  try {
+    await load(`${root}scenes/${box.dataset.scene}.js`);
+    // Last: a viewer that isn't given a scene at once covers the page and asks for a file.
+    if (!window.OfflineLocalView) await load(root + "scenes/viewer.js");
+    show(box);
+  } catch {
+    button.textContent = said;
+    const told = document.createElement("p");
+    told.setAttribute("role", "alert");
+    told.textContent = "The scene can't be shown: its data didn't load, or the browser has no WebGL.";
+    box.replaceChildren(button, told);
+    button.focus();
+  }
 }
 for (const button of document.querySelectorAll(".scene button")) button.addEventListener("click", turn);

@@ -51,6 +51,29 @@ def test_scene_is_turned(browser, page):
     assert browser.errors == [] and elsewhere(browser) == []
 
 
+def test_scene_is_turned_by_keyboard(browser):
+    browser.open(WITH_SCENES[0].as_uri())
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("document.activeElement.className === 'stage'")
+    stage = "document.activeElement"
+    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
+    time.sleep(1)
+    for key, code in (("ArrowLeft", 37), ("ArrowUp", 38), ("+", 187)):
+        before = browser.picture(stage)
+        browser.press(key, code)
+        wait(lambda old=before: (browser.picture(stage) != old).mean() > 0.005, said=key)
+    assert browser.run("document.querySelector('[class*=bigFileDrop]') === null")
+    assert browser.errors == []
+
+
+def test_scene_that_cannot_be_loaded_says_so(browser):
+    browser.open(WITH_SCENES[0].as_uri())
+    browser.run("document.querySelector('.scene').dataset.scene = 'none'")
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('.scene [role=alert]')")
+    assert browser.run("document.activeElement.textContent") == "Turn it in 3-D"
+
+
 def test_search_finds_names_and_equations(browser):
     browser.open((SITE / "index.html").as_uri())
     for text, first in (("eq11_nu0", "test_eq11_nu0"), ("Eq. 5", "Eq. 5")):
