@@ -74,6 +74,16 @@ def test_scene_that_cannot_be_loaded_says_so(browser):
     assert browser.run("document.activeElement.textContent") == "Turn it in 3-D"
 
 
+def test_anchors_are_seen_on_a_small_screen(browser):
+    browser.send("Emulation.setDeviceMetricsOverride", width=420, height=800, deviceScaleFactor=1,
+                 mobile=False)  # fmt: skip
+    browser.open((SITE / "report.html").as_uri() + "#circuit")
+    browser.until("Math.abs(document.getElementById('circuit').getBoundingClientRect().top) < 200")
+    header = "document.querySelector('header').getBoundingClientRect().bottom"
+    assert browser.run(f"{header} < document.getElementById('circuit').getBoundingClientRect().top")
+    browser.send("Emulation.clearDeviceMetricsOverride")
+
+
 def test_search_finds_names_and_equations(browser):
     browser.open((SITE / "index.html").as_uri())
     for text, first in (("eq11_nu0", "test_eq11_nu0"), ("Eq. 5", "Eq. 5")):
