@@ -61,6 +61,14 @@ def test_site_shows_recorded_figures_with_text_and_caption(site):
     assert re.search(r'<a href="../report.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
 
 
+def test_site_numbers_cells_and_keeps_their_names_outside_the_code(site):
+    text = page(site, "08")
+    assert (
+        '<div class="cell" id="cell-2">\n<div class="source"><p class="number">cell 2</p>' in text
+    )
+    assert "linked as pages of this site" in (site / "report.html").read_text()
+
+
 def test_site_sets_recorded_tables(site):
     table = re.search(r"<table>.*?</table>", page(site, "08"), re.S)[0]
     assert "<th>radius as printed</th>" in table and "<td>wrong</td>" in table

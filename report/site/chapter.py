@@ -75,7 +75,11 @@ class Chapter:
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
         turning = "".join(map(self.scene, self.scenes_of(number)))
-        return f'<div class="source" id="cell-{number}">{code(source)}</div>\n{outputs}{turning}'
+        said = f'<p class="number">cell {number}</p>'
+        return (
+            f'<div class="cell" id="cell-{number}">\n'
+            f'<div class="source">{said}{code(source)}</div>\n{outputs}{turning}</div>'
+        )
 
     def output(self, output):
         if output.output_type == "stream":

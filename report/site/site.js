@@ -13,6 +13,19 @@ function load(address) {
   });
 }
 
+// ---- code: shown or not, as chosen on the page before
+const shown = document.getElementById("code");
+let kept = {};
+try {
+  kept = localStorage;
+} catch {
+  // A browser that forbids it forgets the choice.
+}
+if (shown) {
+  if (kept.code) shown.checked = kept.code === "shown";
+  shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
+}
+
 // ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
 const field = document.getElementById("search");
 const found = document.getElementById("found");
@@ -98,7 +111,8 @@ document.addEventListener("click", (event) => {
 const how =
   "Drag or press the arrow keys to turn, wheel or + and − to come nearer or go back, " +
   "shift and drag to move";
-const steps = { ArrowLeft: [6, 0], ArrowRight: [-6, 0], ArrowUp: [0, -6], ArrowDown: [0, 6] }; // degrees
+// In degrees.
+const steps = { ArrowLeft: [6, 0], ArrowRight: [-6, 0], ArrowUp: [0, -6], ArrowDown: [0, 6] };
 const nearer = { "+": 1.1, "=": 1.1, "-": 1 / 1.1, "−": 1 / 1.1 };
 
 // What a key does to a scene's cameras; whether it does anything.
@@ -128,7 +142,8 @@ function show(box) {
   told.textContent = how;
   box.replaceChildren(stage, told);
   window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
-  const view = window.renderWindow; // the viewer leaves its latest there
+  // The viewer leaves its latest there.
+  const view = window.renderWindow;
   for (const inner of stage.querySelectorAll("[tabindex]")) inner.tabIndex = -1;
   stage.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;

@@ -74,6 +74,17 @@ def test_scene_that_cannot_be_loaded_says_so(browser):
     assert browser.run("document.activeElement.textContent") == "Turn it in 3-D"
 
 
+def test_code_stays_hidden_but_where_a_link_leads(browser):
+    first, second = [page for page in PAGES if page.parent.name == "chapters"][:2]
+    browser.open(first.as_uri())
+    browser.run("document.getElementById('code').click()")
+    browser.open(second.as_uri() + "#cell-2")
+    seen = "getComputedStyle(document.querySelector('#cell-{} > .source')).display"
+    assert browser.run(seen.format(1)) == "none" and browser.run(seen.format(2)) == "block"
+    browser.run("document.getElementById('code').click()")
+    assert browser.run(seen.format(1)) == "block"
+
+
 def test_anchors_are_seen_on_a_small_screen(browser):
     browser.send("Emulation.setDeviceMetricsOverride", width=420, height=800, deviceScaleFactor=1,
                  mobile=False)  # fmt: skip
