@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import pairwise
 
 import nbformat
 import pytest
@@ -102,6 +103,19 @@ def test_search_finds_tests_and_equations_by_name(site, index):
     assert numbered[0].startswith("Report · ") and "ruling" in numbered[0]
 
 
+def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
+    for path in site.rglob("*.html"):
+        levels = [int(level) for level in re.findall(r"<h(\d)", path.read_text())]
+        assert all(b <= a + 1 for a, b in pairwise(levels)), path.name
+        names = re.findall(r'<button[^>]*aria-label="([^"]+)"', path.read_text())
+        assert len(names) == len(set(names)), path.name
+
+
+def test_index_says_what_moves_on_pages(site):
+    assert "which make lab opens" in plain((site / "index.html").read_text())
+    assert "which make lab opens" not in plain(page(site, "02"))
+
+
 def test_library_has_every_public_name(site):
     reference = Reference(modules())
     for module in reference.modules:
@@ -124,6 +138,7 @@ PAGE = '<html><body><h1 id="top">a</h1>{}</body></html>'
         ('<script src="https://a.org/b.js"></script>', "loads https://a.org/b.js from elsewhere"),
         ('<p style="background: url(//a.org/b.png)">b</p>', "from elsewhere"),
         ('<img src="data:,">', "without a text"),
+        ('<p id="top">b</p>', "has the name top twice"),
     ],
 )
 def test_faults_are_told(tmp_path, body, told):

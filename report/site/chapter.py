@@ -113,10 +113,10 @@ class Chapter:
         return [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
 
     def scene(self, name):
-        said = attribute(self.heading)
+        said = attribute(f"Scene {self.scenes.index(name) + 1}, {self.heading}")
         return (
             f'<div class="scene" data-scene="{name}" data-said="{said}">'
-            f'<button type="button" aria-label="Turn in 3-D: {said}">Turn it in 3-D</button>'
+            f'<button type="button" aria-label="Turn it in 3-D: {said}">Turn it in 3-D</button>'
             "</div>\n"
         )
 

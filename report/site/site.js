@@ -73,7 +73,9 @@ function entry([title, address, text], wanted) {
   const body = document.createElement("span");
   const start = Math.max(0, text.toLowerCase().indexOf(wanted[0]) - 60);
   head.textContent = title;
-  body.textContent = (start ? "… " : "") + text.slice(start, start + 170) + " …";
+  // A formula's letters are pairs of units: no half is left at an end.
+  const cut = text.slice(start, start + 170).replace(/^[\udc00-\udfff]|[\ud800-\udbff]$/g, "");
+  body.textContent = (start ? "… " : "") + cut + " …";
   link.href = root + address;
   link.append(head, body);
   return link;
@@ -84,9 +86,14 @@ async function answer() {
   await loading;
   const wanted = wordsOf(field.value);
   const results = search(field.value);
-  const told = document.createElement("p");
-  told.textContent = results.length ? `${results.length} found` : "Nothing found";
-  found.replaceChildren(...(wanted.length ? [told, ...results.slice(0, 30).map((r) => entry(r, wanted))] : []));
+  const count = results.length ? `${results.length} found` : "Nothing found";
+  list(wanted.length ? count : "", results.slice(0, 30).map((result) => entry(result, wanted)));
+}
+
+// Only the count is read out when it changes.
+function list(count, entries) {
+  document.getElementById("count").textContent = count;
+  document.getElementById("results").replaceChildren(...entries);
 }
 
 field.addEventListener("input", answer);
@@ -95,7 +102,7 @@ field.form.addEventListener("keydown", (event) => {
   const links = [field, ...found.querySelectorAll("a")];
   const at = links.indexOf(document.activeElement);
   if (event.key === "Escape") {
-    found.replaceChildren();
+    list("", []);
     field.focus();
   } else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
     const next = links[at + (event.key === "ArrowDown" ? 1 : -1)];
@@ -104,7 +111,7 @@ field.form.addEventListener("keydown", (event) => {
   }
 });
 document.addEventListener("click", (event) => {
-  if (!field.form.contains(event.target)) found.replaceChildren();
+  if (!field.form.contains(event.target)) list("", []);
 });
 
 // ---- scenes: one viewer for all, and a script with the data of each
