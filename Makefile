@@ -7,6 +7,10 @@ BIN := .venv/bin
 HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static \
 	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
+# JupyterLab asks nobody for news or newer versions.
+QUIET := --LabApp.news_url=None \
+	--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate
+
 .DEFAULT_GOAL := help
 .PHONY: help environment report site test lab browser atlas bench mutants format lock clean
 
@@ -28,7 +32,7 @@ test: environment ## run every test, doctest and notebook, and the linter
 
 lab: environment ## open JupyterLab on the index of the notebooks
 	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
-		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
+		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb $(QUIET)
 
 browser: site ## try pages and notebooks in a headless Chromium, where there is one
 	@$(BIN)/python -m pytest tests/browser -s

@@ -11,10 +11,17 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernel
 from report.sources import SCENES, cells, figure_files, records, scene_files
 
 CELL_TIMEOUT = 120  # s
-# The same on every machine: no version of Python, nothing that an editor left.
+# What JupyterLab would write, without the version of Python: the same on every machine.
 METADATA = {
-    "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
-    "language_info": {"name": "python"},
+    "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
+    "language_info": {
+        "codemirror_mode": {"name": "ipython", "version": 3},
+        "file_extension": ".py",
+        "mimetype": "text/x-python",
+        "name": "python",
+        "nbconvert_exporter": "python",
+        "pygments_lexer": "ipython3",
+    },
 }
 
 

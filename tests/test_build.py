@@ -8,10 +8,12 @@ import time
 
 import nbformat
 import pytest
+from ipykernel.ipkernel import IPythonKernel
+from jupyter_client.kernelspec import KernelSpecManager
 from nbformat.v4 import new_code_cell, new_notebook
 
 from report.build import unchanged
-from report.execute import NotebookFailed, run_notebook
+from report.execute import METADATA, NotebookFailed, run_notebook
 from report.sources import cells, is_run, notebook_results, notebook_sources, notebooks, records
 
 RECORD = """from tunneller_lib.reporting import Record
@@ -184,3 +186,12 @@ def test_broken_notebook_is_named(tmp_path):
     broken.write_text("{")
     with pytest.raises(SystemExit, match=r"^01_torus.ipynb is no notebook"):
         cells(broken)
+
+
+def test_metadata_are_what_jupyterlab_writes_but_for_the_version():
+    said = IPythonKernel.language_info
+    assert METADATA["language_info"] == {k: said[k] for k in said if k != "version"}
+    spec = KernelSpecManager().get_kernel_spec("python3")
+    assert METADATA["kernelspec"] == {
+        "display_name": spec.display_name, "language": spec.language, "name": "python3"
+    }  # fmt: skip

@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import pairwise
 
 import nbformat
 import pytest
@@ -61,6 +62,14 @@ def test_site_shows_recorded_figures_with_text_and_caption(site):
     assert re.search(r'<a href="../report.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
 
 
+def test_site_numbers_cells_and_keeps_their_names_outside_the_code(site):
+    text = page(site, "08")
+    assert (
+        '<div class="cell" id="cell-2">\n<div class="source"><p class="number">cell 2</p>' in text
+    )
+    assert "linked as pages of this site" in (site / "report.html").read_text()
+
+
 def test_site_sets_recorded_tables(site):
     table = re.search(r"<table>.*?</table>", page(site, "08"), re.S)[0]
     assert "<th>radius as printed</th>" in table and "<td>wrong</td>" in table
@@ -82,6 +91,29 @@ def test_search_finds_sections_that_are_there(site, index):
     for _, address, _ in index["sections"]:
         file, _, name = address.partition("#")
         assert not name or f'id="{name}"' in (site / file).read_text(), address
+
+
+def test_search_finds_tests_and_equations_by_name(site, index):
+    assert "\u200b" not in (site / "report.html").read_text()
+    assert not any("&#" in text for _, _, text in index["sections"])
+    places = {index["sections"][n][1] for n in index["words"]["test_eq05_quartic"]}
+    assert "tests/test_equations.html#test_eq05_quartic" in places
+    assert any(place.startswith("report.html#judged") for place in places)
+    numbered = [title for title, _, _ in index["sections"] if title.endswith(" · Eq. 5")]
+    assert numbered[0].startswith("Report · ") and "ruling" in numbered[0]
+
+
+def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
+    for path in site.rglob("*.html"):
+        levels = [int(level) for level in re.findall(r"<h(\d)", path.read_text())]
+        assert all(b <= a + 1 for a, b in pairwise(levels)), path.name
+        names = re.findall(r'<button[^>]*aria-label="([^"]+)"', path.read_text())
+        assert len(names) == len(set(names)), path.name
+
+
+def test_index_says_what_moves_on_pages(site):
+    assert "which make lab opens" in plain((site / "index.html").read_text())
+    assert "which make lab opens" not in plain(page(site, "02"))
 
 
 def test_library_has_every_public_name(site):
@@ -106,6 +138,7 @@ PAGE = '<html><body><h1 id="top">a</h1>{}</body></html>'
         ('<script src="https://a.org/b.js"></script>', "loads https://a.org/b.js from elsewhere"),
         ('<p style="background: url(//a.org/b.png)">b</p>', "from elsewhere"),
         ('<img src="data:,">', "without a text"),
+        ('<p id="top">b</p>', "has the name top twice"),
     ],
 )
 def test_faults_are_told(tmp_path, body, told):
@@ -132,6 +165,7 @@ def test_markdown_follows_links_and_names_headings():
 
 def test_plain_leaves_text_alone():
     assert plain("<p>a &lt; b</p><style>x</style><p>c&amp;d</p>") == "a < b c&d"
+    assert plain("<math><mo>&#x02212;</mo><mi>&#x003B8;</mi></math>") == "−θ"
     assert anchor("Where <em>now</em>?") == "where-now"
 
 
@@ -153,8 +187,19 @@ def test_sections_are_cut_at_headings():
     assert list(sections("A", "p.html", body)) == [
         ("A", "p.html#a", "one"), ("A · B", "p.html#b", "two")
     ]  # fmt: skip
-    assert words("Bartoň’s 2nd") == ["barton", "s", "2nd"]
+    assert words("Bartoň’s 2nd 𝑅") == ["barton", "s", "2nd", "r"]
     assert '"one":[0]' in script(list(sections("A", "p.html", body)))
+    assert '{"words":{"5":[0],"θ":[0]}' in script([("a", "p.html", "b θ 5")])
+
+
+def test_sections_name_judged_equations():
+    body = (
+        'one<div class="judged"><math>x</math><div class="label">(5)</div><div class="mark">'
+        '<span id="judged-1"></span><span class="verdict">holds</span> <code>t</code></div></div>'
+    )
+    assert list(sections("A", "p.html", body))[1] == (
+        "A · Eq. 5", "p.html#judged-1", "x holds t"
+    )  # fmt: skip
 
 
 def test_no_own_script_or_style_names_an_address():

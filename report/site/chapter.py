@@ -75,7 +75,11 @@ class Chapter:
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
         turning = "".join(map(self.scene, self.scenes_of(number)))
-        return f'<div class="source" id="cell-{number}">{code(source)}</div>\n{outputs}{turning}'
+        said = f'<p class="number">cell {number}</p>'
+        return (
+            f'<div class="cell" id="cell-{number}">\n'
+            f'<div class="source">{said}{code(source)}</div>\n{outputs}{turning}</div>'
+        )
 
     def output(self, output):
         if output.output_type == "stream":
@@ -109,10 +113,10 @@ class Chapter:
         return [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
 
     def scene(self, name):
-        said = attribute(self.heading)
+        said = attribute(f"Scene {self.scenes.index(name) + 1}, {self.heading}")
         return (
             f'<div class="scene" data-scene="{name}" data-said="{said}">'
-            f'<button type="button" aria-label="Turn in 3-D: {said}">Turn it in 3-D</button>'
+            f'<button type="button" aria-label="Turn it in 3-D: {said}">Turn it in 3-D</button>'
             "</div>\n"
         )
 

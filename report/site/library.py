@@ -146,15 +146,15 @@ class Reference:
     def entry(self, entry, level, scope):
         heading = f'<h{level} id="{entry.name}">{entry.name}</h{level}>'
         signature = f'<div class="signature">{code(entry.signature)}</div>'
-        return f"{heading}\n{signature}\n{self.docstring(entry.docstring, scope)}"
+        return f"{heading}\n{signature}\n{self.docstring(entry.docstring, level + 1, scope)}"
 
-    def docstring(self, text, scope):
-        """Return a numpydoc docstring as HTML, its names looked up in a scope."""
+    def docstring(self, text, level, scope):
+        """Return a numpydoc docstring as HTML, its headings' level and names' scope given."""
         first, *rest = SECTION.split(text)
         parts = [self.text(first, scope)]
         for name, content in zip(rest[::2], rest[1::2]):
             body = (self.listed if name in LISTS else self.text)(content, scope)
-            parts.append(f"<h4>{name}</h4>\n{body}")
+            parts.append(f'<h{level} class="part">{name}</h{level}>\n{body}')
         return "\n".join(parts)
 
     def listed(self, text, scope):

@@ -12,11 +12,13 @@ class Page(HTMLParser):
 
     def __init__(self, path):
         super().__init__()
-        self.links, self.loads, self.names, self.unsaid = [], [], {""}, []
+        self.links, self.loads, self.names, self.unsaid, self.twice = [], [], {""}, [], []
         self.feed(path.read_text())
 
     def handle_starttag(self, tag, attrs):
         values = dict(attrs)
+        if values.get("id") in self.names:
+            self.twice.append(values["id"])
         self.names |= {values[key] for key in ("id", "name") if key in values}
         if tag == "a" and "href" in values:
             self.links.append(values["href"])
@@ -30,7 +32,9 @@ class Page(HTMLParser):
 
 
 def faults(folder):
-    """Return a sentence for each dead link, each load from elsewhere, each picture without text.
+    """Return a sentence for each fault of the pages.
+
+    That is a dead link, a load from elsewhere, a picture without text, a name given twice.
 
     Parameters
     ----------
@@ -54,6 +58,7 @@ def faults(folder):
             elif target in pages and unquote(parts.fragment) not in pages[target].names:
                 told.append(f"{name} leads to {address}, a page without that name")
         told += [f"{name} shows {source} without a text" for source in page.unsaid]
+        told += [f"{name} has the name {twice} twice" for twice in page.twice]
     for path in sorted(folder.rglob("*.css")):
         for a, b in LOADED.findall(path.read_text()):
             told.append(f"{path.name} loads {a or b}")

@@ -1,7 +1,7 @@
 """Text to HTML: a notebook's Markdown with its formulas as MathML, code with its colours."""
 
 import re
-from html import escape
+from html import escape, unescape
 
 from latex2mathml.converter import convert
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
@@ -71,11 +71,7 @@ def plain(html):
     """
     html = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
     html = re.sub(r"</?(?:p|h\d|li|td|th|tr|dt|dd|div|pre|br|figcaption)\b[^>]*>", " ", html)
-    text = re.sub(r"<[^>]*>", "", html)
-    for name, sign in (("&lt;", "<"), ("&gt;", ">"), ("&quot;", '"'), ("&#39;", "'"),
-                       ("&amp;", "&")):  # fmt: skip
-        text = text.replace(name, sign)
-    return " ".join(text.split())
+    return " ".join(unescape(re.sub(r"<[^>]*>", "", html)).split())
 
 
 def attribute(text):

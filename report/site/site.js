@@ -13,16 +13,35 @@ function load(address) {
   });
 }
 
+// ---- code: shown or not, as chosen on the page before
+const shown = document.getElementById("code");
+let kept = {};
+try {
+  kept = localStorage;
+} catch {
+  // A browser that forbids it forgets the choice.
+}
+if (shown) {
+  if (kept.code) shown.checked = kept.code === "shown";
+  shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
+}
+
 // ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
 const field = document.getElementById("search");
 const found = document.getElementById("found");
 let loading;
 
 function wordsOf(text) {
-  return text.toLowerCase().normalize("NFKD").match(/[\p{L}\p{N}_]+/gu) || [];
+  return text.normalize("NFKD").toLowerCase().match(/[\p{L}\p{N}_]+/gu) || [];
 }
 
-// Sections with every word, or a word that begins with it; those with it in the title first.
+// How well a word answers what is wanted: it is that, begins with that, or a part of a name does.
+function weigh(word, part) {
+  if (word === part) return 3;
+  return word.startsWith(part) || word.includes("_" + part) ? 1 : 0;
+}
+
+// Sections with every word; those with it in the title first.
 function search(text) {
   const wanted = wordsOf(text);
   const { words, sections } = window.searchIndex;
@@ -30,12 +49,13 @@ function search(text) {
   wanted.forEach((part, n) => {
     const here = new Map();
     for (const [word, places] of Object.entries(words)) {
-      if (!word.startsWith(part)) continue;
-      const weight = word === part ? 3 : 1;
+      const weight = weigh(word, part);
+      if (!weight) continue;
       for (const place of places) here.set(place, Math.max(here.get(place) || 0, weight));
     }
     for (const [place, weight] of here) {
-      const title = wordsOf(sections[place][0]).some((word) => word.startsWith(part)) ? 5 : 0;
+      const titled = Math.max(0, ...wordsOf(sections[place][0]).map((word) => weigh(word, part)));
+      const title = titled && titled + 4;
       if ((scores.get(place)?.[1] || 0) === n) {
         scores.set(place, [(scores.get(place)?.[0] || 0) + weight + title, n + 1]);
       }
@@ -53,7 +73,9 @@ function entry([title, address, text], wanted) {
   const body = document.createElement("span");
   const start = Math.max(0, text.toLowerCase().indexOf(wanted[0]) - 60);
   head.textContent = title;
-  body.textContent = (start ? "… " : "") + text.slice(start, start + 170) + " …";
+  // A formula's letters are pairs of units: no half is left at an end.
+  const cut = text.slice(start, start + 170).replace(/^[\udc00-\udfff]|[\ud800-\udbff]$/g, "");
+  body.textContent = (start ? "… " : "") + cut + " …";
   link.href = root + address;
   link.append(head, body);
   return link;
@@ -64,9 +86,14 @@ async function answer() {
   await loading;
   const wanted = wordsOf(field.value);
   const results = search(field.value);
-  const told = document.createElement("p");
-  told.textContent = results.length ? `${results.length} found` : "Nothing found";
-  found.replaceChildren(...(wanted.length ? [told, ...results.slice(0, 30).map((r) => entry(r, wanted))] : []));
+  const count = results.length ? `${results.length} found` : "Nothing found";
+  list(wanted.length ? count : "", results.slice(0, 30).map((result) => entry(result, wanted)));
+}
+
+// Only the count is read out when it changes.
+function list(count, entries) {
+  document.getElementById("count").textContent = count;
+  document.getElementById("results").replaceChildren(...entries);
 }
 
 field.addEventListener("input", answer);
@@ -75,7 +102,7 @@ field.form.addEventListener("keydown", (event) => {
   const links = [field, ...found.querySelectorAll("a")];
   const at = links.indexOf(document.activeElement);
   if (event.key === "Escape") {
-    found.replaceChildren();
+    list("", []);
     field.focus();
   } else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
     const next = links[at + (event.key === "ArrowDown" ? 1 : -1)];
@@ -84,25 +111,71 @@ field.form.addEventListener("keydown", (event) => {
   }
 });
 document.addEventListener("click", (event) => {
-  if (!field.form.contains(event.target)) found.replaceChildren();
+  if (!field.form.contains(event.target)) list("", []);
 });
 
 // ---- scenes: one viewer for all, and a script with the data of each
-const how = "Drag to turn, wheel to come nearer, shift and drag to move";
+const how =
+  "Drag or press the arrow keys to turn, wheel or + and − to come nearer or go back, " +
+  "shift and drag to move";
+// In degrees.
+const steps = { ArrowLeft: [6, 0], ArrowRight: [-6, 0], ArrowUp: [0, -6], ArrowDown: [0, 6] };
+const nearer = { "+": 1.1, "=": 1.1, "-": 1 / 1.1, "−": 1 / 1.1 };
 
-async function turn(event) {
-  const box = event.target.closest(".scene");
-  const name = box.dataset.scene;
-  event.target.textContent = "Loading …";
-  if (!window.OfflineLocalView) await load(root + "scenes/viewer.js");
-  await load(`${root}scenes/${name}.js`);
+// What a key does to a scene's cameras; whether it does anything.
+function steer(view, key) {
+  if (!(key in steps || key in nearer)) return false;
+  for (const renderer of view.getRenderers()) {
+    const camera = renderer.getActiveCamera();
+    const [across, up] = steps[key] || [0, 0];
+    camera.azimuth(across);
+    camera.elevation(up);
+    camera.orthogonalizeViewUp();
+    camera.dolly(nearer[key] || 1);
+    renderer.resetCameraClippingRange();
+    renderer.updateLightsGeometryToFollowCamera();
+  }
+  view.render();
+  return true;
+}
+
+function show(box) {
   const stage = document.createElement("div");
   stage.className = "stage";
-  stage.setAttribute("role", "img");
-  stage.setAttribute("aria-label", `${how}: ${box.dataset.said}`);
+  stage.tabIndex = 0;
+  stage.setAttribute("role", "application");
+  stage.setAttribute("aria-label", `${box.dataset.said}. ${how}`);
   const told = document.createElement("p");
   told.textContent = how;
   box.replaceChildren(stage, told);
-  window.OfflineLocalView.load(stage, { base64Str: window.scenes[name] });
+  window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
+  // The viewer leaves its latest there.
+  const view = window.renderWindow;
+  for (const inner of stage.querySelectorAll("[tabindex]")) inner.tabIndex = -1;
+  stage.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (steer(view, event.key)) event.preventDefault();
+  });
+  stage.focus({ preventScroll: true });
+}
+
+async function turn(event) {
+  const button = event.target;
+  const box = button.closest(".scene");
+  const said = button.textContent;
+  button.textContent = "Loading …";
+  try {
+    await load(`${root}scenes/${box.dataset.scene}.js`);
+    // Last: a viewer that isn't given a scene at once covers the page and asks for a file.
+    if (!window.OfflineLocalView) await load(root + "scenes/viewer.js");
+    show(box);
+  } catch {
+    button.textContent = said;
+    const told = document.createElement("p");
+    told.setAttribute("role", "alert");
+    told.textContent = "The scene can't be shown: its data didn't load, or the browser has no WebGL.";
+    box.replaceChildren(button, told);
+    button.focus();
+  }
 }
 for (const button of document.querySelectorAll(".scene button")) button.addEventListener("click", turn);

@@ -23,6 +23,10 @@ def found():
     return next(filter(None, map(shutil.which, NAMES)), None)
 
 
+class Refused(Exception):
+    """A command that the browser didn't carry out, as on a page that is just being left."""
+
+
 class Browser:
     """One page, and what it said and asked for.
 
@@ -65,7 +69,8 @@ class Browser:
         while True:
             message = json.loads(self.socket.recv())
             if message.get("id") == self.number:
-                assert "error" not in message, message
+                if "error" in message:
+                    raise Refused(message["error"]["message"])
                 return message["result"]
             self.note(message)
 
@@ -143,7 +148,7 @@ def wait(question, seconds=WAIT, said=""):
         try:
             if answer := question():
                 return answer
-        except (FileNotFoundError, IndexError):
+        except (FileNotFoundError, IndexError, Refused):
             pass
         time.sleep(0.02)
     raise TimeoutError(f"not within {seconds} s: {said}")

@@ -51,6 +51,8 @@ def lab(browser, tmp_path_factory):
             ROOT / ".venv/bin/jupyter", "lab", "--allow-root", "--no-browser", f"--port={port}",
             "--IdentityProvider.token=", "--LabApp.expose_app_in_browser=True",
             "--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb",
+            "--LabApp.news_url=None",
+            "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
         ],
         cwd=root, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip

@@ -51,6 +51,58 @@ def test_scene_is_turned(browser, page):
     assert browser.errors == [] and elsewhere(browser) == []
 
 
+def test_scene_is_turned_by_keyboard(browser):
+    browser.open(WITH_SCENES[0].as_uri())
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("document.activeElement.className === 'stage'")
+    stage = "document.activeElement"
+    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
+    time.sleep(1)
+    for key, code in (("ArrowLeft", 37), ("ArrowUp", 38), ("+", 187)):
+        before = browser.picture(stage)
+        browser.press(key, code)
+        wait(lambda old=before: (browser.picture(stage) != old).mean() > 0.005, said=key)
+    assert browser.run("document.querySelector('[class*=bigFileDrop]') === null")
+    assert browser.errors == []
+
+
+def test_scene_that_cannot_be_loaded_says_so(browser):
+    browser.open(WITH_SCENES[0].as_uri())
+    browser.run("document.querySelector('.scene').dataset.scene = 'none'")
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('.scene [role=alert]')")
+    assert browser.run("document.activeElement.textContent") == "Turn it in 3-D"
+
+
+def test_code_stays_hidden_but_where_a_link_leads(browser):
+    first, second = [page for page in PAGES if page.parent.name == "chapters"][:2]
+    browser.open(first.as_uri())
+    browser.run("document.getElementById('code').click()")
+    browser.open(second.as_uri() + "#cell-2")
+    seen = "getComputedStyle(document.querySelector('#cell-{} > .source')).display"
+    assert browser.run(seen.format(1)) == "none" and browser.run(seen.format(2)) == "block"
+    browser.run("document.getElementById('code').click()")
+    assert browser.run(seen.format(1)) == "block"
+
+
+def test_anchors_are_seen_on_a_small_screen(browser):
+    browser.send("Emulation.setDeviceMetricsOverride", width=420, height=800, deviceScaleFactor=1,
+                 mobile=False)  # fmt: skip
+    browser.open((SITE / "report.html").as_uri() + "#circuit")
+    browser.until("Math.abs(document.getElementById('circuit').getBoundingClientRect().top) < 200")
+    header = "document.querySelector('header').getBoundingClientRect().bottom"
+    assert browser.run(f"{header} < document.getElementById('circuit').getBoundingClientRect().top")
+    browser.send("Emulation.clearDeviceMetricsOverride")
+
+
+def test_search_finds_names_and_equations(browser):
+    browser.open((SITE / "index.html").as_uri())
+    for text, first in (("eq11_nu0", "test_eq11_nu0"), ("Eq. 5", "Eq. 5")):
+        browser.run(f"(field.value = {text!r}, answer().then(() => true))")
+        assert first in browser.run("document.querySelector('#found a b').textContent")
+    assert browser.errors == []
+
+
 def test_search_is_done_by_keyboard(browser):
     browser.open((SITE / "index.html").as_uri())
     browser.run("document.getElementById('search').focus()")
