@@ -1,5 +1,6 @@
 """Derivatives of a jet in turning directions, and where a trigonometric polynomial vanishes."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -94,6 +95,7 @@ def circle_roots(function, degree, *, unit):
     return np.take_along_axis(angle, order, -1), np.take_along_axis(multiplicity, order, -1)
 
 
+@cache
 def _line(degree):
     """Return the coefficients of (1 + i x)^(d + k) (1 - i x)^(d - k), a row for each k."""
     rows = []

@@ -15,6 +15,7 @@ import numpy as np
 import PIL.Image
 from IPython import get_ipython
 from IPython.display import Image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from .digits import cell, exponent, number, significant, steady
 from .files import beside
@@ -198,7 +199,8 @@ def _svg(figure):
 
 def _drawing_preview(figure):
     content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=PREVIEW / figure.get_figwidth())
+    figure.set_dpi(PREVIEW / figure.get_figwidth())
+    FigureCanvasAgg(figure).print_png(content)  # savefig would draw twice, once for the layout
     return content.getvalue()
 
 

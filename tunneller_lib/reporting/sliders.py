@@ -4,6 +4,7 @@ import os
 
 import ipywidgets
 from IPython.display import display
+from matplotlib.figure import Figure
 
 from .record import preview
 
@@ -40,15 +41,26 @@ def sliders(draw, *, alt="", **ranges):
     picture = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
+        if isinstance(picture, Figure):
+            picture.draw_without_rendering()  # its axes get their places
 
         def show(**values):
             here = ", ".join(f"{name} {value:g}" for name, value in values.items())
-            display(preview(draw(**values), f"{alt} Drawn for {here}."))
+            display(preview(_placed(draw(**values), picture), f"{alt} Drawn for {here}."))
 
         shown = ipywidgets.interactive_output(show, controls)
         display(ipywidgets.VBox([*controls.values(), shown]))
     elif alt:
         display(preview(picture, alt))
+    return picture
+
+
+def _placed(picture, first):
+    """Put a drawing's axes where the first one's are: to lay it out anew takes as long as it."""
+    if isinstance(picture, Figure) and len(picture.axes) == len(first.axes):
+        picture.set_layout_engine("none")
+        for ax, before in zip(picture.axes, first.axes):
+            ax.set_position(before.get_position(original=True))
     return picture
 
 
