@@ -9,7 +9,7 @@ import PIL.Image
 import pytest
 
 from tunneller_lib.reporting import Record
-from tunneller_lib.reporting.record import PRINTED
+from tunneller_lib.reporting.record import PREVIEW, PRINTED, preview
 from tunneller_lib.reporting.style import figure
 
 
@@ -162,3 +162,19 @@ def test_file_name_is_refused(record, name):
         Record(name)
     with pytest.raises(ValueError, match="a name has lower-case letters"):
         record.figure(figure(height=4)[0], name, "A line.")
+
+
+def test_preview_is_what_matplotlib_saves():
+    def drawn():
+        drawing, (left, right) = figure(1, 2, height=5)
+        left.plot([1, 2], [3, 1])
+        left.set(title="a title, $x^2$", xlabel="$t$ / s")
+        right.loglog([1e-3, 1e3], [1e-9, 1], label=r"$\varphi$")
+        right.legend()
+        return drawing
+
+    saved, first = io.BytesIO(), drawn()
+    first.savefig(saved, format="png", dpi=PREVIEW / first.get_figwidth())
+    pictures = [np.asarray(PIL.Image.open(io.BytesIO(content)))
+                for content in (saved.getvalue(), preview(drawn()).data)]  # fmt: skip
+    assert np.array_equal(*pictures)

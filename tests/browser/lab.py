@@ -1,10 +1,15 @@
 """JupyterLab in a page: notebooks opened, run, their sliders moved."""
 
 import json
+import time
+
+import numpy as np
+from chromium import wait
 
 # Trame's client asks for a launcher first, which there is none of; it then goes on without.
 EXPECTED = "/paraview/"
 RUN = 300  # s, for a notebook on a busy machine
+PAUSE = 0.5  # s between two moves, in which a person looks at the picture
 
 
 class Lab:
@@ -42,9 +47,11 @@ class Lab:
         self.browser.until(f"{self.widget}.sessionContext.session?.kernel?.status === 'idle'")
 
     def close(self):
-        # A promise that nothing holds may be collected before it comes true.
+        # Its scenes first, which would look for a kernel that's gone. A promise that nothing holds
+        # may be collected before it comes true.
         self.browser.run(
             f"window.left = {self.widget};"
+            "left.node.querySelectorAll('iframe').forEach(scene => scene.remove());"
             "window.leaving = left.sessionContext.shutdown().then(() => left.dispose()); true"
         )
         self.browser.until("left.isDisposed")
@@ -74,18 +81,41 @@ class Lab:
         return [error for error in self.browser.errors if EXPECTED not in error]
 
     def move(self, times=1):
-        """Move the first slider by the keyboard; return the seconds until each new picture."""
-        browser, taken = self.browser, []
-        browser.run(HAND)
-        browser.until("!!hand.picture()", RUN)
-        browser.run("hand.handle().scrollIntoView({block: 'center'})")
-        browser.run("hand.handle().focus()")
+        """Move the first slider by the keyboard; return the seconds until each new drawing."""
+        taken = []
+        self.take("!!hand.picture()")
         for k in range(times):
-            browser.run("hand.watch()")
-            # There and back, so that no end of the slider is reached.
-            browser.press(*(("ArrowRight", 39) if k % 2 else ("ArrowLeft", 37)))
-            taken.append(browser.until("hand.taken") / 1000)
+            time.sleep(PAUSE)
+            self.browser.run("hand.watch(); true")
+            self.push(k)
+            taken.append(self.browser.run("hand.taken") / 1000)
         return taken
+
+    def move_scene(self, times=1):
+        """Move the first slider by the keyboard; return the seconds until the scene changes."""
+        scene, taken = "hand.scene()", []
+        self.take(f"!!{scene}")
+        # What is inside comes from another address: it can only be looked at.
+        wait(lambda: self.browser.picture(scene).std() > 3, said="a picture of the scene")
+        for k in range(times):
+            time.sleep(PAUSE)
+            before = self.browser.picture(scene)
+            began = time.monotonic()
+            self.push(k)
+            wait(lambda old=before: np.any(self.browser.picture(scene) != old), said="another one")
+            taken.append(time.monotonic() - began)
+        return taken
+
+    def take(self, ready):
+        """Lay hands on the first slider."""
+        self.browser.run(HAND)
+        self.browser.until(ready, RUN)
+        self.browser.run("hand.handle().scrollIntoView({block: 'center'})")
+
+    def push(self, k):
+        self.browser.run("hand.handle().focus()")  # a scene may take it when it appears
+        # There and back, so that no end of the slider is reached.
+        self.browser.press(*(("ArrowRight", 39) if k % 2 else ("ArrowLeft", 37)))
 
 
 # The first slider of the notebook that is open and the picture below it; from the key to the new
@@ -94,18 +124,20 @@ HAND = """
 window.hand = {
   handle: () => document.querySelector(".jp-NotebookPanel:not(.lm-mod-hidden) .noUi-handle"),
   area: () => hand.handle()?.closest(".jp-OutputArea"),
+  scene: () => hand.area()?.querySelector("iframe.pyvista"),
   picture: () => hand.area()?.querySelector(".jp-OutputArea img")?.src,
   watch: () => {
     const before = hand.picture();
-    hand.taken = 0;
     addEventListener("keydown", () => (hand.began = performance.now()),
                      { capture: true, once: true });
-    new MutationObserver((_, observer) => {
-      const now = hand.picture();
-      if (!now || now === before) return;
-      observer.disconnect();
-      hand.taken = performance.now() - hand.began;
-    }).observe(hand.area(), { subtree: true, childList: true, attributes: true });
+    hand.taken = new Promise((told) => {
+      new MutationObserver((_, observer) => {
+        const now = hand.picture();
+        if (!now || now === before) return;
+        observer.disconnect();
+        told(performance.now() - hand.began);
+      }).observe(hand.area(), { subtree: true, childList: true, attributes: true });
+    });
   },
 };
 true"""

@@ -9,7 +9,7 @@ from chromium import wait
 
 from report.sources import INDEX, notebooks
 
-# Their sliders draw scenes in space, which take longer.
+# Their first sliders move what is in a scene.
 SCENES = "01_machine 07_chord 44_sections 53_contact 56_blades".split()
 
 
@@ -28,12 +28,15 @@ def test_notebook_runs_to_its_end_and_is_moved_at_once(lab, name):
     lab.open(f"notebooks/{name}.ipynb")
     lab.start()
     assert lab.finish() == []
-    if name != INDEX:
+    if name in SCENES:
+        taken = lab.move_scene(2)
+        print(f"\n{name}: {min(taken):.1f} s, looking at the scene included")
+    elif name != INDEX:
         taken = sorted(lab.move(12))
         crowd = max(1, os.getloadavg()[0] / os.cpu_count())  # who else wants the processor
         print(f"\n{name}: {1000 * taken[0]:.0f} ms at best, {1000 * taken[6]:.0f} ms in the "
               f"median, where {crowd:.1f} share a core")  # fmt: skip
-        assert name in SCENES or taken[0] < 0.2 * crowd
+        assert taken[6] < 0.2 * crowd
     assert lab.errors() == []
     hosts = {request.split("/")[2].split(":")[0] for request in lab.browser.requests
              if request.startswith(("http", "ws"))}  # fmt: skip

@@ -15,6 +15,7 @@ from .geodesic_classes import inner, outer
 from .geodesic_root import integrate, solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+FEW = 16  # pairs whose turned angles are looked at together, within what a cache holds
 
 
 class _Ends(NamedTuple):
@@ -174,10 +175,10 @@ def _far_side(torus, ends):
     index = np.flatnonzero(possible)
     a, b = -ends.a[index], -ends.b[index]
     # Beyond its least, at the conjugate point, the turned angle grows again.
-    u = np.geomspace(1e-3, 10, 81)
-    turned = [integrate(torus, outer(torus, a, b, np.full_like(a, x)), 96)[0] for x in u]
-    low = np.full(ends.a.size, np.nan)
-    low[index] = u[np.argmin(turned, axis=0)] if index.size else np.nan
+    u, low = np.geomspace(1e-3, 10, 81), np.full(ends.a.size, np.nan)
+    for k in range(0, index.size, FEW):
+        tried = outer(torus, *np.broadcast_arrays(a[k : k + FEW], b[k : k + FEW], u[:, None]))
+        low[index[k : k + FEW]] = u[np.argmin(integrate(torus, tried, 96)[0], axis=0)]
     mirrored = ends._replace(a=-ends.a, b=-ends.b)
     _search(torus, outer, mirrored, possible, ways, low)
     return ways._replace(cos_a=-ways.cos_a, cos_b=-ways.cos_b)

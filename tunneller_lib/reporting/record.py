@@ -16,12 +16,14 @@ import PIL.Image
 from IPython import get_ipython
 from IPython.display import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.mathtext import MathTextParser
 
 from .digits import cell, exponent, number, significant, steady
 from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
+MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
 PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
 
 
@@ -200,7 +202,9 @@ def _svg(figure):
 def _drawing_preview(figure):
     content = io.BytesIO()
     figure.set_dpi(PREVIEW / figure.get_figwidth())
-    FigureCanvasAgg(figure).print_png(content)  # savefig would draw twice, once for the layout
+    canvas = FigureCanvasAgg(figure)
+    canvas.get_renderer().mathtext_parser = MATHTEXT
+    canvas.print_png(content)  # savefig would draw twice, once for the layout
     return content.getvalue()
 
 

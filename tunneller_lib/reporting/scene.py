@@ -9,14 +9,15 @@ if "DISPLAY" not in os.environ:
 import numpy as np
 import pyvista
 from IPython import get_ipython
+from IPython.display import display
 
 from ..envelopes.isotropic import cone_rulings
 from .kept_scene import keep
+from .live_scene import live
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 MARGIN = 20  # px of white left around a picture
-WINDOW = [800, 560]  # px of a scene to turn in a notebook
 
 THEME = pyvista.themes.DocumentTheme()
 THEME.window_size = [1600, 1200]
@@ -191,7 +192,7 @@ def _padded(picture, height, width):
     return np.pad(picture, (*zip(gaps, rest), (0, 0)), constant_values=255)
 
 
-def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, turn=True):
+def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
 
     Parameters
@@ -204,8 +205,6 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
         What points up in the picture.
     zoom : float
         Above 1 for a closer look.
-    turn : bool
-        Whether to show it to turn, which a picture that a slider renews is not.
 
     Returns
     -------
@@ -213,16 +212,21 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3, 
         Red, green, blue.
     """
     if direction is not None:
-        plotter.view_vector(direction, viewup=up)
-        plotter.camera.zoom(zoom)
+        look(plotter, direction, up, zoom)
     pixels = plotter.screenshot(return_img=True)
     keep(plotter)
-    if turn and get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
-        plotter.window_size = WINDOW
-        plotter.show()
+    if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        display(live(plotter, "A scene to turn; pictures of it are described."))
     else:
         plotter.close()
     return crop(pixels)
+
+
+def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
+    """Turn the camera of a scene; arguments as for `shoot`."""
+    plotter.view_vector(direction, viewup=up)
+    plotter.camera.zoom(zoom)
+    return plotter
 
 
 def crop(pixels):

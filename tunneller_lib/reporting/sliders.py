@@ -1,11 +1,13 @@
-"""Sliders under a drawing, where there is somebody to move them."""
+"""Sliders for a drawing or a scene, where there is somebody to move them."""
 
+import asyncio
 import os
 
 import ipywidgets
 from IPython.display import display
 from matplotlib.figure import Figure
 
+from .live_scene import live, refill
 from .record import preview
 
 
@@ -15,18 +17,19 @@ def sliders(draw, *, alt="", **ranges):
     Parameters
     ----------
     draw : function
-        Takes the values by the names of the ranges and returns a drawing or pixels.
+        Takes the values by the names of the ranges and returns a drawing, or a scene with its
+        camera set. A drawing keeps the places of its axes, a scene the view it was turned to.
     alt : str
-        What the drawing shows at the start, for those who can't see it; where there are sliders
-        their values are added. With it a run without a screen shows the drawing too; without,
-        that's left to the one who records it.
+        What is shown at the start, for those who can't see it; where there are sliders a
+        drawing's values are added. With it a run without a screen shows the drawing too; without,
+        that's left to the one who records it. A scene needs it.
     **ranges
         (low, high, start) of each value, perhaps with its unit; whole numbers make a slider of
         whole numbers.
 
     Returns
     -------
-    picture : matplotlib.figure.Figure or (n, m, 3) uint8
+    shown : matplotlib.figure.Figure or pyvista.Plotter
         What was drawn with the start values. A run without a screen is told by
         ``PYVISTA_JUPYTER_BACKEND=static``.
 
@@ -38,30 +41,52 @@ def sliders(draw, *, alt="", **ranges):
     for name, (low, high, start, *_) in ranges.items():
         if not low <= start <= high:
             raise ValueError(f"{name}: must start from {low} to {high}; got {start}.")
-    picture = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
+    shown = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
+    moved = _moved_drawing if isinstance(shown, Figure) else _moved_scene
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
-        if isinstance(picture, Figure):
-            picture.draw_without_rendering()  # its axes get their places
-
-        def show(**values):
-            here = ", ".join(f"{name} {value:g}" for name, value in values.items())
-            display(preview(_placed(draw(**values), picture), f"{alt} Drawn for {here}."))
-
-        shown = ipywidgets.interactive_output(show, controls)
-        display(ipywidgets.VBox([*controls.values(), shown]))
+        display(ipywidgets.VBox([*controls.values(), *moved(draw, shown, alt, controls)]))
     elif alt:
-        display(preview(picture, alt))
-    return picture
+        display(preview(shown if isinstance(shown, Figure) else _shot(shown), alt))
+    return shown
 
 
-def _placed(picture, first):
-    """Put a drawing's axes where the first one's are: to lay it out anew takes as long as it."""
-    if isinstance(picture, Figure) and len(picture.axes) == len(first.axes):
-        picture.set_layout_engine("none")
-        for ax, before in zip(picture.axes, first.axes):
-            ax.set_position(before.get_position(original=True))
-    return picture
+def _shot(plotter):
+    from .scene import shoot  # here, for drawings can do without VTK
+
+    return shoot(plotter, direction=None)
+
+
+def _moved_drawing(draw, first, alt, controls):
+    first.draw_without_rendering()  # its axes get their places
+
+    def show(**values):
+        drawing = draw(**values)
+        if len(drawing.axes) == len(first.axes):  # to lay them out anew takes as long as to draw
+            drawing.set_layout_engine("none")
+            for ax, before in zip(drawing.axes, first.axes):
+                ax.set_position(before.get_position(original=True))
+        here = ", ".join(f"{name} {value:g}" for name, value in values.items())
+        display(preview(drawing, f"{alt} Drawn for {here}."))
+
+    return [ipywidgets.interactive_output(show, controls)]
+
+
+def _moved_scene(draw, plotter, alt, controls):
+    widget = live(plotter, alt)
+    loop = asyncio.get_running_loop()
+
+    def show():
+        refill(plotter, draw(**{name: slider.value for name, slider in controls.items()}))
+        widget.viewer.update()
+
+    def moved(_):
+        # JupyterLab hears of sliders in a thread of its own; VTK must be left in this one.
+        loop.call_soon_threadsafe(show)
+
+    for slider in controls.values():
+        slider.observe(moved, "value")
+    return [widget]
 
 
 def _slider(name, low, high, start, unit=""):
