@@ -152,7 +152,7 @@ def table(text):
 
 
 def read(options, out):
-    """Return the job that a command names, planned and simulated, after saying so.
+    """Return the job that a command names and its cut, planned and simulated, after saying so.
 
     Whether the file `out` can be written is looked at between, and no folder made yet.
     """
@@ -169,10 +169,10 @@ def read(options, out):
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     n, m = job.wall["along"], job.wall["around"]
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
-    deviation = job.cut.deviation
+    cut = job.simulated(say)
     say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
-        f"{1e3 * np.abs(deviation).max():.2f} mm")  # fmt: skip
-    return job
+        f"{1e3 * np.abs(cut.deviation).max():.2f} mm")  # fmt: skip
+    return job, cut
 
 
 def run_cut(options):
@@ -181,11 +181,11 @@ def run_cut(options):
     from .reporting.sweep import say
 
     folder = options.out or Path("build") / options.job.stem
-    job = read(options, folder / "budget.csv")
-    numbers = outcome(job, say)
+    job, cut = read(options, folder / "budget.csv")
+    numbers = outcome(job, cut, say)
     if not options.json:
         tell(told(numbers) + "\n")
-    files = write_all(job, folder, numbers, say)
+    files = write_all(job, cut, folder, numbers, say)
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
     return {**numbers, "files": files}
@@ -197,9 +197,9 @@ def run_scene(options):
     from .reporting import interchange, tunnel_scene
 
     out = options.out or Path("build") / f"{options.job.stem}.html"
-    job = read(options, out)
-    tick = round(options.share * (len(job.cut.centres) - 1))
-    plotter = tunnel_scene.tunnel_scene(job.cut, tick, limit=job.limit)
+    job, cut = read(options, out)
+    tick = round(options.share * (len(cut.centres) - 1))
+    plotter = tunnel_scene.tunnel_scene(cut, tick, limit=job.limit)
     return {"files": [str(interchange.write(out, plotter))]}
 
 
@@ -208,9 +208,9 @@ def run_animate(options):
     from .reporting import interchange, tunnel_scene
 
     out = options.out or Path("build") / f"{options.job.stem}.gif"
-    job = read(options, out)
+    job, cut = read(options, out)
     count, width = options.frames, options.width
-    pictures = tunnel_scene.frames(job.cut, count, width=width, limit=job.limit)
+    pictures = tunnel_scene.frames(cut, count, width=width, limit=job.limit)
     return {"files": [str(interchange.write(out, counted(pictures, count)))]}
 
 

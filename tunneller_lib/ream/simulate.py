@@ -84,7 +84,7 @@ class Cut:
 
 
 def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400, 720),
-             thickness=0.1):  # fmt: skip
+             thickness=0.1, say=None):  # fmt: skip
     """Run a plan and cut the wall.
 
     Parameters
@@ -103,6 +103,8 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.
+    say : function, optional
+        Told after each lap how far the cutting is.
 
     Returns
     -------
@@ -131,11 +133,11 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     for name, stable in zip(("theta", "phi"), track.stable):
         if stable is False:
             raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
-    cut = carve(plan, track.position, pose=pose, shape=shape, thickness=thickness)
+    cut = carve(plan, track.position, pose=pose, shape=shape, thickness=thickness, say=say)
     return replace(cut, track=track)
 
 
-def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
+def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1, say=None):
     """Cut the wall with joints that are where they are said to be.
 
     Parameters
@@ -144,7 +146,7 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
         Machine, section, laps and advance.
     position : (ticks + 1, 2) float
         Joint positions at every tick of all laps, or of one that all repeat, in rad.
-    pose, shape, thickness
+    pose, shape, thickness, say
         As for `simulate`.
 
     Returns
@@ -167,7 +169,11 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1):
     wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
     laps = ticks * np.arange(plan.laps)
     noted = np.append(np.add.outer(laps, np.arange(0, ticks, CHUNK)).ravel(), ticks * plan.laps)
-    removed = [wall.cut_path(centres[a : b + 1], reach) for a, b in pairwise(noted)]
+    removed = []
+    for a, b in pairwise(noted):
+        removed.append(wall.cut_path(centres[a : b + 1], reach))
+        if say is not None and b % ticks == 0:
+            say(f"cutting: lap {b // ticks} of {plan.laps}")
     standing(wall)  # refuses a wall that is cut through
     return Cut(plan, None, centres, wall, noted, np.array(removed))
 

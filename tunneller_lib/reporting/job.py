@@ -100,15 +100,14 @@ class Job:
         """Return the over-break at which the colours of pictures end, in m."""
         return 1.5 * self.plan["tolerance"]
 
-    @cached_property
-    def cut(self):
-        """Return the simulated `Cut`, or raise ValueError with the reason against it."""
+    def simulated(self, say=None):
+        """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
         with _said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
             positive("thickness", about.get("thickness", 1.0))
-        return simulate(self.planned, *self.axes, pose=self.error, shape=shape, **about)
+        return simulate(self.planned, *self.axes, pose=self.error, shape=shape, say=say, **about)
 
 
 def read_job(path):

@@ -13,13 +13,15 @@ WORSE = 3  # times the tolerance: all sources together are beyond what was asked
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 
 
-def outcome(job, say=None):
+def outcome(job, cut, say=None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
     ----------
     job : Job
         What was asked for.
+    cut : Cut
+        The simulated job.
     say : function, optional
         Told how far it is.
 
@@ -30,7 +32,7 @@ def outcome(job, say=None):
         with its greatest over- and under-break, and the closed form of its ``measure``;
         ``warnings``, sentences.
     """
-    plan, cut = job.planned, job.cut
+    plan = job.planned
     faults = [
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.halved_by, float(f.factor))
         for f in budget(plan, *job.axes, pose=job.error, say=say)
@@ -87,13 +89,15 @@ def told(numbers):
     return "\n".join(lines)
 
 
-def write_all(job, folder, numbers, say):
+def write_all(job, cut, folder, numbers, say):
     """Write all files of a job into a folder.
 
     Parameters
     ----------
     job : Job
         What was asked for.
+    cut : Cut
+        The simulated job.
     folder : path-like
         Made where it is missing; files of these names are replaced.
     numbers : dict
@@ -106,7 +110,7 @@ def write_all(job, folder, numbers, say):
     files : list of str
         Their paths.
     """
-    plan, cut, folder = job.planned, job.cut, Path(folder)
+    plan, folder = job.planned, Path(folder)
     curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
     makers = {
         "budget.csv": lambda: _table(numbers["faults"]),

@@ -157,11 +157,9 @@ def cone(vertex, axis, half_angle, near, far):
 def arrow(start, vector, radius):
     """Return a mesh of an arrow from `start` along `vector`, its shaft's `radius` in m."""
     length = float(np.linalg.norm(vector))
-    return pyvista.Arrow(
-        start=start, direction=vector, scale=length, shaft_radius=radius / length,
-        tip_radius=2.5 * radius / length, tip_length=min(0.4, 8 * radius / length),
-        shaft_resolution=24, tip_resolution=24,
-    )  # fmt: skip
+    return pyvista.Arrow(start=start, direction=vector, scale=length, shaft_radius=radius / length,
+                         tip_radius=2.5 * radius / length, shaft_resolution=24, tip_resolution=24,
+                         tip_length=min(0.4, 8 * radius / length))  # fmt: skip
 
 
 def beside(*pictures):
@@ -199,10 +197,9 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     ----------
     plotter : pyvista.Plotter
         The scene; it is closed afterwards, unless somebody is there to turn it.
-    direction : (3,) float or None
-        From the middle of the scene towards the camera; None for a camera that is set already.
-    up : (3,) float
-        What points up in the picture.
+    direction, up : (3,) float
+        From the middle of the scene towards the camera, and what points up in the picture; a
+        direction of None is for a camera that is set already.
     zoom : float
         Above 1 for a closer look.
 
@@ -223,7 +220,20 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
 
 
 def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
-    """Turn the camera of a scene; arguments as for `shoot`."""
+    """Return a scene after its camera is set.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene, with all that is to be seen.
+    direction, up, zoom
+        As for `shoot`.
+
+    Returns
+    -------
+    plotter : pyvista.Plotter
+        The same scene.
+    """
     plotter.view_vector(direction, viewup=up)
     plotter.camera.zoom(zoom)
     return plotter

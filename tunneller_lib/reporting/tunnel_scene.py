@@ -166,7 +166,8 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     last = len(instance("cut", cut, Cut).centres) - 1
     tick = last if tick is None else int(whole("tick", tick, 0, last))
     limit = 1e3 * positive("limit", limit)
-    wall = next(stages(cut, [tick])) if wall is None else wall
+    if wall is None:
+        wall = cut.wall if tick == last else next(stages(cut, [tick]))
     plan, circuit, (start, stop) = cut.plan, cut.plan.circuit, wall.lines.x[[0, -1]]
     behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
     plotter = scene.scene(parallel=False)
