@@ -33,8 +33,9 @@ def test_notebook_runs_to_its_end_and_is_moved_at_once(lab, name):
         print(f"\n{name}: {min(taken):.1f} s, looking at the scene included")
     elif name != INDEX:
         taken = sorted(lab.move(12))
-        print(f"\n{name}: {1000 * taken[0]:.0f} ms at best, {1000 * taken[6]:.0f} ms in the median, "
-              f"on {os.cpu_count()} cores with a load of {os.getloadavg()[0]:.1f}")  # fmt: skip
+        cores, load = os.cpu_count(), os.getloadavg()[0]
+        print(f"\n{name}: {1000 * taken[0]:.0f} ms at best, {1000 * taken[6]:.0f} ms in the "
+              f"median, on {cores} cores with a load of {load:.1f}")  # fmt: skip
         assert taken[6] < 0.2
     assert lab.errors() == []
     hosts = {request.split("/")[2].split(":")[0] for request in lab.browser.requests
