@@ -213,7 +213,7 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     pixels = plotter.screenshot(return_img=True)
     keep(plotter)
     if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
-        display(live(plotter, "A scene to turn; pictures of it are described."))
+        display(live(plotter, "A scene to turn; its picture is described where it is shown."))
     else:
         plotter.close()
     return crop(pixels)
