@@ -19,8 +19,9 @@ OPENED = np.radians([100, 285])  # angles from y over z that are left out, to lo
 VIEW = (0.55, -1.5, 0.5)  # towards the camera
 ZOOM = 1.4
 WINDOW = 1600, 1000  # px
-BAR = {"title": SCALAR.replace(" / ", "\n/ "), "vertical": True, "fmt": "%.1f", "below_label": "to cut", "n_labels": 5, "width": 0.03,
-       "height": 0.6, "position_x": 0.925, "position_y": 0.2}  # fmt: skip
+BAR = {"title": SCALAR.replace(" / ", "\n/ "), "vertical": True, "fmt": "%.1f", "n_labels": 5,
+       "below_label": "to cut", "width": 0.03, "height": 0.6, "position_x": 0.925,
+       "position_y": 0.2}  # fmt: skip
 
 
 def stages(cut, ticks):
