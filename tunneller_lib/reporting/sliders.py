@@ -4,7 +4,7 @@ import asyncio
 import os
 
 import ipywidgets
-from IPython.display import display
+from IPython.display import clear_output, display
 from matplotlib.figure import Figure
 
 from .live_scene import live, refill
@@ -73,20 +73,18 @@ def _moved_drawing(draw, first, alt, controls):
 
 
 def _moved_scene(draw, plotter, alt, controls):
-    widget = live(plotter, alt)
-    loop = asyncio.get_running_loop()
+    widget, loop = live(plotter, alt), asyncio.get_running_loop()
 
-    def show():
-        refill(plotter, draw(**{name: slider.value for name, slider in controls.items()}))
+    def move(other):
+        refill(plotter, other)
         widget.viewer.update()
 
-    def moved(_):
-        # JupyterLab hears of sliders in a thread of its own; VTK must be left in this one.
-        loop.call_soon_threadsafe(show)
+    def show(**values):
+        clear_output()  # what was refused before
+        # JupyterLab hears of sliders in a thread of its own; what renders must be left in this one.
+        loop.call_soon_threadsafe(move, draw(**values))
 
-    for slider in controls.values():
-        slider.observe(moved, "value")
-    return [widget]
+    return [widget, ipywidgets.interactive_output(show, controls)]
 
 
 def _slider(name, low, high, start, unit=""):
