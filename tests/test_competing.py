@@ -94,6 +94,14 @@ def test_competing_geodesics_of_no_pairs_and_of_wrong_ends():
         competing_geodesics(RING, 1.0, (0, 0))
 
 
+@every_torus
+def test_competing_geodesics_do_not_depend_on_company(torus):
+    p, q = random_pairs(torus, 40, seed=2)
+    together = competing_geodesics(torus, p, q)
+    alone = [competing_geodesics(torus, *pair).length for pair in zip(p, q)]
+    np.testing.assert_allclose(together.length, np.transpose(alone), rtol=1e-12)
+
+
 def test_competing_geodesics_broadcast():
     rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
     assert rivals.length.shape == (6, 4, 3) and rivals.p.shape == (6, 4, 3, 2)

@@ -183,6 +183,12 @@ def two_laps():
     return carve(job, ideal(job))
 
 
+def test_carve_tells_of_each_lap():
+    told, job = [], lap(laps=2, advance=0.05)
+    carve(job, ideal(job), shape=COARSE, say=told.append)
+    assert told == ["cutting: lap 1 of 2", "cutting: lap 2 of 2"]
+
+
 def test_ideal_chain_leaves_the_wanted_wall_at_the_bottom(two_laps):
     assert np.abs(two_laps.around).max() < 5e-6
     assert np.abs(two_laps.deviation).max() < 1e-12

@@ -10,7 +10,7 @@ import pytest
 from IPython.display import Image
 
 from tunneller_lib.reporting import figure, scene
-from tunneller_lib.reporting.live_scene import refill
+from tunneller_lib.reporting.live_scene import live, refill
 from tunneller_lib.reporting.sliders import sliders
 
 SLIDERS = "tunneller_lib.reporting.sliders"
@@ -64,6 +64,22 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
 
 
+def test_scene_to_turn_has_a_title():
+    frame = ipywidgets.HTML("<iframe src='scene'></iframe>")
+    plotter = SimpleNamespace(show=lambda return_viewer: frame)
+    assert live(plotter, 'a "ball"').value.startswith('<iframe title="a &quot;ball&quot;" src')
+
+
+def test_sliders_refuse_what_cannot_be_shown(monkeypatch):
+    monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
+    with pytest.raises(
+        ValueError, match=r"^draw: must return a drawing or a scene; got ndarray\.$"
+    ):
+        sliders(lambda gain: np.zeros((2, 2, 3)), gain=(1, 5, 3))
+    with pytest.raises(ValueError, match=r"^alt: must say what a scene shows; got ''\.$"):
+        sliders(balls, radius=(0.1, 1.0, 0.5))
+
+
 def test_sliders_refuse_a_start_beyond_the_range():
     with pytest.raises(ValueError, match=r"^gain: must start from 1 to 5; got 9\.$"):
         sliders(draw, gain=(1, 5, 9))
@@ -73,20 +89,30 @@ def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     drawings = []
 
-    def labelled(lines):
-        drawing, ax = figure(height=4, width=6)
-        ax.set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
+    def labelled(lines, axes=1):
+        drawing, panels = figure(1, axes, height=4, width=16, squeeze=False)
+        panels[0, 0].set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
         drawings.append(drawing)
         return drawing
 
-    sliders(labelled, lines=(1, 9, 1))
-    shown[-1].children[0].value = 9
-    first, last = drawings[0], drawings[-1]
-    places = [drawing.axes[0].get_position().bounds for drawing in (first, last)]
-    assert places[0] == places[1]
-    anew = labelled(9)
-    anew.draw_without_rendering()
-    assert anew.axes[0].get_position().x0 > places[0][0] + 0.1
+    def place(drawing):
+        return drawing.axes[0].get_position().bounds
+
+    sliders(labelled, lines=(1, 3, 1), axes=(1, 2, 1))
+    *_, (lines, axes, _) = [box.children for box in shown if isinstance(box, ipywidgets.VBox)]
+    before = place(drawings[-1])
+    lines.value = 3
+    assert place(drawings[-1]) == before
+    small, large = labelled(1), labelled(3)
+    small.draw_without_rendering(), large.draw_without_rendering()
+    assert place(large)[0] > 0.04 + place(small)[0]
+    # There is room for labels that grow a little; what was drawn first is as it was.
+    lines.value = 2
+    assert place(drawings[-1]) == before and drawings[-1].get_tightbbox().x0 > 0
+    drawings[0].draw_without_rendering()
+    assert place(drawings[0]) == place(small)
+    axes.value = 2  # other axes have places of their own
+    assert len(drawings[-1].axes) == 2 and place(drawings[-1])[2] < before[2] / 1.5
 
 
 def balls(radius):
@@ -100,8 +126,9 @@ def test_refilled_scene_looks_like_the_other_one():
     plotter, other = balls(1), balls(1)
     plotter.add_mesh(scene.ball((1, 0, 1), 0.5), reset_camera=False)
     before, wanted = (p.screenshot(return_img=True) for p in (plotter, other))
-    refill(plotter, balls(1))
+    refill(plotter, given := balls(1))
     plotter.render()
+    assert given._closed
     assert np.array_equal(plotter.screenshot(return_img=True), wanted)
     assert not np.array_equal(before, wanted)
 

@@ -195,10 +195,13 @@ def run_scene(options):
     """Write the scene at a share of the run."""
     import_module("trame")  # else first asked for when the page is written, after the simulation
     from .reporting import interchange, tunnel_scene
+    from .reporting.sweep import say
 
     out = options.out or Path("build") / f"{options.job.stem}.html"
     job, cut = read(options, out)
     tick = round(options.share * (len(cut.centres) - 1))
+    if options.share < 1:
+        say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
     plotter = tunnel_scene.tunnel_scene(cut, tick, limit=job.limit)
     return {"files": [str(interchange.write(out, plotter))]}
 

@@ -28,14 +28,14 @@ def live(plotter, title):
 
 
 def refill(plotter, other):
-    """Put another scene's contents in place of a scene's own; it keeps its camera and its lights.
+    """Put another scene's actors in place of a scene's own; it keeps its camera and its lights.
 
     Parameters
     ----------
     plotter : pyvista.Plotter
         The scene that is shown.
     other : pyvista.Plotter
-        The one that gives its contents; it is closed.
+        The one that gives its actors; it is closed.
     """
     plotter.clear_actors()
     for name, actor in other.actors.items():

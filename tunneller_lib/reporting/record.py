@@ -177,7 +177,10 @@ class Record:
 
 
 def preview(picture, alt=""):
-    """Return a drawing or pixels as a notebook shows them, with an alternative text."""
+    """Return a drawing or pixels as a notebook shows them, with an alternative text.
+
+    A drawing keeps the resolution of what is shown.
+    """
     small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
     return Image(small(picture), format="png", width=PREVIEW, alt=alt)
 
@@ -202,9 +205,9 @@ def _svg(figure):
 def _drawing_preview(figure):
     content = io.BytesIO()
     figure.set_dpi(PREVIEW / figure.get_figwidth())
-    canvas = FigureCanvasAgg(figure)
+    canvas = FigureCanvasAgg(figure)  # savefig would draw twice, once for the layout
     canvas.get_renderer().mathtext_parser = MATHTEXT
-    canvas.print_png(content)  # savefig would draw twice, once for the layout
+    canvas.print_png(content)
     return content.getvalue()
 
 

@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from .live_scene import live, refill
 from .record import preview
 
+ROOM = 0.05, 0.03, 0.92, 0.94  # left, bottom, width and height of what drawings first fill
+
 
 def sliders(draw, *, alt="", **ranges):
     """Draw once, and again whenever a slider is moved.
@@ -18,7 +20,8 @@ def sliders(draw, *, alt="", **ranges):
     ----------
     draw : function
         Takes the values by the names of the ranges and returns a drawing, or a scene with its
-        camera set. A drawing keeps the places of its axes, a scene the view it was turned to.
+        camera set. A drawing keeps the places of its axes, with some room for labels that grow, a
+        scene the view it was turned to.
     alt : str
         What is shown at the start, for those who can't see it; where there are sliders a
         drawing's values are added. With it a run without a screen shows the drawing too; without,
@@ -30,19 +33,25 @@ def sliders(draw, *, alt="", **ranges):
     Returns
     -------
     shown : matplotlib.figure.Figure or pyvista.Plotter
-        What was drawn with the start values. A run without a screen is told by
-        ``PYVISTA_JUPYTER_BACKEND=static``.
+        What was drawn with the start values, a scene closed where it isn't shown to be turned.
+        A run without a screen is told by ``PYVISTA_JUPYTER_BACKEND=static``.
 
     Raises
     ------
     ValueError
-        If a start isn't in its range.
+        If a start isn't in its range, something else is drawn, or a scene has no text.
     """
     for name, (low, high, start, *_) in ranges.items():
         if not low <= start <= high:
             raise ValueError(f"{name}: must start from {low} to {high}; got {start}.")
     shown = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
-    moved = _moved_drawing if isinstance(shown, Figure) else _moved_scene
+    moved = _moved_drawing
+    if not isinstance(shown, Figure):
+        if not hasattr(shown, "screenshot"):
+            raise ValueError(f"draw: must return a drawing or a scene; got {type(shown).__name__}.")
+        if not alt:
+            raise ValueError(f"alt: must say what a scene shows; got {alt!r}.")
+        moved = _moved_scene
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
         display(ipywidgets.VBox([*controls.values(), *moved(draw, shown, alt, controls)]))
@@ -58,14 +67,17 @@ def _shot(plotter):
 
 
 def _moved_drawing(draw, first, alt, controls):
-    first.draw_without_rendering()  # its axes get their places
+    first.set_layout_engine("constrained", rect=ROOM)
+    first.draw_without_rendering()
+    places = [ax.get_position(original=True) for ax in first.axes]
+    first.set_layout_engine("constrained")
 
     def show(**values):
         drawing = draw(**values)
-        if len(drawing.axes) == len(first.axes):  # to lay them out anew takes as long as to draw
+        if len(drawing.axes) == len(places):  # to lay them out anew takes as long as to draw
             drawing.set_layout_engine("none")
-            for ax, before in zip(drawing.axes, first.axes):
-                ax.set_position(before.get_position(original=True))
+            for ax, place in zip(drawing.axes, places):
+                ax.set_position(place)
         here = ", ".join(f"{name} {value:g}" for name, value in values.items())
         display(preview(drawing, f"{alt} Drawn for {here}."))
 
@@ -73,7 +85,7 @@ def _moved_drawing(draw, first, alt, controls):
 
 
 def _moved_scene(draw, plotter, alt, controls):
-    widget, loop = live(plotter, alt), asyncio.get_running_loop()
+    loop, widget = asyncio.get_running_loop(), live(plotter, alt)
 
     def move(other):
         refill(plotter, other)
@@ -81,7 +93,7 @@ def _moved_scene(draw, plotter, alt, controls):
 
     def show(**values):
         clear_output()  # what was refused before
-        # JupyterLab hears of sliders in a thread of its own; what renders must be left in this one.
+        # A kernel hears of sliders in a thread of their own; rendering is left to its main one.
         loop.call_soon_threadsafe(move, draw(**values))
 
     return [widget, ipywidgets.interactive_output(show, controls)]
