@@ -3,9 +3,12 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-# Runs without a screen: one thread each, so that pictures and last digits repeat.
-HEADLESS := VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static \
-	LP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONHASHSEED=0
+# One thread each, so that last digits repeat, and none waits where the browser wants to draw.
+ALONE := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+
+# Runs without a screen: pictures repeat, too.
+HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
+	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 # JupyterLab asks nobody for news or newer versions.
 QUIET := --LabApp.news_url=None \
@@ -31,7 +34,7 @@ test: environment ## run every test, doctest and notebook, and the linter
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
 
 lab: environment ## open JupyterLab on the index of the notebooks
-	@$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
+	@$(ALONE) $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
 		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb $(QUIET)
 
 browser: site ## try pages and notebooks in a headless Chromium, where there is one

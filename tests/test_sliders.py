@@ -1,7 +1,9 @@
 """Sliders: none without a screen, one for each value with one."""
 
 import asyncio
+import gc
 import threading
+import weakref
 from types import SimpleNamespace
 
 import ipywidgets
@@ -40,13 +42,6 @@ def test_sliders_without_a_screen_draw_once(monkeypatch, shown):
     assert shown == []
 
 
-def test_sliders_without_a_screen_show_what_has_a_text(monkeypatch, shown):
-    monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
-    sliders(draw, alt="Nothing.", gain=(1.0, 20.0, 10.0))
-    [image] = shown
-    assert image.alt == "Nothing."
-
-
 def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     calls = []
@@ -62,6 +57,26 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert calls[-1] == {"gain": 10.0, "delay": 3}
     assert shown[-1].alt.endswith("Drawn for gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
+
+
+def test_moved_drawings_are_swept_up_at_once(monkeypatch, shown):
+    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
+    drawn = weakref.WeakSet()
+
+    def kept(gain):
+        if gain == 20:
+            raise ValueError("too much")
+        drawn.add(drawing := draw(gain=gain))
+        return drawing
+
+    sliders(kept, gain=(1, 20, 10))
+    [slider, _] = shown[-1].children
+    for slider.value in (2, 3, 4):
+        assert not [drawing for drawing in drawn if drawing.values["gain"] == slider.value]
+    assert gc.isenabled()
+    with pytest.raises(ValueError, match="too much"):
+        slider.value = 20
+    assert gc.isenabled()
 
 
 def test_scene_to_turn_has_a_title():
@@ -133,11 +148,12 @@ def test_refilled_scene_looks_like_the_other_one():
     assert not np.array_equal(before, wanted)
 
 
-def test_sliders_without_a_screen_show_a_scene(monkeypatch, shown):
+@pytest.mark.parametrize("thing", [draw, balls])
+def test_sliders_without_a_screen_show_what_has_a_text(monkeypatch, shown, thing):
     monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
-    sliders(balls, alt="Two balls.", radius=(0.1, 1.0, 0.5))
+    sliders(thing, alt="What is seen.", radius=(0.1, 1.0, 0.5))
     [image] = shown
-    assert image.alt == "Two balls."
+    assert image.alt == "What is seen."
 
 
 def test_sliders_with_a_screen_refill_the_scene_that_is_turned(monkeypatch, shown):

@@ -40,22 +40,21 @@ def lab(browser, tmp_path_factory):
     root = tmp_path_factory.mktemp("study")
     for folder in ("notebooks", "tests/references", "report/numbers"):
         shutil.copytree(ROOT / folder, root / folder)
+    (root / ".venv").symlink_to(ROOT / ".venv")
     environment = {k: v for k, v in os.environ.items() if k != "PYVISTA_JUPYTER_BACKEND"}
     environment |= {"TUNNELLER_RESULTS": str(root), "JUPYTERLAB_WORKSPACES_DIR": str(root / "w")}
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
+    asked = ["make", "--no-print-directory", "--dry-run", "lab"]
+    told = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True)
+    command = told.stdout.replace("\\\n", "").splitlines()[-1]
+    options = (f"--no-browser --port={port} --IdentityProvider.token= "
+               "--LabApp.expose_app_in_browser=True")  # fmt: skip
     began = time.monotonic()
-    server = subprocess.Popen(
-        [
-            ROOT / ".venv/bin/jupyter", "lab", "--allow-root", "--no-browser", f"--port={port}",
-            "--IdentityProvider.token=", "--LabApp.expose_app_in_browser=True",
-            "--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb",
-            "--LabApp.news_url=None",
-            "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-        ],
-        cwd=root, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+    server = subprocess.Popen(f"exec env {command} {options}", shell=True, cwd=root,
+                              env=environment, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL)  # fmt: skip
     address = f"http://localhost:{port}"
     wait(lambda: answers(f"{address}/api"))
     yield Lab(browser, f"{address}/lab/tree/notebooks/00_index.ipynb", began)

@@ -120,11 +120,10 @@ def compose(jets, s, t):
     powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
     for i, j in EXPONENTS[3:]:
         powers[i, j] = s * powers[i - 1, j] if i else t * powers[0, j - 1]
-    terms = [powers[exponents] for exponents in EXPONENTS[1:]]
-    return [
-        sum((term * c for term, c in zip(terms, jet.c[1:])), start=terms[0] * 0.0) + jet.value
-        for jet in jets
-    ]
+    terms = [powers[exponents].c for exponents in EXPONENTS[1:]]
+    with np.errstate(all="ignore"):
+        composed = [sum(term * c for term, c in zip(terms, jet.c[1:])) for jet in jets]
+    return [Jet(c) + jet.value for c, jet in zip(composed, jets)]
 
 
 def inverse(x, y):

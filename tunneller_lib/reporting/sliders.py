@@ -1,7 +1,9 @@
 """Sliders for a drawing or a scene, where there is somebody to move them."""
 
 import asyncio
+import gc
 import os
+from contextlib import contextmanager
 
 import ipywidgets
 from IPython.display import clear_output, display
@@ -66,20 +68,38 @@ def _shot(plotter):
     return shoot(plotter, direction=None)
 
 
+@contextmanager
+def _swept():
+    """Sweep up what a drawing leaves while that is young.
+
+    Twenty of them swept with all that was ever imported would take as long as two pictures.
+    """
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+        gc.collect(0)
+
+
 def _moved_drawing(draw, first, alt, controls):
     first.set_layout_engine("constrained", rect=ROOM)
     first.draw_without_rendering()
     places = [ax.get_position(original=True) for ax in first.axes]
     first.set_layout_engine("constrained")
 
-    def show(**values):
+    def picture(**values):
         drawing = draw(**values)
         if len(drawing.axes) == len(places):  # to lay them out anew takes as long as to draw
             drawing.set_layout_engine("none")
             for ax, place in zip(drawing.axes, places):
                 ax.set_position(place)
         here = ", ".join(f"{name} {value:g}" for name, value in values.items())
-        display(preview(drawing, f"{alt} Drawn for {here}."))
+        return preview(drawing, f"{alt} Drawn for {here}.")
+
+    def show(**values):
+        with _swept():
+            display(picture(**values))
 
     return [ipywidgets.interactive_output(show, controls)]
 

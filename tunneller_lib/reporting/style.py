@@ -58,7 +58,7 @@ STYLE = {
 }
 
 
-def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, **subplots):
+def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplots):
     """Return a new drawing at its printed size.
 
     Parameters
@@ -67,6 +67,9 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, **subplots):
         Axes below and beside each other.
     height, width : float
         Size on paper, in cm.
+    divisions : int, optional
+        Most of them that ticks make on an axis. Each tick takes half a millisecond to draw: two
+        axes under a slider have few.
     **subplots
         Passed on to matplotlib's ``Figure.subplots``.
 
@@ -84,4 +87,7 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, **subplots):
     """
     matplotlib.rcParams.update(STYLE)
     drawing = Figure(figsize=(width / 2.54, height / 2.54), layout="constrained")
-    return drawing, drawing.subplots(rows, cols, **subplots)
+    axes = drawing.subplots(rows, cols, **subplots)
+    for ax in drawing.axes if divisions else ():
+        ax.locator_params(nbins=divisions)
+    return drawing, axes
