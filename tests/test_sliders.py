@@ -156,21 +156,66 @@ def test_sliders_without_a_screen_show_what_has_a_text(monkeypatch, shown, thing
     assert image.alt == "What is seen."
 
 
-def test_sliders_with_a_screen_refill_the_scene_that_is_turned(monkeypatch, shown):
+@pytest.fixture
+def turned(monkeypatch):
+    """Return what a live scene's widget is asked: by which threads it is updated."""
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     widget, updates = ipywidgets.HTML(), []
     widget.viewer = SimpleNamespace(update=lambda: updates.append(threading.get_ident()))
     monkeypatch.setattr(f"{SLIDERS}.live", lambda plotter, title: widget)
+    return updates
 
+
+def push(slider, *values):
+    """Move a slider in another thread, as JupyterLab does."""
+    for value in values:
+        slider.value = value
+
+
+def test_sliders_with_a_screen_refill_the_scene_that_is_turned(shown, turned):
     async def moved():
         plotter = sliders(balls, alt="Two balls.", radius=(0.1, 1.0, 0.5))
         before = plotter.bounds, plotter.camera_position
-        slider = shown[-1].children[0]
-        await asyncio.to_thread(setattr, slider, "value", 1.0)  # as JupyterLab does
+        await asyncio.to_thread(push, shown[-1].children[0], 1.0)
         await asyncio.sleep(0.01)
         return before, (plotter.bounds, plotter.camera_position)
 
     (bounds, camera), (bounds_after, camera_after) = asyncio.run(moved())
-    assert updates == [threading.get_ident()] * 2  # at the start, too
+    assert turned == [threading.get_ident()] * 2  # at the start, too
     assert (bounds[1], bounds_after[1]) == pytest.approx((2.5, 3.0), rel=1e-3)
     assert camera == camera_after
+
+
+def test_sliders_leave_out_scenes_that_the_hand_has_passed(shown, turned):
+    drawn = []
+
+    async def moved():
+        sliders(lambda radius: drawn.append(radius) or balls(radius), alt="Two balls.",
+                radius=(0.1, 1.0, 0.5))  # fmt: skip
+        await asyncio.sleep(0.01)
+        worker = threading.Thread(target=push, args=(shown[-1].children[0], 0.6, 0.7, 0.8))
+        worker.start()
+        worker.join()  # the main thread is busy meanwhile
+        await asyncio.sleep(0.01)
+
+    asyncio.run(moved())
+    assert drawn == [0.5, 0.5, 0.8]
+
+
+def test_sliders_say_why_a_scene_cannot_be_drawn(shown, turned):
+    def some(radius):
+        if radius > 0.9:
+            raise ValueError("radius: must leave room.")
+        return balls(radius)
+
+    async def moved():
+        sliders(some, alt="Two balls.", radius=(0.1, 1.0, 0.5))
+        slider, _, told = shown[-1].children
+        said = []
+        for value in (1.0, 0.6):
+            await asyncio.to_thread(push, slider, value)
+            await asyncio.sleep(0.01)
+            said.append([output["text"] for output in told.outputs])
+        return said
+
+    assert asyncio.run(moved()) == [["ValueError: radius: must leave room.\n"], []]

@@ -6,7 +6,7 @@ import os
 from contextlib import contextmanager
 
 import ipywidgets
-from IPython.display import clear_output, display
+from IPython.display import display
 from matplotlib.figure import Figure
 
 from .live_scene import live, refill
@@ -105,18 +105,27 @@ def _moved_drawing(draw, first, alt, controls):
 
 
 def _moved_scene(draw, plotter, alt, controls):
-    loop, widget = asyncio.get_running_loop(), live(plotter, alt)
+    loop, widget, newest = asyncio.get_running_loop(), live(plotter, alt), None
 
-    def move(other):
-        refill(plotter, other)
+    def move(values):
+        if values is not newest:
+            return  # the slider is farther already
+        told.outputs = ()
+        try:
+            refill(plotter, draw(**values))
+        except Exception as error:  # a loop's callback has nobody to tell
+            text = f"{type(error).__name__}: {error}\n"
+            told.outputs = ({"output_type": "stream", "name": "stderr", "text": text},)
         widget.viewer.update()
 
     def show(**values):
-        clear_output()  # what was refused before
+        nonlocal newest
+        newest = values
         # A kernel hears of sliders in a thread of their own; rendering is left to its main one.
-        loop.call_soon_threadsafe(move, draw(**values))
+        loop.call_soon_threadsafe(move, values)
 
-    return [widget, ipywidgets.interactive_output(show, controls)]
+    told = ipywidgets.interactive_output(show, controls)
+    return [widget, told]
 
 
 def _slider(name, low, high, start, unit=""):
