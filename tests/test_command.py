@@ -202,6 +202,24 @@ def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
                         "tolerance of 1 mm.")  # fmt: skip
 
 
+def test_cut_warns_of_rays_too_far_apart(capsys, job, tmp_path):
+    path = job({"along = 200": "along = 3", "around = 360": "around = 12"})
+    code, said, _ = run(capsys, "cut", path, "--out", tmp_path / "cut", "--json")
+    along, around = (line for line in json.loads(said)["warnings"] if line.startswith("[wall]"))
+    assert code == 0
+    # Half a groove is half a chord of the ball; the section's length goes by twelve.
+    assert around == "[wall] around: 12 rays are 330 mm apart, and half a groove is 87 mm wide."
+    assert along.startswith("[wall] along: 3 rays are ")
+
+
+def test_cut_refuses_an_integral_before_it_plans(capsys, job, tmp_path):
+    path = job({"# integral = 0": "integral = 1"})
+    code, said, told = run(capsys, "cut", path, "--out", tmp_path / "cut")
+    assert code == 1 and not said and "planning" not in told
+    assert told.startswith("refused: [controller] integral: must be 0 for cut, ")
+    assert told.endswith("; scene and animate take it; got 1.\n")
+
+
 def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
     (tmp_path / "file").touch()
     (tmp_path / "taken.html").mkdir()

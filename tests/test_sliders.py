@@ -13,7 +13,7 @@ from IPython.display import Image
 
 from tunneller_lib.reporting import figure, scene
 from tunneller_lib.reporting.live_scene import live, refill
-from tunneller_lib.reporting.sliders import sliders
+from tunneller_lib.reporting.sliders import ROOM, sliders
 
 SLIDERS = "tunneller_lib.reporting.sliders"
 
@@ -59,24 +59,46 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
 
 
-def test_moved_drawings_are_swept_up_at_once(monkeypatch, shown):
+@pytest.mark.parametrize(("kept", "alive"), [(0, 0), (1, 20)])
+def test_moved_drawings_are_swept_up_while_young(monkeypatch, shown, kept, alive):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    drawn = weakref.WeakSet()
+    drawn, recent, swept = weakref.WeakSet(), [], []
 
-    def kept(gain):
-        if gain == 20:
-            raise ValueError("too much")
+    def remembered(gain):
         drawn.add(drawing := draw(gain=gain))
+        recent[:] = [drawing] * kept  # until the next is drawn
         return drawing
 
-    sliders(kept, gain=(1, 20, 10))
+    def watch(phase, about):
+        swept.append(about["generation"])
+
+    sliders(remembered, gain=(1, 20, 10))
     [slider, _] = shown[-1].children
-    for slider.value in (2, 3, 4):
-        assert not [drawing for drawing in drawn if drawing.values["gain"] == slider.value]
-    assert gc.isenabled()
+    gc.collect()
+    gc.callbacks.append(watch)
+    try:
+        for slider.value in [1, 2] * 20:
+            assert len(drawn) <= alive
+    finally:
+        gc.callbacks.remove(watch)
+    assert 0 in swept and 2 not in swept
+
+
+def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
+    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
+    switched_on = []
+
+    def refused(gain):
+        switched_on.append(gc.isenabled())
+        if gain == 20:
+            raise ValueError("too much")
+        return draw(gain=gain)
+
+    sliders(refused, gain=(1, 20, 10))
+    [slider, _] = shown[-1].children
     with pytest.raises(ValueError, match="too much"):
         slider.value = 20
-    assert gc.isenabled()
+    assert gc.isenabled() and switched_on == [True, False, False]
 
 
 def test_scene_to_turn_has_a_title():
@@ -104,30 +126,31 @@ def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     drawings = []
 
-    def labelled(lines, axes=1):
-        drawing, panels = figure(1, axes, height=4, width=16, squeeze=False)
+    def labelled(lines, axes=2):
+        drawing, panels = figure(1, axes, height=4, width=16, squeeze=False,
+                                 width_ratios=range(1, axes + 1))  # fmt: skip
         panels[0, 0].set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
         drawings.append(drawing)
         return drawing
 
-    def place(drawing):
-        return drawing.axes[0].get_position().bounds
+    def places(drawing):
+        return [ax.get_position().bounds for ax in drawing.axes]
 
-    sliders(labelled, lines=(1, 3, 1), axes=(1, 2, 1))
+    sliders(labelled, lines=(1, 3, 1), axes=(2, 3, 2))
     *_, (lines, axes, _) = [box.children for box in shown if isinstance(box, ipywidgets.VBox)]
-    before = place(drawings[-1])
-    lines.value = 3
-    assert place(drawings[-1]) == before
-    small, large = labelled(1), labelled(3)
-    small.draw_without_rendering(), large.draw_without_rendering()
-    assert place(large)[0] > 0.04 + place(small)[0]
+    first = drawings[0]
+    small, large, roomy = labelled(1), labelled(3), labelled(1)
+    roomy.set_layout_engine("constrained", rect=ROOM)
+    for drawing in (first, small, large, roomy):
+        drawing.draw_without_rendering()
+    assert places(large)[0][0] > 0.04 + places(small)[0][0]
     # There is room for labels that grow a little; what was drawn first is as it was.
-    lines.value = 2
-    assert place(drawings[-1]) == before and drawings[-1].get_tightbbox().x0 > 0
-    drawings[0].draw_without_rendering()
-    assert place(drawings[0]) == place(small)
-    axes.value = 2  # other axes have places of their own
-    assert len(drawings[-1].axes) == 2 and place(drawings[-1])[2] < before[2] / 1.5
+    for lines.value in (3, 2):
+        np.testing.assert_allclose(places(drawings[-1]), places(roomy), rtol=1e-12)
+    assert drawings[-1].get_tightbbox().x0 > 0
+    np.testing.assert_allclose(places(first), places(small), rtol=1e-12)
+    axes.value = 3  # other axes have places of their own
+    assert len(drawings[-1].axes) == 3 and places(drawings[-1])[1][2] < places(roomy)[1][2]
 
 
 def balls(radius):
@@ -176,6 +199,7 @@ def test_sliders_with_a_screen_refill_the_scene_that_is_turned(shown, turned):
     async def moved():
         plotter = sliders(balls, alt="Two balls.", radius=(0.1, 1.0, 0.5))
         before = plotter.bounds, plotter.camera_position
+        await asyncio.sleep(0.01)  # what is drawn at the start
         await asyncio.to_thread(push, shown[-1].children[0], 1.0)
         await asyncio.sleep(0.01)
         return before, (plotter.bounds, plotter.camera_position)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from report.sources import ROOT
-from tunneller_lib.reporting import COLOURS
+from tunneller_lib.reporting import COLOURS, figure
 
 # Lines and bars of one drawing that a reader has to tell apart.
 COMPARED = [
@@ -66,3 +66,24 @@ def test_verdicts_on_the_pages_can_be_read(sheet):
     grounds = re.findall(r"\.verdict[^{]*\{[^}]*background: (#\w{6})", sheet)
     assert len(grounds) >= 5
     assert min(contrast(ground, "#ffffff") for ground in grounds) >= 4.5
+
+
+def test_axes_have_no_more_divisions_than_asked_for():
+    for divisions in (2, 5):
+        drawing, axes = figure(1, 2, height=7, divisions=divisions)
+        for ax, most in zip(axes, (0.6, 24.6)):
+            ax.plot([0, 4], [0, most])
+        drawing.draw_without_rendering()
+        for ax in axes:
+            for ticks, (low, high) in ((ax.get_xticks(), ax.get_xlim()),
+                                       (ax.get_yticks(), ax.get_ylim())):  # fmt: skip
+                assert 2 <= np.sum((low <= ticks) & (ticks <= high)) <= divisions + 1
+    drawing, ax = figure(height=7)
+    ax.plot([0, 4], [0, 24.6])
+    assert len(ax.get_xticks()) > 8
+
+
+@pytest.mark.parametrize("divisions", [0, -1, 2.5, "five", True])
+def test_figure_refuses_divisions_that_are_none(divisions):
+    with pytest.raises(ValueError, match=r"^divisions: must hold whole numbers from 1 to 20; got"):
+        figure(height=7, divisions=divisions)

@@ -151,10 +151,11 @@ def table(text):
     return Path(text)
 
 
-def read(options, out):
-    """Return the job that a command names and its cut, planned and simulated, after saying so.
+def read(options, out, *, budget=False):
+    """Return the job that a command's options name and its cut, planned and simulated.
 
-    Whether the file `out` can be written is looked at between, and no folder made yet.
+    Whether the file `out` can be written is looked at between, and no folder made yet. Where a
+    `budget` is wanted a job that has none is refused.
     """
     import numpy as np
 
@@ -163,6 +164,9 @@ def read(options, out):
     from .reporting.sweep import say
 
     job = read_job(options.job)
+    if budget and (integral := job.controller.get("integral")):
+        raise ValueError("[controller] integral: must be 0 for cut, whose budget has no closed "
+                         f"form with it; scene and animate take it; got {integral:g}.")  # fmt: skip
     say("planning ...")
     plan, start = job.planned, time.monotonic()
     check_writable(out)
@@ -181,7 +185,7 @@ def run_cut(options):
     from .reporting.sweep import say
 
     folder = options.out or Path("build") / options.job.stem
-    job, cut = read(options, folder / "budget.csv")
+    job, cut = read(options, folder / "budget.csv", budget=True)
     numbers = outcome(job, cut, say)
     if not options.json:
         tell(told(numbers) + "\n")

@@ -48,7 +48,8 @@ def lab(browser, tmp_path_factory):
         port = probe.getsockname()[1]
     asked = ["make", "--no-print-directory", "--dry-run", "lab"]
     told = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True)
-    command = told.stdout.replace("\\\n", "").splitlines()[-1]
+    lines = told.stdout.replace("\\\n", "").splitlines()
+    (command,) = (line for line in lines if "jupyter lab" in line)
     options = (f"--no-browser --port={port} --IdentityProvider.token= "
                "--LabApp.expose_app_in_browser=True")  # fmt: skip
     began = time.monotonic()
@@ -56,7 +57,8 @@ def lab(browser, tmp_path_factory):
                               env=environment, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL)  # fmt: skip
     address = f"http://localhost:{port}"
-    wait(lambda: answers(f"{address}/api"))
+    wait(lambda: server.poll() is not None or answers(f"{address}/api"))
+    assert server.poll() is None, f"JupyterLab ended at once: {command} {options}"
     yield Lab(browser, f"{address}/lab/tree/notebooks/00_index.ipynb", began)
     server.terminate()
     server.wait()

@@ -4,6 +4,8 @@ import csv
 import io
 from pathlib import Path
 
+import numpy as np
+
 from ..motion.export import c99, structured_text
 from ..ream import budget
 from . import interchange, scene
@@ -48,7 +50,7 @@ def outcome(job, cut, say=None):
         "overbreak_m": over,
         "underbreak_m": under,
         "faults": [dict(zip(FAULT, fault)) for fault in faults],
-        "warnings": _warnings(job, over, under),
+        "warnings": [*_warnings(job, over, under), *_coarse(job, cut)],
     }
 
 
@@ -64,6 +66,22 @@ def _warnings(job, over, under):
             found.append(f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} "
                          f"times the tolerance of {1e3 * tolerance:g} mm.")  # fmt: skip
     return found
+
+
+def _coarse(job, cut):
+    """Return sentences about rays of which less than two meet half a groove."""
+    radius, depth = job.machine["cutter_radius"], job.machine["depth"]
+    half = np.sqrt(depth * (2 * radius - depth))
+    sizes = {
+        "along": np.ptp(cut.centres[:, 0]) + 2 * radius,
+        "around": job.planned.circuit.section.perimeter,
+    }
+    return [
+        f"[wall] {name}: {job.wall[name]} rays are {1e3 * size / job.wall[name]:.0f} mm apart, and "
+        f"half a groove is {1e3 * half:.0f} mm wide."
+        for name, size in sizes.items()
+        if size / job.wall[name] > half
+    ]
 
 
 def told(numbers):

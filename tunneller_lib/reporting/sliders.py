@@ -70,16 +70,16 @@ def _shot(plotter):
 
 @contextmanager
 def _swept():
-    """Sweep up what a drawing leaves while that is young.
+    """Have what a drawing leaves swept up at once, while it is young.
 
-    Twenty of them swept with all that was ever imported would take as long as two pictures.
+    Collected while it's drawn it would grow old; twenty of them swept with all that was ever
+    imported take as long as two pictures. It switches the collector on, whoever had it off.
     """
     gc.disable()
     try:
         yield
     finally:
-        gc.enable()
-        gc.collect(0)
+        gc.enable()  # to begin with the next thing that is made
 
 
 def _moved_drawing(draw, first, alt, controls):

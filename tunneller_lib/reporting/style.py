@@ -3,6 +3,8 @@
 import matplotlib
 from matplotlib.figure import Figure
 
+from ..arrays import whole
+
 TEXT_WIDTH = 16.0  # cm, of the report
 
 # Colours that stay apart for the colour-blind (Okabe and Ito, some darkened); what is compared
@@ -68,8 +70,8 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplo
     height, width : float
         Size on paper, in cm.
     divisions : int, optional
-        Most of them that ticks make on an axis. Each tick takes half a millisecond to draw: two
-        axes under a slider have few.
+        Most of them that ticks make on an axis, where it stays linear and its ticks aren't set.
+        Each tick takes half a millisecond to draw: under a slider two axes may well have few.
     **subplots
         Passed on to matplotlib's ``Figure.subplots``.
 
@@ -80,6 +82,11 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplo
     axes : matplotlib.axes.Axes or array of them
         As matplotlib gives them.
 
+    Raises
+    ------
+    ValueError
+        If `divisions` is no whole number from 1 to 20.
+
     Examples
     --------
     >>> drawing, ax = figure(height=5)
@@ -88,6 +95,6 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplo
     matplotlib.rcParams.update(STYLE)
     drawing = Figure(figsize=(width / 2.54, height / 2.54), layout="constrained")
     axes = drawing.subplots(rows, cols, **subplots)
-    for ax in drawing.axes if divisions else ():
-        ax.locator_params(nbins=divisions)
+    for ax in drawing.axes if divisions is not None else ():
+        ax.locator_params(nbins=int(whole("divisions", divisions, 1, 20)))
     return drawing, axes
