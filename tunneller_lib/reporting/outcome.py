@@ -69,7 +69,7 @@ def _warnings(job, over, under):
 
 
 def _coarse(job, cut):
-    """Return sentences about rays of which less than two meet half a groove."""
+    """Return sentences about rays so far apart that a groove may meet one alone."""
     radius, depth = job.machine["cutter_radius"], job.machine["depth"]
     half = np.sqrt(depth * (2 * radius - depth))
     sizes = {
