@@ -3,30 +3,32 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
+# Any locale will do: files are UTF-8. Compiled modules are kept, whatever the caller's own taste:
+# without them each of some hundred processes spends two seconds on compiling.
+export PYTHONUTF8 := 1
+export PYTHONDONTWRITEBYTECODE :=
+
 # One thread each, so that last digits repeat, and none waits where the browser wants to draw.
 ALONE := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 
-# Runs without a screen: pictures repeat, too, and bits on all x86-64 processors that have AVX2.
-# Left to themselves numpy and OpenBLAS choose other code for newer ones.
+# Runs without a screen: pictures repeat, too.
 HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
-	OPENBLAS_CORETYPE=Haswell NPY_DISABLE_CPU_FEATURES="X86_V4 AVX512_ICL AVX512_SPR" \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
-# JupyterLab asks nobody for news or newer versions.
-QUIET := --LabApp.news_url=None \
-	--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate
-
 .DEFAULT_GOAL := help
-.PHONY: help environment report site test lab browser atlas bench mutants format lock clean
+.PHONY: help environment report stale site test check lab browser atlas bench mutants format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
 
 environment:
-	@$(PYTHON) report/environment.py
+	@$(PYTHON) -m report.environment
 
 report: environment ## run the notebooks that changed, then make report/report.pdf
 	@$(HEADLESS) $(BIN)/python -m report.build
+
+stale: environment ## say which notebooks `make report` would run, and why
+	@$(BIN)/python -m report.build stale
 
 site: report ## the notebooks and the report as web pages, build/site/index.html
 	@$(BIN)/python -m report.site
@@ -37,7 +39,7 @@ test: environment ## run every test, doctest and notebook, and the linter
 
 lab: environment ## open JupyterLab on the index of the notebooks
 	@$(ALONE) $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
-		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb $(QUIET)
+		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
 
 browser: site ## try pages and notebooks in a headless Chromium, where there is one
 	@$(BIN)/python -m pytest tests/browser -s
@@ -45,9 +47,9 @@ browser: site ## try pages and notebooks in a headless Chromium, where there is 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
 	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas
 
-bench: environment ## time the library against others, installed for the purpose
-	@$(BIN)/uv pip install --quiet --python $(BIN)/python --group bench
-	@$(HEADLESS) $(BIN)/python -m pytest tests/bench --benchmark-only
+bench: ## time the library against others, in an environment of its own
+	@$(PYTHON) -m report.environment bench
+	@$(HEADLESS) build/bench/bin/python -m pytest tests/bench --benchmark-only
 
 mutants: environment ## plant faults in the library and see that the tests notice (an hour or more)
 	@$(HEADLESS) $(BIN)/python tests/mutants.py
@@ -63,5 +65,6 @@ lock: environment ## pin the newest versions of everything into environment.txt
 		--output-file environment.txt
 
 clean: ## remove the environment and everything temporary
-	@rm -rf .venv build *.egg-info .pytest_cache .ruff_cache .hypothesis .benchmarks
+	@$(PYTHON) -m report.lock "make clean" \
+		rm -rf .venv build *.egg-info .pytest_cache .ruff_cache .hypothesis .benchmarks
 	@find . -name __pycache__ -prune -exec rm -r {} +

@@ -1,126 +1,165 @@
 """Bring the figures, the numbers and the report up to date: `make report`.
 
-Every task is decided by content (report/sources.py). A task is left alone when its sources are
-those of its last run and its results are still those it left then.
+Every task is decided by content (report/sources.py): a notebook is left alone when its sources are
+those of its last run and its results are still those it left then. `make stale` only says what
+would be done, and why. What runs notebooks and compiles takes seconds to import: it is imported
+where there is something to do.
 """
 
 import os
+import shutil
 import sys
+import threading
 import time
-from functools import partial
+from concurrent.futures import ThreadPoolExecutor
 
-import doit
-from doit.exceptions import TaskFailed, UnmetDependency
-from doit.reporter import ZeroReporter
-
-from report.compile import ReportFailed, compile_report
-from report.execute import NotebookFailed, run_notebook
+from report.lock import locked
 from report.sources import (
-    INDEX,
     ROOT,
+    draws_scenes,
     figure_files,
-    file_digest,
-    notebook_results,
+    file_digests,
     notebook_sources,
     notebooks,
     records,
     report_sources,
 )
+from report.state import State, replace
 
 PDF = ROOT / "report" / "report.pdf"
 FIGURE_LIST = ROOT / "figures" / "README.md"
+USUAL = 10.0  # s that a notebook may take of which nothing is known
 
 
-class Progress(ZeroReporter):
-    """One line when a task starts, one when it ends."""
+class Progress:
+    """Lines that say how many notebooks are done, and how long the rest may take."""
 
-    def __init__(self, *args):
-        super().__init__(*args)
-        self.started = {}
+    def __init__(self, seconds):
+        self.left, self.done = dict(seconds), 0
+        self.count, self.all = len(seconds), sum(seconds.values())
+        self.lock, self.begun = threading.Lock(), time.monotonic()
 
-    def execute_task(self, task):
-        if task.actions:
-            self.started[task.name] = time.monotonic()
-            self.say(f"{task.name} ...")
-
-    def skip_uptodate(self, task):
-        if task.name == "report":
-            self.say("report/report.pdf is up to date")
-
-    def add_success(self, task):
-        if task.actions:
-            self.say(f"{task.name} done in {time.monotonic() - self.started[task.name]:.1f} s")
-
-    def add_failure(self, task, fail):
-        if isinstance(fail, UnmetDependency):
-            if task.actions:
-                self.say(f"{task.name} left as it was, because of the failure above")
-        else:
-            self.say(f"{task.name} failed: {fail.get_msg().strip()}")
-
-    def say(self, text):
-        print(text, file=self.outstream, flush=True)
+    def end(self, name, text):
+        """Say how the notebook `name` ended."""
+        with self.lock:
+            self.done += 1
+            del self.left[name]
+            passed, left = time.monotonic() - self.begun, sum(self.left.values())
+            rest = passed * left / max(self.all - left, 1e-9)
+            more = f"; about {_duration(rest)} left" if self.left else ""
+            say(f"{self.done:2} of {self.count}  {text}{more}")
 
 
-DOIT_CONFIG = {
-    "dep_file": str(ROOT / "build" / "state.json"),
-    "backend": "json",
-    "reporter": Progress,
-    "num_process": len(os.sched_getaffinity(0)),
-    "par_type": "thread",  # the work is done in the kernels' own processes
-    "continue": True,
-}
+def main():
+    """Build what is stale; return the exit code."""
+    with locked("make report"):
+        recover(ROOT)
+        return write_report() if run_notebooks() else 1
 
 
-def task_notebook():
-    every = notebooks()
-    for path in every:
-        yield {
-            "name": path.stem,
-            "actions": [(plainly, [run_notebook, path])],
-            "task_dep": [f"notebook:{n.stem}" for n in every if INDEX == path.stem != n.stem],
-            "uptodate": [
-                unchanged(partial(notebook_sources, path), partial(notebook_results, path))
-            ],
-            "io": {"capture": False},
-        }
+def recover(root):
+    """Finish what a build that was killed had come to the end of, and remove what it hadn't."""
+    shutil.rmtree(root / "build" / "staging", ignore_errors=True)
+    for place in sorted((root / "build" / "ready").glob("*")):
+        from report.execute import publish
+
+        try:
+            publish(place)
+        except (OSError, ValueError, KeyError):  # not left by us: what it belonged to is run again
+            shutil.rmtree(place, ignore_errors=True)
 
 
-def task_report():
-    return {
-        "actions": [(plainly, [write_report])],
-        "task_dep": ["notebook"],
-        "uptodate": [unchanged(report_sources, partial(file_digest, ROOT, [PDF, FIGURE_LIST]))],
-        "io": {"capture": False},
-    }
+def run_notebooks():
+    """Run the notebooks that are stale, the longest first; tell whether all is well.
 
-
-def unchanged(sources, results):
-    """Return doit's question whether a task is up to date.
-
-    The sources are taken before the task runs: what is edited meanwhile makes it run again.
+    The index comes last, for it shows what the others recorded.
     """
+    index, *chapters = notebooks()
+    sources = {notebook: notebook_sources(notebook) for notebook in chapters}
+    stale = [n for n in chapters if State(ROOT, n.stem).stale(sources[n])]
+    stale = without_scenes_that_cannot_be_drawn(stale)
+    seconds = {n: State(ROOT, n.stem).seconds or USUAL for n in stale}
+    progress = Progress(seconds | {index: State(ROOT, index.stem).seconds or USUAL})
+    stale.sort(key=seconds.get, reverse=True)
+    # The work is done in the kernels' own processes. Ctrl-C isn't to wait for their end.
+    pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
+    ended = list(pool.map(lambda n: run(n, sources[n], progress), stale))
+    pool.shutdown()
+    if not all(ended):
+        say("The index and report/report.pdf are left as they were, because of the failure above.")
+        return False
+    sources = notebook_sources(index)
+    if State(ROOT, index.stem).stale(sources):
+        return run(index, sources, progress)
+    if stale:
+        progress.end(index, f"{index.stem} is up to date")
+    return True
 
-    def check(task, values):
-        before = sources()
-        task.value_savers.append(lambda: {"sources": before, "results": results()})
-        return values.get("sources") == before and values.get("results") == results()
 
-    return check
+def run(notebook, sources, progress):
+    """Run a notebook and say how that ended; tell whether it is well."""
+    from report.execute import NotebookFailed, run_notebook
 
-
-def plainly(action, *args):
-    """Call an action, its expected failures told as a sentence instead of a traceback."""
+    begun = time.monotonic()
     try:
-        action(*args)
-    except (NotebookFailed, ReportFailed) as error:
-        return TaskFailed(str(error))
+        kept = run_notebook(notebook, sources)
+    except NotebookFailed as error:
+        progress.end(notebook, f"failed: {error}")
+        return False
+    said = f"{notebook.stem}, {time.monotonic() - begun:.1f} s"
+    if kept:
+        said += f" (kept as committed, for they differ by too little: {', '.join(kept)})"
+    progress.end(notebook, said)
+    return True
+
+
+def without_scenes_that_cannot_be_drawn(stale):
+    """Return which notebooks can be run: without a GL library those that draw no scene."""
+    scenes = [notebook for notebook in stale if draws_scenes(notebook)]
+    if scenes:
+        from tunneller_lib.reporting import gl
+
+        if said := gl.problem():
+            say(f"{said} {len(scenes)} notebooks draw some: they stay as they are committed.")
+            return [notebook for notebook in stale if notebook not in scenes]
+    return stale
 
 
 def write_report():
+    """Write the PDF if it is stale; return the exit code."""
+    begun = time.monotonic()
     forget_deleted_notebooks()
+    sources, state = report_sources(), State(ROOT, "report")
+    if not state.stale(sources):
+        say("report/report.pdf is up to date")
+        return 0
+    from report.compile import ReportFailed, compile_report
+
+    try:
+        pdf = compile_report()
+    except ReportFailed as error:
+        say(f"report/report.pdf left as it was: {error}")
+        return 1
     replace(FIGURE_LIST, figure_list().encode())
-    replace(PDF, compile_report())
+    replace(PDF, pdf)
+    seconds = time.monotonic() - begun
+    state.save(sources, file_digests(ROOT, [PDF, FIGURE_LIST]), seconds)
+    say(f"report/report.pdf, {seconds:.1f} s")
+    return 0
+
+
+def tell_stale():
+    """Say what a build would do, and why; it changes nothing."""
+    reasons = {n: State(ROOT, n.stem).stale(notebook_sources(n)) for n in notebooks()}
+    for notebook in filter(reasons.get, reasons):
+        say(f"{notebook.stem}: {reasons[notebook]}")
+    number = sum(map(bool, reasons.values()))
+    say(f"{number} of {len(reasons)} notebooks would be run (and the index, if numbers change).")
+    if reason := State(ROOT, "report").stale(report_sources()):
+        say(f"report/report.pdf would be written: {reason}.")
+    elif not number:
+        say("report/report.pdf is up to date.")
+    return 0
 
 
 def forget_deleted_notebooks():
@@ -144,18 +183,26 @@ def figure_list():
     return "\n".join(lines) + "\n"
 
 
-def replace(path, content):
-    """Write a file beside its place and rename it, so that nobody finds half of it."""
-    path.parent.mkdir(exist_ok=True)
-    beside = path.with_name(f".{path.name}.new")
-    beside.write_bytes(content)
-    os.replace(beside, path)
+def say(text):
+    print(text, flush=True)
+
+
+def _duration(seconds):
+    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{seconds:.0f} s"
 
 
 if __name__ == "__main__":
-    (ROOT / "build").mkdir(exist_ok=True)
     try:
-        doit.run(globals())
+        code = tell_stale() if sys.argv[1:] == ["stale"] else main()
     except KeyboardInterrupt:
         print("Interrupted; the next build goes on from here.", file=sys.stderr, flush=True)
         os._exit(130)  # at once: the threads wait for kernels, which end when we are gone
+    except OSError as error:
+        where = f" ({error.filename})" if error.filename else ""
+        print(
+            f"The build stopped: {error.strerror}{where}. What was there is whole; "
+            "the next build goes on from here.",
+            file=sys.stderr,
+        )
+        code = 1
+    sys.exit(code)

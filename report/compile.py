@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import typst
 
-from report.sources import ROOT, report_sources
+from report.sources import ROOT, results_digest
 
 NAMED = "numpy scipy matplotlib pyvista vtk sympy mpmath typst".split()
 
@@ -17,21 +17,21 @@ class ReportFailed(Exception):
 
 def versions(root=ROOT):
     """Return the pinned versions of the packages that the report names."""
-    pins = dict(
-        re.findall(r"^([\w.-]+)==([^\s;\\]+)", (root / "environment.txt").read_text(), re.M)
-    )
+    text = (root / "environment.txt").read_text(encoding="utf-8")
+    pins = dict(re.findall(r"^([\w.-]+)==([^\s;\\]+)", text, re.M))
     return {name: pins[name] for name in NAMED}
 
 
 def release_date(root=ROOT):
     """Return the date of the edition; with today's no two builds would agree."""
-    text = re.search(r"^date-released: (\S+)$", (root / "CITATION.cff").read_text(), re.M)[1]
-    return datetime.fromisoformat(text).replace(tzinfo=UTC)
+    text = (root / "CITATION.cff").read_text(encoding="utf-8")
+    day = re.search(r"^date-released: (\S+)$", text, re.M)[1]
+    return datetime.fromisoformat(day).replace(tzinfo=UTC)
 
 
 def inputs(root=ROOT):
     """Return what the report's source is told from outside."""
-    return {"hash": report_sources(root)[:16], "versions": json.dumps(versions(root))}
+    return {"hash": results_digest(root)[:16], "versions": json.dumps(versions(root))}
 
 
 def compile_report(root=ROOT):
@@ -40,7 +40,7 @@ def compile_report(root=ROOT):
     Parameters
     ----------
     root : pathlib.Path
-        The folder that holds report, figures, notebooks, tunneller_lib, tests and environment.txt.
+        The folder that holds report, figures, notebooks, tests and environment.txt.
 
     Raises
     ------

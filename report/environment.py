@@ -1,10 +1,15 @@
-"""Make the private environment .venv that every make target runs in, or find it ready.
+"""Make the private environment .venv that every make target runs in, or find it whole.
 
-Needs nothing but Python's standard library. What is installed is said by environment.txt alone.
+Needs nothing but Python's standard library. What is installed is said by environment.txt alone;
+`python3 -m report.environment bench` makes another one for `make bench`, with its peers.
 """
 
+import base64
+import csv
+import ctypes
 import hashlib
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -13,88 +18,168 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-VENV = ROOT / ".venv"
-PYTHON = VENV / "bin" / "python"
-PINS = ROOT / "environment.txt"
-STAMP = VENV / "stamp"
+from report.lock import ROOT, locked
 
-GL_PACKAGES = ["libegl1", "libgl1-mesa-dri"]
-# Without a GL library VTK doesn't raise but crashes: so a child process opens the window.
-GL_PROBE = """
-import vtkmodules.vtkRenderingOpenGL2
-from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
-window = vtkRenderWindow()
-window.SetOffScreenRendering(True)
-window.AddRenderer(vtkRenderer())
-window.Render()
+PINS = ROOT / "environment.txt"
+PEERS = ROOT / "pyproject.toml"  # its group "bench"
+GL_LIBRARY, GL_PACKAGES = "libEGL.so.1", ["libegl1", "libgl1-mesa-dri"]
+
+# Imported when Python starts: a notebook uses the library of the checkout that it lies in,
+# whichever checkout's environment runs it.
+OWN_CHECKOUT = """import os, sys
+try:
+    near = [os.getcwd(), os.path.dirname(os.getcwd())]
+except OSError:
+    near = []
+own = [folder for folder in near if os.path.isdir(os.path.join(folder, "tunneller_lib"))]
+sys.path.append([*own, {root!r}][0])
 """
 
+# JupyterLab asks nobody for news or newer versions, nor whether it may.
+SETTINGS = {
+    "@jupyterlab/apputils-extension:notification": {
+        "checkForUpdates": False, "doNotDisturbMode": False, "fetchNews": "false"
+    }
+}  # fmt: skip
 
-def main():
+
+class Environment:
+    """A virtual environment of the checkout.
+
+    Parameters
+    ----------
+    name : str
+        Of its folder.
+    peers : bool
+        Whether it holds what `make bench` compares the library with.
+    """
+
+    def __init__(self, name=".venv", *, peers=False):
+        self.folder, self.peers = ROOT / name, peers
+        self.python = self.folder / "bin" / "python"
+        self.stamp = self.folder / "stamp"
+
+    def wanted(self):
+        """Return what the environment depends on; a moved checkout has to be set up again too."""
+        text = PINS.read_bytes() + str(ROOT).encode() + Path(__file__).read_bytes()
+        text += PEERS.read_bytes() if self.peers else b""
+        return hashlib.sha256(text).hexdigest()
+
+    def is_whole(self, *, every=False):
+        """Tell whether all is there as it was installed.
+
+        Contents are looked at where a file changed since, or of `every` one.
+        """
+        if not self.python.exists() or not self.stamp.exists():
+            return False
+        if self.stamp.read_text() != self.wanted():
+            return False
+        since, read = self.stamp.stat().st_mtime, 0
+        for packages in self.folder.glob("lib/python3*/site-packages"):
+            for record in packages.glob("*.dist-info/RECORD"):
+                for name, sha256, size in csv.reader(record.open(newline="", encoding="utf-8")):
+                    if not sha256:
+                        continue
+                    file = packages / name
+                    try:
+                        about = os.stat(file)
+                    except OSError:
+                        return False
+                    if about.st_size != int(size):
+                        return False
+                    if every or about.st_ctime > since:
+                        read += 1
+                        if f"sha256={_sha256(file)}" != sha256:
+                            return False
+        if read:  # a link from another checkout's environment changes the time, too
+            os.utime(self.stamp)
+        return True
+
+    def install(self, *options):
+        """Make it anew; the stamp comes last, so that a set-up cut short is done again."""
+        say(f"Setting up {self.folder.name} (once, about a minute)")
+        run(sys.executable, "-m", "venv", "--clear", self.folder)
+        pip = [self.python, "-m", "pip", "--disable-pip-version-check", "--quiet", "install"]
+        pinned = ["--no-deps", "--require-hashes", "-r"]
+        with tempfile.TemporaryDirectory() as folder:
+            uv_pin = Path(folder) / "uv.txt"
+            uv_pin.write_text(re.search(r"^uv==(.*\\\n)*.*\n", PINS.read_text(), re.M).group())
+            run(*pip, "--retries", "1", *pinned, uv_pin)
+        say("Installing the packages of environment.txt")
+        uv = [self.folder / "bin" / "uv", "pip", "install", "--quiet", "--python", self.python]
+        try:
+            run(*uv, *options, *pinned, PINS)
+        except (OSError, subprocess.CalledProcessError):
+            say("uv could not; trying the slower pip")
+            run(*pip, *pinned, PINS)
+        if self.peers:
+            run(*uv, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
+        self.settle()
+        self.stamp.write_text(self.wanted())
+
+    def settle(self):
+        """Write what makes the checkout importable, and JupyterLab's settings."""
+        [packages] = self.folder.glob("lib/python3*/site-packages")
+        (packages / "_own_checkout.py").write_text(OWN_CHECKOUT.format(root=str(ROOT)))
+        (packages / "checkout.pth").write_text("import _own_checkout\n")
+        settings = self.folder / "share" / "jupyter" / "lab" / "settings" / "overrides.json"
+        settings.parent.mkdir(parents=True, exist_ok=True)
+        settings.write_text(json.dumps(SETTINGS))
+
+
+def main(environment):
     if sys.version_info < (3, 11):  # noqa: UP036 - whoever runs this may have any Python
         found = sys.version.split()[0]
-        sys.exit(
+        fail(
             f"This study needs Python 3.11 or newer, and this is {found}: "
             "say which one to use with `make PYTHON=python3.12 ...`."
         )
-    if not PYTHON.exists() or not STAMP.exists() or STAMP.read_text() != stamp():
-        install()
-    if not gl_works():
-        say("No off-screen GL library found")
-        apt_install("Pictures need an off-screen GL library", *GL_PACKAGES)
-        if not gl_works():
-            fail(
-                "VTK cannot open an off-screen window although "
-                f"{' and '.join(GL_PACKAGES)} are installed."
-            )
+    whole = environment.is_whole()
+    provide_libraries(for_venv=not whole)
+    if whole:
+        return
+    with locked("set-up"):
+        mended = environment.stamp.exists()
+        if environment.is_whole():  # made while we waited
+            return
+        environment.install()
+        # What was spoilt in place was spoilt in uv's cache as well, which shares the file.
+        if mended and not environment.is_whole(every=True):
+            say("The packages kept by uv are damaged: fetching them anew")
+            environment.install("--no-cache")
 
 
-def stamp():
-    """Return what the environment depends on; a moved checkout has to be set up again too."""
-    text = PINS.read_bytes() + str(ROOT).encode()
-    return hashlib.sha256(text).hexdigest()
+def provide_libraries(*, for_venv):
+    """Install what the system lacks, all at once, or say how: before anything is fetched."""
+    venv = ["python3-venv"] if importlib.util.find_spec("ensurepip") is None else []
+    missing = (venv if for_venv else []) + ([] if _loads(GL_LIBRARY) else GL_PACKAGES)
+    if not missing:
+        return
+    command = ["apt-get", "install", "-y", "--no-install-recommends", *missing]
+    if os.geteuid() == 0 and shutil.which("apt-get"):
+        say(f"Installing {' '.join(missing)}")
+        environment = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
+        run("apt-get", "update", stdout=subprocess.DEVNULL)
+        run(*command, stdout=subprocess.DEVNULL, env=environment)
+        return
+    mend = f"on Debian or Ubuntu, `sudo {' '.join(command)}` installs what is missing."
+    if for_venv and venv:
+        more = " (and the GL library that scenes need)" if len(missing) > 1 else ""
+        fail(f"Python's venv module is incomplete{more}: {mend}")
+    print(f"Without an off-screen GL library scenes are left out: {mend}", flush=True)
 
 
-def install():
-    """Make .venv anew; the stamp comes last, so that a set-up cut short is done again."""
-    say("Setting up .venv (once, about a minute)")
-    if importlib.util.find_spec("ensurepip") is None:  # Debian packs it separately
-        apt_install("Python's venv module is incomplete", "python3-venv")
-    run(sys.executable, "-m", "venv", "--clear", VENV)
-    pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "--quiet", "install"]
-    pinned = ["--no-deps", "--require-hashes", "-r"]
-    with tempfile.TemporaryDirectory() as folder:
-        uv_pin = Path(folder) / "uv.txt"
-        uv_pin.write_text(re.search(r"^uv==(.*\\\n)*.*\n", PINS.read_text(), re.M).group())
-        run(*pip, "--retries", "1", *pinned, uv_pin)
-    say("Installing the packages of environment.txt")
+def _loads(library):
     try:
-        run(VENV / "bin" / "uv", "pip", "install", "--quiet", "--python", PYTHON, *pinned, PINS)
-    except (OSError, subprocess.CalledProcessError):
-        say("uv could not; trying the slower pip")
-        run(*pip, *pinned, PINS)
-    # The checkout itself is importable without being built.
-    [packages] = VENV.glob("lib/python3*/site-packages")
-    (packages / "checkout.pth").write_text(f"{ROOT}\n")
-    STAMP.write_text(stamp())
+        return bool(ctypes.CDLL(library))
+    except OSError:
+        return False
 
 
-def gl_works():
-    environment = os.environ | {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
-    probe = subprocess.run([PYTHON, "-c", GL_PROBE], env=environment, capture_output=True)
-    return probe.returncode == 0
-
-
-def apt_install(problem, *packages):
-    """Install Debian packages where we may, else say which command would."""
-    command = ["apt-get", "install", "-y", "--no-install-recommends", *packages]
-    if os.geteuid() != 0 or shutil.which("apt-get") is None:
-        fail(f"{problem}: on Debian or Ubuntu, `sudo {' '.join(command)}` installs it.")
-    say(f"Installing {' '.join(packages)}")
-    environment = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
-    run("apt-get", "update", stdout=subprocess.DEVNULL)
-    run(*command, stdout=subprocess.DEVNULL, env=environment)
+def _sha256(file):
+    with file.open("rb") as content:
+        found = hashlib.file_digest(content, "sha256").digest()
+    return base64.urlsafe_b64encode(found).rstrip(b"=").decode()
 
 
 def run(*command, **options):
@@ -112,9 +197,15 @@ def fail(text):
 
 if __name__ == "__main__":
     try:
-        main()
+        if sys.argv[1:] == ["bench"]:
+            main(Environment("build/bench", peers=True))
+        else:
+            main(Environment())
     except KeyboardInterrupt:
         fail("Interrupted; the next call goes on.")
     except subprocess.CalledProcessError as error:
         command = " ".join(map(str, error.cmd))
         fail(f"Set-up stopped, because `{command}` failed. Are the package registries in reach?")
+    except OSError as error:
+        where = f" ({error.filename})" if error.filename else ""
+        fail(f"Set-up stopped: {error.strerror}{where}. The next call goes on.")

@@ -1,16 +1,28 @@
-"""Run one notebook and put what it made into place."""
+"""Run one notebook and put what it made into place, all of it or nothing.
 
+A notebook runs in a folder of its own under build/staging. When it has come to its end, that
+folder, with a list of what it holds, is renamed to build/ready/<notebook>: from then on its results
+count. They are moved into place at once, or, when the build is killed meanwhile, by the next one.
+"""
+
+import json
 import os
 import shutil
 import subprocess
+import tempfile
+import time
+from pathlib import Path
 
 import nbformat
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernelError
 
-from report.sources import SCENES, cells, figure_files, records, scene_files
+from report.compare import agree
+from report.sources import SCENES, cells, figure_files, file_digests, records, scene_files
+from report.state import State
 
 CELL_TIMEOUT = 120  # s
+LIST = "ready.json"  # in a finished folder: its files, those no longer made, the state to keep
 # What JupyterLab would write, without the version of Python: the same on every machine.
 METADATA = {
     "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
@@ -29,24 +41,55 @@ class NotebookFailed(Exception):
     """A notebook that didn't run to its end; the message says where and why."""
 
 
-def run_notebook(notebook):
-    """Execute a notebook beside its place, then move it and its results there.
+def run_notebook(notebook, sources=None):
+    """Execute a notebook, then put it and its results into place together.
 
-    Everything is made under build/ first, so an interruption leaves the old results whole.
+    Parameters
+    ----------
+    notebook : pathlib.Path
+        In the folder notebooks of a checkout.
+    sources : dict of str to str, optional
+        What it is made from, to be kept in its state.
+
+    Returns
+    -------
+    kept : list of str
+        Names of results that differ from those that were there by less than counts: these stay.
+
+    Raises
+    ------
+    NotebookFailed
+        If a cell fails, or the notebook was edited meanwhile; nothing is changed then.
     """
     root = notebook.parent.parent
-    staging = root / "build" / notebook.stem
-    shutil.rmtree(staging, ignore_errors=True)
-    staging.mkdir(parents=True)
-    written = cells(notebook)
-    content = execute(notebook, staging)
-    if cells(notebook) != written:
-        raise NotebookFailed(f"{notebook.name} was edited while it ran: build again.")
-    executed = staging / notebook.name
-    nbformat.write(content, executed)
-    publish(notebook, staging)
-    os.replace(executed, notebook)
-    shutil.rmtree(staging)
+    begun = time.monotonic()
+    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
+    staging = Path(tempfile.mkdtemp(prefix=f"{notebook.stem}-", dir=root / "build" / "staging"))
+    try:
+        written = cells(notebook)
+        content = execute(notebook, staging)
+        if cells(notebook) != written:
+            raise NotebookFailed(f"{notebook.name} was edited while it ran: build again.")
+        executed = staging / "notebooks" / notebook.name
+        executed.parent.mkdir()
+        nbformat.write(content, executed)
+        kept = keep_what_agrees(staging, root)
+        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
+        old = {*figure_files(notebook), *scene_files(notebook), records(notebook)[0]}
+        ready = {
+            "results": made,
+            "gone": sorted({str(path.relative_to(root)) for path in old} - made.keys()),
+            "sources": sources or {},
+            "seconds": time.monotonic() - begun,
+        }
+        (staging / LIST).write_text(json.dumps(ready), encoding="utf-8")
+        place = root / "build" / "ready" / notebook.stem
+        place.parent.mkdir(exist_ok=True)
+        os.replace(staging, place)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+    publish(place)
+    return kept
 
 
 def execute(notebook, staging):
@@ -83,19 +126,40 @@ def reason(error):
         return f"{error.ename}: {error.evalue}"
     if isinstance(error, CellTimeoutError):
         return f"no answer within {CELL_TIMEOUT} s"
-    return "the kernel died (is the off-screen GL library there?)"
+    return "the kernel died"
 
 
-def publish(notebook, staging):
-    """Move new results into place, file by file, and remove those no longer made."""
-    root = notebook.parent.parent
-    old = {records(notebook)[0], *figure_files(notebook), *scene_files(notebook)}
-    made = [
-        path for path in sorted(staging.rglob("*")) if path.is_file() and path.parent != staging
-    ]
-    new = [root / path.relative_to(staging) for path in made]
-    for source, target in zip(made, new):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        os.replace(source, target)
-    for path in old.difference(new):
-        path.unlink(missing_ok=True)
+def keep_what_agrees(staging, root):
+    """Put the results that are there in place of new ones that agree with them; return which."""
+    kept = []
+    for new in sorted(p for p in staging.rglob("*") if p.is_file()):
+        old = root / new.relative_to(staging)
+        if agree(old, new) and old.read_bytes() != new.read_bytes():
+            shutil.copyfile(old, new)
+            kept.append(new.name)
+    return kept
+
+
+def publish(place):
+    """Move a finished notebook and its results into place, and note its state.
+
+    Parameters
+    ----------
+    place : pathlib.Path
+        A folder of build/ready. What is no longer there has been moved before, by a build that
+        was killed. A notebook that was edited since keeps its edits, and is run again.
+    """
+    root = place.parents[2]
+    ready = json.loads((place / LIST).read_bytes())
+    notebook = root / "notebooks" / f"{place.name}.ipynb"
+    executed = place / "notebooks" / notebook.name
+    as_run = notebook.exists() and (not executed.exists() or cells(executed) == cells(notebook))
+    if as_run:
+        for name in ready["results"]:
+            if (place / name).exists():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                os.replace(place / name, root / name)
+        for name in ready["gone"]:
+            (root / name).unlink(missing_ok=True)
+        State(root, place.name).save(ready["sources"], ready["results"], ready["seconds"])
+    shutil.rmtree(place)

@@ -3,14 +3,16 @@
 import hashlib
 import json
 import sys
+import tomllib
 from pathlib import Path
 
-import nbformat
+from report.reach import meaning, needed
 
 ROOT = Path(__file__).resolve().parent.parent
 INDEX = "00_index"  # the notebook that tells what the others found
 SCENES = Path("build", "scenes")  # what the web pages turn; not committed
 WRITTEN = (".typ", ".toml", ".bib")  # what the report consists of, besides results
+DRAWS_SCENES = Path("tunneller_lib", "reporting", "scene.py")  # needs an off-screen GL library
 
 
 def digest(*parts):
@@ -21,15 +23,12 @@ def digest(*parts):
     return whole.hexdigest()
 
 
-def file_digest(root, paths):
-    """Return one digest of names and contents; a file that's missing counts as well."""
-    parts = []
-    for path in paths:
-        parts += [
-            str(path.relative_to(root)).encode(),
-            path.read_bytes() if path.exists() else b"-",
-        ]
-    return digest(*parts)
+def file_digests(root, paths):
+    """Return the digest of each file's content by its name; one that's missing has none."""
+    return {
+        str(path.relative_to(root)): digest(path.read_bytes()) if path.is_file() else None
+        for path in sorted(paths)
+    }
 
 
 def notebooks(root=ROOT):
@@ -39,23 +38,36 @@ def notebooks(root=ROOT):
 
 def cells(notebook):
     """Return what its author wrote in a notebook, without what running it left there."""
-    try:
-        content = nbformat.read(notebook, as_version=4)
-    except nbformat.reader.NotJSONError:
-        sys.exit(f"{notebook.name} is no notebook: its JSON is broken.")
-    return [(cell.cell_type, cell.source) for cell in content.cells]
+    return [(cell["cell_type"], "".join(cell["source"])) for cell in _content(notebook)]
+
+
+def code(notebook):
+    """Return the Python of a notebook as one text, IPython's own commands left out."""
+    lines = "\n".join(source for kind, source in cells(notebook) if kind == "code").split("\n")
+    return "\n".join("" if line.startswith(("%", "!")) else line for line in lines)
 
 
 def is_run(notebook):
     """Tell whether a notebook is stored as one run from top to bottom leaves it."""
-    code = [c for c in nbformat.read(notebook, as_version=4).cells if c.cell_type == "code"]
-    return [c.execution_count for c in code] == list(range(1, len(code) + 1))
+    code = [cell for cell in _content(notebook) if cell["cell_type"] == "code"]
+    return [cell["execution_count"] for cell in code] == list(range(1, len(code) + 1))
+
+
+def _content(notebook):
+    # Not by nbformat, which takes two seconds to import.
+    try:
+        return json.loads(notebook.read_bytes())["cells"]
+    except (ValueError, KeyError, TypeError):
+        sys.exit(f"{notebook.name} is no notebook: its JSON is broken.")
 
 
 def records(notebook):
     """Return the file of a notebook's numbers and what it holds."""
     file = notebook.parent.parent / "report" / "numbers" / f"{notebook.stem}.json"
-    return file, json.loads(file.read_text()) if file.exists() else {}
+    try:
+        return file, json.loads(file.read_bytes())
+    except (FileNotFoundError, ValueError):  # a damaged one holds nothing, and is made again
+        return file, {}
 
 
 def figure_files(notebook):
@@ -70,31 +82,67 @@ def scene_files(notebook):
     return sorted((notebook.parent.parent / SCENES / notebook.stem).glob("*.vtksz"))
 
 
-def notebook_sources(notebook):
-    """Return the digest of all that the results of a notebook depend on."""
+def draws_scenes(notebook):
+    """Tell whether a notebook draws in space, which takes an off-screen GL library."""
     root = notebook.parent.parent
-    code, folders = (root / "tunneller_lib").rglob("*.py"), ("notebooks", "tests/references")
-    data = [file for folder in folders for file in sorted((root / folder).glob("*.csv"))]
-    shared = [root / "environment.txt", notebook.with_name("contents.toml"), *sorted(code), *data]
-    written = [cells(notebook)]
+    return root / DRAWS_SCENES in needed(code(notebook), root)
+
+
+def notebook_sources(notebook):
+    """Return digests, by name, of all that the results of a notebook depend on.
+
+    A module counts by its meaning: comments and docstrings change no result.
+    """
+    root = notebook.parent.parent
+    text = code(notebook)
+    modules = {
+        str(file.relative_to(root)): meaning(file.read_text(encoding="utf-8"))
+        for file in sorted(needed(text, root))
+    }
+    data = [
+        file
+        for folder in ("notebooks", "tests/references")
+        for file in (root / folder).glob("*.csv")
+        if file.name in text
+    ]
+    shared = file_digests(root, [root / "environment.txt", *data])
+    written = {"its cells": _of(cells(notebook)), "its place in the study": _place(notebook)}
+    return written | modules | shared
+
+
+def _place(notebook):
+    """Return the digest of what a notebook tells of the study: the index of all, others of near."""
+    every = notebooks(notebook.parent.parent)
+    file = notebook.with_name("contents.toml")
+    contents = tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
     if notebook.stem == INDEX:
-        others = [other for other in notebooks(root) if other != notebook]
-        shared += [records(n)[0] for n in others]
-        written += [[n.name, cells(n)[0]] for n in others]
-    return digest(json.dumps(written).encode(), file_digest(root, shared).encode())
+        others = [other for other in every if other != notebook]
+        return _of(contents, [[n.name, cells(n)[0], records(n)[1]] for n in others])
+    at = every.index(notebook)
+    near = [n.name for n in every[max(at - 1, 0) : at + 2]]
+    return _of(contents.get("found", {}).get(notebook.stem), near)
+
+
+def _of(*things):
+    return digest(json.dumps(things).encode())
 
 
 def notebook_results(notebook):
-    """Return the digest of all that running a notebook leaves, its own stored outputs included."""
-    files = [notebook, records(notebook)[0], *figure_files(notebook)]
-    return file_digest(notebook.parent.parent, files)
+    """Return the digests of all that running a notebook leaves, its own stored outputs included."""
+    files = [notebook, records(notebook)[0], *figure_files(notebook), *scene_files(notebook)]
+    return file_digests(notebook.parent.parent, files)
+
+
+def results_digest(root=ROOT):
+    """Return the one digest of the results that the report shows: its numbers and figures."""
+    made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
+    return _of(file_digests(root, made))
 
 
 def report_sources(root=ROOT):
-    """Return the one digest of everything that the report is made from."""
+    """Return digests, by name, of all that the report is made from."""
     report = root / "report"
-    written = [report / "compile.py", *(p for p in report.rglob("*") if p.suffix in WRITTEN)]
-    written += [root / "tests" / "mutants.csv", root / "tests" / "mutants.toml"]
-    made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
-    parts = [notebook_sources(n) for n in notebooks(root)]
-    return digest(*map(str.encode, parts), file_digest(root, sorted(written) + made).encode())
+    written = [p for p in report.rglob("*") if p.suffix in WRITTEN and p.is_file()]
+    named = ["environment.txt", "CITATION.cff", "tests/mutants.csv", "tests/mutants.toml"]
+    files = [*written, report / "compile.py", *(root / name for name in named)]
+    return file_digests(root, files) | {"the results": results_digest(root)}

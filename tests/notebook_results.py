@@ -4,27 +4,17 @@ Built on nbval, whose comparison of outputs is exact; here numbers may differ in
 which depend on the processor. Figures are compared as files, not as outputs.
 """
 
-import io
-import json
 import math
-import re
 from pathlib import Path
 from queue import Empty
 from tempfile import TemporaryDirectory
 
-import numpy as np
-import PIL.Image
 import pytest
-import typst
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
+from report.compare import Text, difference, picture_difference
 from report.sources import is_run, records
-
-NUMBERS = 1e-9  # relative difference that is none
-PICTURES = 2.0  # RMS difference that nobody sees, of 255
-
-FLOAT = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][-+]?\d+)?")
 
 
 @pytest.fixture(autouse=True)
@@ -53,20 +43,6 @@ class Kernel(RunningKernel):
                 if not self.is_alive():
                     pytest.fail("The kernel died; is the GL library there?", pytrace=False)
         raise Empty
-
-
-class Text(str):
-    """Text equal to another that differs only in the last bits of its numbers."""
-
-    __hash__ = str.__hash__
-
-    def __eq__(self, other):
-        return FLOAT.sub("#", self) == FLOAT.sub("#", other) and all(
-            close(float(a), float(b)) for a, b in zip(FLOAT.findall(self), FLOAT.findall(other))
-        )
-
-    def __ne__(self, other):
-        return not self == other
 
 
 class Cell(IPyNbCell):
@@ -126,49 +102,3 @@ class Notebook(IPyNbFile):
             )
             if problem := picture_difference(old, new):
                 return problem
-
-
-def close(a, b):
-    return math.isclose(a, b, rel_tol=NUMBERS)
-
-
-def difference(old, new, where="records"):
-    """Return the first difference between two records as a sentence, or None."""
-    if isinstance(old, float) and isinstance(new, int | float):
-        if not close(old, new):
-            return f"{where}: {old!r} is committed, {new!r} came out now."
-    elif isinstance(old, dict) and isinstance(new, dict):
-        if odd := set(old) ^ set(new):
-            side = "committed" if min(odd) in old else "recorded now"
-            return f"{where}: {min(odd)!r} is only {side}."
-        return next(filter(None, (difference(old[k], new[k], f"{where}, {k}") for k in old)), None)
-    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        both = enumerate(zip(old, new))
-        return next(filter(None, (difference(a, b, f"{where}, {i}") for i, (a, b) in both)), None)
-    elif old != new:
-        return f"{where}: {json.dumps(old)} is committed, {json.dumps(new)} came out now."
-
-
-def picture_difference(old, new):
-    """Return how two pictures differ as a sentence, or None."""
-    for path in (old, new):
-        if not path.exists():
-            return f"{old.name} is {'not committed' if path == old else 'no longer made'}."
-    if old.read_bytes() == new.read_bytes():
-        return None
-    a, b = pixels(old), pixels(new)
-    if a.shape != b.shape:
-        return f"{old.name}: {a.shape} pixels are committed, {b.shape} came out now."
-    rms = np.sqrt(np.mean((a - b) ** 2))
-    if rms > PICTURES:
-        return f"{old.name} differs from the committed figure by {rms:.1f} of 255 (RMS)."
-
-
-def pixels(path):
-    """Return a figure as numbers from 0 to 255."""
-    if path.suffix == ".svg":
-        page = b'#set page(width: auto, height: auto, margin: 0pt)\n#image("%s")'
-        path = io.BytesIO(
-            typst.compile(page % path.name.encode(), root=path.parent, format="png", ppi=100)
-        )
-    return np.asarray(PIL.Image.open(path).convert("RGB"), dtype=float)

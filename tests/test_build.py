@@ -1,6 +1,7 @@
 """The build: what counts as a change, and that no failure leaves half a result."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,9 +13,20 @@ from ipykernel.ipkernel import IPythonKernel
 from jupyter_client.kernelspec import KernelSpecManager
 from nbformat.v4 import new_code_cell, new_notebook
 
-from report.build import unchanged
+from report.build import recover
 from report.execute import METADATA, NotebookFailed, run_notebook
-from report.sources import cells, is_run, notebook_results, notebook_sources, notebooks, records
+from report.lock import locked
+from report.sources import (
+    ROOT,
+    cells,
+    file_digests,
+    is_run,
+    notebook_results,
+    notebook_sources,
+    notebooks,
+    records,
+)
+from report.state import State
 
 RECORD = """from tunneller_lib.reporting import Record
 record = Record("01_test")
@@ -67,17 +79,30 @@ def test_outputs_are_results_and_not_sources(notebook):
     assert notebook_results(notebook) != results
 
 
-def test_change_of_cell_library_or_environment_is_seen(notebook):
-    write(notebook, "1")
-    root, seen = notebook.parent.parent, {notebook_sources(notebook)}
-    write(notebook, "2")
-    seen.add(notebook_sources(notebook))
-    (root / "environment.txt").write_text("numpy==1")
-    seen.add(notebook_sources(notebook))
+def test_change_of_cell_module_data_or_environment_is_seen(notebook):
+    root = notebook.parent.parent
     (root / "tunneller_lib").mkdir()
-    (root / "tunneller_lib" / "a.py").touch()
-    seen.add(notebook_sources(notebook))
-    assert len(seen) == 4
+    module, other = (root / "tunneller_lib" / name for name in ("a.py", "b.py"))
+    module.write_text("x = 1")
+    other.touch()
+    (notebook.parent / "table.csv").write_text("1")
+    write(notebook, "from tunneller_lib.a import x", "open('table.csv')")
+
+    def changes(file, text):
+        before = notebook_sources(notebook)
+        file.write_text(text)
+        return notebook_sources(notebook) != before
+
+    assert changes(module, "x = 2")
+    assert not changes(module, "x = (2)  # two")
+    assert not changes(other, "y = 1")
+    assert changes(notebook.parent / "table.csv", "2")
+    assert changes(root / "environment.txt", "numpy==1")
+    assert changes(notebook.parent / "contents.toml", "[found]\n01_test = 'It.'")
+    assert not changes(notebook.parent / "contents.toml", "[found]\n01_test = 'It.'\n02_b = 'No.'")
+    before = notebook_sources(notebook)
+    write(notebook, "2")
+    assert notebook_sources(notebook) != before
 
 
 def test_file_times_are_not_looked_at(notebook):
@@ -144,34 +169,116 @@ def test_interruption_changes_nothing(notebook):
     )
     command = [sys.executable, "-c", code, notebook]
     build = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-    staged = notebook.parent.parent / "build" / "01_test" / "figures" / "axes.svg"
+    staging = notebook.parent.parent / "build" / "staging"
     limit = time.monotonic() + 60
-    while not staged.exists() and time.monotonic() < limit:
+    while not any(staging.glob("*/figures/axes.svg")) and time.monotonic() < limit:
         time.sleep(0.1)
     build.send_signal(signal.SIGINT)
     assert build.wait(30) != 0
-    assert staged.exists()
     assert files(notebook) == before
 
 
-class Task:
-    def __init__(self):
-        self.value_savers = []
+READY = """import os, sys; from pathlib import Path
+import report.execute as execute
+moved, replace = [], os.replace
+def killed(source, target):
+    if Path(target).name in ("axes.svg", "01_test.json", "01_test.ipynb"):
+        if len(moved) == {after}: os._exit(9)
+        moved.append(target)
+    replace(source, target)
+execute.os.replace = killed
+execute.run_notebook(Path(sys.argv[1]), {{"a": "1"}})"""
 
 
-def test_task_is_up_to_date_until_sources_or_results_change():
-    state = {"sources": "a", "results": ""}
-    check = unchanged(lambda: state["sources"], lambda: state["results"])
-    task = Task()
-    assert not check(task, {})
-    state |= {"sources": "edited while it ran", "results": "b"}
-    saved = task.value_savers[0]()
-    assert saved == {"sources": "a", "results": "b"}
-    assert not check(Task(), saved)
-    state["sources"] = "a"
-    assert check(Task(), saved)
-    state["results"] = "touched by hand"
-    assert not check(Task(), saved)
+@pytest.mark.parametrize("after", [0, 1, 2])
+def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after):
+    write(notebook, RECORD.format(value=1), DRAW)
+    subprocess.run([sys.executable, "-c", READY.format(after=after), notebook], cwd=ROOT)
+    root = notebook.parent.parent
+    assert not records(notebook)[0].exists()  # it comes last
+    recover(root)
+    assert is_run(notebook) and records(notebook)[1]["numbers"]["it"]["value"] == 1
+    assert (root / "figures" / "axes.svg").exists()
+    assert State(root, "01_test").stale({"a": "1"}) is None
+    assert not any((root / "build" / "ready").iterdir())
+
+
+def test_edit_after_a_killed_build_is_kept(notebook):
+    write(notebook, RECORD.format(value=1), DRAW)
+    subprocess.run([sys.executable, "-c", READY.format(after=0), notebook], cwd=ROOT)
+    write(notebook, "'edited'")
+    before = files(notebook)
+    recover(notebook.parent.parent)
+    assert files(notebook) == before
+
+
+def test_what_is_no_finished_notebook_is_removed(tmp_path):
+    place = tmp_path / "build" / "ready" / "01_test"
+    place.mkdir(parents=True)
+    (place / "ready.json").write_text("{")
+    (tmp_path / "build" / "staging" / "01_test-x").mkdir(parents=True)
+    recover(tmp_path)
+    assert not place.exists() and not (tmp_path / "build" / "staging").exists()
+
+
+def test_results_that_agree_are_kept_as_they_are(notebook):
+    write(notebook, RECORD.format(value=1), DRAW)
+    run_notebook(notebook)
+    first = files(notebook)
+    figure = notebook.parent.parent / "figures" / "axes.svg"
+    figure.write_bytes(figure.read_bytes().replace(b"<svg ", b"<svg  "))
+    altered = figure.read_bytes()
+    assert run_notebook(notebook) == ["axes.svg"]
+    assert files(notebook) == first | {figure: altered}
+
+
+def test_state_tells_why_a_task_is_stale(tmp_path):
+    made = tmp_path / "figures" / "a.svg"
+    made.parent.mkdir()
+    made.write_text("a")
+    assert State(tmp_path, "it").stale({"a": "1"}) == "not built here yet"
+    State(tmp_path, "it").save({"a": "1", "b": "1"}, file_digests(tmp_path, [made]), 2)
+    assert State(tmp_path, "it").stale({"a": "1", "b": "1"}) is None
+    assert State(tmp_path, "it").seconds == 2
+    assert State(tmp_path, "it").stale({"a": "2", "b": "1"}) == "a changed"
+    assert State(tmp_path, "it").stale({"a": "1"}) == "b changed"
+    assert State(tmp_path, "it").stale({"c": "1"}) == "c and 2 more changed"
+    made.write_text("b")
+    assert State(tmp_path, "it").stale({"a": "1", "b": "1"}) == "figures/a.svg was altered"
+    made.unlink()
+    assert State(tmp_path, "it").stale({"a": "1", "b": "1"}) == "figures/a.svg is missing"
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "null", "{}", '{"sources": 1}', "\x00\xff"])
+def test_state_that_is_none_is_no_state(tmp_path, text):
+    State(tmp_path, "it").save({"a": "1"}, {}, 1)
+    State(tmp_path, "it").file.write_text(text)
+    assert State(tmp_path, "it").stale({"a": "1"}) == "not built here yet"
+
+
+HOLD = """import sys, time; from pathlib import Path; from report.lock import locked
+with locked("a task", root=Path(sys.argv[1])): print("got it", flush=True); time.sleep(60)"""
+
+
+def test_lock_is_waited_for_and_tells_its_holder(tmp_path):
+    command = [sys.executable, "-c", HOLD, tmp_path]
+    holder = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert holder.stdout.readline() == "got it\n"
+    other = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    said = other.stdout.readline()
+    assert said.startswith(f"Waiting for `a task`, process {holder.pid}, since ")
+    holder.kill()
+    assert other.stdout.readline() == "got it\n"
+    other.kill()
+    for process in (holder, other):
+        process.communicate()
+
+
+def test_lock_outlives_the_removal_of_its_folder(tmp_path):
+    with locked("make clean", root=tmp_path):
+        shutil.rmtree(tmp_path / "build")
+    with locked("a", shared=True, root=tmp_path), locked("b", shared=True, root=tmp_path):
+        assert (tmp_path / "build" / "lock").read_text().startswith("`b`, process")
 
 
 def test_only_numbered_notebooks_belong_to_the_study(tmp_path):

@@ -9,9 +9,9 @@ import PIL.Image
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook
 
+from report.compare import Text, difference, picture_difference
 from report.execute import run_notebook
 from report.sources import ROOT
-from tests.notebook_results import Text, difference, picture_difference
 
 SOURCES = [
     "from tunneller_lib.reporting import Record\nrecord = Record('01_test')",

@@ -15,7 +15,7 @@ from report.site.paper import captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
 from report.site.search import script, sections
-from report.sources import ROOT, notebooks, report_sources, scene_files
+from report.sources import ROOT, notebooks, results_digest, scene_files
 
 SITE = ROOT / "build" / "site"
 HERE = Path(__file__).parent
@@ -36,7 +36,7 @@ class Site:
     def __init__(self, folder):
         self.folder = folder
         self.found = []
-        self.origin = f"Made from sources with the digest {report_sources()[:16]}."
+        self.origin = f"Shows results with the digest {results_digest()[:16]}."
 
     def page(self, address, title, body, *, kind, here=None, **more):
         """Write a page; `here` names the place in the header that it belongs to."""

@@ -4,7 +4,6 @@ import os
 from pathlib import Path
 
 import numpy as np
-import pyvista
 from IPython import get_ipython
 
 
@@ -18,7 +17,7 @@ def keep(plotter):
     """
     if folder := os.environ.get("TUNNELLER_SCENES"):
         for actor in plotter.actors.values():
-            if isinstance(actor, pyvista.Actor):
+            if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
                 actor.mapper.dataset = light(actor.mapper.dataset)
         cell = get_ipython().execution_count
         before = sum(1 for _ in Path(folder).glob(f"{cell:02}-*"))

@@ -8,16 +8,16 @@ if "DISPLAY" not in os.environ:
 
 import numpy as np
 import pyvista
-from IPython import get_ipython
-from IPython.display import display
 
 from ..envelopes.isotropic import cone_rulings
-from .kept_scene import keep
-from .live_scene import live
+from . import gl
+from .camera import crop, look, shoot
+
+__all__ = ["arrow", "ball", "beside", "cone", "crop", "curve", "look", "pieces", "rectangle",
+           "rows", "scene", "shoot", "surface"]  # fmt: skip
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
-MARGIN = 20  # px of white left around a picture
 
 THEME = pyvista.themes.DocumentTheme()
 THEME.window_size = [1600, 1200]
@@ -39,7 +39,13 @@ def scene(*, parallel=True):
     -------
     plotter : pyvista.Plotter
         Add meshes to it, then give it to `shoot`, or call its ``show`` for a scene to turn.
+
+    Raises
+    ------
+    OSError
+        If there is no off-screen GL library, without which VTK would crash.
     """
+    gl.require()
     plotter = pyvista.Plotter(off_screen=True, theme=THEME, lighting="none")
     for position, intensity in LIGHTS:
         light = pyvista.Light(position=position, light_type="camera light", intensity=intensity)
@@ -188,73 +194,3 @@ def _padded(picture, height, width):
     gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape)]
     rest = [size - had - gap for size, had, gap in zip((height, width), picture.shape, gaps)]
     return np.pad(picture, (*zip(gaps, rest), (0, 0)), constant_values=255)
-
-
-def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
-    """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
-
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-        The scene; it is closed afterwards, unless somebody is there to turn it.
-    direction, up : (3,) float
-        From the middle of the scene towards the camera, and what points up in the picture; a
-        direction of None is for a camera that is set already.
-    zoom : float
-        Above 1 for a closer look.
-
-    Returns
-    -------
-    pixels : (n, m, 3) uint8
-        Red, green, blue.
-    """
-    if direction is not None:
-        look(plotter, direction, up, zoom)
-    pixels = plotter.screenshot(return_img=True)
-    keep(plotter)
-    if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
-        display(live(plotter, "A scene to turn; its picture is described where it is shown."))
-    else:
-        plotter.close()
-    return crop(pixels)
-
-
-def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
-    """Return a scene after its camera is set.
-
-    Parameters
-    ----------
-    plotter : pyvista.Plotter
-        The scene, with all that is to be seen.
-    direction, up, zoom
-        As for `shoot`.
-
-    Returns
-    -------
-    plotter : pyvista.Plotter
-        The same scene.
-    """
-    plotter.view_vector(direction, viewup=up)
-    plotter.camera.zoom(zoom)
-    return plotter
-
-
-def crop(pixels):
-    """Return a picture without its white border, but for a small margin.
-
-    Parameters
-    ----------
-    pixels : (n, m, 3) uint8
-        Red, green, blue.
-
-    Returns
-    -------
-    pixels : (n, m, 3) uint8
-        The part that shows something, or all of an empty picture.
-    """
-    drawn = np.any(pixels != 255, axis=-1)
-    if not drawn.any():
-        return pixels
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
-    top, left = max(rows[0] - MARGIN, 0), max(columns[0] - MARGIN, 0)
-    return pixels[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]

@@ -9,6 +9,7 @@ import ipywidgets
 from IPython.display import display
 from matplotlib.figure import Figure
 
+from .camera import shoot
 from .live_scene import live, refill
 from .record import preview
 
@@ -58,14 +59,8 @@ def sliders(draw, *, alt="", **ranges):
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
         display(ipywidgets.VBox([*controls.values(), *moved(draw, shown, alt, controls)]))
     elif alt:
-        display(preview(shown if isinstance(shown, Figure) else _shot(shown), alt))
+        display(preview(shown if isinstance(shown, Figure) else shoot(shown, direction=None), alt))
     return shown
-
-
-def _shot(plotter):
-    from .scene import shoot  # here, for drawings can do without VTK
-
-    return shoot(plotter, direction=None)
 
 
 @contextmanager

@@ -1,0 +1,74 @@
+"""What the last builds left: for each task its sources, its results and the time it took.
+
+A file a task, build/state/<task>.json. What can't be read, or isn't such a file, is no state: the
+task is done again.
+"""
+
+import json
+import os
+
+from report.sources import file_digests
+
+
+class State:
+    """The state of one task.
+
+    Parameters
+    ----------
+    root : pathlib.Path
+        The checkout.
+    task : str
+        Name of the task: of a notebook, without its suffix, or ``report``.
+    """
+
+    def __init__(self, root, task):
+        self.root = root
+        self.file = root / "build" / "state" / f"{task}.json"
+        try:
+            kept = json.loads(self.file.read_bytes())
+            self.sources, self.results = dict(kept["sources"]), dict(kept["results"])
+            self.seconds = float(kept["seconds"])
+        except (OSError, ValueError, TypeError, KeyError):
+            self.sources, self.results, self.seconds = {}, {}, None
+
+    def stale(self, sources):
+        """Return why a task has to be done, in a few words, or None.
+
+        Parameters
+        ----------
+        sources : dict of str to str
+            Digests of what it is made from now, by name.
+        """
+        if not self.sources:
+            return "not built here yet"
+        changed = [n for n in {**sources, **self.sources} if sources.get(n) != self.sources.get(n)]
+        if changed:
+            return f"{_few(changed)} changed"
+        there = file_digests(self.root, [self.root / name for name in self.results])
+        lost = [name for name in there if there[name] is None]
+        altered = [name for name in there if there[name] != self.results[name]]
+        if lost:
+            return f"{_few(lost)} {'is' if len(lost) == 1 else 'are'} missing"
+        if altered:
+            return f"{_few(altered)} {'was' if len(altered) == 1 else 'were'} altered"
+        return None
+
+    def save(self, sources, results, seconds):
+        """Keep what a task was made from, the digests of its results by name, and its time in s."""
+        kept = {"sources": sources, "results": results, "seconds": round(seconds, 1)}
+        replace(self.file, json.dumps(kept, indent=1).encode())
+
+
+def replace(path, content):
+    """Write a file atomically: readers see the old one or the new one, never a part."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.new")
+    try:
+        beside.write_bytes(content)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _few(names):
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
