@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,9 +18,16 @@ VERDICTS = {"holds", "corrected", "refuted", "imprecise", "ambiguous", "not repr
 ORIGINS = {"author", "transcription", "undecidable"}
 
 
-def names_in(path):
-    tree = ast.parse((ROOT / path).read_text())
-    return {e.name for e in tree.body if isinstance(e, ast.FunctionDef) and e.name[:5] == "test_"}
+@cache
+def proofs_in(path):
+    """Return the source of each test of a file, by its name."""
+    text = (ROOT / path).read_text()
+    lines = text.splitlines(keepends=True)
+    return {
+        e.name: "".join(lines[e.lineno - 1 : e.end_lineno])
+        for e in ast.parse(text).body
+        if isinstance(e, ast.FunctionDef) and e.name.startswith("test_")
+    }
 
 
 @pytest.mark.parametrize("id", LEDGER)
@@ -37,7 +45,7 @@ def test_row_is_whole(id):
 @pytest.mark.parametrize("id", LEDGER)
 def test_row_has_a_proof(id):
     path, _, name = LEDGER[id]["proof"].partition("::")
-    assert name in names_in(path)
+    assert name in proofs_in(path)
 
 
 MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
@@ -46,23 +54,25 @@ MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "r
 @pytest.mark.parametrize("id", MENDED)
 def test_correction_is_proved_in_two_ways(id):
     path, _, name = LEDGER[id]["proof"].partition("::")
-    text = (ROOT / path).read_text()
-    (proof,) = (e for e in ast.parse(text).body if getattr(e, "name", "") == name)
-    first, mark, second = ast.get_source_segment(text, proof).partition("# A second way")
+    first, mark, second = proofs_in(path)[name].partition("# A second way")
     assert mark and " assert" in first and "assert" in second
+
+
+@cache
+def recorded(notebook):
+    return json.loads((ROOT / "report" / "numbers" / f"{notebook}.json").read_text())
 
 
 @pytest.mark.parametrize("id", [id for id, row in LEDGER.items() if row["seen"]])
 def test_what_shows_a_row_is_recorded(id):
     notebook, kind, name = LEDGER[id]["seen"].split("/", 2)
-    recorded = json.loads((ROOT / "report" / "numbers" / f"{notebook}.json").read_text())
-    assert recorded[kind][name]["cell"] > 0
+    assert recorded(notebook)[kind][name]["cell"] > 0
 
 
 def test_every_proof_is_named_by_a_row():
     proofs = {row["proof"].partition("::")[2] for row in LEDGER.values()}
     for path in (ROOT / "tests").glob("test_equations*.py"):
-        assert names_in(path) - proofs == set()
+        assert proofs_in(f"tests/{path.name}").keys() - proofs == set()
 
 
 # What each document numbers; its own headings where it numbers nothing.
@@ -86,6 +96,7 @@ EVERY_ITEM = [(name, kind, item) for name, kinds in ITEMS.items() for kind in ki
               for item in kinds[kind]]  # fmt: skip
 
 
+@cache
 def places(document):
     """Return what the rows of a document stand for: "Eq. 8" and "Eq. 9" for "Eqs 8 and 9"."""
     rows = tomllib.loads((ROOT / "report" / "ledger" / f"{document}.toml").read_text())

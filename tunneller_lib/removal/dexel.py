@@ -8,6 +8,9 @@ from ..arrays import finite_points, instance, positive, real
 from ..surfaces import Rod
 from . import lines as grids
 
+GROUP = 6  # moves of a path that are cut at once, as long as
+GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
+
 
 class DexelGrid:
     """Material as intervals on a grid of lines, made by `cartesian` or `radial`; cuts change it.
@@ -176,9 +179,40 @@ class DexelGrid:
             a = b = centres
         windows = self.lines.windows(a, b, radius, self._nearest)
         removed = 0.0
-        for start, end, window in zip(a, b, windows):
-            for touched in self._touched(start, end, radius, True, window):
-                removed += self._subtract(*touched)
+        for here in range(0, len(a), GROUP):
+            moves = slice(here, here + GROUP)
+            window = self.lines.around(windows[moves])
+            if _lines(window) <= GREATER * _lines(windows[moves].T).max(initial=0):
+                removed += self._sweep(a[moves], b[moves], radius, window)
+            else:  # long moves, side by side: most lines of the window are met by none
+                for start, end, one in zip(a[moves], b[moves], windows[moves], strict=True):
+                    removed += self._sweep(start[None], end[None], radius, one)
+        return removed
+
+    def _sweep(self, a, b, radius, window):
+        """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
+        # Most lines were cut as far as this before: a ball about all the moves leaves them out.
+        middle = (a[0] + b[-1]) / 2
+        away = np.linalg.norm(np.concatenate([a, b]) - middle, axis=-1).max()
+        about = (radius + away) * (1 + 1e-9)
+        removed = 0.0
+        for rows, columns in self.lines.blocks(window):
+            enter, leave = self.lines.meet_ball(middle, about, rows, columns)
+            low, high = self.low[:, rows, columns], self.high[:, rows, columns]
+            i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
+            i, j = i + rows.start, j + columns.start
+            enter, leave = self.lines.meet(a, b, radius, True, i, j[:, None])
+            enter, leave = enter[..., 0], leave[..., 0]
+            # What all moves so far take from a line; where that's one interval it goes at once.
+            first, last = np.minimum.accumulate(enter), np.maximum.accumulate(leave)
+            met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
+            if np.any(met & ((enter[1:] > last[:-1]) | (leave[1:] < first[:-1]))):
+                cuts = zip(enter, leave, strict=True)
+            else:
+                cuts = [(first[-1], last[-1])]
+            for cut in cuts:
+                for touched in self._met(*cut, i, j):
+                    removed += self._subtract(*touched)
         return removed
 
     def _touched_by(self, rod):
@@ -194,15 +228,20 @@ class DexelGrid:
         return self._touched(a, b, rod.radius, rod.ends == "round", window)
 
     def _touched(self, a, b, radius, round_ends, window):
-        """Yield slot, places, and where the rod enters and leaves, of the intervals it meets."""
+        """Yield what `_met` does of the lines of a window against one rod."""
         for rows, columns in self.lines.blocks(window):
             enter, leave = self.lines.meet(a, b, radius, round_ends, rows, columns)
-            for slot in range(len(self.low)):
-                low, high = self.low[slot, rows, columns], self.high[slot, rows, columns]
-                met = (leave > low) & (enter < high) & (enter < leave) & (low < high)
-                i, j = np.nonzero(met)
-                if len(i):
-                    yield slot, (i + rows.start, j + columns.start), enter[met], leave[met]
+            hit = enter < leave
+            i, j = np.nonzero(hit)
+            yield from self._met(enter[hit], leave[hit], i + rows.start, j + columns.start)
+
+    def _met(self, enter, leave, i, j):
+        """Yield slot, places, and where a cut enters and leaves, of the intervals that it meets."""
+        for slot in range(len(self.low)):
+            low, high = self.low[slot, i, j], self.high[slot, i, j]
+            met = (leave > low) & (enter < high) & (enter < leave) & (low < high)
+            if np.any(met):
+                yield slot, (i[met], j[met]), enter[met], leave[met]
 
     def _shared(self, slot, place, enter, leave):
         """Return the volume that intervals share with a rod, and the intervals."""
@@ -231,6 +270,12 @@ class DexelGrid:
             free = np.concatenate([free, np.ones_like(free[:1])])
         slot = np.argmax(free, axis=0)
         self.low[(slot, *place)], self.high[(slot, *place)] = low, high
+
+
+def _lines(window):
+    """Return how many lines there are in windows (4, ...)."""
+    first, last, start, stop = window
+    return np.maximum(last - first, 0) * np.maximum(stop - start, 0)
 
 
 def _shape(shape):

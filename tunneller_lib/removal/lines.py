@@ -92,41 +92,65 @@ class Lines(NamedTuple):
         return start, np.minimum(stop, start + len(self.cos))
 
     def meet(self, a, b, radius, round_ends, rows, columns):
-        """Return `enter` and `leave` (i, j) of the lines of a window against one rod, in m.
+        """Return `enter` and `leave` (..., i, j) of lines against rods, in m.
 
         Parameters
         ----------
-        a, b : (3,) float
-            Ends of the axis, in m.
+        a, b : (..., 3) float
+            Ends of the axes, in m.
         radius : float
             In m.
         round_ends : bool
             As for `Rod`.
-        rows, columns : slice
-            The window. A line that misses gets an empty interval.
+        rows, columns : slice, or (i,) and (i, 1) int
+            The lines: a window, or some of them. A line that misses gets an empty interval.
         """
         cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
         # In the plane across a line: x, and to its right.
-        (ay, az), (by, bz) = a[1:], b[1:]
+        ax, ay, az = np.moveaxis(a, -1, 0)[..., None, None]
+        bx, by, bz = np.moveaxis(b, -1, 0)[..., None, None]
         turned = cos * (by - ay) + sin * (bz - az) < 0
-        length = np.linalg.norm(b - a)
-        sx, sy, sz = (np.where(turned, second, first) for first, second in zip(a, b))
-        vx, vy, vz = (
-            np.where(turned, first - second, second - first) for first, second in zip(a, b)
-        )
+        sx, sy, sz = (np.where(turned, q, p) for p, q in ((ax, bx), (ay, by), (az, bz)))
+        vx, vy, vz = (np.where(turned, p - q, q - p) for p, q in ((ax, bx), (ay, by), (az, bz)))
         across, rise = sin * vy - cos * vz, cos * vy + sin * vz
         run = np.hypot(vx, across)
         pace = np.where(run > 0, run, 1)
         fx, fy = np.where(run > 0, vx / pace, 1.0), across / pace
         qx, qy = self.x[rows, None] - sx, aside - (sin * sy - cos * sz)
         s, m = qx * fy - fx * qy, qx * fx + qy * fy
+        length = np.linalg.norm(b - a, axis=-1)[..., None, None]
         if round_ends:
-            enter, leave, room = ball_sweep(run, rise, length or 1.0, radius, s, m)
+            length = np.where(length > 0, length, 1.0)
+            enter, leave, room = ball_sweep(run, rise, length, radius, s, m)
             hit = room > 0
         else:
             hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
         start = cos * sy + sin * sz
         return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
+
+    def meet_ball(self, centre, radius, rows, columns):
+        """Return `enter` and `leave` (i, j) of the lines of a window against a ball.
+
+        Where a line misses, they are where it is nearest.
+        """
+        cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
+        x, y, z = centre
+        room = radius**2 - (self.x[rows, None] - x) ** 2 - (aside - (sin * y - cos * z)) ** 2
+        half = np.sqrt(np.maximum(room, 0))
+        middle = cos * y + sin * z
+        return middle - half, middle + half
+
+    def around(self, windows):
+        """Return the smallest window around others (k, 4), as `windows` gives them."""
+        first, last, start, stop = windows[np.all(windows[:, ::2] < windows[:, 1::2], axis=1)].T
+        if not len(first):
+            return np.zeros(4, dtype=int)
+        if self.rays:  # all on the same round
+            count = len(self.cos)
+            shift = (start - start[0] + count // 2) % count - count // 2 + start[0] - start
+            start, stop = start + shift, stop + shift
+            stop = np.minimum(stop, start.min() + count)
+        return np.array([first.min(), last.max(), start.min(), stop.max()])
 
 
 def parallel(low, high, shape):
