@@ -37,6 +37,9 @@ test: environment ## run every test, doctest and notebook, and the linter
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
 
+check: environment ## test what the working tree's changes can reach
+	@$(HEADLESS) PATH="$(BIN):$$PATH" $(BIN)/python -m tests.check $(SINCE)
+
 lab: environment ## open JupyterLab on the index of the notebooks
 	@$(ALONE) $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
 		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb

@@ -82,10 +82,12 @@ def scene_files(notebook):
     return sorted((notebook.parent.parent / SCENES / notebook.stem).glob("*.vtksz"))
 
 
-def draws_scenes(notebook):
-    """Tell whether a notebook draws in space, which takes an off-screen GL library."""
-    root = notebook.parent.parent
-    return root / DRAWS_SCENES in needed(code(notebook), root)
+def draws_scenes(path, root=ROOT):
+    """Tell whether a notebook or a module draws in space, which takes an off-screen GL library."""
+    if path.suffix == ".ipynb":
+        return root / DRAWS_SCENES in needed(code(path), root)
+    inside = path.relative_to(root).parts[:-1]
+    return root / DRAWS_SCENES in needed(path.read_text(encoding="utf-8"), root, inside)
 
 
 def notebook_sources(notebook):

@@ -1,6 +1,78 @@
-"""Hypothesis draws the same examples in every run, so that a test passes or fails for good."""
+"""What all tests share: the same random examples in every run, and files that they say they read.
 
+Hypothesis draws the same examples, so that a test passes or fails for good. A test's module lists
+the files of the checkout that it reads, other than modules, as patterns in `READS`: by it
+`make check` knows what a change of such a file reaches. A test that reads another one fails.
+"""
+
+import os
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
+
+from report.sources import draws_scenes
+
+ROOT = Path(__file__).parents[1]
+OWN = (".py", ".pyc")  # followed by imports
+ASIDE = (".", "build", "pyproject.toml")  # what tools read and keep: .venv, .git, caches
 
 settings.register_profile("study", derandomize=True, deadline=None)
 settings.load_profile("study")
+
+opened = set()
+
+
+def _note(event, arguments):
+    if event == "open" and isinstance(arguments[0], str | os.PathLike):
+        opened.add(os.fspath(arguments[0]))
+
+
+sys.addaudithook(_note)
+
+
+def unsaid(module):
+    """Return the files opened lately that the tests of a module don't say they read."""
+    names = []
+    for path in map(Path, filter(lambda path: isinstance(path, str), opened)):
+        path = Path(os.path.abspath(path))
+        if path.is_relative_to(ROOT) and path.suffix not in OWN:
+            name = str(path.relative_to(ROOT))
+            said = any(fnmatch(name, pattern) for pattern in getattr(module, "READS", []))
+            if not said and not name.startswith(ASIDE) and path.is_file():
+                names.append(name)
+    opened.clear()
+    return sorted(names)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    opened.clear()
+    report = yield
+    if isinstance(collector, pytest.Module) and collector.path.parent == ROOT / "tests":
+        if report.passed and (names := unsaid(collector.obj)):
+            raise pytest.UsageError(f"{collector.path.name}: READS doesn't name {names[0]}.")
+    return report
+
+
+@pytest.fixture(autouse=True)
+def _reads_what_it_says(request):
+    opened.clear()
+    yield
+    if request.path.parent == ROOT / "tests" and request.path.name.startswith("test_"):
+        assert unsaid(request.module) == [], "READS, the list of what the module reads, lacks these"
+
+
+def pytest_collection_modifyitems(items):
+    """Leave out what draws scenes where there is no GL library, saying so."""
+    drawing = {path: draws_scenes(path) for path in {item.path for item in items}}
+    if any(drawing.values()):
+        from tunneller_lib.reporting import gl  # here, for the core's tests do without matplotlib
+
+        if not (said := gl.problem()):
+            return
+        for item in items:
+            if drawing[item.path]:
+                item.add_marker(pytest.mark.skip(reason=said))

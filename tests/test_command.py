@@ -17,6 +17,8 @@ from tunneller_lib.reporting.interchange import read_csv
 from tunneller_lib.reporting.job import WrongJob, read_job
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 
+READS = ["notebooks/reference.toml"]
+
 ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "notebooks" / "reference.toml"
 # The reference, soon done.

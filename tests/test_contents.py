@@ -17,6 +17,8 @@ from tunneller_lib.reporting.contents import (
     printed,
 )
 
+READS = ["notebooks/*", "report/numbers/*"]
+
 FOLDER = ROOT / "notebooks"
 CONTENTS = tomllib.loads((FOLDER / "contents.toml").read_text())
 CHAPTERS = [n for n in notebooks() if n.stem != INDEX]

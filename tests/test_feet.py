@@ -10,6 +10,8 @@ from tests.references import torus_feet
 from tests.shapes import directions, random_tori
 from tunneller_lib.surfaces import Torus
 
+READS = ["tests/references/*"]
+
 with open(torus_feet.TABLE, newline="") as file:
     HEADER, *ROWS = csv.reader(file)
 FAMILIES = sorted({row[0] for row in ROWS})

@@ -14,6 +14,8 @@ from tests.references.geodesic_rivals import shortest_rival
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
+READS = ["tests/references/*"]
+
 
 def read(path):
     with open(path, newline="") as file:

@@ -11,6 +11,8 @@ import pytest
 
 from tests.basic_listing import REPAIRS
 
+READS = ["report/ledger/*", "report/numbers/*", "tests/test_*.py"]
+
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "report" / "ledger").glob("*.toml"))
 LEDGER = {id: row for file in FILES for id, row in tomllib.loads(file.read_text()).items()}

@@ -9,6 +9,8 @@ import pytest
 from tests import mutants
 from tests.mutants import REASONS, TABLE, Mutant, Places, more
 
+READS = ["tests/mutants.*"]
+
 ROOMS = {"arrays.py", "envelopes", "motion", "paths", "ream", "removal", "reporting", "surfaces"}
 KINDS = {"branch", "constant", "exponent", "factor", "index", "sign"}
 ROWS = list(csv.DictReader(TABLE.read_text().splitlines()))

@@ -111,8 +111,9 @@ def test_wrong_and_varying_half_angles_are_refused(name):
 def test_channels_of_constant_slope_are_envelopes_of_cones():
     """The helix has a constant speed: radius and centre's arc grow in one proportion."""
     found = verdict(pipe(CURVES["helix"], 0.3, 0.1), "cone")
-    assert found.residual < 1e-10
-    assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-6)  # a double zero
+    # The angle is a double zero: half its digits are sure, on some processors fewer.
+    assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-4)
+    assert found.residual < 1e-8
     assert verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone").residual > 1e-3
 
 

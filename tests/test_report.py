@@ -9,6 +9,15 @@ from report.build import FIGURE_LIST, PDF, figure_list
 from report.compile import ReportFailed, compile_report
 from report.sources import ROOT, cells, figure_files, notebooks, records
 
+READS = [
+    "report/*",
+    "figures/*",
+    "notebooks/*",
+    "environment.txt",
+    "CITATION.cff",
+    "tests/mutants.*",
+]
+
 USE = re.compile(r'\b(num|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
 KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
 

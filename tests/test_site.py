@@ -16,6 +16,16 @@ from report.site.paper import captions
 from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
 
+READS = [
+    "report/*",
+    "figures/*",
+    "notebooks/*",
+    "tests/*",
+    "tunneller_lib/*",
+    "environment.txt",
+    "CITATION.cff",
+]
+
 SOME = [n for n in notebooks() if n.stem[:2] in ("00", "02", "08", "10", "23", "56")]
 
 

@@ -9,6 +9,8 @@ import pytest
 from report.sources import ROOT
 from tunneller_lib.reporting import COLOURS, figure
 
+READS = ["report/site/style.css"]
+
 # Lines and bars of one drawing that a reader has to tell apart.
 COMPARED = [
     ("chord", "geodesic", "tangent sphere"),

@@ -129,9 +129,16 @@ class Lines(NamedTuple):
         return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
 
     def meet_ball(self, centre, radius, rows, columns):
-        """Return `enter` and `leave` (i, j) of the lines of a window against a ball.
+        """Return `enter` and `leave` (i, j) of the lines of a window against a ball, in m.
 
-        Where a line misses, they are where it is nearest.
+        Parameters
+        ----------
+        centre : (3,) float
+            In m.
+        radius : float
+            In m.
+        rows, columns : slice
+            The window. A line that misses gets an empty interval where it is nearest.
         """
         cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
         x, y, z = centre
@@ -141,7 +148,7 @@ class Lines(NamedTuple):
         return middle - half, middle + half
 
     def around(self, windows):
-        """Return the smallest window around others (k, 4), as `windows` gives them."""
+        """Return the smallest window (4,) around others (k, 4), as `windows` gives them."""
         first, last, start, stop = windows[np.all(windows[:, ::2] < windows[:, 1::2], axis=1)].T
         if not len(first):
             return np.zeros(4, dtype=int)

@@ -1,0 +1,103 @@
+"""Test what the working tree's changes can reach: `make check`.
+
+A changed module reaches the tests and notebooks that import it, directly or through others; one
+whose code means the same as before reaches its own doctests only. Another changed file reaches the
+tests that say that they read it, in a list `READS`, and the notebooks that name it. Changes count
+against the last commit, or against the one that is named: `make check SINCE=main`.
+"""
+
+import ast
+import fnmatch
+import subprocess
+import sys
+import time
+
+import pytest
+
+from report.reach import meaning, needed
+from report.sources import ROOT, code, notebook_sources, notebooks
+
+# What every test depends on: then all of them are meant.
+GROUND = ("environment.txt", "pyproject.toml", "tests/conftest.py", "tests/notebook_results.py")
+
+
+def git(*arguments):
+    """Return what git prints, or None where it fails."""
+    run = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True)
+    return run.stdout if run.returncode == 0 else None
+
+
+def changed(since):
+    """Return the names of the files that differ from a commit, and of new ones."""
+    known, new = git("diff", "--name-only", since), git("ls-files", "-o", "--exclude-standard")
+    if known is None:
+        sys.exit(f"SINCE: must name a commit; got {since!r}.")
+    return set(known.splitlines()) | set(new.splitlines())
+
+
+def means_the_same(name, since):
+    """Tell whether a module's code means what it meant at a commit."""
+    before = git("show", f"{since}:{name}")
+    if before is None or not (ROOT / name).exists():
+        return False
+    try:
+        return meaning(before) == meaning((ROOT / name).read_text(encoding="utf-8"))
+    except SyntaxError:
+        return False
+
+
+def reads(test):
+    """Return the patterns of the files that a test says it reads."""
+    for node in ast.parse(test.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "READS":
+            return ast.literal_eval(node.value)
+    return []
+
+
+def reached(names, since="HEAD"):
+    """Return the tests, doctests and notebooks that changes of files reach, as pytest's arguments.
+
+    Parameters
+    ----------
+    names : set of str
+        Of the changed files, from the checkout's folder.
+    since : str
+        The commit that they are compared with.
+    """
+    if names & set(GROUND):
+        return ["tests", "tunneller_lib", "notebooks"]
+    python = {name for name in names if name.endswith(".py")}
+    code_changed = {name for name in python if not means_the_same(name, since)}
+    found = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
+    found = [name for name in found if (ROOT / name).exists()]
+    for test in sorted((ROOT / "tests").glob("test_*.py")):
+        name = str(test.relative_to(ROOT))
+        text = test.read_text(encoding="utf-8")
+        modules = {str(f.relative_to(ROOT)) for f in needed(text, ROOT, ("tests",))} | {name}
+        read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
+        if modules & code_changed or name in names or read:
+            found.append(name)
+    for notebook in notebooks():
+        name = str(notebook.relative_to(ROOT))
+        modules = {str(file.relative_to(ROOT)) for file in needed(code(notebook), ROOT)}
+        data = {name for name in names if name in notebook_sources(notebook)}
+        if name in names or modules & code_changed or data - python:
+            found.append(name)
+    return found
+
+
+def main(since="HEAD"):
+    begun = time.monotonic()
+    names = changed(since)
+    chosen = reached(names, since)
+    print(f"{len(names)} files changed since {since}; they reach {len(chosen)} files of tests.")
+    exit_code = subprocess.run(["ruff", "check", "--quiet"], cwd=ROOT).returncode
+    if chosen:
+        workers = ["-n", "auto", "--dist", "loadfile"] if len(chosen) > 1 else []
+        exit_code = pytest.main(["-q", *workers, *chosen]) or exit_code
+    print(f"{time.monotonic() - begun:.0f} s")
+    return int(exit_code)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,22 @@
+"""Print the tests of the library's core: those that need numpy and scipy alone, and pytest."""
+
+from report.reach import needed
+from report.sources import ROOT
+
+STUDY = ("report", "tunneller_lib/reporting", "tunneller_lib/__main__.py")
+
+
+def core_tests():
+    """Return the names of the test files that need nothing of the report, and no drawing."""
+    names = []
+    for test in sorted((ROOT / "tests").glob("test_*.py")):
+        text = test.read_text(encoding="utf-8")
+        modules = [str(file.relative_to(ROOT)) for file in needed(text, ROOT, ("tests",))]
+        drawn = "nbformat" in text or "matplotlib" in text or "import IPython" in text
+        if not drawn and not any(name.startswith(STUDY) for name in modules):
+            names.append(str(test.relative_to(ROOT)))
+    return names
+
+
+if __name__ == "__main__":
+    print(*core_tests())

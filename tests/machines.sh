@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# Try the promises of the README on bare machines, and write the table tests/machines.md.
+#
+#   sudo bash tests/machines.sh [FOLDER] [NAME ...]
+#
+# Needs debootstrap, for ARM64 qemu-user-static, and some 10 GB in FOLDER, /var/tmp/machines unless
+# told. What is committed is tried. With names only those promises are tried, and their rows
+# replaced: debian12 plain debian13 blas-NAME dispatch noise oldest python3.14 arm64 ...
+set -euo pipefail
+checkout=$(cd "$(dirname "$0")/.." && pwd)
+folder=$(realpath -m "${1:-/var/tmp/machines}")
+shift || true
+wanted=" $* "
+rows=$folder/rows
+mkdir -p "$rows"
+
+# A Debian in a folder, with what the README asks for; the package clients' settings are ours.
+machine() { # NAME SUITE ARCHITECTURE
+    root=$folder/$1
+    if [ ! -e "$root/ready" ]; then
+        local packages=python3,make,git,ca-certificates
+        if [ "$3" = "$(dpkg --print-architecture)" ]; then
+            debootstrap --variant=minbase --include=$packages "$2" "$root" >"$folder/$1.log"
+        else
+            debootstrap --arch="$3" --foreign --variant=minbase --include=$packages,python3-venv \
+                "$2" "$root" >"$folder/$1.log"
+            cp "/usr/bin/qemu-aarch64-static" "$root/usr/bin/"
+            chroot "$root" /debootstrap/debootstrap --second-stage >>"$folder/$1.log"
+        fi
+        useradd --root "$root" --create-home --shell /bin/bash visitor
+        touch "$root/ready"
+    fi
+    cp /etc/resolv.conf "$root/etc/"
+    mkdir -p "$root/etc/ssl/certs"
+    cp -L /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
+    for kind in proc sys dev dev/shm; do
+        mountpoint -q "$root/$kind" || mount --rbind "/$kind" "$root/$kind"
+    done
+}
+
+# Run a command in a fresh clone on the machine: what it printed goes to a log, a row to the table.
+try() { # NAME PROMISE MACHINE USER COMMAND
+    if [ "$wanted" != "  " ] && [[ $wanted != *" $1 "* ]]; then return; fi
+    local home=$root/home/visitor/$1 log=$folder/$1.log begun=$SECONDS code=0
+    rm -rf "$home"
+    git clone --quiet "$checkout" "$home"
+    chroot "$root" chown -R "$4" "/home/visitor/$1"
+    echo "$1: $2, on $3 ..."
+    chroot --userspec="$4" "$root" env -i HOME="/home/visitor" PATH=/usr/local/bin:/usr/bin:/bin \
+        PIP_CERT=/etc/ssl/certs/ca-certificates.crt SSL_CERT_FILE=/etc/ssl/certs/ca-certificates.crt \
+        bash -c "cd ~/$1 && $5" >"$log" 2>&1 </dev/null || code=$?
+    local said
+    said=$(grep -aoE '[0-9]+ (passed|failed|skipped)[^=]* in [0-9.]+s' "$log" | tail -1 || true)
+    said="${said:-exit $code}, $(((SECONDS - begun) / 60)) min in all"
+    [ $code = 0 ] || said="**fails**: $said"
+    echo "| $2 | $3 | $said |" >"$rows/$1"
+    cat "$rows/$1"
+    rm -rf "$home"
+}
+
+CLEAN='git diff --exit-code --stat'
+TEST='make test'
+
+machine debian12 bookworm amd64
+try debian12 'two commands, `git status` clean after' 'Debian 12, root' root "make report && $CLEAN && $TEST"
+for blas in Prescott Nehalem Sandybridge Haswell Zen SkylakeX; do
+    if [ $blas = SkylakeX ] && ! grep -q avx512f /proc/cpuinfo; then
+        echo "| the same results with OpenBLAS for $blas | Debian 12, root | not tried: this processor has no AVX-512 |" >"$rows/blas-$blas"
+        continue
+    fi
+    try blas-$blas "the same results with OpenBLAS for $blas" 'Debian 12, root' root "OPENBLAS_CORETYPE=$blas $TEST"
+done
+try dispatch "the same results without numpy's code for newer processors" 'Debian 12, root' root "NPY_DISABLE_CPU_FEATURES=X86_V3 $TEST"
+try noise 'the same results with sin, exp, ... off by one bit at random' 'Debian 12, root' root "PYTHONPATH=tests/noise $TEST"
+try oldest 'the library with the oldest numpy and scipy it admits' 'Debian 12, root' root 'make environment && bash tests/oldest.sh'
+
+machine debian13 trixie amd64
+try debian13 'two commands on Python 3.13, `git status` clean after' 'Debian 13, root' root "make report && $CLEAN && $TEST"
+
+machine plain bookworm amd64
+chroot "$root" sh -c 'apt-get update -qq && apt-get install -qq python3-venv' >/dev/null
+try plain 'without GL and without root: all but scenes, `git status` clean after' 'Debian 12, a plain user' visitor "make report && $CLEAN && $TEST"
+
+if [ "$wanted" = "  " ] || [[ $wanted == *" arm64 "* ]]; then
+    machine arm64 bookworm arm64
+    try arm64 'part of the tests of the library, two notebooks' 'Debian 12 on ARM64, emulated' visitor 'make environment && bash tests/arm64.sh'
+fi
+
+{
+    echo '# Promises and machines'
+    echo
+    echo "From a run of \`tests/machines.sh\` on $(date +%F), $(nproc) cores of$(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2)."
+    echo
+    echo '| promise | machine | result |'
+    echo '| --- | --- | --- |'
+    cat "$rows"/*
+} >"$checkout/tests/machines.md"

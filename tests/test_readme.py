@@ -1,0 +1,62 @@
+"""The README: its lines run and say what stands beside them, its links lead somewhere."""
+
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+
+from report.sources import ROOT
+
+READS = ["README.md", "Makefile", "notebooks/reference.toml"]
+
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", TEXT, re.M | re.S)
+COMMANDS = [line.split("  #")[0].strip() for kind, block in BLOCKS if not kind
+            for line in block.splitlines()]  # fmt: skip
+[PYTHON] = [block for kind, block in BLOCKS if kind == "python"]
+
+
+def test_lines_of_the_library_print_what_stands_beside_them(capsys):
+    space = {}
+    for line in PYTHON.splitlines():
+        code, _, said = line.partition("  # ")
+        exec(code, space)
+        printed = capsys.readouterr().out.strip()
+        assert printed == (said if code.startswith("print") else ""), line
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c.startswith("make")])
+def test_make_knows_the_targets(command):
+    tried = subprocess.run([*shlex.split(command), "--dry-run"], cwd=ROOT, capture_output=True)
+    assert tried.returncode == 0
+
+
+PROGRAMS = [c for c in COMMANDS if "tunneller_lib" in c and c.startswith((".venv", "plain"))]
+
+
+@pytest.mark.parametrize("command", PROGRAMS)
+def test_programs_are_called_rightly(command):
+    _, *rest = shlex.split(command)
+    if "-m" in rest:  # a simulation takes seconds, a GIF minutes: test_command runs them
+        rest.append("--help")
+    done = subprocess.run([sys.executable, *rest], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout, done.stderr
+
+
+def test_the_test_to_try_is_there():
+    [(file, name)] = re.findall(r"`\.venv/bin/python -m pytest (\S+) -k (\w+)`", TEXT)
+    assert f"def test_{name}(" in (ROOT / file).read_text(encoding="utf-8")
+
+
+def test_links_lead_to_files():
+    for target in re.findall(r"\]\(([^)#]+)\)", TEXT):
+        assert target.startswith("https://") or (ROOT / target).exists(), target
+
+
+def test_the_list_of_targets_is_complete():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^(\w+):.*##", makefile, re.M))
+    told = set(re.findall(r"`(?:make )?(\w+)`|^make (\w+)", TEXT, re.M))
+    assert targets <= {name for pair in told for name in pair}
