@@ -16,6 +16,8 @@ import PIL.Image
 import typst
 from scipy.ndimage import gaussian_filter
 
+from tunneller_lib.reporting.digits import MORE, decimals_of
+
 NUMBERS = 1e-9  # relative difference that is none
 BLUR = 2.0  # px, of a page printed at 215 dpi: what the eye takes together
 SEEN = 16.0  # of 255: the difference of two blurred pictures somewhere that the eye may see
@@ -43,21 +45,42 @@ class Text(str):
         return not self == other
 
 
-def difference(old, new, where="records"):
-    """Return the first difference between two records as a sentence, or None."""
+def difference(old, new, where="records", unit=0.0):
+    """Return the first difference between two records as a sentence, or None.
+
+    Numbers may differ by one unit of the last digit that is stored, which is behind those that
+    are printed: these may not differ.
+    """
     if isinstance(old, float) and isinstance(new, int | float):
-        if not close(old, new):
+        if not close(old, new) and abs(old - new) > 1.01 * unit:
             return f"{where}: {old!r} is committed, {new!r} came out now."
     elif isinstance(old, dict) and isinstance(new, dict):
         if odd := set(old) ^ set(new):
             side = "committed" if min(odd) in old else "recorded now"
             return f"{where}: {min(odd)!r} is only {side}."
-        return next(filter(None, (difference(old[k], new[k], f"{where}, {k}") for k in old)), None)
+        units = _units(old)
+        pairs = ((k, units.get(k, unit)) for k in old)
+        return _first(difference(old[k], new[k], f"{where}, {k}", u) for k, u in pairs)
     elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        both = enumerate(zip(old, new, strict=True))
-        return next(filter(None, (difference(a, b, f"{where}, {i}") for i, (a, b) in both)), None)
+        units = unit if isinstance(unit, list) else [unit] * len(old)
+        each = enumerate(zip(old, new, units, strict=True))
+        return _first(difference(a, b, f"{where}, {i}", u) for i, (a, b, u) in each)
     elif old != new:
         return f"{where}: {json.dumps(old)} is committed, {json.dumps(new)} came out now."
+
+
+def _units(entry):
+    """Return the unit of the last stored digit of a number's value, or of a table's rows."""
+    if entry.get("digits") is not None:
+        return {"value": 10.0 ** -(decimals_of(entry["value"], entry["digits"]) + MORE)}
+    if "rows" in entry and "text" in entry:
+        decimals = [[len(cell.partition(".")[2]) for cell in row] for row in entry["text"]]
+        return {"rows": [[10.0 ** -(d + MORE) for d in row] for row in decimals]}
+    return {}
+
+
+def _first(sentences):
+    return next(filter(None, sentences), None)
 
 
 def picture_difference(old, new):

@@ -7,6 +7,7 @@ count. They are moved into place at once, or, when the build is killed meanwhile
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -102,7 +103,7 @@ def execute(notebook, staging):
         timeout=CELL_TIMEOUT,
         record_timing=False,
         coalesce_streams=True,  # prints that arrive in two pieces are stored as one
-        on_cell_start=lambda cell, cell_index: reached.append(cell_index),
+        on_cell_execute=lambda cell, cell_index: reached.append(cell_index),
         resources={"metadata": {"path": str(notebook.parent)}},
     )
     try:
@@ -123,7 +124,9 @@ def execute(notebook, staging):
 
 def reason(error):
     if isinstance(error, CellExecutionError):
-        return f"{error.ename}: {error.evalue}"
+        plain = re.sub(r"\x1b\[[\d;]*m", "", error.traceback)
+        lines = re.findall(r"^-+> \d+ (.*)", plain, re.M)
+        return f"{error.ename}: {error.evalue or ' '.join(lines[-1:])}"
     if isinstance(error, CellTimeoutError):
         return f"no answer within {CELL_TIMEOUT} s"
     return "the kernel died"

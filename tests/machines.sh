@@ -24,7 +24,9 @@ machine() { # NAME SUITE ARCHITECTURE
         else
             debootstrap --arch="$3" --foreign --variant=minbase --include=$packages,python3-venv \
                 "$2" "$root" >"$folder/$1.log"
-            cp "/usr/bin/qemu-aarch64-static" "$root/usr/bin/"
+            mountpoint -q /proc/sys/fs/binfmt_misc ||
+                mount -t binfmt_misc none /proc/sys/fs/binfmt_misc
+            update-binfmts --enable qemu-aarch64
             chroot "$root" /debootstrap/debootstrap --second-stage >>"$folder/$1.log"
         fi
         useradd --root "$root" --create-home --shell /bin/bash visitor
@@ -55,7 +57,7 @@ try() { # NAME PROMISE MACHINE USER COMMAND
     [ $code = 0 ] || said="**fails**: $said"
     echo "| $2 | $3 | $said |" >"$rows/$1"
     cat "$rows/$1"
-    rm -rf "$home"
+    [ $code != 0 ] || rm -rf "$home" # what failed is left to be looked at
 }
 
 CLEAN='git diff --exit-code --stat'

@@ -11,7 +11,7 @@ import nbformat
 import pytest
 from ipykernel.ipkernel import IPythonKernel
 from jupyter_client.kernelspec import KernelSpecManager
-from nbformat.v4 import new_code_cell, new_notebook
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from report.build import recover
 from report.execute import METADATA, NotebookFailed, run_notebook
@@ -135,6 +135,7 @@ def test_result_no_longer_made_is_removed(notebook):
     ("last", "message"),
     [
         ("1 / 0", "01_test.ipynb, code cell 2: ZeroDivisionError: division by zero"),
+        ("assert 1 == 2", "01_test.ipynb, code cell 2: AssertionError: assert 1 == 2"),
         ("import os; os._exit(1)", "01_test.ipynb, code cell 2: the kernel died"),
     ],
 )
@@ -142,6 +143,9 @@ def test_failure_names_the_cell_and_changes_nothing(notebook, last, message):
     write(notebook, RECORD.format(value=1))
     run_notebook(notebook)
     write(notebook, RECORD.format(value=2), last)
+    content = nbformat.read(notebook, as_version=4)
+    content.cells.insert(0, new_markdown_cell("Cells of text aren't counted.", id="text"))
+    nbformat.write(content, notebook)
     before = files(notebook)
     with pytest.raises(NotebookFailed, match=message):
         run_notebook(notebook)

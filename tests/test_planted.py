@@ -51,6 +51,12 @@ def test_text_is_compared_up_to_last_bits(a, b, equal):
         ([1.0, "x"], [1.0, "x"], True),
         ([1.0], [1.0, 2.0], False),
         ([1.0], 1.0, False),
+        ({"value": 1.2346, "digits": 2}, {"value": 1.2347, "digits": 2}, True),
+        ({"value": 1.2346, "digits": 2}, {"value": 1.2348, "digits": 2}, False),
+        ({"value": 1.2346, "digits": None}, {"value": 1.2347, "digits": None}, False),
+        ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2347]], "text": [["1.2"]]}, True),
+        ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2349]], "text": [["1.2"]]}, False),
+        ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2346]], "text": [["1.3"]]}, False),
     ],
 )
 def test_records_are_compared(old, new, equal):

@@ -85,6 +85,12 @@ def test_bound_is_stored_and_not_the_value(record, root):
 def test_last_bits_are_not_stored(record, root):
     record("sum", 0.1 + 0.2, "", digits=2)
     assert stored(root)["numbers"]["sum"]["value"] == 0.3
+    record("third", 1 / 3, "", digits=2)
+    assert stored(root)["numbers"]["third"]["value"] == 0.33333
+    record("large", 1e7 / 3, "", digits=2)
+    assert stored(root)["numbers"]["large"]["value"] == 3333300.0
+    record.table("t", ["x"], [[2 / 3], [-1e-9]], decimals=1)
+    assert stored(root)["tables"]["t"]["rows"] == [[0.6667], [0.0]]
 
 
 def test_order_of_records_leaves_no_trace(root):

@@ -6,6 +6,8 @@ import re
 
 import numpy as np
 
+MORE = 3  # decimals that are stored beyond those that are printed
+
 
 def number(name, value):
     """Return a finite number as Python's own int or float.
@@ -32,9 +34,29 @@ def number(name, value):
     return value
 
 
-def steady(value):
-    """Round to twelve digits: the last ones differ between processors, and files should not."""
-    return value if isinstance(value, int) else float(f"{value:.12g}")
+def steady(value, decimals):
+    """Return a number as it's stored, three decimals behind the last one that is printed.
+
+    The digits behind that depend on the processor, and files should not.
+
+    Parameters
+    ----------
+    value : int or float
+        The number; an integer is stored whole.
+    decimals : int
+        Decimals that are printed.
+
+    Examples
+    --------
+    >>> steady(0.12345678, 2), steady(12345.678, -2), steady(7, 0)
+    (0.12346, 12345.7, 7)
+    """
+    return value if isinstance(value, int) else round(value, decimals + MORE) + 0.0
+
+
+def decimals_of(value, digits):
+    """Return the decimals that significant digits come to: -2 for 12345.678 with three."""
+    return 0 if digits is None or value == 0 else digits - 1 - math.floor(math.log10(abs(value)))
 
 
 def significant(name, value, digits):

@@ -18,7 +18,7 @@ from IPython.display import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.mathtext import MathTextParser
 
-from .digits import cell, exponent, number, significant, steady
+from .digits import cell, decimals_of, exponent, number, significant, steady
 from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -90,7 +90,8 @@ class Record:
             self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
             return f"at most {text} {unit}".strip()
         text = significant(name, value, digits)
-        entry = {"value": steady(value), "unit": unit, "digits": digits, "text": text}
+        stored = steady(value, decimals_of(value, digits))
+        entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
         self._merge("numbers", name, entry)
         return f"{text} {unit}".strip()
 
@@ -129,7 +130,7 @@ class Record:
                     f"{name}: needs one entry for each of {len(columns)} columns; got {len(row)}."
                 )
         text = [[cell(name, c, d) for c, d in zip(row, decimals)] for row in rows]
-        cells = [[c if isinstance(c, str) else steady(number(name, c)) for c in r] for r in rows]
+        cells = [[_stored(name, c, d) for c, d in zip(row, decimals)] for row in rows]
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
         return text
 
@@ -183,6 +184,10 @@ def preview(picture, alt=""):
     """
     small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
     return Image(small(picture), format="png", width=PREVIEW, alt=alt)
+
+
+def _stored(name, value, decimals):
+    return value if isinstance(value, str) else steady(number(name, value), decimals or 0)
 
 
 def _file_name(argument, name):

@@ -2,6 +2,9 @@
 
 Each generator takes a random generator and a number n and returns a, b (n, 3), radius (n,),
 p, u (n, 3): rods, and for each a line. A rim or a touch is at t = 0 unless another word is said.
+
+They use sums, products, quotients and roots alone: sin, exp or a power have other last bits on
+other processors, and hard lines are hard in their last bits.
 """
 
 import numpy as np
@@ -104,12 +107,30 @@ def along_an_axis(rng, n):
     return _as_lines(a, b, reach, a + off, unit[axes[1]] * rng.choice([-2, 1], n)[:, None])
 
 
+def _sizes(rng, low, high, n):
+    """Return numbers of any mantissa between powers of two about 10^low and 10^high."""
+    powers = rng.integers(round(low * 10 / 3), round(high * 10 / 3), n)  # 2^10 is about 10^3
+    return np.ldexp(rng.uniform(1, 2, n), powers)
+
+
+def _on_circle(rng, n):
+    """Return points (n, 2) of the unit circle."""
+    x, y = rng.normal(size=(2, n))
+    return np.stack([x, y], axis=-1) / np.sqrt(x * x + y * y)[:, None]
+
+
+def _lengths(v):
+    """Return the lengths (n,) of vectors (n, 3), summed in one order everywhere."""
+    x, y, z = np.moveaxis(v, -1, 0)
+    return np.sqrt(x * x + y * y + z * z)
+
+
 def _float_rods(rng, n):
-    scale = 10.0 ** rng.uniform(-6, 6, n)
+    scale = _sizes(rng, -6, 6, n)
     a, v = rng.normal(size=(2, n, 3)) * scale[:, None]
-    radius = scale * 10.0 ** rng.uniform(-2, 2, n)
+    radius = scale * _sizes(rng, -2, 2, n)
     side = np.cross(v, rng.normal(size=(n, 3)))
-    side /= np.linalg.norm(side, axis=-1, keepdims=True)
+    side /= _lengths(side)[:, None]
     return a, a + v, radius, side * radius[:, None]
 
 
@@ -130,33 +151,33 @@ def vertical_lines(rng, n):
 def nearly_parallel(rng, n):
     """Lines through a rim that lean against the axis by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
-    lean = 10.0 ** rng.uniform(-16, -3, n)[:, None] * rng.normal(size=(n, 3))
+    lean = _sizes(rng, -16, -3, n)[:, None] * rng.normal(size=(n, 3))
     v = b - a
-    return a, b, radius, a + side, v + lean * np.linalg.norm(v, axis=-1, keepdims=True)
+    return a, b, radius, a + side, v + lean * _lengths(v)[:, None]
 
 
 def nearly_vertical(rng, n):
     """Lines along z through the rims of rods whose axes run 1e-14 to 1e-9 of the radius."""
-    radius, upright = 10.0 ** rng.uniform(-6, 6, n), np.array([0.0, 0.0, 1.0])
-    turn = rng.uniform(0, 2 * np.pi, (2, n))
-    v = radius * np.stack([*(10.0 ** rng.uniform(-14, -9, n) * [np.cos(turn[0]), np.sin(turn[0])]),
-                           rng.choice([-1, 1], n) * 10.0 ** rng.uniform(-1, 4, n)])  # fmt: skip
+    radius, upright = _sizes(rng, -6, 6, n), np.array([0.0, 0.0, 1.0])
+    towards, across = _on_circle(rng, n), _on_circle(rng, n)
+    run, rise = _sizes(rng, -14, -9, n), rng.choice([-1, 1], n) * _sizes(rng, -1, 4, n)
+    v = radius[:, None] * np.concatenate([run[:, None] * towards, rise[:, None]], axis=-1)
     # About the origin no digit of the tilt is lost; the other half is anywhere.
     a = radius[:, None] * rng.normal(size=(n, 3)) * rng.integers(0, 2, n)[:, None]
-    b = a + v.T
-    side = np.cross(b - a, np.stack([np.cos(turn[1]), np.sin(turn[1]), 0 * radius], axis=-1))
-    side *= (radius / np.linalg.norm(side, axis=-1))[:, None]
+    b = a + v
+    side = np.cross(b - a, np.pad(across, ((0, 0), (0, 1))))
+    side *= (radius / _lengths(side))[:, None]
     return a, b, radius, np.where(rng.random(n)[:, None] < 0.5, a, b) + side, \
         np.broadcast_to(upright, (n, 3)).copy()  # fmt: skip
 
 
 def very_short(rng, n):
     """Lines of any direction through the rims of rods 1e-16 to 1e-9 of their radius long."""
-    radius = 10.0 ** rng.uniform(-6, 6, n)
+    radius = _sizes(rng, -6, 6, n)
     v = rng.normal(size=(n, 3))
     side = np.cross(v, rng.normal(size=(n, 3)))
-    side *= (radius / np.linalg.norm(side, axis=-1))[:, None]
-    v *= (radius * 10.0 ** rng.uniform(-16, -9, n) / np.linalg.norm(v, axis=-1))[:, None]
+    side *= (radius / _lengths(side))[:, None]
+    v *= (radius * _sizes(rng, -16, -9, n) / _lengths(v))[:, None]
     a = v * rng.uniform(-2, 2, n)[:, None]
     u = np.where(rng.random(n)[:, None] < 0.5, rng.normal(size=(n, 3)), [0.0, 0.0, 1.0])
     return a, a + v, radius, np.where(rng.random(n)[:, None] < 0.5, a, a + v) + side, u
@@ -167,16 +188,16 @@ def nearly_level(rng, n):
     a, b, radius, side = _float_rods(rng, n)
     v = b - a
     across = np.cross(v, rng.normal(size=(n, 3)))
-    lean = 10.0 ** rng.uniform(-16, -3, n)[:, None] * v
+    lean = _sizes(rng, -16, -3, n)[:, None] * v
     return a, b, radius, b + side, across + lean
 
 
 def from_far(rng, n):
     """Lines through a rim, given by a point up to 1e9 sizes away."""
     a, b, radius, p, u = float_rims(rng, n)
-    u /= np.linalg.norm(u, axis=-1, keepdims=True)
-    size = radius + np.linalg.norm(b - a, axis=-1)
-    return a, b, radius, p + u * (size * 10.0 ** rng.uniform(0, 9, n))[:, None], u
+    u /= _lengths(u)[:, None]
+    size = radius + _lengths(b - a)
+    return a, b, radius, p + u * (size * _sizes(rng, 0, 9, n))[:, None], u
 
 
 def degenerate(rng, n):
