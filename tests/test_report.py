@@ -22,21 +22,19 @@ USE = re.compile(r'\b(num|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
 KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
 
 
-def test_report_is_what_its_sources_give():
-    if compile_report() != PDF.read_bytes():  # not an assertion, which would print two PDFs
+@pytest.fixture(scope="module")
+def compiled():
+    return compile_report()
+
+
+def test_report_is_what_its_sources_give(compiled):
+    if compiled != PDF.read_bytes():  # not an assertion, which would print two PDFs
         pytest.fail("report.pdf is stale: `make report` renews it.", pytrace=False)
 
 
-def test_report_has_the_same_bytes_twice():
-    assert compile_report() == compile_report()
-
-
-def test_report_of_a_clean_copy_has_the_same_bytes(copy):
-    """The folder, the time and what was built before leave no trace."""
-    for folder in ("tunneller_lib", "tests/references"):
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / folder, copy / folder, ignore=ignored)
-    assert compile_report(copy) == compile_report()
+def test_report_of_a_copy_has_the_same_bytes(copy, compiled):
+    """The folder, the time, the code and what was built before leave no trace."""
+    assert compile_report(copy) == compiled
 
 
 def test_every_record_names_its_cell():
