@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import matplotlib
 import nbformat
 import numpy as np
 import PIL.Image
@@ -12,6 +13,7 @@ from nbformat.v4 import new_code_cell, new_notebook
 from report.compare import Text, difference, picture_difference
 from report.execute import run_notebook
 from report.sources import ROOT
+from tunneller_lib.reporting import COLOURS, figure
 
 SOURCES = [
     "from tunneller_lib.reporting import Record\nrecord = Record('01_test')",
@@ -71,6 +73,25 @@ def test_pictures_are_compared(tmp_path, changed, equal):
     pixels.reshape(-1, 3)[:changed] = 180
     PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
     same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
+    assert (same is None) is equal
+
+
+@pytest.mark.parametrize(
+    ("options", "equal"),
+    [({}, True), ({"xlabel": "x / m, 0.2"}, False), ({"colour": "tunnel"}, False),
+     ({"to": 1 + 1e-5}, True), ({"to": 1.01}, False)],
+)  # fmt: skip
+def test_drawings_are_compared_as_the_eye_does(tmp_path, options, equal):
+    def drawn(folder, xlabel="x / m, 0.1", colour="torus", to=1.0):
+        drawing, ax = figure(height=5)
+        ax.plot([0, to], [0, 1], color=COLOURS[colour])
+        ax.set(xlabel=xlabel, xlim=(0, 1.1))
+        (tmp_path / folder).mkdir()
+        with matplotlib.rc_context({"svg.fonttype": "path"}):
+            drawing.savefig(tmp_path / folder / "a.svg")
+        return tmp_path / folder / "a.svg"
+
+    same = picture_difference(drawn("old"), drawn("new", **options))
     assert (same is None) is equal
 
 
