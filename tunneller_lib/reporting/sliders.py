@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import itertools
 import os
 from contextlib import contextmanager
 
@@ -13,6 +14,7 @@ from .camera import shoot
 from .live_scene import live, refill
 from .record import preview
 
+SWEEPS = itertools.count(1)
 ROOM = 0.05, 0.03, 0.92, 0.94  # left, bottom, width and height of what drawings first fill
 
 
@@ -68,13 +70,16 @@ def _swept():
     """Have what a drawing leaves swept up at once, while it is young.
 
     Collected while it's drawn it would grow old; twenty of them swept with all that was ever
-    imported take as long as two pictures. It switches the collector on, whoever had it off.
+    imported take as long as two pictures. When Python sweeps by itself differs between its
+    versions, so that it's asked to: each time for what is new, the tenth time for what outlived
+    one sweep. It switches the collector on, whoever had it off.
     """
     gc.disable()
     try:
         yield
     finally:
-        gc.enable()  # to begin with the next thing that is made
+        gc.collect(int(next(SWEEPS) % 10 == 0))
+        gc.enable()
 
 
 def _moved_drawing(draw, first, alt, controls):

@@ -1,0 +1,48 @@
+"""`make check`: what a change reaches, no more and no less."""
+
+import pytest
+
+from tests import check
+
+READS = ["notebooks/*", "report/numbers/*", "tests/references/*", "environment.txt"]
+
+
+@pytest.fixture
+def reached(monkeypatch):
+    def asked(*names, same=False):
+        monkeypatch.setattr(check, "means_the_same", lambda name, since: same)
+        return check.reached(set(names))
+
+    return asked
+
+
+def test_prose_reaches_the_report_and_the_pages_alone(reached):
+    expected = ["tests/test_report.py", "tests/test_site.py"]
+    assert reached("report/sections/geodesics.typ") == expected
+
+
+def test_leaf_reaches_its_tests_its_doctests_and_its_notebook(reached):
+    found = reached("tunneller_lib/paths/cone_chord.py")
+    assert found[0] == "tunneller_lib/paths/cone_chord.py"
+    assert "tests/test_cone_chord.py" in found and "tests/test_report.py" not in found
+    assert [n for n in found if n.startswith("notebooks")] == ["notebooks/08_cone.ipynb"]
+
+
+def test_comment_reaches_the_doctests_alone(reached):
+    name = "tunneller_lib/surfaces/torus.py"
+    assert [n for n in reached(name, same=True) if n.startswith(("tunn", "note"))] == [name]
+
+
+def test_notebook_and_its_data_reach_it(reached):
+    assert "notebooks/12_atlas.ipynb" in reached("notebooks/atlas.csv")
+    found = [n for n in reached("notebooks/12_atlas.ipynb") if n.startswith("notebooks")]
+    assert found == ["notebooks/12_atlas.ipynb"]
+
+
+def test_ground_reaches_all(reached):
+    assert reached("environment.txt") == ["tests", "tunneller_lib", "notebooks"]
+
+
+def test_commit_that_is_none_is_refused():
+    with pytest.raises(SystemExit, match=r"^SINCE: must name a commit; got 'no such'\.$"):
+        check.changed("no such")
