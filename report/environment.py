@@ -22,6 +22,7 @@ from report.lock import ROOT, locked
 
 PINS = ROOT / "environment.txt"
 PEERS = ROOT / "pyproject.toml"  # its group "bench"
+NEEDED = 2e9  # bytes: 1.3 GB of packages, and what they unpack
 GL_LIBRARY, GL_PACKAGES = "libEGL.so.1", ["libegl1", "libgl1-mesa-dri"]
 
 # Imported when Python starts: a notebook uses the library of the checkout that it lies in,
@@ -138,6 +139,9 @@ def main(environment):
     provide_libraries(for_venv=not whole)
     if whole:
         return
+    free = shutil.disk_usage(ROOT).free
+    if free < NEEDED:
+        fail(f"Set-up needs {NEEDED / 1e9:.1f} GB; {free / 1e9:.1f} GB are free in {ROOT}.")
     with locked("set-up"):
         mended = environment.stamp.exists()
         if environment.is_whole():  # made while we waited
@@ -205,7 +209,10 @@ if __name__ == "__main__":
         fail("Interrupted; the next call goes on.")
     except subprocess.CalledProcessError as error:
         command = " ".join(map(str, error.cmd))
-        fail(f"Set-up stopped, because `{command}` failed. Are the package registries in reach?")
+        fail(
+            f"Set-up stopped, because `{command}` failed: are the package registries in reach, is "
+            "there room on the disk, and no limit on the size of files? The next call goes on."
+        )
     except OSError as error:
         where = f" ({error.filename})" if error.filename else ""
         fail(f"Set-up stopped: {error.strerror}{where}. The next call goes on.")

@@ -7,6 +7,7 @@ imports, not all of paths. Comments, docstrings and the form of the code have no
 
 import ast
 import hashlib
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -130,5 +131,9 @@ def _passes_on(tree):
     )
 
 
+@cache
 def _tree(file):
-    return parsed(file.read_text(encoding="utf-8"))
+    try:
+        return parsed(file.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        sys.exit(f"{file}, line {error.lineno}: {error.msg}.")

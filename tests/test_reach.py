@@ -50,6 +50,12 @@ def test_imports_are_followed_by_name(root, text, files):
     assert found == set(files.split())
 
 
+def test_broken_module_is_named(root):
+    (root / "tunneller_lib" / "base.py").write_text("x = (")
+    with pytest.raises(SystemExit, match=r"base\.py, line 1: '\(' was never closed\.$"):
+        needed("from tunneller_lib.base import x", root)
+
+
 def test_relative_imports_start_in_the_package(root):
     [file] = needed("from ..base import x", root, ("tunneller_lib", "a"))
     assert file.name == "base.py"
