@@ -108,7 +108,7 @@ def run(notebook, sources, progress):
         return False
     said = f"{notebook.stem}, {time.monotonic() - begun:.1f} s"
     if kept:
-        said += f" (kept as committed, for they differ by too little: {', '.join(kept)})"
+        said += f" (unchanged, because the new ones differ in last bits only: {', '.join(kept)})"
     progress.end(notebook, said)
     return True
 
