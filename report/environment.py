@@ -66,37 +66,45 @@ class Environment:
         text += PEERS.read_bytes() if self.peers else b""
         return hashlib.sha256(text).hexdigest()
 
-    def is_whole(self, *, every=False):
-        """Tell whether all is there as it was installed.
-
-        Contents are looked at where a file changed since, or of `every` one.
-        """
+    def is_whole(self):
+        """Tell whether it is the wanted one, and all is there as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
         if self.stamp.read_text() != self.wanted():
             return False
-        since, read = self.stamp.stat().st_mtime, 0
+        since = self.stamp.stat().st_mtime
+        return not self.spoilt(since)
+
+    def spoilt(self, since=0.0):
+        """Return the names of the packages that miss a file or have another than they recorded.
+
+        Sizes are compared of all files, contents of those changed after `since`.
+        """
+        names, read = set(), 0
         for packages in self.folder.glob("lib/python3*/site-packages"):
             for record in packages.glob("*.dist-info/RECORD"):
-                for name, sha256, size in csv.reader(record.open(newline="", encoding="utf-8")):
+                name = record.parent.name.partition("-")[0]
+                lines = record.read_text(encoding="utf-8").splitlines()
+                for file, sha256, size in csv.reader(lines):
                     if not sha256:
                         continue
-                    file = packages / name
                     try:
-                        about = os.stat(file)
+                        about = os.stat(packages / file)
                     except OSError:
-                        return False
+                        names.add(name)
+                        continue
                     if about.st_size != int(size):
-                        return False
-                    if every or about.st_ctime > since:
+                        names.add(name)
+                    elif about.st_ctime > since:
                         read += 1
-                        if f"sha256={_sha256(file)}" != sha256:
-                            return False
-        if read:  # a link from another checkout's environment changes the time, too
+                        if f"sha256={_sha256(packages / file)}" != sha256:
+                            names.add(name)
+        # A link made in another checkout's environment changes the time, too.
+        if since and read and not names:
             os.utime(self.stamp)
-        return True
+        return sorted(names)
 
-    def install(self, *options):
+    def install(self):
         """Make it anew; the stamp comes last, so that a set-up cut short is done again."""
         say(f"Setting up {self.folder.name} (once, about a minute)")
         run(sys.executable, "-m", "venv", "--clear", self.folder)
@@ -107,14 +115,23 @@ class Environment:
             uv_pin.write_text(re.search(r"^uv==(.*\\\n)*.*\n", PINS.read_text(), re.M).group())
             run(*pip, "--retries", "1", *pinned, uv_pin)
         say("Installing the packages of environment.txt")
-        uv = [self.folder / "bin" / "uv", "pip", "install", "--quiet", "--python", self.python]
+        uv = self.folder / "bin" / "uv"
+        add = [uv, "pip", "install", "--quiet", "--python", self.python]
         try:
-            run(*uv, *options, *pinned, PINS)
+            run(*add, *pinned, PINS)
+            # A file spoilt in one environment is spoilt in uv's store as well, which links it.
+            if spoilt := self.spoilt():
+                say(f"Fetching {', '.join(spoilt)} anew: uv kept damaged copies")
+                run(uv, "cache", "clean", "--quiet", *spoilt)
+                again = [f"--reinstall-package={name}" for name in spoilt]
+                run(*add, *again, *pinned, PINS)
         except (OSError, subprocess.CalledProcessError):
             say("uv could not; trying the slower pip")
             run(*pip, *pinned, PINS)
         if self.peers:
-            run(*uv, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
+            run(*add, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
+        if spoilt := self.spoilt():
+            fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
         self.settle()
         self.stamp.write_text(self.wanted())
 
@@ -143,14 +160,8 @@ def main(environment):
     if free < NEEDED:
         fail(f"Set-up needs {NEEDED / 1e9:.1f} GB; {free / 1e9:.1f} GB are free in {ROOT}.")
     with locked("set-up"):
-        mended = environment.stamp.exists()
-        if environment.is_whole():  # made while we waited
-            return
-        environment.install()
-        # What was spoilt in place was spoilt in uv's cache as well, which shares the file.
-        if mended and not environment.is_whole(every=True):
-            say("The packages kept by uv are damaged: fetching them anew")
-            environment.install("--no-cache")
+        if not environment.is_whole():  # nobody made it while we waited
+            environment.install()
 
 
 def provide_libraries(*, for_venv):

@@ -140,6 +140,8 @@ def main():
     options = parser.parse_args()
     rng, rows = random.Random(options.seed), []
     with tempfile.TemporaryDirectory(prefix="interruptions-") as folder:
+        # What is damaged in an environment is damaged in uv's store of packages: not in the user's.
+        os.environ["UV_CACHE_DIR"] = str(Path(folder, "uv"))
         study = clone(folder, options.whole)
         built(study)
         first, begun = results(study), time.monotonic()
