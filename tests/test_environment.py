@@ -1,0 +1,51 @@
+"""The environment .venv: packages that lack a file or hold another are noticed, by name."""
+
+import base64
+import hashlib
+
+import pytest
+
+from report.environment import Environment
+
+FILES = {"thing/__init__.py": b"x = 1\n", "thing/core.py": b"y = 2\n"}
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """An environment with one package, which recorded its files."""
+    environment = Environment()
+    environment.folder = tmp_path
+    packages = tmp_path / "lib" / "python3.11" / "site-packages"
+    lines = ["thing-1.0.dist-info/RECORD,,"]
+    for name, content in FILES.items():
+        (packages / name).parent.mkdir(parents=True, exist_ok=True)
+        (packages / name).write_bytes(content)
+        sha256 = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        lines.append(f"{name},sha256={sha256},{len(content)}")
+    (packages / "thing-1.0.dist-info").mkdir()
+    (packages / "thing-1.0.dist-info" / "RECORD").write_text("\n".join(lines) + "\n")
+    return environment, packages / "thing" / "core.py"
+
+
+def test_what_is_as_recorded_is_whole(installed):
+    environment, _ = installed
+    assert environment.spoilt() == []
+
+
+def test_missing_file_is_noticed(installed):
+    environment, file = installed
+    file.unlink()
+    assert environment.spoilt() == ["thing"]
+
+
+def test_emptied_file_is_noticed_however_old(installed):
+    environment, file = installed
+    file.write_bytes(b"")
+    assert environment.spoilt(since=2e9) == ["thing"]
+
+
+def test_content_is_read_where_it_may_have_changed(installed):
+    environment, file = installed
+    file.write_bytes(b"y = 3\n")
+    assert environment.spoilt() == ["thing"]
+    assert environment.spoilt(since=file.stat().st_ctime + 1) == []
