@@ -8,6 +8,11 @@ BIN := .venv/bin
 export PYTHONUTF8 := 1
 export PYTHONDONTWRITEBYTECODE :=
 
+# Memory that big arrays give back is kept for the next ones: a third of the time goes else to pages
+# that the system clears (glibc; elsewhere these mean nothing).
+export MALLOC_MMAP_THRESHOLD_ := 4000000000
+export MALLOC_TRIM_THRESHOLD_ := 4000000000
+
 # One thread each, so that last digits repeat, and none waits where the browser wants to draw.
 ALONE := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 
@@ -16,7 +21,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site test check lab browser atlas bench mutants format lock clean
+.PHONY: help environment report stale site test long check lab browser atlas bench mutants format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -36,6 +41,9 @@ site: report ## the notebooks and the report as web pages, build/site/index.html
 test: environment ## run every test, doctest and notebook, and the linter
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
+
+long: environment ## run tests that have a longer form in it, for tests/long.md (half an hour)
+	@$(HEADLESS) $(BIN)/python -m tests.long
 
 check: environment ## test what the working tree's changes can reach
 	@$(HEADLESS) PATH="$(BIN):$$PATH" $(BIN)/python -m tests.check $(SINCE)

@@ -1,7 +1,8 @@
 """Pytest's view of a notebook: its cells run again, its outputs, numbers and figures compared.
 
 Built on nbval, whose comparison of outputs is exact; here numbers may differ in their last bits,
-which depend on the processor. Figures are compared as files, not as outputs.
+which depend on the processor. Figures are compared as files, not as outputs. What a build here has
+run, and nothing changed since, it has compared itself: that one isn't run again.
 """
 
 import math
@@ -14,7 +15,8 @@ from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
 from report.compare import Text, difference, picture_difference
-from report.sources import is_run, records
+from report.sources import is_run, notebook_sources, records
+from report.state import State
 
 
 @pytest.fixture(autouse=True)
@@ -65,6 +67,10 @@ class Check(pytest.Item):
 class Notebook(IPyNbFile):
     def collect(self):
         yield Check.from_parent(self, name="stored as run", question=self.stored_as_run)
+        self.built = not self.stale()
+        if self.built:
+            yield Check.from_parent(self, name="as it was built here", question=self.stale)
+            return
         for cell in super().collect():
             yield Cell.from_parent(
                 self, name=cell.name, cell_num=cell.cell_num, cell=cell.cell, options=cell.options
@@ -74,6 +80,8 @@ class Notebook(IPyNbFile):
 
     def setup(self):
         self.results = TemporaryDirectory()
+        if self.built:
+            return
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("TUNNELLER_RESULTS", self.results.name)
             self.kernel = Kernel("python3", cwd=str(self.path.parent))
@@ -85,6 +93,11 @@ class Notebook(IPyNbFile):
     def stored_as_run(self):
         if not is_run(self.path):
             return "The notebook isn't stored as run from top to bottom: `make report` does it."
+
+    def stale(self):
+        """Return why it has to run again, or None if the last build here left it as it is now."""
+        root = self.path.parents[1]
+        return State(root, self.path.stem).stale(notebook_sources(self.path))
 
     def records(self):
         """Return what is committed, and what this run recorded."""

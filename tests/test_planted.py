@@ -12,7 +12,7 @@ from nbformat.v4 import new_code_cell, new_notebook
 
 from report.compare import Text, difference, picture_difference
 from report.execute import run_notebook
-from report.sources import ROOT
+from report.sources import ROOT, notebook_sources
 from tunneller_lib.reporting import COLOURS, figure
 
 SOURCES = [
@@ -133,6 +133,13 @@ def edit(path, old, new):
 
 def test_true_notebook_passes(notebook):
     assert "7 passed" in run_pytest(notebook)
+
+
+def test_notebook_that_a_build_has_run_is_not_run_again(notebook):
+    run_notebook(notebook, notebook_sources(notebook))
+    assert "2 passed" in run_pytest(notebook)
+    edit(notebook.parents[1] / "figures" / "axes.svg", "M ", "M 9")
+    assert "1 failed" in run_pytest(notebook)
 
 
 def test_planted_results_are_caught(notebook):

@@ -5,13 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.long import many
 from tests.shapes import EPS
 from tunneller_lib.surfaces import Rod, meet_rods
 from tunneller_lib.surfaces.rod_cases import GENERATORS
 from tunneller_lib.surfaces.rod_exact import judge, rounding
 from tunneller_lib.surfaces.rod_interval import frame
 
-MANY, CHECKED = 40_000, 4_000  # lines a generator and kind of ends, 30 times
+MANY = many(40_000, 400_000)  # lines a generator and kind of ends
+CHECKED = many(2_000, 20_000)  # of these in whole numbers, which is slow
 every_generator = pytest.mark.parametrize("lines_of", GENERATORS, ids=lambda g: g.__name__)
 every_end = pytest.mark.parametrize("ends", ["flat", "round"])
 TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", "along_an_axis"}

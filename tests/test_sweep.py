@@ -40,8 +40,14 @@ def test_atlas_covers_every_pair_of_the_joint_limits_up_to_symmetry():
     assert atlas.RATIOS[0] == pytest.approx(4) and atlas.RATIOS[-1] == pytest.approx(100)
 
 
-def test_survey_tells_what_the_functions_tell():
-    table = atlas.survey((5, 2))
+@pytest.fixture(scope="module")
+def surveyed(tmp_path_factory):
+    """Two blocks of the atlas, by two local processes."""
+    return sweep(atlas.survey, FEW, tmp_path_factory.mktemp("here"), jobs=2)
+
+
+def test_survey_tells_what_the_functions_tell(surveyed):
+    table = np.load(surveyed[1])
     assert table.shape[1] == len(atlas.COLUMNS) and np.all(table[:, 5:7] == 1)
     rows = table[::997]
     torus = Torus(1 / rows[0, 0], 1)
@@ -96,14 +102,13 @@ def test_sweep_refuses_another_number_of_processes(tmp_path, jobs):
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
-def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path):
+def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveyed):
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         address = cluster.scheduler_address
         there = sweep(atlas.survey, FEW, tmp_path / "there", scheduler=address)
-    here = sweep(atlas.survey, FEW, tmp_path / "here", jobs=2)
-    for one, other in zip(loaded(there), loaded(here)):
+    for one, other in zip(loaded(there), loaded(surveyed)):
         np.testing.assert_array_equal(one, other)
 
 

@@ -164,16 +164,16 @@ def following(plan, plants, loops):
     circuit, loops = plan.circuit, [replace(loop, count=0.0) for loop in _linear(plan, loops)]
     wanted = circuit.position(plan.places)
     track = follow(plants, loops, wanted, slopes=np.diff(wanted, axis=0) / plan.tick)
-    closed = trailing(plan, plants, loops)
+    first, second = trailing(plan, plants, loops)
+    closed = np.abs(first + second).max()
     # The gain that leaves half, which with delays isn't a power's: looked for among factors.
-    for factor in np.geomspace(1, 10, 200):
-        raised = [replace(loop, gain=factor * loop.gain) for loop in loops]
-        if trailing(plan, plants, raised) <= closed / 2:
-            break
-    else:
-        factor = np.inf
-    return Fault("following", circuit.overcut(track.position), "largest", closed, "gain",
-                 float(factor))  # fmt: skip
+    factors = np.geomspace(1, 10, 200)
+    left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
+    halving = (factor for factor, worst in zip(factors, left) if worst <= closed / 2)
+    factor = float(next(halving, np.inf))
+    return Fault(
+        "following", circuit.overcut(track.position), "largest", float(closed), "gain", factor
+    )
 
 
 def encoder(plan, plants, loops):

@@ -138,17 +138,20 @@ def planned_motion(plan):
 
 
 def trailing(plan, plants, loops):
-    """Return the largest deviation, in m, by the series of a plan's loops in their lag.
+    """Return the deviation (2, m), in m, amid a plan's moves, as its loops' lag makes it.
 
-    For the axes (plants) of both joints; loops without encoder, integral and dead band.
+    Two terms of a series: where all gains are u times as high, the deviation is the first over u
+    and the second over u^2. For the axes (plants) of both joints; loops without encoder, integral
+    and dead band.
     """
     circuit, tick = plan.circuit, plan.tick
     middle, rate, change = planned_motion(plan)
+    at = circuit.position(middle)
     share = np.array([loop.feedforward for loop in loops])
     lag = 1 / np.array([loop.gain for loop in loops])
     late = np.array([loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants)])
-    first = -(1 - share) * lag * rate
-    second = lag * ((1 - share) * (lag - tick / 2) - late) * change
-    at = circuit.position(middle)
-    off = dot(gradient(circuit, middle, at), first + second)
-    return float(np.abs(off + joint_bend(circuit, middle, at, first) / 2).max())
+    behind = -(1 - share) * lag * rate
+    slope = gradient(circuit, middle, at)
+    first = dot(slope, behind - lag * ((1 - share) * tick / 2 + late) * change)
+    second = dot(slope, (1 - share) * lag**2 * change) + joint_bend(circuit, middle, at, behind) / 2
+    return np.stack([first, second])
