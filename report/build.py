@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 
 from report.lock import locked
 from report.sources import (
@@ -81,10 +82,11 @@ def run_notebooks():
     seconds = {n: State(ROOT, n.stem).seconds or USUAL for n in stale}
     progress = Progress(seconds | {index: State(ROOT, index.stem).seconds or USUAL})
     stale.sort(key=seconds.get, reverse=True)
-    # The work is done in the kernels' own processes. Ctrl-C isn't to wait for their end.
-    pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
-    ended = list(pool.map(lambda n: run(n, sources[n], progress), stale))
-    pool.shutdown()
+    with shared_imports_of(stale):
+        # The work is done in the kernels' own processes. Ctrl-C isn't to wait for their end.
+        pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
+        ended = list(pool.map(lambda n: run(n, sources[n], progress), stale))
+        pool.shutdown()
     if not all(ended):
         say("The index and report/report.pdf are left as they were, because of the failure above.")
         return False
@@ -94,6 +96,15 @@ def run_notebooks():
     if stale:
         progress.end(index, f"{index.stem} is up to date")
     return True
+
+
+def shared_imports_of(stale):
+    """Return a context for notebooks to be run in: more than one share what they import."""
+    if len(stale) < 2:
+        return nullcontext()
+    from report.kernels import shared_imports
+
+    return shared_imports()
 
 
 def run(notebook, sources, progress):

@@ -5,7 +5,9 @@ which depend on the processor. Figures are compared as files, not as outputs. Wh
 run, and nothing changed since, it has compared itself: that one isn't run again.
 """
 
+import functools
 import math
+from contextlib import ExitStack
 from pathlib import Path
 from queue import Empty
 from tempfile import TemporaryDirectory
@@ -15,6 +17,7 @@ from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
 from report.compare import Text, difference, picture_difference
+from report.kernels import shared_imports
 from report.sources import is_run, notebook_sources, records
 from report.state import State
 
@@ -23,6 +26,20 @@ from report.state import State
 def _elsewhere(monkeypatch, tmp_path_factory):
     """No test, and no doctest, records anything in the checkout."""
     monkeypatch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
+
+
+@functools.cache
+def share_imports(config):
+    """Let the kernels of this process share what they import, from now on."""
+    stack = ExitStack()
+    stack.enter_context(shared_imports())
+    config.add_cleanup(stack.close)
+
+
+@pytest.fixture
+def shared_kernels(pytestconfig):
+    """Kernels that share what they import."""
+    share_imports(pytestconfig)
 
 
 def pytest_collect_file(file_path, parent):
@@ -82,6 +99,7 @@ class Notebook(IPyNbFile):
         self.results = TemporaryDirectory()
         if self.built:
             return
+        share_imports(self.config)
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("TUNNELLER_RESULTS", self.results.name)
             self.kernel = Kernel("python3", cwd=str(self.path.parent))

@@ -28,6 +28,8 @@ from report.sources import (
 )
 from report.state import State
 
+pytestmark = pytest.mark.usefixtures("shared_kernels")
+
 RECORD = """from tunneller_lib.reporting import Record
 record = Record("01_test")
 record("it", {value}, "m")"""

@@ -15,6 +15,8 @@ from report.execute import run_notebook
 from report.sources import ROOT, notebook_sources
 from tunneller_lib.reporting import COLOURS, figure
 
+pytestmark = pytest.mark.usefixtures("shared_kernels")
+
 SOURCES = [
     "from tunneller_lib.reporting import Record\nrecord = Record('01_test')",
     "record('it', 1.25, 'm', digits=3)",

@@ -13,7 +13,7 @@ from tunneller_lib.surfaces.rod_exact import judge, rounding
 from tunneller_lib.surfaces.rod_interval import frame
 
 MANY = many(40_000, 400_000)  # lines a generator and kind of ends
-CHECKED = many(2_000, 20_000)  # of these in whole numbers, which is slow
+CHECKED = many(4_000, 40_000)  # of these in whole numbers, which is slow
 every_generator = pytest.mark.parametrize("lines_of", GENERATORS, ids=lambda g: g.__name__)
 every_end = pytest.mark.parametrize("ends", ["flat", "round"])
 TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", "along_an_axis"}

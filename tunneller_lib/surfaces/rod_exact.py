@@ -11,15 +11,27 @@ import numpy as np
 ROOT_BITS = 128
 
 
-def whole(numbers):
-    """Return floats as whole numbers (object) over one power of two, and its exponent."""
-    numbers = np.asarray(numbers, dtype=float)
-    mantissa, exponent = np.frexp(numbers)
-    used = exponent[numbers != 0]
-    shift = 53 - (used.min() if used.size else 0)
-    units = np.ldexp(mantissa, 53).astype(np.int64).astype(object)
-    scaled = units * (np.array(2, dtype=object) ** np.maximum(exponent + shift - 53, 0))
-    return np.where(numbers != 0, scaled, 0), shift
+def whole(rows):
+    """Return rows of floats (n, k) as lists of whole numbers, each row over its power of two.
+
+    The exponents (n,) are of what a row's numbers are over.
+    """
+    mantissa, exponent = np.frexp(np.asarray(rows, dtype=float))
+    units = np.ldexp(mantissa, 53).astype(np.int64)
+    least = np.where(units != 0, exponent, 2000).min(axis=-1, keepdims=True)
+    up = np.where(units != 0, exponent - least, 0)
+    numbers = [
+        [unit << shift for unit, shift in zip(*row)] for row in zip(units.tolist(), up.tolist())
+    ]
+    return numbers, 53 - least[:, 0]
+
+
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _from(a, b):
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
 
 
 def _in_wall(vv, uv, qv, uu, qu, qq, radius2):
@@ -63,14 +75,14 @@ def _greater(first, second):
 
 def _flat(a, b, radius, margin, p, u):
     """Return the interval in a rod that is grown by a margin, or shrunk by a negative one."""
-    v, q = b - a, p - a
-    vv, uv, qv = v @ v, u @ v, q @ v
+    v, q = _from(a, b), _from(a, p)
+    vv, uv, qv = _dot(v, v), _dot(u, v), _dot(q, v)
     if vv == 0:
         return None
     wide = radius + margin
     if wide < 0:
         return None
-    wall = _in_wall(vv, uv, qv, u @ u, q @ u, q @ q, wide * wide)
+    wall = _in_wall(vv, uv, qv, _dot(u, u), _dot(q, u), _dot(q, q), wide * wide)
     # A length of the axis that is right to 1e-18 moves the planes by the margin.
     more = margin * isqrt(vv << 128) // 2**64
     low, high = -more - qv, vv + more - qv
@@ -85,10 +97,10 @@ def _round(a, b, radius, margin, p, u):
     wide = radius + margin
     if wide < 0:
         return None
-    parts = [_flat_endless(a, b, wide, p, u)]
+    parts = [_flat(a, b, wide, 0, p, u)]
     for centre in (a, b):
-        q = p - centre
-        parts.append(_quadratic(u @ u, q @ u, q @ q - wide * wide))
+        q = _from(centre, p)
+        parts.append(_quadratic(_dot(u, u), _dot(q, u), _dot(q, q) - wide * wide))
     parts = [part for part in parts if part is not None]
     if not parts:
         return None
@@ -97,10 +109,6 @@ def _round(a, b, radius, margin, p, u):
         low = part[0] if _less(part[0], low) else low
         high = part[1] if _less(high, part[1]) else high
     return low, high
-
-
-def _flat_endless(a, b, wide, p, u):
-    return _flat(a, b, wide, 0, p, u)
 
 
 def _number(fraction):
@@ -128,17 +136,15 @@ def exact_intervals(a, b, radius, p, u, *, margin=0.0, ends="flat"):
     intervals : (2, n) float
         `enter` and `leave`; ``inf`` and ``-inf`` for a line that misses.
     """
-    n = len(p)
-    margin = np.broadcast_to(margin, n)
-    out = np.empty((2, n))
     inside = _flat if ends == "flat" else _round
-    for i in range(n):
-        row = np.concatenate([a[i], b[i], p[i], [radius[i], margin[i]]])
-        # Lengths share a power of two; the direction has its own, which is undone at the end.
-        units, shift = whole(row)
-        direction, unit = whole(u[i])
-        found = inside(units[0:3], units[3:6], units[9], units[10], units[6:9], direction)
-        scale = 2.0 ** (unit - shift)
+    sizes = np.column_stack([radius, np.broadcast_to(margin, len(p))])
+    # Lengths share a power of two; the direction has its own, which is undone at the end.
+    rows, shift = whole(np.concatenate([a, b, p, sizes], axis=-1))
+    directions, unit = whole(u)
+    out = np.empty((2, len(p)))
+    for i, (row, direction) in enumerate(zip(rows, directions)):
+        found = inside(row[0:3], row[3:6], *row[9:], row[6:9], direction)
+        scale = 2.0 ** (unit[i] - shift[i])
         out[:, i] = (np.inf, -np.inf) if found is None else [_number(f) * scale for f in found]
     return out
 
