@@ -19,8 +19,9 @@ from tunneller_lib.removal import (
     ring,
     rod_clearance,
 )
+from tunneller_lib.replica import quartics
+from tunneller_lib.replica.quartics import foot_quartic, line_quartic
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Frustum, Rod, Torus, meet_rods
-from tunneller_lib.surfaces.torus_quartic import foot_quartic, line_quartic
 
 EPS = np.finfo(float).eps
 
@@ -106,8 +107,8 @@ CALLS = {
     "Torus.feet": Call(_TORUS.feet, ("m",), _POINT, ((4, 3),)),
     "Torus.foot": Call(_TORUS.foot, ("m",), _POINT, ((3,),)),
     "Torus.meet_line": Call(_TORUS.meet_line, ("a", "b"), ((3,), (3,)), ((4,),)),
-    "Torus.meet_line quartic": Call(
-        partial(_TORUS.meet_line, method="quartic"), ("a", "b"), ((3,), (3,)), ((4,),)
+    "quartics.meet_line": Call(
+        partial(quartics.meet_line, _TORUS), ("a", "b"), ((3,), (3,)), ((4,),)
     ),
     "line_quartic": Call(partial(line_quartic, _TORUS), ("a", "b"), ((3,), (3,)), ((5,),)),
     "foot_quartic": Call(partial(foot_quartic, _TORUS), ("m",), _POINT, ((5,),)),

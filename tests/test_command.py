@@ -11,10 +11,10 @@ import PIL.Image
 import pytest
 
 from tunneller_lib.__main__ import main, parser
+from tunneller_lib.job import WrongJob, read_job
+from tunneller_lib.job.atomic_write import check_writable
+from tunneller_lib.job.tables import read_csv
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
-from tunneller_lib.reporting.files import check_writable
-from tunneller_lib.reporting.interchange import read_csv
-from tunneller_lib.reporting.job import WrongJob, read_job
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 
 READS = ["notebooks/reference.toml"]
@@ -353,14 +353,36 @@ def test_help_needs_no_package(package):
 
 
 @pytest.mark.parametrize(("command", "package", "name"), [
-    ("cut", "matplotlib", "matplotlib"), ("cut", "pyvista", "pyvista"),
+    ("cut", "numpy", "numpy"), ("scene", "matplotlib", "matplotlib"),
     ("animate", "PIL", "pillow"), ("scene", "trame", "trame"),
 ])  # fmt: skip
 def test_command_names_the_package_that_it_lacks(command, package, name):
     done = without(package, command, str(REFERENCE), "--json")
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".[command]')
+    extra = "" if name == "numpy" else "[scene]"
+    assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".{extra}"')
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
+
+
+def test_cut_without_the_packages_of_scenes_leaves_out_its_picture(tmp_path):
+    done = without("pyvista", "cut", str(REFERENCE), "--json", "--out", str(tmp_path))
+    assert done.returncode == 0
+    assert "wall.png is left out: the package pyvista is missing; pip install" in done.stderr
+    files = {Path(file).name for file in json.loads(done.stdout)["files"]}
+    assert {"wall.stl", "wall.vtp", "budget.csv"} <= files and "wall.png" not in files
+
+
+def test_cut_needs_numpy_and_scipy_alone():
+    code = (
+        "import sys; from tunneller_lib.job import read_job; read_job(sys.argv[1]).axes; "
+        "print(*{name.partition('.')[0] for name in sys.modules})"
+    )
+    run = subprocess.run([sys.executable, "-c", code, str(REFERENCE)], cwd=ROOT, text=True,
+                         capture_output=True, check=True)  # fmt: skip
+    others = set(run.stdout.split()) - set(sys.stdlib_module_names) - set(sys.builtin_module_names)
+    assert {name for name in others if not name.startswith("_")} <= {
+        "numpy", "scipy", "tunneller_lib", "sitecustomize"
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(("error", "code", "answer"), [
@@ -372,7 +394,7 @@ def test_command_that_is_stopped_answers_in_json(capsys, monkeypatch, error, cod
     def stop(*_):
         raise error
 
-    monkeypatch.setattr("tunneller_lib.reporting.job.read_job", stop)
+    monkeypatch.setattr("tunneller_lib.job.read_job", stop)
     ended, said, told = run(capsys, "cut", REFERENCE, "--json")
     assert ended == code and json.loads(said) == answer
     assert told.count("\n") == 1 and told.startswith(next(iter(answer)))

@@ -14,8 +14,9 @@ from mpmath import mp
 
 from tests.basic_listing import PRINTED, REPAIRS, run
 from tunneller_lib.paths import ConeChord, project_chord
+from tunneller_lib.replica import quartics
+from tunneller_lib.replica.quartics import foot_quartic, line_quartic, real_roots
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
-from tunneller_lib.surfaces.torus_quartic import foot_quartic, line_quartic, real_roots
 
 r, R, theta, phi = sp.symbols("r R theta phi", positive=True)
 t, u, k, H, h, f = sp.symbols("t u k H h f", positive=True)
@@ -396,7 +397,7 @@ def test_eq05_quartic():
         coefficients = line_quartic(torus, ends[:3].T, ends[3:].T)
         assert close(coefficients, np.transpose(expected), (torus.r + torus.R) ** 4)
         exact = torus.meet_line(ends[:3].T, ends[3:].T)
-        quartic = torus.meet_line(ends[:3].T, ends[3:].T, method="quartic")
+        quartic = quartics.meet_line(torus, ends[:3].T, ends[3:].T)
         assert np.nanmax(np.abs(exact - quartic) / (1 + np.abs(exact))) < 1e-5
 
 

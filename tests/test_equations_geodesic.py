@@ -9,7 +9,7 @@ from tunneller_lib.paths import (
     geodesic_inverse,
     geodesic_root,
 )
-from tunneller_lib.paths.rivals import RIVALS, path_length
+from tunneller_lib.paths.chord_paths import CHORD_PATHS, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE = REFERENCE_MACHINE
@@ -85,19 +85,19 @@ def test_geodesic_is_approximated():
     p, q = np.concatenate([p, corners[0]]), np.concatenate([q, corners[1]])
     torus = MACHINE.torus
     geodesic = geodesic_inverse(torus, p, q)
-    excess = path_length(torus, RIVALS["tangent spheres"], p, q) / geodesic.length - 1
-    path = RIVALS["tangent spheres"](torus, p, q, np.linspace(0, 1, 17))
+    excess = path_length(torus, CHORD_PATHS["tangent spheres"], p, q) / geodesic.length - 1
+    path = CHORD_PATHS["tangent spheres"](torus, p, q, np.linspace(0, 1, 17))
     aside = np.max(np.abs(geodesic.points(65).deviation(path)), axis=-1)
     assert np.max(excess) < 5e-4 and np.median(excess) < 1e-6
     assert np.max(aside) < 0.0125 and np.median(aside) < 2e-4
-    joint = path_length(torus, RIVALS["joint space"], p, q) / geodesic.length - 1
+    joint = path_length(torus, CHORD_PATHS["joint space"], p, q) / geodesic.length - 1
     assert np.median(joint) > 500 * np.median(excess)
     # About one middle, chords of half the length deviate an eighth as much.
     middle, half = (p + q)[:200] / 2, (q - p)[:200] / 2
     worst = []
     for part in (1 / 8, 1 / 16):
         ends = middle - part * half, middle + part * half
-        track = RIVALS["tangent spheres"](torus, *ends, np.linspace(0, 1, 17))
+        track = CHORD_PATHS["tangent spheres"](torus, *ends, np.linspace(0, 1, 17))
         short = geodesic_inverse(torus, *ends).points(65).deviation(track)
         worst.append(np.max(np.abs(short), axis=-1))
     assert abs(np.median(np.log2(worst[0] / worst[1])) - 3) < 0.1

@@ -29,7 +29,6 @@ from tunneller_lib.motion import (
     time_bresenham,
 )
 from tunneller_lib.motion.export import structured_text
-from tunneller_lib.motion.rivals import RIVALS, listing
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.motion.tasks import (
     Task,
@@ -39,6 +38,7 @@ from tunneller_lib.motion.tasks import (
     schedule,
 )
 from tunneller_lib.paths import project_chord
+from tunneller_lib.replica.interpolators import INTERPOLATORS, listing
 from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
@@ -165,7 +165,7 @@ def test_dda_errors():
     for ticks in (1_000, 10_000, 100_000):
         difference = 3337 * ticks // 10_000
         ideal = np.arange(ticks + 1) * difference / ticks
-        dda = RIVALS["DDA, single precision"](0, difference, ticks)
+        dda = INTERPOLATORS["DDA, single precision"](0, difference, ticks)
         worst.append(np.max(np.abs(dda - ideal)))
     assert worst[0] < worst[1] < worst[2]
     assert worst[2] > 10 and worst[2] > 10 * worst[1]

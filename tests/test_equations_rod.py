@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from tunneller_lib.replica import rod_cases as cases
+from tunneller_lib.replica.rod_exact import exact_intervals, judge
+from tunneller_lib.replica.rod_methods import METHODS, crossings, three_surfaces
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box, meet_rods
-from tunneller_lib.surfaces import rod_cases as cases
-from tunneller_lib.surfaces.rod_exact import exact_intervals, judge
 from tunneller_lib.surfaces.rod_interval import frame
-from tunneller_lib.surfaces.rod_rivals import crossings, three_surfaces
 
 # The document's setting: a = 0, b = v, the line (qx, qy, z).
 vx, vy, vz, qx, qy, z, r, s = sp.symbols("vx vy vz qx qy z r s", real=True)
@@ -269,7 +269,7 @@ def failures(kind, method, n=1_500):
     lines = kind(np.random.default_rng(4), n)
     a, b, radius, _, u = lines
     margin = 64 * np.finfo(float).eps * (radius + frame(a, b, u).run)
-    return np.sum(judge(meet_rods(*lines, method=method), lines, margin), axis=-1)
+    return np.sum(judge(METHODS[method](*lines), lines, margin), axis=-1)
 
 
 def three_accepted(kind, n=4_000):
@@ -279,7 +279,7 @@ def three_accepted(kind, n=4_000):
     lines = tuple(row[surplus] for row in lines)
     a, b, radius, _, u = lines
     margin = 64 * np.finfo(float).eps * (radius + frame(a, b, u).run)
-    return lines, judge(meet_rods(*lines, method="three-surfaces"), lines, margin)
+    return lines, judge(three_surfaces(*lines), lines, margin)
 
 
 def test_surplus_is_masked():
@@ -318,8 +318,8 @@ def test_epsilon_fix():
     assert failures(cases.tangents, "epsilon")[0] > 0  # and tangents are missed still
     thick = []
     for unit in (1.0, 1e-5):
-        rod = Rod((0, 0, 0), (0, 0, unit), unit)
-        found = rod.meet_line((1.5 * unit, 0, 0.5 * unit), (0.1, 0, 1), method="epsilon")
+        rod = (0, 0, 0), (0, 0, unit), unit
+        found = METHODS["epsilon"](*rod, (1.5 * unit, 0, 0.5 * unit), (0.1, 0, 1))
         thick.append(found[0] <= found[1])
     assert thick == [False, True]
     # A second way: fractions. A disc with that number added reaches a line half a radius beside
@@ -374,10 +374,7 @@ def test_scaled_epsilon(tilt, height):
 def test_two_volumes():
     # Right with room to spare, and for vz < 0 too once the planes are put in order ...
     a, b, radius, point, u = float_rods(5)
-    exact, slab = (
-        meet_rods(a, b, radius, point, u),
-        meet_rods(a, b, radius, point, u, method="slab"),
-    )
+    exact, slab = (meet_rods(a, b, radius, point, u), METHODS["slab"](a, b, radius, point, u))
     clear = exact[1] - exact[0] > 1e-6
     np.testing.assert_allclose(np.array(slab)[:, clear], np.array(exact)[:, clear], atol=1e-6)
     # ... but at the border it loses lines as the others do.
@@ -410,7 +407,7 @@ def test_two_volumes_of_parallel_lines():
     assert of_line == {z, r, h, L, m, s}
     # So one rod and many parallel lines have the answers of each line by itself.
     points = np.random.default_rng(15).uniform([-30, -35, 0], [120, 35, 1], (2_000, 3))
-    together = ROD.meet_line(points, UP, method="slab")
+    together = METHODS["slab"](ROD.a, ROD.b, ROD.radius, points, UP)
     exact = ROD.meet_line(points, UP)
     clear = exact[1] - exact[0] > 1e-6
     np.testing.assert_allclose(np.array(together)[:, clear], np.array(exact)[:, clear], atol=1e-6)

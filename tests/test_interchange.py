@@ -9,20 +9,16 @@ import pytest
 import pyvista
 from matplotlib import colormaps
 
+from tunneller_lib.job.atomic_write import write
+from tunneller_lib.job.drawing import dxf
+from tunneller_lib.job.mesh import MM, SCALAR, STL, stl, vtp, wall_solid, wall_surface
+from tunneller_lib.job.tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan, standing
-from tunneller_lib.reporting.interchange import (
-    dxf,
-    knots_csv,
-    read_csv,
-    setpoints_csv,
-    setvalues_csv,
-    wall_solid,
-    write,
-)
+from tunneller_lib.reporting.pictures import write as write_picture
 from tunneller_lib.reporting.style import ERROR_MAP
-from tunneller_lib.reporting.tunnel_scene import SCALAR, tunnel_scene, wall_mesh
+from tunneller_lib.reporting.tunnel_scene import tunnel_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 EGG = Egg(0.5)
@@ -83,8 +79,13 @@ def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
 # The wall
 
 
+def in_vtk(mesh):
+    """Return a Mesh as VTK has it."""
+    return pyvista.PolyData.from_regular_faces(mesh.points, mesh.faces)
+
+
 def test_wall_solid_is_closed_and_has_the_grids_volume(cut):
-    solid = wall_solid(cut.wall)
+    solid = in_vtk(wall_solid(cut.wall))
     assert solid.is_manifold and solid.n_open_edges == 0
     # Rows of wedges between the first and the last ray, from the outermost piece on each ray.
     inner = np.linalg.norm(standing(cut.wall)[..., 1:], axis=-1)
@@ -99,24 +100,35 @@ def test_wall_solid_is_closed_and_has_the_grids_volume(cut):
 def test_wall_solid_faces_outwards(cut):
     # By the divergence theorem the signed volume is positive for outward triangles alone.
     solid = wall_solid(cut.wall)
-    a, b, c = np.moveaxis(solid.points[solid.regular_faces].astype(float), 1, 0)
-    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(solid.volume, rel=1e-4)
+    a, b, c = np.moveaxis(solid.points[solid.faces], 1, 0)
+    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(in_vtk(solid).volume, rel=1e-4)
 
 
 def test_stl_comes_back_in_millimetres(cut, tmp_path):
-    solid = wall_solid(cut.wall)
-    read = pyvista.read(write(tmp_path / "wall.stl", solid))
+    solid = in_vtk(wall_solid(cut.wall))
+    read = pyvista.read(write(tmp_path / "wall.stl", stl(wall_solid(cut.wall))))
     assert read.volume == pytest.approx(1e9 * solid.volume, rel=1e-5)
     np.testing.assert_allclose(read.bounds, 1e3 * np.array(solid.bounds), rtol=1e-6)
     assert read.n_cells == solid.n_cells and read.is_manifold
 
 
+def test_stl_has_outward_unit_normals(cut):
+    mesh = wall_solid(cut.wall)
+    faces = np.frombuffer(stl(mesh)[84:], STL)
+    np.testing.assert_allclose(np.linalg.norm(faces["normal"], axis=-1), 1, rtol=1e-6)
+    first = faces["corners"][0] / MM
+    across = np.cross(first[1] - first[0], first[2] - first[0])
+    assert np.dot(across, faces["normal"][0]) > 0
+
+
 def test_vtp_comes_back_with_its_errors(cut, tmp_path):
-    mesh = wall_mesh(cut.wall, JOB.circuit)
-    read = pyvista.read(write(tmp_path / "wall.vtp", mesh))
-    np.testing.assert_array_equal(read[SCALAR], mesh[SCALAR])
+    mesh = wall_surface(cut.wall, JOB.circuit)
+    read = pyvista.read(write(tmp_path / "wall.vtp", vtp(mesh)))
+    np.testing.assert_array_equal(read[SCALAR], mesh.values[SCALAR])
     np.testing.assert_array_equal(read.points, mesh.points)
+    np.testing.assert_array_equal(read.regular_faces, mesh.faces)
     assert read[SCALAR].max() == 1e3 * cut.overbreak.max()
+    assert read.area == pytest.approx(wall_mesh(cut.wall, JOB.circuit).area, rel=1e-5)
 
 
 # The drawing
@@ -191,7 +203,7 @@ def test_gif_has_its_frames(tmp_path):
     pictures = [np.full((40, 60, 3), 255, np.uint8) for _ in range(4)]
     for k, picture in enumerate(pictures):
         picture[10 : 14 + 5 * k, 20:30] = (200, 20, 30)
-    path = write(tmp_path / "run.gif", iter(pictures))
+    path = write_picture(tmp_path / "run.gif", iter(pictures))
     with PIL.Image.open(path) as film:
         assert film.n_frames == 4 and film.size == (60, 40) and film.info["loop"] == 0
         film.seek(3)
@@ -203,7 +215,9 @@ def test_gif_keeps_the_colours_of_errors(tmp_path):
     scale = colormaps[ERROR_MAP](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
     rng = np.random.default_rng(1)
     others = np.clip(rng.normal(150, 40, (300, 50, 3)), 0, 255).astype(np.uint8)
-    path = write(tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)])
+    path = write_picture(
+        tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)]
+    )
     with PIL.Image.open(path) as film:
         shown = np.asarray(film.convert("RGB"))[0].astype(int)
     # Half a step of the 64 colours kept, and what Pillow's search is coarser than the nearest.
@@ -213,18 +227,20 @@ def test_gif_keeps_the_colours_of_errors(tmp_path):
 def test_gif_keeps_white_white(tmp_path):
     pictures = [np.full((30, 30, 3), 255, np.uint8) for _ in range(2)]
     pictures[1][5:9, 5:9] = 252
-    with PIL.Image.open(write(tmp_path / "run.gif", pictures)) as film:
+    with PIL.Image.open(write_picture(tmp_path / "run.gif", pictures)) as film:
         assert np.all(np.asarray(film.convert("RGB")) == 255)
 
 
 def test_png_comes_back(tmp_path):
     pixels = np.arange(300, dtype=np.uint8).reshape(10, 10, 3)
-    with PIL.Image.open(io.BytesIO(write(tmp_path / "wall.png", pixels).read_bytes())) as picture:
+    with PIL.Image.open(
+        io.BytesIO(write_picture(tmp_path / "wall.png", pixels).read_bytes())
+    ) as picture:
         np.testing.assert_array_equal(np.asarray(picture), pixels)
 
 
 def test_html_scene_loads_nothing_from_elsewhere(cut, tmp_path):
-    text = write(tmp_path / "scene.html", tunnel_scene(cut, wall=cut.wall)).read_text()
+    text = write_picture(tmp_path / "scene.html", tunnel_scene(cut, wall=cut.wall)).read_text()
     assert len(text) > 500_000  # with program and data inside
     named = set(re.findall(r"""(?:https?|wss?)://[^\s"'`)<>]+""", text))
     # Comments and a base that only parses relative addresses.

@@ -19,7 +19,7 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.interpolate import line_ticks, rounding_spectrum
 from tunneller_lib.motion.ramp import rest_to_rest_ticks
-from tunneller_lib.motion.rivals import RIVALS, listing
+from tunneller_lib.replica.interpolators import INTERPOLATORS, listing
 
 LOW, HIGH = -(2**31), 2**31 - 1
 HALF = Fraction(1, 2)
@@ -226,19 +226,19 @@ def test_rounding_spectrum_is_that_of_the_line(ticks):
 # ---- the rivals -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", RIVALS)
+@pytest.mark.parametrize("name", INTERPOLATORS)
 def test_rivals_have_one_interface(name):
     starts, stops = np.array([0, 5, 30, -7]), np.array([100, 30, 5, -7])
-    lines = RIVALS[name](starts, stops, 50)
+    lines = INTERPOLATORS[name](starts, stops, 50)
     assert lines.shape == (4, 51)
     np.testing.assert_array_equal(lines[:, 0], starts)
     for line, start, stop in zip(lines, starts, stops):
-        np.testing.assert_array_equal(RIVALS[name](start, stop, 50), line)
+        np.testing.assert_array_equal(INTERPOLATORS[name](start, stop, 50), line)
 
 
 def worst(name, difference, ticks):
     exact = np.arange(ticks + 1) * (difference / ticks)
-    return np.max(np.abs(RIVALS[name](0, difference, ticks) - exact))
+    return np.max(np.abs(INTERPOLATORS[name](0, difference, ticks) - exact))
 
 
 def test_rivals_err_as_their_kind_does():
@@ -273,7 +273,7 @@ def test_listing_in_exact_arithmetic_is_the_line_with_ties_down():
 
 def test_listing_in_double_precision_is_mildly_wrong():
     moves = time_bresenham(0, np.arange(-200, 201), 30, tie="down")
-    found = RIVALS["listing"](0, np.arange(-200, 201), 30)
+    found = INTERPOLATORS["listing"](0, np.arange(-200, 201), 30)
     assert 0 < np.mean(found != moves) < 0.1
     assert np.max(np.abs(found - moves)) == 1  # a tie that rounding errors tip over
 
@@ -344,12 +344,12 @@ def test_listing_refuses_what_it_cannot_use():
     with pytest.raises(ValueError, match=r'^division: must be "floor" or "truncate"'):
         listing(0, 10, 5, 30, 1, division="round")
     with pytest.raises(ValueError, match=r"stop - start: must hold whole numbers from -32767"):
-        RIVALS["Q16.16, rounded"](-20_000, 20_000, 10)
+        INTERPOLATORS["Q16.16, rounded"](-20_000, 20_000, 10)
 
 
 @pytest.mark.parametrize("name", ["Q16.16, rounded", "Q16.16, truncated"])
 def test_fixed_point_refuses_what_its_sixteen_bits_cannot_hold(name):
-    run = RIVALS[name]
+    run = INTERPOLATORS[name]
     assert run([-32767, 32767], [0, 0], 10)[:, 0].tolist() == [-32767, 32767]
     for start, stop, argument in [(40_000, 39_990, "start"), (-32768, 0, "start"),
                                   (32760, 32770, "stop"), ([0, 1], [9, -40_000], "stop"),
@@ -360,10 +360,10 @@ def test_fixed_point_refuses_what_its_sixteen_bits_cannot_hold(name):
 
 def test_truncated_fixed_point_refuses_to_drift_out_of_its_range():
     with pytest.raises(ValueError, match=r"^end in fixed point: must hold whole numbers"):
-        RIVALS["Q16.16, truncated"](0, -32767, 2**20 - 40)
+        INTERPOLATORS["Q16.16, truncated"](0, -32767, 2**20 - 40)
 
 
-@pytest.mark.parametrize("call", [time_bresenham, rest_to_rest, *RIVALS.values()])
+@pytest.mark.parametrize("call", [time_bresenham, rest_to_rest, *INTERPOLATORS.values()])
 def test_moves_that_do_not_broadcast_are_refused(call):
     with pytest.raises(ValueError, match=r"^\w+: must broadcast with \w+ of shape \(2,\)"):
         call([0, 1], [1, 2, 3], 10)

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from tests.long import many
 from tests.shapes import EPS
+from tunneller_lib.replica.rod_cases import GENERATORS
+from tunneller_lib.replica.rod_exact import judge, rounding
+from tunneller_lib.replica.rod_methods import METHODS
 from tunneller_lib.surfaces import Rod, meet_rods
-from tunneller_lib.surfaces.rod_cases import GENERATORS
-from tunneller_lib.surfaces.rod_exact import judge, rounding
 from tunneller_lib.surfaces.rod_interval import frame
 
 MANY = many(40_000, 400_000)  # lines a generator and kind of ends
@@ -297,7 +298,7 @@ def test_meet_line_far_along_the_line(far):
 def test_other_methods_agree_away_from_edges(method):
     a, b, radius, p, u = draws(10)
     exact = meet_rods(a, b, radius, p, u)
-    found = meet_rods(a, b, radius, p, u, method=method)
+    found = METHODS[method](a, b, radius, p, u)
     clear = np.isfinite(exact[0]) & (exact[1] - exact[0] > 1e-3)
     np.testing.assert_allclose(np.array(found)[:, clear], np.array(exact)[:, clear], atol=2e-3)
 
@@ -313,9 +314,6 @@ WRONG = [
     (lambda: ROD.meet_line((0, 0, 0), (0, 0, 0)), r"direction: must not be zero; got \(0, 0, 0\)"),
     (lambda: ROD.meet_line((0, 0, np.nan), (0, 0, 1)), "point: must hold finite numbers; got nan"),
     (lambda: ROD.meet_line((0, 0, 0), (0, np.inf, 1)), "direction: must hold finite numbers"),
-    (lambda: ROD.meet_line((0, 0, 0), (0, 0, 1), method="fast"), "method: must be one of "),
-    (lambda: Rod(*ENDS, 1, ends="round").meet_line((0, 0, 0), (0, 0, 1), method="slab"),
-     'method: must be "exact" for round ends'),
     (lambda: ROD.contains((0, 0, np.nan)), "points: must hold finite numbers"),
     (lambda: meet_rods(*ENDS, [1, -1], (0, 0, 0), (0, 0, 1)), "radius: must hold finite numbers"),
     (lambda: Rod(*ENDS, 1e-101), "radius: must be zero or from 1e-100 to 1e[+]100 in size, whose"),
@@ -356,5 +354,5 @@ def test_meet_line_of_a_rod_shorter_than_its_rounding_keeps_to_its_disc():
 
 
 def test_slab_finds_nothing_in_a_rod_of_no_length():
-    enter, leave = Rod((0, 0, 0), (0, 0, 0), 1.0).meet_line((0, 0, 0), (0, 0, 1.0), method="slab")
+    enter, leave = METHODS["slab"]((0, 0, 0), (0, 0, 0), 1.0, (0, 0, 0), (0, 0, 1.0))
     assert leave < enter

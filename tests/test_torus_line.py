@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.shapes import EPS, TORI, directions, eq2, off_surface, tori
+from tunneller_lib.replica import quartics
 from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40
@@ -250,7 +251,7 @@ def test_meet_line_scales_with_powers_of_two(torus, exponent, seed):
 @pytest.mark.parametrize("torus", TORI[:4], ids=str)
 def test_meet_line_by_quartic_agrees_where_roots_are_apart(torus):
     a, b = (torus.r + torus.R) * np.random.default_rng(3).uniform(-1, 1, (2, 2000, 3))
-    exact, by_quartic = (torus.meet_line(a, b, method=m) for m in ("exact", "quartic"))
+    exact, by_quartic = torus.meet_line(a, b), quartics.meet_line(torus, a, b)
     gaps = np.min(np.diff(np.where(np.isnan(exact), [9e9, 2e10, 3e10, 4e10], exact)), axis=-1)
     tame = (gaps > 0.1) & (np.nanmax(np.abs(exact), axis=-1, initial=0) < 10)
     assert np.sum(tame) > 500
@@ -271,12 +272,7 @@ def test_meet_line_broadcasts():
     np.testing.assert_array_equal(t, np.broadcast_to(one, t.shape))
 
 
-@pytest.mark.parametrize("method", ["exact", "quartic"])
-def test_meet_line_refuses_points_that_coincide(method):
+@pytest.mark.parametrize("meet_line", [Torus.meet_line, quartics.meet_line])
+def test_meet_line_refuses_points_that_coincide(meet_line):
     with pytest.raises(ValueError, match=r"^a, b: must differ.*coincides[.]$"):
-        Torus(1, 2).meet_line([(1, 2, 3), (1, 2, 4)], (1, 2, 3), method=method)
-
-
-def test_meet_line_refuses_another_method():
-    with pytest.raises(ValueError, match=r'^method: must be "exact" or "quartic"; got \'eq5\'[.]$'):
-        Torus(1, 2).meet_line((0, 0, 0), (1, 0, 0), method="eq5")
+        meet_line(Torus(1, 2), [(1, 2, 3), (1, 2, 4)], (1, 2, 3))

@@ -1,4 +1,4 @@
-"""The command line: `python -m tunneller_lib --help`."""
+"""The command line: `tunneller --help`, or `python -m tunneller_lib --help`."""
 
 import argparse
 import csv
@@ -8,6 +8,8 @@ import sys
 import time
 from importlib import import_module
 from pathlib import Path
+
+from . import __version__
 
 # Whatever isn't in Python itself is imported by the command that needs it: --help needs nothing,
 # and what is missing, or an interrupt meanwhile, is told in a sentence.
@@ -36,23 +38,30 @@ def main(arguments=None):
         unread(sys.stderr)
         return 2
     except ModuleNotFoundError as error:
-        name = error.name.partition(".")[0]
-        extra = "cluster" if name == "distributed" else "command"
-        return ended(options, 2, "wrong", f"the package {PACKAGES.get(name, name)} is missing; "
-                     f'pip install ".[{extra}]" in this study\'s folder brings it.')  # fmt: skip
+        return ended(options, 2, "wrong", missing(error))
     except MemoryError:
         return ended(options, 1, "refused", "the job needs more memory than there is.")
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return ended(options, 2, "wrong", f"{where}{error.strerror or error}.")
     except ValueError as error:
-        from .reporting.job import WrongJob
+        from .job import WrongJob
 
         wrong = isinstance(error, WrongJob)
         return ended(options, 2 if wrong else 1, "wrong" if wrong else "refused", str(error))
 
 
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
+
+
+def missing(error):
+    """Return the sentence of a package that isn't installed, from its ModuleNotFoundError."""
+    name = error.name.partition(".")[0]
+    extra = {"numpy": "", "scipy": "", "distributed": "[cluster]"}.get(name, "[scene]")
+    return (
+        f"the package {PACKAGES.get(name, name)} is missing; "
+        f'pip install ".{extra}" in this study\'s folder brings it.'
+    )
 
 
 def ended(options, code, how, why):
@@ -79,9 +88,9 @@ def unread(stream):
 def parser():
     """Return the parser of the arguments."""
     whole = argparse.ArgumentParser(
-        prog="python -m tunneller_lib", description=ABOUT,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+        prog="tunneller", description=ABOUT, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    whole.add_argument("--version", action="version", version=f"tunneller {__version__}")
     commands = whole.add_subparsers(required=True, metavar="COMMAND")
 
     def command(name, run, text):
@@ -159,9 +168,9 @@ def read(options, out, *, budget=False):
     """
     import numpy as np
 
-    from .reporting.files import check_writable
-    from .reporting.job import read_job
-    from .reporting.sweep import say
+    from .job import read_job
+    from .job.atomic_write import check_writable
+    from .job.progress import say
 
     job = read_job(options.job)
     if budget and (integral := job.controller.get("integral")):
@@ -181,25 +190,44 @@ def read(options, out, *, budget=False):
 
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
-    from .reporting.outcome import outcome, told, write_all
-    from .reporting.sweep import say
+    from .job import results, told, write_all
+    from .job.progress import say
 
     folder = options.out or Path("build") / options.job.stem
     job, cut = read(options, folder / "budget.csv", budget=True)
-    numbers = outcome(job, cut, say)
+    numbers = results(job, cut, say)
     if not options.json:
         tell(told(numbers) + "\n")
     files = write_all(job, cut, folder, numbers, say)
+    files += draw_wall(job, cut, folder / "wall.png", say)
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
     return {**numbers, "files": files}
 
 
+def draw_wall(job, cut, path, say):
+    """Write the wall of a job's cut as a picture to a path; return the files written.
+
+    None where a package or the GL library is missing: then `say` is told.
+    """
+    try:
+        from .reporting import gl, pictures, scene, tunnel_scene
+    except ModuleNotFoundError as error:
+        say(f"{path.name} is left out: {missing(error)}")
+        return []
+    if said := gl.problem():
+        say(f"{path.name} is left out. {said}")
+        return []
+    say(f"writing {path}")
+    pixels = scene.crop(tunnel_scene.picture(cut, wall=cut.wall, limit=job.limit))
+    return [str(pictures.write(path, pixels))]
+
+
 def run_scene(options):
     """Write the scene at a share of the run."""
     import_module("trame")  # else first asked for when the page is written, after the simulation
-    from .reporting import interchange, tunnel_scene
-    from .reporting.sweep import say
+    from .job.progress import say
+    from .reporting import pictures, tunnel_scene
 
     out = options.out or Path("build") / f"{options.job.stem}.html"
     job, cut = read(options, out)
@@ -207,23 +235,23 @@ def run_scene(options):
     if options.share < 1:
         say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
     plotter = tunnel_scene.tunnel_scene(cut, tick, limit=job.limit)
-    return {"files": [str(interchange.write(out, plotter))]}
+    return {"files": [str(pictures.write(out, plotter))]}
 
 
 def run_animate(options):
     """Write the pictures of the run."""
-    from .reporting import interchange, tunnel_scene
+    from .reporting import pictures, tunnel_scene
 
     out = options.out or Path("build") / f"{options.job.stem}.gif"
     job, cut = read(options, out)
     count, width = options.frames, options.width
-    pictures = tunnel_scene.frames(cut, count, width=width, limit=job.limit)
-    return {"files": [str(interchange.write(out, counted(pictures, count)))]}
+    frames = tunnel_scene.frames(cut, count, width=width, limit=job.limit)
+    return {"files": [str(pictures.write(out, counted(frames, count)))]}
 
 
 def counted(pictures, count):
     """Yield pictures and say how many are done."""
-    from .reporting.sweep import say
+    from .job.progress import say
 
     start = time.monotonic()
     for number, picture in enumerate(pictures, start=1):
@@ -236,8 +264,8 @@ def run_atlas(options):
     """Sweep the blocks that are missing, then write the summary."""
     import numpy as np
 
+    from .job.atomic_write import beside
     from .paths import atlas
-    from .reporting.files import beside
     from .reporting.sweep import sweep
 
     files = sweep(

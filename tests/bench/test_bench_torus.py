@@ -3,8 +3,9 @@
 import numpy as np
 
 from tests.bench.conftest import best_times
+from tunneller_lib.replica import quartics
+from tunneller_lib.replica.quartics import foot_quartic
 from tunneller_lib.surfaces import Torus
-from tunneller_lib.surfaces.torus_quartic import foot_quartic
 
 TORUS = Torus(0.08, 0.8)
 POINTS = np.random.default_rng(0).uniform(-1, 1, (100_000, 3))
@@ -39,6 +40,6 @@ def test_meet_line_against_the_quartic(benchmark, say):
     a, b = POINTS[:20_000], POINTS[20_000:40_000]
     benchmark.pedantic(TORUS.meet_line, (a, b), rounds=3)
     exact, quartic = best_times(
-        lambda: TORUS.meet_line(a, b), lambda: TORUS.meet_line(a, b, method="quartic"), rounds=5
+        lambda: TORUS.meet_line(a, b), lambda: quartics.meet_line(TORUS, a, b), rounds=5
     )
     say("meet_line, time of the exact method over that of the quartic", exact / quartic)

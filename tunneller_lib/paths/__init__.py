@@ -1,14 +1,14 @@
 """Paths of the cutter's centre: projected chords, the tunnel's circuit, the cone's test case."""
 
+from .chord_paths import CHORD_PATHS, one_third_rule, path_length
 from .circuit import Circuit, cutting_circuit
 from .cone_chord import ConeChord
 from .geodesic import geodesic_direct
 from .geodesic_inverse import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
-from .rivals import RIVALS, one_third_rule, path_length
 
 __all__ = [
-    "RIVALS",
+    "CHORD_PATHS",
     "Circuit",
     "ConeChord",
     "competing_geodesics",

@@ -7,8 +7,8 @@ into one from (0, phi1) to (turn, phi2) with phi1 >= |phi2|, so only those are t
 import numpy as np
 
 from ..surfaces import REFERENCE_MACHINE, Torus
+from .chord_paths import CHORD_PATHS, path_length
 from .geodesic_inverse import geodesic_inverse
-from .rivals import RIVALS, path_length
 
 RATIOS = np.geomspace(4, 100, 13)  # R / r
 TURNS = np.linspace(0, REFERENCE_MACHINE.theta_max - REFERENCE_MACHINE.theta_min, 82)[1:]
@@ -16,7 +16,7 @@ HEIGHTS = np.linspace(-REFERENCE_MACHINE.phi_max, REFERENCE_MACHINE.phi_max, 63)
 STRIPES = 9  # of turns, a block each
 SAMPLES, POINTS = 65, 17  # of a geodesic and of a path, where its deviation is measured
 COLUMNS = ["R / r", "turn", "phi1", "phi2", "length", "converged", "certified"]
-COLUMNS += [f"{what} of {name}" for what in ("excess", "aside") for name in RIVALS]
+COLUMNS += [f"{what} of {name}" for what in ("excess", "aside") for name in CHORD_PATHS]
 
 
 def blocks():
@@ -53,11 +53,11 @@ def survey(block):
     p = np.stack([np.zeros_like(turn), phi1], axis=-1)
     q = np.stack([turn, phi2], axis=-1)
     geodesic = geodesic_inverse(torus, p, q)
-    excess = [path_length(torus, path, p, q) / geodesic.length - 1 for path in RIVALS.values()]
+    excess = [path_length(torus, path, p, q) / geodesic.length - 1 for path in CHORD_PATHS.values()]
     t = np.linspace(0, 1, POINTS)[1:-1]
-    ways = np.concatenate([path(torus, p, q, t) for path in RIVALS.values()], axis=-2)
+    ways = np.concatenate([path(torus, p, q, t) for path in CHORD_PATHS.values()], axis=-2)
     beside = np.abs(geodesic.points(SAMPLES).deviation(ways))
-    aside = np.max(beside.reshape(turn.size, len(RIVALS), -1), axis=-1)
+    aside = np.max(beside.reshape(turn.size, len(CHORD_PATHS), -1), axis=-1)
     known = geodesic.length, geodesic.converged, geodesic.certified
     return np.column_stack([np.full_like(turn, ratio), turn, phi1, phi2, *known, *excess, aside])
 
@@ -76,11 +76,11 @@ def summary(tables):
         What a row is about, and the median and the worst of its pairs; "at turn", "at phi1" and
         "at phi2" say where the excess is worst.
     """
-    return [_row(table, k, name) for table in tables for k, name in enumerate(RIVALS)]
+    return [_row(table, k, name) for table in tables for k, name in enumerate(CHORD_PATHS)]
 
 
 def _row(table, k, name):
-    excess, aside = table[:, 7 + k], table[:, 7 + len(RIVALS) + k]
+    excess, aside = table[:, 7 + k], table[:, 7 + len(CHORD_PATHS) + k]
     worst = np.argmax(excess)
     return {
         "R / r": table[0, 0], "turn from": table[0, 1], "turn to": table[-1, 1], "path": name,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..paths import competing_geodesics, geodesic_inverse
-from ..paths.rivals import RIVALS, path_length
+from ..paths.chord_paths import CHORD_PATHS, path_length
 from .plot import equal
 from .style import COLOURS
 
@@ -60,9 +60,9 @@ def draw_ways(ax, torus, p, q):
     geodesic, t = geodesic_inverse(torus, p, q), np.linspace(0, 1, 201)
     ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
     for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
-        excess = 1e6 * (path_length(torus, RIVALS[name], p, q) / geodesic.length - 1)
+        excess = 1e6 * (path_length(torus, CHORD_PATHS[name], p, q) / geodesic.length - 1)
         told = f"longer by {float(f'{excess:.3g}'):g} ppm"  # three digits, no exponent
-        ways[name] = RIVALS[name](torus, p, q, t), colour, told
+        ways[name] = CHORD_PATHS[name](torus, p, q, t), colour, told
     artists = []
     for name, (way, colour, told) in ways.items():
         theta, phi = np.degrees(way.T)
@@ -120,7 +120,7 @@ def draw_beside(ax, torus, p, q, *, rules, colours):
     p, q : (2,) float
         Joint positions (theta, phi) of the ends, in rad.
     rules : sequence of str
-        Names in `RIVALS`.
+        Names in `CHORD_PATHS`.
     colours : dict
         The colour of each.
 
@@ -133,7 +133,7 @@ def draw_beside(ax, torus, p, q, *, rules, colours):
     chord = np.linalg.norm(np.diff(torus.point(*np.transpose([p, q])), axis=0))
     lines = []
     for name in rules:
-        off = samples.deviation(RIVALS[name](torus, p, q, t))
+        off = samples.deviation(CHORD_PATHS[name](torus, p, q, t))
         lines += ax.plot((t - 0.5) * chord, 1000 * off, color=colours[name], label=name)
     ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
     ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")

@@ -18,8 +18,8 @@ from IPython.display import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.mathtext import MathTextParser
 
+from ..job.atomic_write import beside
 from .digits import cell, decimals_of, exponent, number, significant, steady
-from .files import beside
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook

@@ -3,7 +3,6 @@
 import hashlib
 import os
 import shutil
-import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -12,6 +11,8 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+
+from ..job.progress import say
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -71,11 +72,6 @@ def digest():
     parts = [path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))]
     parts.append(np.__version__.encode())
     return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
-
-
-def say(text):
-    """Print `text` where progress belongs, at once."""
-    print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -7,13 +7,13 @@ import numpy as np
 import PIL.Image
 
 from ..arrays import instance, positive, whole
+from ..job.mesh import SCALAR
 from ..ream import Cut, overbreak, standing
 from ..removal import DexelGrid
 from . import scene
 from .machine_model import machine_model
 from .style import COLOURS, ERROR_MAP
 
-SCALAR = "over-break / mm"
 BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
 OPENED = np.radians([100, 285])  # angles from y over z that are left out, to look inside
 VIEW = (0.55, -1.5, 0.5)  # towards the camera

@@ -6,13 +6,12 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import MOST, cross, directions, dot, near_points, norm, real, sizes
-from . import rod_rivals
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
 
-def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
+def meet_rods(a, b, radius, point, direction, *, ends="flat"):
     """Return where lines enter and leave rods, one rod a line: `Rod.meet_line` of many.
 
     Parameters
@@ -25,8 +24,6 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
         One point of each line, in m, and its direction, not zero.
     ends : {"flat", "round"}
         Discs, or half balls about a and b.
-    method : {"exact", "three-surfaces", "epsilon", "slab"}
-        As in `Rod.meet_line`.
 
     Returns
     -------
@@ -44,25 +41,28 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat", method="exact"):
     >>> enter.round(3), leave.round(3)
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
-    a, b, p = (near_points(n, x) for n, x in (("a", a), ("b", b), ("point", point)))
-    direction, radius = directions("direction", direction), real("radius", radius)
-    if not np.all(np.isfinite(radius) & (radius >= 0)):
-        raise ValueError("radius: must hold finite numbers, none below zero.")
-    _check(ends, method)
-    sizes("radius", radius), sizes("b - a", np.abs(b - a).max(axis=-1))
-    if method != "exact":
-        return rod_rivals.METHODS[method](a, b, radius, p, direction)
+    _check_ends(ends)
+    a, b, radius, p, direction = rods_and_lines(a, b, radius, point, direction)
     return _meet(frame(a, b, direction), radius, ends == "round", p, direction)
 
 
-def _check(ends, method="exact"):
+def rods_and_lines(a, b, radius, point, direction):
+    """Return rods and lines as arrays, or raise ValueError: the arguments of `meet_rods`.
+
+    The axes from a to b (..., 3) and the radius (...) in m; a point and a direction (..., 3).
+    """
+    a, b, point = near_points("a", a), near_points("b", b), near_points("point", point)
+    direction, radius = directions("direction", direction), real("radius", radius)
+    if not np.all(np.isfinite(radius) & (radius >= 0)):
+        raise ValueError("radius: must hold finite numbers, none below zero.")
+    sizes("radius", radius)
+    sizes("b - a", np.abs(b - a).max(axis=-1))
+    return a, b, radius, point, direction
+
+
+def _check_ends(ends):
     if ends not in ("flat", "round"):
         raise ValueError(f'ends: must be "flat" or "round"; got {ends!r}.')
-    if method not in ("exact", *rod_rivals.METHODS):
-        words = ", ".join(f'"{word}"' for word in ("exact", *rod_rivals.METHODS))
-        raise ValueError(f"method: must be one of {words}; got {method!r}.")
-    if ends == "round" and method != "exact":
-        raise ValueError(f'method: must be "exact" for round ends; got {method!r}.')
 
 
 def _meet(axis, radius, round_ends, p, direction):
@@ -109,9 +109,11 @@ class Rod:
         object.__setattr__(self, "a", arrays.point("a", self.a))
         object.__setattr__(self, "b", arrays.point("b", self.b))
         object.__setattr__(self, "radius", arrays.not_negative("radius", self.radius))
-        near_points("a", self.a), near_points("b", self.b)
-        sizes("radius", self.radius), sizes("b - a", np.abs(self.axis).max())
-        _check(self.ends)
+        near_points("a", self.a)
+        near_points("b", self.b)
+        sizes("radius", self.radius)
+        sizes("b - a", np.abs(self.axis).max())
+        _check_ends(self.ends)
 
     @property
     def axis(self):
@@ -141,7 +143,7 @@ class Rod:
             return np.hypot(beyond, off) <= self.radius + guard
         return (beyond <= guard) & (off <= self.radius + guard)
 
-    def meet_line(self, point, direction, *, method="exact"):
+    def meet_line(self, point, direction):
         """Return where lines enter and leave the rod.
 
         Parameters
@@ -151,9 +153,6 @@ class Rod:
         direction : (..., 3) float
             Direction of each line, of any length but zero. Many lines of one direction (3,) are
             first looked at in the plane across it, which is faster.
-        method : {"exact", "three-surfaces", "epsilon", "slab"}
-            "exact", or one of those that the document weighs, see `rod_rivals`; they know flat
-            ends only.
 
         Returns
         -------
@@ -164,8 +163,7 @@ class Rod:
         Raises
         ------
         ValueError
-            If a direction is zero, a number isn't finite or too great or small for its square, or
-            `method` is another word.
+            If a direction is zero, or a number isn't finite or too great or small for its square.
 
         Notes
         -----
@@ -182,8 +180,8 @@ class Rod:
         (-12.0, 54.667)
         """
         p, u = arrays.points("point", point), directions("direction", direction)
-        if u.ndim > 1 or method != "exact":
-            return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends, method=method)
+        if u.ndim > 1:
+            return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends)
         enter, leave = np.empty(p.shape[:-1]), np.empty(p.shape[:-1])
         rows, firsts, lasts = p.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
         axis = frame(np.array(self.a), np.array(self.b), u)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import in_blocks, points, positive, radius_and_excess, real
-from . import torus_line, torus_quartic
+from . import torus_line
 
 # The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.
 FEET = ((1, 1), (1, -1), (-1, 1), (-1, -1))
@@ -137,7 +137,7 @@ class Torus:
         Notes
         -----
         Closed form; the document eliminates its way to the quartic Eq. 10 instead
-        (`torus_quartic.foot_quartic`), which needs no more than these square roots. Errors stay
+        (`replica.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
         below 1e-13 of the foot's distance from the origin, unless M is nearer to the ring circle
         than 1e-10 r.
 
@@ -183,16 +183,15 @@ class Torus:
             radius = radius / (rho + on_axis)
             return _stack(radius * (x + on_axis), scale * y, radius * z)
 
-    def meet_line(self, a, b, *, method="exact"):
+    def meet_line(self, a, b):
         """Return where lines through two points meet the torus (Eqs 4 and 5).
+
+        It keeps its digits for far points and for tangent lines.
 
         Parameters
         ----------
         a, b : (..., 3) float
             Two different points of each line, in m; the line is a + t (b - a).
-        method : {"exact", "quartic"}
-            "exact" keeps its digits for far points and for tangent lines; "quartic" is the
-            document's Eq. 5 with T2 and T0 corrected, through a companion matrix.
 
         Returns
         -------
@@ -203,21 +202,14 @@ class Torus:
         Raises
         ------
         ValueError
-            If a and b coincide, or `method` is another word.
+            If a and b coincide.
 
         Examples
         --------
         >>> Torus(r=1, R=2).meet_line((-10, 0, 0), (-9, 0, 0))
         array([ 7.,  9., 11., 13.])
         """
-        a, b = points("a", a), points("b", b)
-        if np.any(np.all(a == b, axis=-1)):
-            raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
-        if method == "exact":
-            return torus_line.meet(self, a, b)
-        if method == "quartic":
-            return torus_quartic.real_roots(torus_quartic.line_quartic(self, a, b))
-        raise ValueError(f'method: must be "exact" or "quartic"; got {method!r}.')
+        return torus_line.meet(self, *torus_line.through(a, b))
 
 
 def _stack(x, y, z):

@@ -2,10 +2,18 @@
 
 import numpy as np
 
-from ..arrays import cross, dot, norm
+from ..arrays import cross, dot, norm, points
 
 # Distances below this share of r + R count as contact: a few roundings of the arithmetic here.
 CONTACT = 8 * np.finfo(float).eps
+
+
+def through(a, b):
+    """Return the two points (..., 3) of each line, or raise ValueError where they coincide."""
+    a, b = points("a", a), points("b", b)
+    if np.any(np.all(a == b, axis=-1)):
+        raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
+    return a, b
 
 
 def meet(torus, a, b):

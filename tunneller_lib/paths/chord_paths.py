@@ -53,7 +53,7 @@ def joint_line(torus, p, q, t):
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 
 
-RIVALS = {
+CHORD_PATHS = {
     "tangent spheres": tangent_spheres,
     "one-third rule": one_third_rule,
     "plane section": plane_section,

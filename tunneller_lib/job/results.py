@@ -8,14 +8,16 @@ import numpy as np
 
 from ..motion.export import c99, structured_text
 from ..ream import budget
-from . import interchange, scene
-from .tunnel_scene import picture, wall_mesh
+from .atomic_write import write
+from .drawing import dxf
+from .mesh import stl, vtp, wall_solid, wall_surface
+from .tables import knots_csv, setpoints_csv, setvalues_csv
 
 WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 
 
-def outcome(job, cut, say=None):
+def results(job, cut, say=None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
@@ -85,7 +87,7 @@ def _coarse(job, cut):
 
 
 def told(numbers):
-    """Return what `outcome` found as lines for people, lengths in mm."""
+    """Return what `results` found as lines for people, lengths in mm."""
     lines = [
         f"{numbers['knots']} knots, {numbers['setpoints']} set-points, {numbers['ticks']} ticks",
         f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
@@ -108,7 +110,7 @@ def told(numbers):
 
 
 def write_all(job, cut, folder, numbers, say):
-    """Write all files of a job into a folder.
+    """Write the files of a job into a folder, but pictures.
 
     Parameters
     ----------
@@ -119,7 +121,7 @@ def write_all(job, cut, folder, numbers, say):
     folder : path-like
         Made where it is missing; files of these names are replaced.
     numbers : dict
-        From `outcome`, for the table of the error budget.
+        From `results`, for the table of the error budget.
     say : function
         Told what is being written.
 
@@ -132,20 +134,19 @@ def write_all(job, cut, folder, numbers, say):
     curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
     makers = {
         "budget.csv": lambda: _table(numbers["faults"]),
-        "knots.csv": lambda: interchange.knots_csv(plan),
-        "setpoints.csv": lambda: interchange.setpoints_csv(plan),
-        "setvalues.csv": lambda: interchange.setvalues_csv(plan),
+        "knots.csv": lambda: knots_csv(plan),
+        "setpoints.csv": lambda: setpoints_csv(plan),
+        "setvalues.csv": lambda: setvalues_csv(plan),
         "line.st": structured_text,
         "line.c": c99,
-        "section.dxf": lambda: interchange.dxf(curves),
-        "wall.vtp": lambda: wall_mesh(cut.wall, plan.circuit),
-        "wall.stl": lambda: interchange.wall_solid(cut.wall),
-        "wall.png": lambda: scene.crop(picture(cut, wall=cut.wall, limit=job.limit)),
+        "section.dxf": lambda: dxf(curves),
+        "wall.vtp": lambda: vtp(wall_surface(cut.wall, plan.circuit)),
+        "wall.stl": lambda: stl(wall_solid(cut.wall)),
     }
     files = []
     for name, make in makers.items():
         say(f"writing {folder / name}")
-        files.append(str(interchange.write(folder / name, make())))
+        files.append(str(write(folder / name, make())))
     return files
 
 

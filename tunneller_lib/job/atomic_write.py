@@ -27,6 +27,16 @@ def check_writable(path):
         raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
 
 
+def write(path, content):
+    """Write a text or bytes, whole or not at all; return the path where it is now.
+
+    A path-like; a text ends its lines as it says, on every system.
+    """
+    with beside(path) as new:
+        new.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
+    return Path(path)
+
+
 @contextmanager
 def beside(path):
     """Give a path beside the wanted one to write to, with its suffix; rename it at the end.

@@ -1,4 +1,4 @@
-"""The document's quartics, Eqs 5 and 10, with their coefficients corrected: a cross-check.
+"""The document's quartics, Eqs 5 and 10, with their coefficients corrected.
 
 The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) instead.
 """
@@ -6,6 +6,7 @@ The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) 
 import numpy as np
 
 from ..arrays import dot, points
+from ..surfaces.torus_line import through
 
 
 def line_quartic(torus, a, b):
@@ -42,6 +43,14 @@ def line_quartic(torus, a, b):
         ],
         axis=-1,
     )
+
+
+def meet_line(torus, a, b):
+    """Return where lines through a and b (..., 3) meet a torus, as `Torus.meet_line` does.
+
+    By the eigenvalues of Eq. 5's companion matrix: (..., 4) ascending, NaN-padded.
+    """
+    return real_roots(line_quartic(torus, *through(a, b)))
 
 
 def foot_quartic(torus, m):

@@ -1,6 +1,7 @@
-"""What the document weighs against its own method, kept for comparison: Line and finite cylinder.
+"""Four ways of meeting rods with lines, that of the library among them: Line and finite cylinder.
 
-Each takes sound arrays, and answers as `Rod.meet_line` does. All solve the printed quadratic, whose
+Each of `METHODS` takes rods with flat ends and a line each, and answers as `meet_rods` does. The
+three that the document weighs against its own solve the printed quadratic, whose
 leading coefficient vz^2 - vsq cancels for lines along the axis. Its discriminant is of the sixth
 order in lengths and leaves the range of floats for rods below 1e-50 m or above 1e50 m.
 """
@@ -8,11 +9,12 @@ order in lengths and leaves the range of floats for rods below 1e-50 m or above 
 import numpy as np
 
 from ..arrays import dot, norm
+from ..surfaces.rod import meet_rods, rods_and_lines
 
 EPSILON = 0.00001  # as printed; once a share of the length, once a length
 
 
-def crossings(a, b, radius, p, direction, *, epsilon=0.0):
+def crossings(a, b, radius, point, direction, *, epsilon=0.0):
     """Return where lines cross the three surfaces, each on its own, and which crossings count.
 
     Parameters
@@ -21,7 +23,7 @@ def crossings(a, b, radius, p, direction, *, epsilon=0.0):
         Ends of the axes.
     radius : (...) float
         Of the rods, whose ends are flat.
-    p, direction : (..., 3) float
+    point, direction : (..., 3) float
         The lines.
     epsilon : float
         By how much the three surfaces are extended.
@@ -33,7 +35,8 @@ def crossings(a, b, radius, p, direction, *, epsilon=0.0):
     accepted : (4, ...) bool
         Whether the surface reaches that far.
     """
-    q, v, along, shift, speed = _setting(a, b, radius, p, direction)
+    a, b, radius, point, direction = rods_and_lines(a, b, radius, point, direction)
+    q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq, vz, vq, wide = dot(v, v), dot(along, v), dot(q, v), radius + epsilon
     with np.errstate(all="ignore"):
         low, high, _ = _wall(q, v, vz, radius)
@@ -46,32 +49,33 @@ def crossings(a, b, radius, p, direction, *, epsilon=0.0):
     return t, np.stack(np.broadcast_arrays(*accepted))
 
 
-def three_surfaces(a, b, radius, p, direction, *, epsilon=0.0):
+def three_surfaces(a, b, radius, point, direction, *, epsilon=0.0):
     """Return `enter` and `leave`, the least and the greatest of the `crossings` that count.
 
     "The cylinder considered as independent surfaces", with the parentheses that its zb lacks;
-    arguments a, b, radius, p, direction and epsilon as of `crossings`.
+    arguments a, b, radius, point, direction and epsilon as of `crossings`.
     """
-    t, accepted = crossings(a, b, radius, p, direction, epsilon=epsilon)
+    t, accepted = crossings(a, b, radius, point, direction, epsilon=epsilon)
     enter = np.min(np.where(accepted, t, np.inf), axis=0)
     return enter[()], np.max(np.where(accepted, t, -np.inf), axis=0)[()]
 
 
-def epsilon(a, b, radius, p, direction):
+def epsilon_fix(a, b, radius, point, direction):
     """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`.
 
-    Arguments a, b, radius, p and direction as there.
+    Arguments a, b, radius, point and direction as there.
     """
-    return three_surfaces(a, b, radius, p, direction, epsilon=EPSILON)
+    return three_surfaces(a, b, radius, point, direction, epsilon=EPSILON)
 
 
-def slab(a, b, radius, p, direction):
+def slab(a, b, radius, point, direction):
     """Return `enter` and `leave` as the interval of the endless cylinder within the two planes.
 
-    "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius, p
-    and direction as of `three_surfaces`.
+    "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius,
+    point and direction as of `three_surfaces`.
     """
-    q, v, along, shift, speed = _setting(a, b, radius, p, direction)
+    a, b, radius, point, direction = rods_and_lines(a, b, radius, point, direction)
+    q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq, vz, vq = dot(v, v), dot(along, v), dot(q, v)
     with np.errstate(all="ignore"):
         low, high, inside = _wall(q, v, vz, radius)
@@ -86,14 +90,16 @@ def slab(a, b, radius, p, direction):
     return enter[()], np.where(hit, (leave - shift) / speed, -np.inf)[()]
 
 
-METHODS = {"three-surfaces": three_surfaces, "epsilon": epsilon, "slab": slab}
+METHODS = {
+    "exact": meet_rods, "slab": slab, "three-surfaces": three_surfaces, "epsilon": epsilon_fix
+}  # fmt: skip
 
 
-def _setting(a, b, radius, p, direction):
+def _setting(a, b, point, direction):
     """Return q across the line, v, the unit direction, where p was along it, and its speed."""
     speed = norm(direction)
     along = direction / speed[..., None]
-    q = p - a
+    q = point - a
     shift = dot(q, along)
     return q - shift[..., None] * along, b - a, along, shift, speed
 

@@ -1,14 +1,14 @@
 """What the integer line is compared with: the document's listing and other interpolators.
 
-All of `RIVALS` are called alike: (start, stop, ticks) in whole counts, arrays of moves as for
-`time_bresenham`, and return the set-values (..., ticks + 1) that a controller would send, some of
-them no whole counts.
+All of `INTERPOLATORS` are called alike: (start, stop, ticks) in whole counts, arrays of moves as
+for `time_bresenham`. They return the set-values (..., ticks + 1) that a controller would send,
+some of them no whole counts.
 """
 
 import numpy as np
 
 from ..arrays import finite, positive, whole
-from .interpolate import checked_ends, checked_move, time_bresenham
+from ..motion.interpolate import checked_ends, checked_move, time_bresenham
 
 ONE = 1 << 16  # of a fixed-point number with 16 fractional bits
 FIXED_RANGE = (1 << 15) - 1  # its largest whole part
@@ -126,7 +126,7 @@ def integer_slope(start, stop, ticks):
     return start[..., None] + np.arange(ticks + 1) * (difference // ticks)[..., None]
 
 
-RIVALS = {
+INTERPOLATORS = {
     "integer line": time_bresenham,
     "listing": printed_listing,
     "listing, single precision": single_listing,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tunneller_lib.paths import geodesic_inverse, project_chord, projected_length
-from tunneller_lib.paths.rivals import (
-    RIVALS,
+from tunneller_lib.paths.chord_paths import (
+    CHORD_PATHS,
     joint_line,
     one_third_rule,
     path_length,
@@ -19,7 +19,7 @@ MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 TORI = [MACHINE.torus, Torus(0.25, 1), Torus(3, 200), Torus(2e-4, 1e-3)]
 every_torus = pytest.mark.parametrize("torus", TORI, ids=str)
-every_path = pytest.mark.parametrize("path", RIVALS.values(), ids=RIVALS)
+every_path = pytest.mark.parametrize("path", CHORD_PATHS.values(), ids=CHORD_PATHS)
 T = np.linspace(0, 1, 9)
 
 

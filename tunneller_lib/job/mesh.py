@@ -1,0 +1,126 @@
+"""The wall as a mesh for others: STL in millimetres, which carries no unit, VTP in metres."""
+
+import base64
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..ream import overbreak, standing
+
+MM = 1000.0
+SCALAR = "over-break / mm"
+STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Polygons of as many corners each.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Corners, in m.
+    faces : (k, 3) or (k, 4) int
+        Which of them make a face, anticlockwise as seen from outside.
+    values : dict of str to (n,) float, optional
+        Scalars of the corners, by name.
+    """
+
+    points: np.ndarray
+    faces: np.ndarray
+    values: dict = field(default_factory=dict)
+
+
+def wall_surface(wall, circuit):
+    """Return the standing wall with its over-break.
+
+    Parameters
+    ----------
+    wall : DexelGrid
+        The ground round a tunnel, on rays.
+    circuit : Circuit
+        Its section and its machine's depth of cut give the wanted wall.
+
+    Returns
+    -------
+    mesh : Mesh
+        One point a ray, in quadrilaterals, with the values `SCALAR`; minus the depth of cut where
+        nothing is cut.
+    """
+    n, m = wall.low.shape[1:]
+    corners = np.arange(n * m).reshape(n, m)
+    faces = np.stack(_around(corners), axis=-1).reshape(-1, 4)
+    over = MM * overbreak(wall, circuit)
+    return Mesh(standing(wall).reshape(-1, 3), faces, {SCALAR: over.ravel()})
+
+
+def wall_solid(wall):
+    """Return the ground that stands as a closed body, for a printer or a CAD program.
+
+    Parameters
+    ----------
+    wall : DexelGrid
+        The ground round a tunnel, on rays, not cut through.
+
+    Returns
+    -------
+    mesh : Mesh
+        Triangles facing outwards: wall, back of the modelled ground, ends at the first and the
+        last rays. Ground that the cutter has undercut is left out.
+    """
+    inner, (n, m) = standing(wall), wall.low.shape[1:]
+    back = wall.high.max(axis=0)
+    outer = np.stack([inner[..., 0], back * wall.lines.cos, back * wall.lines.sin], axis=-1)
+    k = np.arange(2 * n * m).reshape(2, n, m)
+    sheets = [(k[0], -1), (k[1], 1), (k[:, 0], 1), (k[:, -1], -1)]
+    faces = []
+    for sheet, side in sheets:
+        a, b, c, d = _around(sheet)
+        for corners in ((a, b, c), (a, c, d)):
+            faces.append(np.stack(corners[::side], axis=-1).reshape(-1, 3))
+    points = np.concatenate([inner.reshape(-1, 3), outer.reshape(-1, 3)])
+    return Mesh(points, np.concatenate(faces))
+
+
+def _around(sheet):
+    """Return the corners of a sheet's quadrilaterals, whose rows close to rings."""
+    near, far = sheet[:-1], sheet[1:]
+    return near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far
+
+
+def stl(mesh):
+    """Return a Mesh of triangles as binary STL, in mm."""
+    corners = MM * mesh.points[mesh.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=-1, keepdims=True)
+    faces = np.zeros(len(corners), STL)
+    faces["normal"] = normal / np.where(length > 0, length, 1)
+    faces["corners"] = corners
+    head = b"by tunneller_lib, in millimetres".ljust(80)
+    return head + np.uint32(len(faces)).tobytes() + faces.tobytes()
+
+
+def vtp(mesh):
+    """Return a Mesh as VTK's polygonal data in XML, in m."""
+    count, corners = mesh.faces.shape
+    values = "".join(_data_array(name, of) for name, of in mesh.values.items())
+    ends = corners * np.arange(1, count + 1)
+    return f"""<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+<PolyData><Piece NumberOfPoints="{len(mesh.points)}" NumberOfPolys="{count}">
+<PointData>{values}</PointData>
+<Points>{_data_array("Points", mesh.points)}</Points>
+<Polys>{_data_array("connectivity", mesh.faces.ravel())}{_data_array("offsets", ends)}</Polys>
+</Piece></PolyData>
+</VTKFile>
+""".encode()
+
+
+def _data_array(name, numbers):
+    """Return numbers as an element: base64 of their bytes after the count of these."""
+    kind, dtype = ("Int64", "<i8") if numbers.dtype.kind == "i" else ("Float64", "<f8")
+    content = numbers.astype(dtype).tobytes()
+    text = base64.b64encode(np.uint64(len(content)).astype("<u8").tobytes() + content).decode()
+    columns = numbers.shape[1] if numbers.ndim > 1 else 1
+    about = f'type="{kind}" Name="{name}" NumberOfComponents="{columns}" format="binary"'
+    return f"<DataArray {about}>{text}</DataArray>"

@@ -1,0 +1,92 @@
+"""Tables for others, and for ourselves again: knots, set-points, set-values as CSV.
+
+In metres, radians and whole counts; the head of each says which.
+"""
+
+import numpy as np
+
+from ..arrays import instance
+from ..motion.export import csv
+from ..ream import Plan
+
+JOINTS = "theta", "phi"
+
+
+def knots_csv(plan):
+    """Return the knots of a plan as a table: arc lengths in m and joint positions in counts."""
+    circuit = instance("plan", plan, Plan).circuit
+    counts = np.rint(circuit.position(plan.knots) / plan.count).astype(np.int64)
+    places = [[repr(float(s))] for s in plan.knots]
+    what = "knots: s in m along the offset section, theta and phi in counts"
+    return _described(plan, what, _columns(["knot", "s", *JOINTS], places, counts))
+
+
+def setpoints_csv(plan):
+    """Return the set-points of a lap as a table, whole numbers: ticks of each move and its end.
+
+    The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
+    """
+    ticks = np.append(0, instance("plan", plan, Plan).ticks)[:, None].tolist()
+    what = "set-points of a lap: ticks of the move to each, theta and phi in counts"
+    return _described(plan, what, _columns(["setpoint", "ticks", *JOINTS], ticks, plan.counts))
+
+
+def setvalues_csv(plan):
+    """Return the set-values of a lap as a table, whole numbers: tick and joint positions."""
+    values = np.rint(instance("plan", plan, Plan).setvalues / plan.count).astype(np.int64)
+    what = "set-values of a lap: theta and phi in counts"
+    return _described(plan, what, csv(values, JOINTS).replace(" ", ","))
+
+
+def _columns(names, left, counts):
+    """Return numbered rows under their heading, parted by commas."""
+    rows = ([i, *a, *b] for i, (a, b) in enumerate(zip(left, counts.tolist())))
+    return "".join(",".join(map(str, row)) + "\n" for row in (names, *rows))
+
+
+def _described(plan, what, text):
+    """Return a table under the lines that say what it is."""
+    return "".join(f"# {line}\n" for line in (
+        what, f"tick_s = {plan.tick!r}", f"count_rad = {plan.count!r}", f"laps = {plan.laps}",
+        f"advance_m = {plan.advance!r}",
+    )) + text  # fmt: skip
+
+
+def read_csv(text):
+    """Return a table as it was written: by `knots_csv`, `setpoints_csv` or `setvalues_csv`.
+
+    Parameters
+    ----------
+    text : str
+        Lines of ``# name = value``, a heading, rows of numbers.
+
+    Returns
+    -------
+    about : dict of str to float
+        What the head says: ``tick_s``, ``count_rad``, ``laps``, ``advance_m``.
+    columns : dict of str to (n,) int or float
+        By their names.
+
+    Raises
+    ------
+    ValueError
+        If a row has another length than the heading, or holds no numbers.
+    """
+    head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
+    about = {name: float(value) for name, value in (pair for pair in head if len(pair) == 2)}
+    lines = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+    for number, row in enumerate(lines[1:], start=1):
+        if len(row) != len(lines[0]):
+            raise ValueError(f"text: row {number} has {len(row)} numbers under {len(lines[0])} "
+                             "names.")  # fmt: skip
+    return about, {name: _numbers(name, cells) for name, *cells in zip(*lines)}
+
+
+def _numbers(name, cells):
+    """Return the cells of a column as whole numbers, or else as numbers."""
+    for kind in (np.int64, np.float64):
+        try:
+            return np.array(cells, dtype=str).astype(kind)
+        except ValueError:
+            continue
+    raise ValueError(f"text: column {name} must hold numbers; got {cells[:3]}.")

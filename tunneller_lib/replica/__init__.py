@@ -1,0 +1,5 @@
+"""What the three documents print, kept runnable and judged; no tool of the library uses it.
+
+Quartics of the torus, ways of meeting a rod with lines and the judge of them in whole numbers,
+other interpolators, the conditions for envelopes as they stand.
+"""

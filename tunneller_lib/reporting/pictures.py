@@ -1,0 +1,72 @@
+"""Pictures, animations and scenes as files."""
+
+import json
+import re
+from html import escape
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import PIL.Image
+
+from ..job.atomic_write import beside
+from .style import ERROR_MAP
+
+# The viewer takes the page's element of the class content, or else all of its body.
+PAGE = """<body>
+    <main class="content" role="img" aria-label="{0}" style="width: 100vw; height: 100vh"></main>
+    <p style="position: fixed; left: 1em; bottom: 0; color: #444; pointer-events: none">
+      {0}. Drag to turn, turn the wheel to zoom, drag with shift to move.
+    </p>"""
+
+
+def write(path, content):
+    """Write a scene, a picture or those of an animation, whole or not at all.
+
+    Parameters
+    ----------
+    path : path-like
+        Its suffix says how: .html for a scene that turns without a network; .png for a picture,
+        .gif for several.
+    content : pyvista.Plotter, (n, m, 3) uint8 or iterable of them
+        What.
+
+    Returns
+    -------
+    path : pathlib.Path
+        Where it is now.
+    """
+    writers = {".html": _html, ".png": _png, ".gif": _gif}
+    path = Path(path)
+    with beside(path) as new:
+        writers[path.suffix](new, content)
+    return path
+
+
+def _html(path, plotter):
+    page, title = plotter.trame.export_html(None).getvalue(), escape(plotter.title)
+    for bar in plotter.scalar_bars.values():  # the viewer has a word of its own for them all
+        page = page.replace('"Below"', json.dumps(bar.GetBelowRangeAnnotation() or "below"))
+    plotter.close()
+    page = re.sub("<title>.*?</title>", f"<title>{title}</title>", page, count=1)
+    page = page.replace("<body>", PAGE.format(title), 1)
+    # The viewer inside asks its makers' site for the icon of the page; nothing else is loaded.
+    page = re.sub(r"https://kitware\.github\.io/[^`\"']*", "data:,", page)
+    path.write_text(page, encoding="utf-8", newline="\n")
+
+
+def _png(path, pixels):
+    PIL.Image.fromarray(pixels).save(path, optimize=True)
+
+
+def _gif(path, pictures, milliseconds=80):
+    """Write pictures in 255 colours, those of the error scale and of the last picture's rest."""
+    pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
+    scale = matplotlib.colormaps[ERROR_MAP](np.linspace(0, 1, 64), bytes=True)[:, :3]
+    others = pictures[-1].quantize(190, dither=PIL.Image.Dither.NONE).getpalette()
+    others = np.reshape(others, (-1, 3))
+    others = others[others.max(axis=1) < 248]  # nothing that white paper would be mistaken for
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *np.concatenate([scale, others]).ravel().tolist()])
+    pictures = [p.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for p in pictures]
+    pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=milliseconds, loop=0)
