@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from tunneller_lib.paths import Circuit, ConeChord, project_chord, projected_length
 from tunneller_lib.removal import (
     advance_for_volume,
-    arm_ends,
     bowl,
     groove_area,
     half_lens,
@@ -146,7 +145,7 @@ CALLS = {
     "rod_clearance": Call(
         partial(rod_clearance, _EGG), ("a", "b", "radius"), ((3,), (3,), ()), ((),)
     ),
-    "arm_ends": Call(partial(arm_ends, REFERENCE_MACHINE), ("position",), _JOINT, ((3,), (3,))),
+    "Circuit.arm": Call(_TILTED.arm, ("position",), _JOINT, ((3,), (3,))),
     "Machine.within_limits": Call(REFERENCE_MACHINE.within_limits, ("position",), _JOINT, ((),)),
     **{
         f"project_chord {spacing}": Call(

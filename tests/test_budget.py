@@ -27,14 +27,7 @@ from tunneller_lib.ream.budget import (
     standing_elsewhere,
     tangent_spheres,
 )
-from tunneller_lib.ream.sensitivity import (
-    acceleration,
-    geodesic_bend,
-    gradient,
-    joint_bend,
-    rounding_passed,
-    velocity,
-)
+from tunneller_lib.ream.sensitivity import geodesic_bend, gradient, joint_bend, rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -272,10 +265,10 @@ def test_velocity_and_acceleration_against_differences():
     q, rate = rng.uniform(-0.6, 0.6, (50, 2)), rng.normal(size=(50, 2))
     h = 1e-4
     points = [torus.point(*(q + k * h * rate).T) for k in (-1, 0, 1)]
-    np.testing.assert_allclose((points[2] - points[0]) / (2 * h), velocity(torus, q, rate),
+    np.testing.assert_allclose((points[2] - points[0]) / (2 * h), torus.velocity(q, rate),
                                atol=1e-7)  # fmt: skip
     second = (points[2] - 2 * points[1] + points[0]) / h**2
-    np.testing.assert_allclose(second, acceleration(torus, q, rate), atol=1e-6)
+    np.testing.assert_allclose(second, torus.acceleration(q, rate), atol=1e-6)
 
 
 @CIRCUITS

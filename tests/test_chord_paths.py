@@ -1,5 +1,8 @@
 """Paths that could stand in for a geodesic, and their lengths."""
 
+import csv
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -13,7 +16,13 @@ from tunneller_lib.paths.chord_paths import (
     radial_projection,
     tangent_spheres,
 )
+from tunneller_lib.reporting.digits import in_words
+from tunneller_lib.reporting.path_plot import look
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+READS = ["README.md", "notebooks/*", "report/sections/geodesics.typ"]
+
+ROOT = Path(__file__).resolve().parents[1]
 
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
@@ -132,3 +141,33 @@ def test_path_refuses_ends_of_another_shape(path):
 
 def test_joint_line_of_no_length_has_none():
     assert path_length(MACHINE.torus, joint_line, (0.1, 0.2), (0.1, 0.2)) < 1e-14
+
+
+# What a further path reaches by itself, and where people count them
+
+
+def test_every_path_has_its_own_look():
+    looks = [look(name) for name in CHORD_PATHS]
+    assert (
+        len({each["color"] for each in looks}) == len({each["ls"] for each in looks}) == len(looks)
+    )
+
+
+def test_atlas_knows_every_path():
+    with (ROOT / "notebooks" / "atlas.csv").open(newline="") as file:
+        names = {row["path"] for row in csv.DictReader(file)}
+    assert names == CHORD_PATHS.keys(), "notebooks/atlas.csv: `make atlas` makes it anew"
+
+
+@pytest.mark.parametrize(("file", "sentence"), [
+    ("README.md", "compares {} ways"),
+    ("notebooks/00_index.ipynb", "{} ways"),
+    ("notebooks/11_rivals.ipynb", "**You will see** {} ways"),
+    ("notebooks/12_atlas.ipynb", "the atlas: {} paths"),
+    ("report/sections/geodesics.typ", "compares {} paths"),
+    ("report/sections/geodesics.typ", "[{} paths against the geodesic"),
+    ("report/sections/geodesics.typ", "excess of length of {} paths"),
+])  # fmt: skip
+def test_prose_counts_every_path(file, sentence):
+    text = (ROOT / file).read_text(encoding="utf-8").lower()
+    assert sentence.format(in_words(len(CHORD_PATHS))).lower() in text

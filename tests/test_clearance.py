@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.removal import DexelGrid, arm_ends, circuit_clearance, rod_clearance
+from tunneller_lib.removal import DexelGrid, circuit_clearance, rod_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
 
 EGG = Egg(0.5)
@@ -23,9 +23,9 @@ def test_rod_clearance_is_the_least_over_the_axis(seed, a, offset):
     np.testing.assert_allclose(found, depth, atol=1e-12 * a)
 
 
-def test_arm_ends_are_an_arm_apart():
+def test_ends_of_the_arm_are_an_arm_apart():
     position = np.random.default_rng(0).uniform(-0.6, 0.6, (50, 2))
-    joint, centre = arm_ends(REFERENCE_MACHINE, position)
+    joint, centre = cutting_circuit(REFERENCE_MACHINE, EGG).arm(position)
     np.testing.assert_allclose(np.linalg.norm(centre - joint, axis=-1), REFERENCE_MACHINE.R)
     np.testing.assert_allclose(joint[:, 1], 0)
     from_axis = np.hypot(joint[:, 0], joint[:, 2] - REFERENCE_MACHINE.height)
@@ -38,7 +38,7 @@ def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
     low, high = circuit.reach()
     found = circuit_clearance(REFERENCE_MACHINE, EGG, low[0], high[0], arm_radius)
     s = np.linspace(0, EGG.offset(REFERENCE_MACHINE.offset).perimeter, 5001)
-    ends = arm_ends(REFERENCE_MACHINE, circuit.position(s))
+    ends = circuit.arm(circuit.position(s))
     sampled = rod_clearance(EGG, *ends, arm_radius)
     np.testing.assert_allclose(found.arm, sampled.min(), atol=1e-9)
     cutter = EGG.depth(ends[1][:, 1], ends[1][:, 2]) - REFERENCE_MACHINE.cutter_radius
@@ -50,7 +50,7 @@ def test_grid_sees_the_same_collision():
     circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
     clearance = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.0).arm
     s = circuit.knots(tolerance=1e-3)
-    joint, centre = arm_ends(REFERENCE_MACHINE, circuit.position(s))
+    joint, centre = circuit.arm(circuit.position(s))
     angle = (np.arange(360) + 0.5) * np.pi / 180
     reach = np.linspace(0, 1.2, 24_001)[:, None]
     inner = reach[np.argmax(EGG.depth(reach * np.cos(angle), reach * np.sin(angle)) < 0, axis=0), 0]
@@ -65,7 +65,6 @@ def test_grid_sees_the_same_collision():
     [
         (lambda: rod_clearance(1, (0, 0, 0), (1, 0, 0), 1), "section: must be of class Section"),
         (lambda: rod_clearance(EGG, (0, 0, np.nan), (1, 0, 0), 1), "a: must hold finite numbers"),
-        (lambda: arm_ends(EGG, (0, 0)), "machine: must be of class Machine"),
         (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, 1, 0, 0), "lowest: must be at most"),
         (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, np.nan, 0, 0), "lowest: must be one"),
         (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, 0, 0, -1), "arm_radius: must be one"),

@@ -209,3 +209,59 @@ def test_point_broadcasts():
     assert RING.normal(np.zeros((4, 1)), np.zeros(5)).shape == (4, 5, 3)
     assert [k.shape for k in RING.curvatures(np.zeros((4, 1)), np.zeros(5))] == [(4, 5)] * 2
     assert RING.feet(np.ones((4, 5, 3))).shape == (4, 5, 4, 3)
+
+
+# Differential geometry
+
+
+@pytest.fixture(params=[(0.08, 0.8), (3.0, 1.0)], ids=["spindle", "ring"])
+def moving(request):
+    """A torus, joint positions on its working sheet and rates."""
+    torus, rng = Torus(*request.param), np.random.default_rng(7)
+    return torus, rng.uniform(-0.9, 0.9, (200, 2)), rng.normal(size=(200, 2))
+
+
+def test_ring_point_is_a_tube_radius_from_the_torus(moving):
+    torus, q, _ = moving
+    arm = torus.point(q[:, 0], q[:, 1]) - torus.ring_point(q[:, 0])
+    np.testing.assert_allclose(arm, torus.R * torus.normal(q[:, 0], q[:, 1]), atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(torus.ring_point(q[:, 0]), axis=-1), torus.r)
+
+
+def test_tangents_and_normal_are_a_frame(moving):
+    torus, q, _ = moving
+    frame = np.stack([torus.normal(*q.T), *torus.tangents(*q.T)], axis=-2)
+    np.testing.assert_allclose(
+        frame @ np.swapaxes(frame, 1, 2), np.broadcast_to(np.eye(3), (200, 3, 3)), atol=1e-15
+    )
+    # They point where phi and theta grow.
+    for k, tangent in ((1, frame[:, 1]), (0, frame[:, 2])):
+        unit = np.broadcast_to(np.eye(2)[k], q.shape)
+        assert np.all(np.sum(torus.velocity(q, unit) * tangent, axis=-1) > 0)
+
+
+def test_velocity_lies_in_the_tangent_plane(moving):
+    torus, q, rate = moving
+    off = np.sum(torus.velocity(q, rate) * torus.normal(*q.T), axis=-1)
+    np.testing.assert_allclose(off, 0, atol=1e-14)
+
+
+def test_normal_curvature_is_that_of_the_acceleration(moving):
+    # Meusnier: whatever the curve, -n.a = curvature v^2.
+    torus, q, rate = moving
+    velocity = torus.velocity(q, rate)
+    speed = np.linalg.norm(velocity, axis=-1)
+    pull = -np.sum(torus.acceleration(q, rate) * torus.normal(*q.T), axis=-1)
+    found = torus.normal_curvature(q, velocity / speed[:, None])
+    np.testing.assert_allclose(found, pull / speed**2, rtol=1e-11)
+
+
+def test_geodesic_torsion_is_how_the_normal_turns_about_the_way(moving):
+    torus, q, rate = moving
+    velocity, h = torus.velocity(q, rate), 1e-6
+    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
+    ahead, behind = torus.normal(*(q + h * rate).T), torus.normal(*(q - h * rate).T)
+    turning = (ahead - behind) / (2 * h * speed)
+    across = np.cross(torus.normal(*q.T), velocity / speed)
+    torsion = torus.geodesic_torsion(q, velocity / speed)
+    np.testing.assert_allclose(np.sum(turning * across, axis=-1), -torsion, atol=1e-8)

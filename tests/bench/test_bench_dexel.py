@@ -9,7 +9,7 @@ import pytest
 
 from tests.bench.conftest import best_times
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.removal import DexelGrid, arm_ends
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
 
 TICKS = 10_000
@@ -24,7 +24,8 @@ def test_circuit_of_ticks_on_rays(benchmark, say):
         inside = egg.depth(middle * np.cos(angle), middle * np.sin(angle)) > 0
         low, high = np.where(inside, middle, low), np.where(inside, high, middle)
     s = np.linspace(0, egg.offset(REFERENCE_MACHINE.offset).perimeter, TICKS + 1)
-    centres = arm_ends(REFERENCE_MACHINE, cutting_circuit(REFERENCE_MACHINE, egg).position(s))[1]
+    circuit = cutting_circuit(REFERENCE_MACHINE, egg)
+    _, centres = circuit.arm(circuit.position(s))
 
     def cut():
         tunnel = DexelGrid.radial(0.3, 1.2, low, low + 0.1, (400, 720))

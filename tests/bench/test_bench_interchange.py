@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from tunneller_lib.reporting.interchange import dxf
+from tunneller_lib.job.drawing import dxf
 from tunneller_lib.surfaces import Arc, Egg, Line, closed_profile
 
 BEND = np.pi / 2

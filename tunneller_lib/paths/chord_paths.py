@@ -5,6 +5,8 @@ and returns joint positions. All but the straight line in joint space drop the p
 chord onto the torus: along which direction is the whole difference.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -53,12 +55,42 @@ def joint_line(torus, p, q, t):
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 
 
+@dataclass(frozen=True)
+class ChordPath:
+    """A way that could stand in for a geodesic, with its look in drawings.
+
+    Parameters
+    ----------
+    name : str
+        What tables and legends call it.
+    way : callable
+        Of a torus, positions p and q (..., 2) in rad and shares t (n,), to positions (..., n, 2).
+    colour : str
+        Its role in `reporting.COLOURS`.
+    line : str or tuple
+        Its line style, of matplotlib, that tells it apart in grey, too.
+    """
+
+    name: str
+    way: Callable
+    colour: str
+    line: str | tuple
+
+    def __call__(self, torus, p, q, t):
+        """Return the `way` on a torus from p to q at t."""
+        return self.way(torus, p, q, t)
+
+
+# A further one is one entry here; the atlas (notebooks/atlas.csv) is then to be made anew.
 CHORD_PATHS = {
-    "tangent spheres": tangent_spheres,
-    "one-third rule": one_third_rule,
-    "plane section": plane_section,
-    "radial projection": radial_projection,
-    "joint space": joint_line,
+    path.name: path
+    for path in (
+        ChordPath("tangent spheres", tangent_spheres, "tangent sphere", "-"),
+        ChordPath("one-third rule", one_third_rule, "correct", "--"),
+        ChordPath("plane section", plane_section, "offset", "-."),
+        ChordPath("radial projection", radial_projection, "printed", ":"),
+        ChordPath("joint space", joint_line, "error", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
+    )
 }
 
 

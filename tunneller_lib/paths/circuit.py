@@ -155,12 +155,20 @@ class Circuit:
         turned = points("point", point) @ self.axes.T
         return turned + np.array([0.0, 0.0, self.machine.height])
 
+    def arm(self, position):
+        """Return the ends of the arm's axis, the tangential joint and the cutter's centre.
+
+        Both (..., 3), in m, in the tunnel's frame, at joint positions (..., 2).
+        """
+        theta, phi = np.moveaxis(positions("position", position), -1, 0)
+        torus = self.machine.torus
+        return self.in_tunnel(torus.ring_point(theta)), self.in_tunnel(torus.point(theta, phi))
+
     def overcut(self, position):
         """Return how far the cutter's centre at joint positions (..., 2) lies outside the
         wanted profile, in m: over-break if positive, under-break if negative."""
-        position = positions("position", position)
-        point = self.in_tunnel(self.machine.torus.point(position[..., 0], position[..., 1]))
-        return -self.profile.depth(point[..., 1], point[..., 2])
+        _, centre = self.arm(position)
+        return -self.profile.depth(centre[..., 1], centre[..., 2])
 
     def path_overcut(self, s):
         """Return the over-break (n, SAMPLES), in m, along the tangent-sphere paths that join n

@@ -43,12 +43,9 @@ class Samples:
     @property
     def tangent(self):
         """Return the unit tangents (..., n, 3)."""
-        theta, phi = np.moveaxis(self.position, -1, 0)
-        up = np.stack(
-            [-np.sin(phi) * np.cos(theta), np.cos(phi), np.sin(phi) * np.sin(theta)], axis=-1
-        )
-        around = np.stack([-np.sin(theta), np.zeros_like(theta), -np.cos(theta)], axis=-1)
-        return np.cos(self.azimuth)[..., None] * up + np.sin(self.azimuth)[..., None] * around
+        meridian, parallel = self.torus.tangents(self.position[..., 0], self.position[..., 1])
+        cos, sin = np.cos(self.azimuth)[..., None], np.sin(self.azimuth)[..., None]
+        return cos * meridian + sin * parallel
 
     def deviation(self, position):
         """Return how far joint positions (..., m, 2) lie beside the geodesic, as (..., m) in m.

@@ -14,7 +14,6 @@ from .sensitivity import (
     geodesic_bend,
     gradient,
     joint_bend,
-    normal_curvature,
     planned_motion,
     rounding_passed,
     trailing,
@@ -124,8 +123,9 @@ def knots(plan):
 def tangent_spheres(plan):
     """Return the fault of tangent-sphere paths in place of geodesics between the same knots."""
     circuit, _, _, middle, length, direction, q = _segments(plan)
-    bend, torsion = normal_curvature(circuit.machine.torus, q, direction)
-    across = np.cross(circuit.machine.torus.normal(q[:, 0], q[:, 1]), direction)
+    torus = circuit.machine.torus
+    bend, torsion = torus.normal_curvature(q, direction), torus.geodesic_torsion(q, direction)
+    across = np.cross(torus.normal(q[:, 0], q[:, 1]), direction)
     law = np.abs(bend * torsion) * length**3 / (36 * np.sqrt(3))
     closed = law * np.abs(dot(across, wall_frame(circuit, middle)[0]))
     apart = _overcut(plan, _waypoints(plan, False)) - _overcut(plan, _waypoints(plan, True))

@@ -245,12 +245,9 @@ def _ground(circuit, s, lengths, advance):
 
 def _keep_clear(circuit, arm_radius):
     """Raise ValueError if a round-ended rod about the arm touches the intact wall."""
-    machine, section = circuit.machine, circuit.section
     s = np.linspace(0, circuit.profile.perimeter, 721)
-    theta = circuit.position(s)[:, 0]
-    ring = np.stack([np.cos(theta), np.zeros_like(theta), -np.sin(theta)], axis=-1)
-    joint, centre = circuit.in_tunnel(machine.r * ring), circuit.in_tunnel(circuit.point(s))
-    clear = rod_clearance(section, joint, centre, not_negative("arm_radius", arm_radius))
+    ends = circuit.arm(circuit.position(s))
+    clear = rod_clearance(circuit.section, *ends, not_negative("arm_radius", arm_radius))
     worst = int(np.argmin(clear))
     if clear[worst] < 0:
         raise ValueError(

@@ -23,34 +23,11 @@ def wall_frame(circuit, s):
     return normal @ axes, tangent @ axes, circuit.profile.curvature(s)
 
 
-def velocity(torus, q, rate):
-    """Return the centre's velocity (..., 3), in m/s, at joint positions and rates (..., 2)."""
-    (theta, phi), (p, w) = np.moveaxis(q, -1, 0), np.moveaxis(rate, -1, 0)
-    rho, drho = torus.r + torus.R * np.cos(phi), -torus.R * np.sin(phi) * w
-    return np.stack([
-        drho * np.cos(theta) - rho * np.sin(theta) * p,
-        torus.R * np.cos(phi) * w,
-        -drho * np.sin(theta) - rho * np.cos(theta) * p,
-    ], axis=-1)  # fmt: skip
-
-
-def acceleration(torus, q, rate):
-    """Return the centre's acceleration (..., 3), in m/s^2, while the joint rates are constant."""
-    (theta, phi), (p, w) = np.moveaxis(q, -1, 0), np.moveaxis(rate, -1, 0)
-    rho, drho = torus.r + torus.R * np.cos(phi), -torus.R * np.sin(phi) * w
-    radial, turning = -torus.R * np.cos(phi) * w**2 - rho * p**2, 2 * drho * p
-    return np.stack([
-        radial * np.cos(theta) - turning * np.sin(theta),
-        -torus.R * np.sin(phi) * w**2,
-        -radial * np.sin(theta) - turning * np.cos(theta),
-    ], axis=-1)  # fmt: skip
-
-
 def gradient(circuit, s, q):
     """Return df/dq (..., 2), in m/rad, at joint positions q (..., 2) with f = 0 at places s."""
     normal, _, _ = wall_frame(circuit, s)
     units = np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2))
-    moves = velocity(circuit.machine.torus, q[..., None, :], units)
+    moves = circuit.machine.torus.velocity(q[..., None, :], units)
     return dot(moves, normal[..., None, :])
 
 
@@ -61,8 +38,8 @@ def joint_bend(circuit, s, q, rate):
     """
     torus = circuit.machine.torus
     normal, tangent, curvature = wall_frame(circuit, s)
-    along = dot(velocity(torus, q, rate), tangent)
-    return dot(acceleration(torus, q, rate), normal) + curvature * along**2
+    along = dot(torus.velocity(q, rate), tangent)
+    return dot(torus.acceleration(q, rate), normal) + curvature * along**2
 
 
 def geodesic_bend(circuit, s, q, direction):
@@ -76,18 +53,8 @@ def geodesic_bend(circuit, s, q, direction):
     torus = circuit.machine.torus
     normal, tangent, curvature = wall_frame(circuit, s)
     across = torus.normal(q[..., 0], q[..., 1])
-    return (curvature * dot(direction, tangent) ** 2
-            - normal_curvature(torus, q, direction)[0] * dot(across, normal))  # fmt: skip
-
-
-def normal_curvature(torus, q, direction):
-    """Return normal curvature and geodesic torsion (...), in 1/m, in unit directions (..., 3)."""
-    zero = np.zeros(q.shape[:-1])
-    meridian = velocity(torus, q, np.stack([zero, zero + 1 / torus.R], axis=-1))
-    cos = dot(meridian, direction)
-    first, second = torus.curvatures(q[..., 0], q[..., 1])
-    sin = dot(np.cross(meridian, torus.normal(q[..., 0], q[..., 1])), direction)
-    return first * cos**2 + second * (1 - cos**2), (second - first) * sin * cos
+    of_torus = torus.normal_curvature(q, direction) * dot(across, normal)
+    return curvature * dot(direction, tangent) ** 2 - of_torus
 
 
 def lateness(plant):
@@ -133,7 +100,7 @@ def planned_motion(plan):
     before, at, after = (circuit.position(middle + shift) for shift in (-h, 0.0, h))
     along = (after - before) / (2 * h)
     speed = np.where(np.diff(plan.s) > 0, (plan.feed[1:] + plan.feed[:-1]) / 2, 0.0)
-    speed = speed / norm(velocity(circuit.machine.torus, at, along))
+    speed = speed / norm(circuit.machine.torus.velocity(at, along))
     return middle, along * speed[:, None], (after - 2 * at + before) / h**2 * speed[:, None] ** 2
 
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, finite_points, instance, not_negative, positions, real
+from ..arrays import finite, finite_points, instance, not_negative, real
 from ..surfaces import Machine, Section
 
 
@@ -47,28 +47,6 @@ def rod_clearance(section, a, b, radius):
     a, b, radius = finite_points("a", a), finite_points("b", b), real("radius", radius)
     depths = [section.depth(end[..., 1], end[..., 2]) for end in (a, b)]
     return np.minimum(*depths) - radius
-
-
-def arm_ends(machine, position):
-    """Return the ends of the arm's axis, from the tangential joint to the cutter's centre.
-
-    Parameters
-    ----------
-    machine : Machine
-        The machine, its axes along the tunnel's.
-    position : (..., 2) float
-        Joint positions theta, phi in rad.
-
-    Returns
-    -------
-    joint, centre : (..., 3) float
-        In the frame of the tunnel's section, whose axis goes through the roof's centre, in m.
-    """
-    machine = instance("machine", machine, Machine)
-    theta, phi = np.moveaxis(positions("position", position), -1, 0)
-    lift = np.array([0.0, 0.0, machine.height])
-    ring = np.stack([np.cos(theta), np.zeros_like(theta), -np.sin(theta)], axis=-1)
-    return machine.r * ring + lift, machine.torus.point(theta, phi) + lift
 
 
 def circuit_clearance(machine, section, lowest, highest, arm_radius):

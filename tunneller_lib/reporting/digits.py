@@ -123,3 +123,15 @@ def cell(name, value, decimals):
     if decimals is None:
         raise ValueError(f"{name}: decimals must say how many of {value} are meant.")
     return f"{round(value, decimals) + 0.0:.{decimals}f}"  # adding 0.0 turns -0.0 into 0.0
+
+
+def in_words(number):
+    """Return a whole number from zero to twelve as a word, a greater one in digits.
+
+    Examples
+    --------
+    >>> in_words(5), in_words(40)
+    ('five', '40')
+    """
+    words = "zero one two three four five six seven eight nine ten eleven twelve".split()
+    return words[number] if number < len(words) else str(number)

@@ -40,6 +40,12 @@ def draw_development(ax, chord, u):
     return lines
 
 
+def look(name):
+    """Return how the chord path of this name is drawn, as options of matplotlib's plot."""
+    path = CHORD_PATHS[name]
+    return {"color": COLOURS[path.colour], "ls": path.line, "label": name}
+
+
 def draw_ways(ax, torus, p, q):
     """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
 
@@ -108,7 +114,7 @@ def draw_rivals(ax, torus, p, q):
     return lines
 
 
-def draw_beside(ax, torus, p, q, *, rules, colours):
+def draw_beside(ax, torus, p, q, *, rules):
     """Draw how far stand-ins for the geodesic lie beside it.
 
     Parameters
@@ -121,8 +127,6 @@ def draw_beside(ax, torus, p, q, *, rules, colours):
         Joint positions (theta, phi) of the ends, in rad.
     rules : sequence of str
         Names in `CHORD_PATHS`.
-    colours : dict
-        The colour of each.
 
     Returns
     -------
@@ -134,7 +138,7 @@ def draw_beside(ax, torus, p, q, *, rules, colours):
     lines = []
     for name in rules:
         off = samples.deviation(CHORD_PATHS[name](torus, p, q, t))
-        lines += ax.plot((t - 0.5) * chord, 1000 * off, color=colours[name], label=name)
+        lines += ax.plot((t - 0.5) * chord, 1000 * off, **look(name))
     ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
     ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")
     return lines

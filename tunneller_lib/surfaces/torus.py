@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import in_blocks, points, positive, radius_and_excess, real
+from ..arrays import dot, in_blocks, points, positions, positive, radius_and_excess, real
 from . import torus_line
 
 # The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.
@@ -97,6 +97,116 @@ class Torus:
         """Return the unit normals (..., 3), away from the centre of the tube circle (Eq. 7)."""
         theta, phi = real("theta", theta), real("phi", phi)
         return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
+
+    def ring_point(self, theta):
+        """Return the points (..., 3) of the ring circle, in m: where the tangential joint is."""
+        theta = real("theta", theta)
+        return self.r * _stack(np.cos(theta), np.zeros_like(theta), 0.0 - np.sin(theta))
+
+    def tangents(self, theta, phi):
+        """Return the unit tangents of the meridian and of the parallel.
+
+        Parameters
+        ----------
+        theta, phi : (...) float
+            Joint angles in rad.
+
+        Returns
+        -------
+        meridian, parallel : (..., 3) float
+            Towards growing phi and towards growing theta; with `normal` they are at right angles.
+        """
+        theta, phi = real("theta", theta), real("phi", phi)
+        sin, cos = np.sin(theta), np.cos(theta)
+        meridian = _stack(-np.sin(phi) * cos, np.cos(phi), np.sin(phi) * sin)
+        return meridian, _stack(-sin, np.zeros_like(sin), -cos)
+
+    def velocity(self, position, rate):
+        """Return the velocity of the cutter's centre, by the first derivative of Eq. 1.
+
+        Parameters
+        ----------
+        position, rate : (..., 2) float
+            Joint positions (theta, phi), in rad, and their rates, in rad/s.
+
+        Returns
+        -------
+        velocity : (..., 3) float
+            In m/s.
+        """
+        theta, phi, turning, lifting = _joint_motion(position, rate)
+        rho, drho = self.r + self.R * np.cos(phi), -self.R * np.sin(phi) * lifting
+        return _stack(
+            drho * np.cos(theta) - rho * np.sin(theta) * turning,
+            self.R * np.cos(phi) * lifting,
+            -drho * np.sin(theta) - rho * np.cos(theta) * turning,
+        )
+
+    def acceleration(self, position, rate):
+        """Return the acceleration of the cutter's centre while the joint rates are constant.
+
+        Parameters
+        ----------
+        position, rate : (..., 2) float
+            Joint positions (theta, phi), in rad, and their rates, in rad/s.
+
+        Returns
+        -------
+        acceleration : (..., 3) float
+            In m/s^2: the second derivative of Eq. 1 along a straight line in joint space.
+        """
+        theta, phi, turning, lifting = _joint_motion(position, rate)
+        rho, drho = self.r + self.R * np.cos(phi), -self.R * np.sin(phi) * lifting
+        radial = -self.R * np.cos(phi) * lifting**2 - rho * turning**2
+        sideways = 2 * drho * turning
+        return _stack(
+            radial * np.cos(theta) - sideways * np.sin(theta),
+            -self.R * np.sin(phi) * lifting**2,
+            -radial * np.sin(theta) - sideways * np.cos(theta),
+        )
+
+    def normal_curvature(self, position, direction):
+        """Return the normal curvature of the torus in tangent directions, by Euler's formula.
+
+        Parameters
+        ----------
+        position : (..., 2) float
+            Joint positions (theta, phi), in rad.
+        direction : (..., 3) float
+            Unit vectors in the tangent plane.
+
+        Returns
+        -------
+        curvature : (...) float
+            In 1/m, positive where the surface bends away from `normal`.
+        """
+        cos, _, first, second = self._in_principal_directions(position, direction)
+        return first * cos**2 + second * (1 - cos**2)
+
+    def geodesic_torsion(self, position, direction):
+        """Return the torsion of the geodesics that leave in tangent directions.
+
+        Parameters
+        ----------
+        position : (..., 2) float
+            Joint positions (theta, phi), in rad.
+        direction : (..., 3) float
+            Unit vectors in the tangent plane.
+
+        Returns
+        -------
+        torsion : (...) float
+            In 1/m; zero along meridians and parallels, the lines of curvature.
+        """
+        cos, sin, first, second = self._in_principal_directions(position, direction)
+        return (second - first) * sin * cos
+
+    def _in_principal_directions(self, position, direction):
+        """Return cosine and sine from the meridian to a direction, and both curvatures."""
+        theta, phi = np.moveaxis(positions("position", position), -1, 0)
+        direction = points("direction", direction)
+        meridian, parallel = self.tangents(theta, phi)
+        return dot(meridian, direction), dot(parallel, direction), *self.curvatures(theta, phi)
 
     def curvatures(self, theta, phi):
         """Return the principal curvatures along the meridian and along the parallel.
@@ -210,6 +320,12 @@ class Torus:
         array([ 7.,  9., 11., 13.])
         """
         return torus_line.meet(self, *torus_line.through(a, b))
+
+
+def _joint_motion(position, rate):
+    """Return theta, phi and their rates, an array each."""
+    position, rate = positions("position", position), positions("rate", rate)
+    return position[..., 0], position[..., 1], rate[..., 0], rate[..., 1]
 
 
 def _stack(x, y, z):
