@@ -148,9 +148,8 @@ def test_joint_line_of_no_length_has_none():
 
 def test_every_path_has_its_own_look():
     looks = [look(name) for name in CHORD_PATHS]
-    assert (
-        len({each["color"] for each in looks}) == len({each["ls"] for each in looks}) == len(looks)
-    )
+    for feature in ("color", "ls"):
+        assert len({each[feature] for each in looks}) == len(looks)
 
 
 def test_atlas_knows_every_path():
