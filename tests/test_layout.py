@@ -121,9 +121,17 @@ def test_docstrings_describe_the_signature(path):
         if names is not None:
             assert names == signature(node), f"{name} describes {names}"
         elif needs_parameters(node):
-            # No section is needed where every name stands in the text, or another place tells.
+            # No section is needed where every name stands in the text.
             text = [n for n in signature(node) if not re.search(rf"\b{n}s?\b", docstring)]
-            assert not text or "Made by" in docstring, f"{name} doesn't describe {text}"
+            assert not text, f"{name} doesn't describe {text}"
+
+
+@every_module
+def test_result_objects_document_each_field_with_its_unit_or_type(path):
+    for name, node in public(ast.parse(path.read_text())):
+        if isinstance(node, ast.ClassDef) and needs_parameters(node):
+            section = described(ast.get_docstring(node))
+            assert section is not None, f"{name} has no section Parameters"
 
 
 def child(code):

@@ -46,9 +46,28 @@ class WrongJob(ValueError):
 
 @dataclass(frozen=True)
 class Job:
-    """What a file asks for, by its tables, in SI units.
+    """What a file asks for, in SI units: each table a dict of its names and values.
 
-    Made by `read_job`; nothing is computed before it is asked for.
+    Nothing is computed before it is asked for. `read_job` makes one from a file.
+
+    Parameters
+    ----------
+    machine : dict
+        Arguments of `Machine`, in m and rad.
+    section : dict
+        ``shape``: "egg", "circle" or "pieces", and its sizes in m and rad.
+    limits : dict
+        Arguments of `Limits` but the axes.
+    plan : dict
+        Options of `ream.plan`.
+    controller : dict
+        ``plant``: "T0" to "T3", and options of `Loop`; ``encoder``, an angle of its counts in rad.
+    stance : dict
+        Pitch and yaw at which the machine is set up, in rad.
+    pose : dict
+        Arguments of `Pose`, by which the machine stands elsewhere, unknown to it.
+    wall : dict
+        Rays ``along`` the tunnel and ``around`` it; ``thickness`` of the modelled ground, in m.
     """
 
     machine: dict

@@ -70,9 +70,23 @@ class Loop:
 
 @dataclass(frozen=True)
 class Track:
-    """What a simulated run did.
+    """What a simulated run did, of one axis or (..., n) of n.
 
-    Made by `simulate`, which says what its fields mean.
+    Parameters
+    ----------
+    tick : float
+        Period of the loops, in s.
+    setvalue, position : (ticks + 1, ...) float
+        Wanted and reached, in rad, at the beginning and after each tick.
+    command : (ticks, ...) float
+        Opening of the valve that is asked for during each tick, from -1 to 1.
+    saturated : (ticks, ...) bool
+        Whether the command was limited.
+    states : tuple of (ticks + 1, order) float
+        All states of each axis' plant, its position first.
+    stable : tuple of bool or None
+        For each axis, whether small motions are stable all over the range of its set-values; None
+        with an `inverse` that isn't the plant's own.
     """
 
     tick: float
@@ -139,11 +153,8 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     Returns
     -------
     track : Track
-        ``tick`` in s; ``setvalue`` and ``position`` (ticks + 1, ...) in rad; ``command`` and
-        ``saturated`` (ticks, ...); ``states``, an array (ticks + 1, order) for each axis;
-        ``stable``, for each axis whether small motions are stable all over the range of its
-        set-values (`is_stable`), None with an ``inverse`` that isn't the plant's own. An unstable
-        loop is run all the same: the valve's limit keeps it finite.
+        Set-values, positions, commands and states. A loop that `is_stable` calls unstable is run
+        all the same: the valve's limit keeps it finite.
 
     Raises
     ------

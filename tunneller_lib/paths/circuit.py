@@ -59,7 +59,17 @@ def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
 class Circuit:
     """A circuit of the cutter's centre, by arc length s along the offset section, in m.
 
-    Made by `cutting_circuit`, which says what its fields mean and checks the joint limits.
+    `cutting_circuit` makes one after checking that the machine reaches all of it.
+
+    Parameters
+    ----------
+    machine : Machine
+        Sizes, limits, cutter and height of the torus in the section.
+    section : Section
+        The tunnel's section.
+    pitch, yaw : float
+        Pose of the machine in the tunnel, right-handed about its own y axis (left) and then
+        about the tunnel's z axis (up), in rad; a positive pitch lowers the nose.
 
     Notes
     -----

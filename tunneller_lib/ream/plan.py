@@ -17,9 +17,34 @@ MOST_SETPOINTS, MOST_TICKS = 1_000_000, 5_000_000  # of a lap; of all laps
 
 @dataclass(frozen=True)
 class Plan:
-    """A planned cut, the same in every lap.
+    """A planned cut, the same in every lap: n knots and m moves, the last of them the rest.
 
-    Made by `plan`, which says what its fields mean.
+    Parameters
+    ----------
+    circuit : Circuit
+        The wanted path of the cutter's centre.
+    limits : Limits
+        Of the feed.
+    knots : (n,) float
+        Arc lengths of the knots along the offset section, in m.
+    s : (m + 1,) float
+        Arc lengths of the set-points, in m.
+    setpoints : (m + 1, 2) float
+        Joint positions (theta, phi) on the tangent-sphere paths between knots, in rad.
+    feed : (m + 1,) float
+        Of the cutter's centre at the set-points, in m/s.
+    counts : (m + 1, 2) int
+        The set-points in whole counts; the last is the first.
+    ticks : (m,) int
+        Of each move.
+    tick : float
+        Period of the fast task, in s.
+    count : float
+        Angle of a count of both joints, in rad.
+    laps : int
+        How often the circuit is run.
+    advance : float
+        Step of the machine out of the tunnel, towards -x, after each lap, in m.
     """
 
     circuit: Circuit
@@ -148,9 +173,7 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     Returns
     -------
     plan : Plan
-        ``knots`` (n,) and ``s`` (m + 1,), arc lengths of knots and set-points, in m;
-        ``setpoints`` (m + 1, 2) in rad and ``counts`` (m + 1, 2), the first also the last;
-        ``feed`` (m + 1,) in m/s; ``ticks`` (m,). The last move is the rest.
+        Knots, set-points, their ticks and feed.
 
     Raises
     ------

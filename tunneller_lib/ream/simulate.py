@@ -23,7 +23,20 @@ CHUNK = 50  # ticks after which the removed volume is noted
 class Cut:
     """A cut that was simulated.
 
-    Made by `simulate` or `carve`, which say what its fields mean.
+    Parameters
+    ----------
+    plan : Plan
+        What was to be done.
+    track : Track or None
+        What the joints did; None where the cutter was carried along given positions.
+    centres : (ticks + 1, 3) float
+        Of the cutter in the tunnel's frame, in m, after each tick of all laps.
+    wall : DexelGrid
+        What stands at the end.
+    noted : (k + 1,) int
+        Ticks at which the removed ground was noted: ends of laps, and some between.
+    removed : (k,) float
+        Volumes removed between them, in m^3.
     """
 
     plan: Plan
@@ -109,9 +122,7 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     Returns
     -------
     cut : Cut
-        ``track`` of the joints; ``centres`` (ticks + 1, 3) of the cutter in the tunnel's frame,
-        in m; ``wall``, what stands; ``removed`` (k,), volumes in m^3 between the ticks ``noted``
-        (k + 1,), which are ends of laps and some between.
+        Track of the joints, centres of the cutter, the wall and what was removed.
 
     Raises
     ------
