@@ -190,12 +190,12 @@ def read(options, out, *, budget=False):
 
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
-    from .job import results, told, write_all
+    from .job import summarise, told, write_all
     from .job.progress import say
 
     folder = options.out or Path("build") / options.job.stem
     job, cut = read(options, folder / "budget.csv", budget=True)
-    numbers = results(job, cut, say)
+    numbers = summarise(job, cut, say)
     if not options.json:
         tell(told(numbers) + "\n")
     files = write_all(job, cut, folder, numbers, say)

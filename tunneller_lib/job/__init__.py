@@ -4,6 +4,6 @@ Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
 from .reader import Job, WrongJob, read_job
-from .results import results, told, write_all
+from .results import summarise, told, write_all
 
-__all__ = ["Job", "WrongJob", "read_job", "results", "told", "write_all"]
+__all__ = ["Job", "WrongJob", "read_job", "summarise", "told", "write_all"]

@@ -17,7 +17,7 @@ WORSE = 3  # times the tolerance: all sources together are beyond what was asked
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 
 
-def results(job, cut, say=None):
+def summarise(job, cut, say=None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
@@ -87,7 +87,7 @@ def _coarse(job, cut):
 
 
 def told(numbers):
-    """Return what `results` found as lines for people, lengths in mm."""
+    """Return what `summarise` found as lines for people, lengths in mm."""
     lines = [
         f"{numbers['knots']} knots, {numbers['setpoints']} set-points, {numbers['ticks']} ticks",
         f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
@@ -121,7 +121,7 @@ def write_all(job, cut, folder, numbers, say):
     folder : path-like
         Made where it is missing; files of these names are replaced.
     numbers : dict
-        From `results`, for the table of the error budget.
+        From `summarise`, for the table of the error budget.
     say : function
         Told what is being written.
 
