@@ -423,7 +423,7 @@ def main():
     reasons = tomllib.loads(REASONS.read_text()) if REASONS.exists() else {}
     explained = {(entry["file"], entry["after"]) for entry in reasons.values()}
     passes = list(itertools.chain(*tests_of(modules()[0])))
-    if run(["tests/test_arrays.py"], LIMITS[0]):
+    if run(["tests/test_arguments_and_exact.py"], LIMITS[0]):
         sys.exit("Tests fail in the copy although nothing was altered.")
     if not options.near and known.judge("unchanged", known.all, 2, lambda: run(passes, LIMITS[2])):
         known.forget(known.all)

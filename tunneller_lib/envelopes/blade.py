@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import dot, finite, norm, points, positive
+from ..arguments import finite, points, positive
+from ..exact import dot, norm
 
 
 @dataclass(frozen=True)

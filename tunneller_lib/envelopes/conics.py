@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..arrays import norm, points, real
+from ..arguments import points, real
+from ..exact import norm
 
 
 def top_circle(axis, half_angle):

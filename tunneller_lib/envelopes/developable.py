@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..arrays import dot, norm, real
+from ..arguments import real
+from ..exact import dot, norm
 from .jet import variables
 
 

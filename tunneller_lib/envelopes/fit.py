@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..arrays import dot, norm, points, positive, whole
+from ..arguments import points, positive, whole
+from ..exact import dot, norm
 from .isotropic import plane_to_point
 
 ROUNDS = 4  # of reweighting

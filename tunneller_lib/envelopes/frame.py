@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import real
+from ..arguments import real
 from .isotropic import contact_point, isotropic_derivatives, normal
 from .jet import EXPONENTS, Jet, compose, inverse, variables
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite
+from ..arguments import finite
 from .forms import along, circle_roots, size
 from .frame import FLAT, finite_points, frames, isotropic_jet
 

@@ -6,7 +6,8 @@ planes of a surface become a surface z = f(x, y), those of a cone a conic over a
 
 import numpy as np
 
-from ..arrays import dot, norm, points, real
+from ..arguments import points, real
+from ..exact import dot, norm
 from .jet import variables
 
 

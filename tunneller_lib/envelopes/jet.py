@@ -10,7 +10,7 @@ from math import factorial
 
 import numpy as np
 
-from ..arrays import real
+from ..arguments import real
 from . import elementary
 
 ORDER = 4

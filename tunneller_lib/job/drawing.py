@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import instance
+from ..arguments import instance
 from ..surfaces import Arc, Section
 
 MM = 1000.0

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arrays import positive, whole
+from ..arguments import positive, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, plan, simulate

@@ -5,7 +5,7 @@ In metres, radians and whole counts; the head of each says which.
 
 import numpy as np
 
-from ..arrays import instance
+from ..arguments import instance
 from ..motion.export import csv
 from ..ream import Plan
 

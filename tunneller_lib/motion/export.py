@@ -7,7 +7,7 @@ a remainder has the dividend's sign in both.
 
 import re
 
-from ..arrays import whole
+from ..arguments import whole
 from .interpolate import HIGH, LOW, TIES
 
 INPUTS = ("nStart", "nStop", "nTicks")

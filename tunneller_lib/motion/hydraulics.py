@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..arrays import finite, instance, positive, real
+from ..arguments import finite, instance, positive, real
 from ..surfaces import Linkage, Machine, linkages
 from .plant import Resonance
 

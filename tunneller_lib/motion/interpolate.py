@@ -5,7 +5,7 @@ A set-value is a number of encoder counts. Any number of axes share one clock.
 
 import numpy as np
 
-from ..arrays import positive, real, whole
+from ..arguments import positive, real, whole
 
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import positive
+from ..arguments import positive
 from .hydraulics import Hydraulics
 from .plant import Lag, ValveResonance
 

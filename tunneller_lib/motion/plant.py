@@ -9,7 +9,7 @@ from operator import mul
 
 import numpy as np
 
-from ..arrays import positive
+from ..arguments import positive
 
 
 class _Linear:

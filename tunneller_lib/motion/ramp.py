@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import whole
+from ..arguments import whole
 from .interpolate import checked_move, one_move
 
 LONGEST = 65534  # ticks 2 M; the denominator 2 M^2 of a parabola must fit 32 bits

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..arrays import finite, positive, real, whole
+from ..arguments import finite, positive, real, whole
 from .stability import is_stable
 
 MAXIMA = {"feedforward": 2.0, "dead_band": 0.99}

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import finite, not_negative, positive, whole
+from ..arguments import finite, not_negative, positive, whole
 from .plant import Lag, Resonance
 
 

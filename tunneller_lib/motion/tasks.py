@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..arrays import instance, whole
+from ..arguments import instance, whole
 
 LONGEST = 2**40
 

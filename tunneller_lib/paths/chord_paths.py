@@ -12,7 +12,8 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arrays import dot, instance, norm, positions, radius_and_excess, real
+from ..arguments import instance, positions, real
+from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough

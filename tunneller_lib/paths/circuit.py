@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite, instance, points, positions, positive, real
+from ..arguments import finite, instance, points, positions, positive, real
 from ..surfaces import Machine, Section
 from .projection import project_chord
 

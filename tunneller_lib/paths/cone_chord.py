@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arrays import finite, positive, real
+from ..arguments import finite, positive, real
 from ..surfaces import Cone
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import dot, instance, positions, real
+from ..arguments import instance, positions, real
+from ..exact import dot
 from ..surfaces import Torus
 
 STEP = 0.08  # tube radii, the longest step of an integration

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import instance, positions
+from ..arguments import instance, positions
 from ..surfaces import Torus
 from .geodesic import Geodesic, known
 from .geodesic_classes import inner, outer

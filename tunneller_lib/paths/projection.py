@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arrays import instance, norm, positions, radius_and_excess
+from ..arguments import instance, positions
+from ..exact import norm, radius_and_excess
 from ..surfaces import Torus
 
 ORDER = 48  # samples of the path's speed along a chord

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import dot, instance, norm
+from ..arguments import instance
+from ..exact import dot, norm
 from ..motion import polyline
 from ..motion import simulate as follow
 from ..paths import geodesic_inverse, project_chord

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..arrays import instance, positive, real
+from ..arguments import instance, positive, real
 from ..motion import Hydraulics
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite, instance, not_negative, points, positions, positive, whole
+from ..arguments import finite, instance, not_negative, points, positions, positive, whole
 from ..motion import polyline, polyline_slopes, tick_counts
 from ..paths import project_chord, projected_length
 from ..paths.circuit import Circuit

@@ -6,7 +6,7 @@ outward normal and rho its radius of curvature at the place where f is zero.
 
 import numpy as np
 
-from ..arrays import dot, norm
+from ..exact import dot, norm
 from ..motion import Compressible, Lag, Resonance, Rigid
 
 HARMONICS = 64  # of the encoder's rounding

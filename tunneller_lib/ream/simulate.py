@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arrays import instance, positions, whole
+from ..arguments import instance, positions, whole
 from ..motion import Loop
 from ..motion import simulate as follow
 from ..motion.servo import Track

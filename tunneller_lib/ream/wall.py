@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..arrays import instance, norm, positive
+from ..arguments import instance, positive
+from ..exact import norm
 from ..paths.circuit import Circuit
 from ..removal import DexelGrid
 

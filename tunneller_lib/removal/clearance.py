@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, finite_points, instance, not_negative, real
+from ..arguments import finite, finite_points, instance, not_negative, real
 from ..surfaces import Machine, Section
 
 

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from ..arrays import finite_points, instance, positive, real
+from ..arguments import finite_points, instance, positive, real
 from ..surfaces import Rod
 from . import lines as grids
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import positive, real
+from ..arguments import positive, real
 
 
 def half_lens(radius, advance):

@@ -7,7 +7,7 @@ some of them no whole counts.
 
 import numpy as np
 
-from ..arrays import finite, positive, whole
+from ..arguments import finite, positive, whole
 from ..motion.interpolate import checked_ends, checked_move, time_bresenham
 
 ONE = 1 << 16  # of a fixed-point number with 16 fractional bits

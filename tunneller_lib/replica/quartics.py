@@ -5,7 +5,8 @@ The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) 
 
 import numpy as np
 
-from ..arrays import dot, points
+from ..arguments import points
+from ..exact import dot
 from ..surfaces.torus_line import through
 
 

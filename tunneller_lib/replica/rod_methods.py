@@ -8,7 +8,7 @@ order in lengths and leaves the range of floats for rods below 1e-50 m or above 
 
 import numpy as np
 
-from ..arrays import dot, norm
+from ..exact import dot, norm
 from ..surfaces.rod import meet_rods, rods_and_lines
 
 EPSILON = 0.00001  # as printed; once a share of the length, once a length

@@ -3,7 +3,7 @@
 import matplotlib
 from matplotlib.figure import Figure
 
-from ..arrays import whole
+from ..arguments import whole
 
 TEXT_WIDTH = 16.0  # cm, of the report
 

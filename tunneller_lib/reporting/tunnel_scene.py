@@ -6,7 +6,7 @@ Everything is in the frame of the tunnel: x ahead, y to the left, z up, in m.
 import numpy as np
 import PIL.Image
 
-from ..arrays import instance, positive, whole
+from ..arguments import instance, positive, whole
 from ..job.mesh import SCALAR
 from ..ream import Cut, overbreak, standing
 from ..removal import DexelGrid

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite, points, real
+from ..arguments import finite, points, real
 
 
 @dataclass(frozen=True)

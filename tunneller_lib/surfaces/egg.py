@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite, positive
+from ..arguments import finite, positive
 from .pieces import Arc
 from .section import Profile, Section
 

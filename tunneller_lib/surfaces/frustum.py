@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import arrays
-from ..arrays import cross, directions, dot, near_points, norm, sizes
+from .. import arguments
+from ..arguments import directions, near_points, sizes
+from ..exact import cross, dot, norm
 from .rod_interval import GUARD, frame, nearest_point
 
 
@@ -34,9 +35,9 @@ class Frustum:
 
     def __post_init__(self):
         for name in ("a", "b"):
-            object.__setattr__(self, name, arrays.point(name, getattr(self, name)))
+            object.__setattr__(self, name, arguments.point(name, getattr(self, name)))
         for name in ("radius_a", "radius_b"):
-            object.__setattr__(self, name, arrays.not_negative(name, getattr(self, name)))
+            object.__setattr__(self, name, arguments.not_negative(name, getattr(self, name)))
         if self.a == self.b:
             raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
         near_points("a", self.a), near_points("b", self.b)

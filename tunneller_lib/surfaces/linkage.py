@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..arrays import finite, instance, positive, real
+from ..arguments import finite, instance, positive, real
 from .machine import Machine
 
 

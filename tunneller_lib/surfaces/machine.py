@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import finite, instance, not_negative, positions, positive
+from ..arguments import finite, instance, not_negative, positions, positive
 from .section import Section
 from .torus import Torus
 

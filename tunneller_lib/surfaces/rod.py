@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import arrays
-from ..arrays import MOST, cross, directions, dot, near_points, norm, real, sizes
+from .. import arguments
+from ..arguments import MOST, directions, near_points, real, sizes
+from ..exact import cross, dot, norm
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
@@ -106,9 +107,9 @@ class Rod:
     ends: str = "flat"
 
     def __post_init__(self):
-        object.__setattr__(self, "a", arrays.point("a", self.a))
-        object.__setattr__(self, "b", arrays.point("b", self.b))
-        object.__setattr__(self, "radius", arrays.not_negative("radius", self.radius))
+        object.__setattr__(self, "a", arguments.point("a", self.a))
+        object.__setattr__(self, "b", arguments.point("b", self.b))
+        object.__setattr__(self, "radius", arguments.not_negative("radius", self.radius))
         near_points("a", self.a)
         near_points("b", self.b)
         sizes("radius", self.radius)
@@ -179,7 +180,7 @@ class Rod:
         >>> float(enter), round(float(leave), 3)
         (-12.0, 54.667)
         """
-        p, u = arrays.points("point", point), directions("direction", direction)
+        p, u = arguments.points("point", point), directions("direction", direction)
         if u.ndim > 1:
             return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends)
         enter, leave = np.empty(p.shape[:-1]), np.empty(p.shape[:-1])

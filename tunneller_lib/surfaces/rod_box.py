@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import instance, real
+from ..arguments import instance, real
 from .rod import Rod
 from .rod_interval import GUARD
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import cross, dot, norm, two_product, two_sum
+from ..exact import cross, dot, norm, two_product, two_sum
 
 # Bound of the rounding here, in parts of the rod's size as the line sees it: s and m are sums of
 # three products of numbers that carry at most six roundings each.

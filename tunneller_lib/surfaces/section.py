@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import finite, real
+from ..arguments import finite, real
 from .pieces import Arc, Line
 
 CLOSED = 1e-12  # largest gap between pieces, over the perimeter

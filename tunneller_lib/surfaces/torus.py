@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import dot, in_blocks, points, positions, positive, radius_and_excess, real
+from ..arguments import points, positions, positive, real
+from ..exact import dot, in_blocks, radius_and_excess
 from . import torus_line
 
 # The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..arrays import cross, dot, norm, points
+from ..arguments import points
+from ..exact import cross, dot, norm
 
 # Distances below this share of r + R count as contact: a few roundings of the arithmetic here.
 CONTACT = 8 * np.finfo(float).eps

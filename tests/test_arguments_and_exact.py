@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from tests.shapes import EPS
-from tunneller_lib import arrays
+from tunneller_lib import arguments, exact
 
 numbers = st.floats(-1e9, 1e9).map(lambda x: round(x, 60))
 vectors = st.tuples(*[numbers] * 3)
@@ -20,18 +20,20 @@ nan, inf = np.nan, np.inf
     "value", [1, 1.5, True + 1, [1, 2], [[1.0]], [], nan, [inf], np.float32(2)]
 )
 def test_real_takes_numbers_of_any_shape(value):
-    found = arrays.real("x", value)
+    found = arguments.real("x", value)
     assert found.dtype == float and found.shape == np.shape(value)
 
 
 def test_real_does_not_copy_what_is_float_already():
     value = np.ones(3)
-    assert arrays.real("x", value) is value
+    assert arguments.real("x", value) is value
 
 
 @pytest.mark.parametrize("value", ["1", None, 1j, [1j], ["1"], [[1], [1, 2]], object(), {1: 2}])
-@pytest.mark.parametrize("take", [arrays.real, arrays.points, arrays.positions, arrays.finite,
-                                  arrays.positive])  # fmt: skip
+@pytest.mark.parametrize(
+    "take",
+    [arguments.real, arguments.points, arguments.positions, arguments.finite, arguments.positive],
+)
 def test_real_refuses_what_is_no_number(take, value):
     with pytest.raises(ValueError, match=r"^x: must hold real numbers in a regular array; got "):
         take("x", value)
@@ -40,21 +42,21 @@ def test_real_refuses_what_is_no_number(take, value):
 @pytest.mark.parametrize("value", [0, -1, nan, inf, -inf, [1], []])
 def test_positive_refuses(value):
     with pytest.raises(ValueError, match=r"^x: must be one finite number above zero; got .*[.]$"):
-        arrays.positive("x", value)
+        arguments.positive("x", value)
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf, [1], []])
 def test_finite_refuses(value):
     with pytest.raises(ValueError, match=r"^x: must be one finite number; got .*[.]$"):
-        arrays.finite("x", value)
+        arguments.finite("x", value)
 
 
 @pytest.mark.parametrize("value", [3, 2.5, np.float64(1e-300), np.int8(1)])
 def test_positive_and_finite_return_a_plain_float(value):
-    assert type(arrays.positive("x", value)) is type(arrays.finite("x", value)) is float
+    assert type(arguments.positive("x", value)) is type(arguments.finite("x", value)) is float
 
 
-@pytest.mark.parametrize("take, size", [(arrays.points, 3), (arrays.positions, 2)])
+@pytest.mark.parametrize("take, size", [(arguments.points, 3), (arguments.positions, 2)])
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4,), (3, 1), (2, 3, 4)])
 def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
     with pytest.raises(
@@ -65,19 +67,19 @@ def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
 
 @pytest.mark.parametrize("lead", [(), (0,), (4,), (2, 0, 3)])
 def test_points_and_pairs_take_any_leading_axes(lead):
-    assert arrays.points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
-    assert arrays.positions("x", np.zeros((*lead, 2))).shape == (*lead, 2)
+    assert arguments.points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
+    assert arguments.positions("x", np.zeros((*lead, 2))).shape == (*lead, 2)
 
 
 @given(numbers, numbers)
 def test_two_product_is_error_free(a, b):
-    product, lost = map(Fraction, map(float, arrays.two_product(a, b)))
+    product, lost = map(Fraction, map(float, exact.two_product(a, b)))
     assert product + lost == Fraction(a) * Fraction(b)
 
 
 @given(numbers, numbers)
 def test_two_sum_is_error_free(a, b):
-    total, lost = map(Fraction, map(float, arrays.two_sum(a, b)))
+    total, lost = map(Fraction, map(float, exact.two_sum(a, b)))
     assert total + lost == Fraction(a) + Fraction(b)
 
 
@@ -87,7 +89,7 @@ def test_difference_of_products_keeps_its_digits(a, b, c, ulps):
     d = a * b / c
     d += ulps * float(np.spacing(d))  # a b and c d agree to a few roundings
     exact = Fraction(a) * Fraction(b) - Fraction(c) * Fraction(d)
-    found = Fraction(float(arrays.difference_of_products(a, b, c, d)))
+    found = Fraction(float(exact.difference_of_products(a, b, c, d)))
     least = Fraction(EPS) ** 2 * (abs(Fraction(a) * Fraction(b)) + abs(Fraction(c) * Fraction(d)))
     assert abs(found - exact) <= Fraction(2 * EPS) * abs(exact) + 2 * least
 
@@ -96,15 +98,15 @@ def test_difference_of_products_keeps_its_digits(a, b, c, ulps):
 def test_cross_keeps_its_digits(a, b):
     (ax, ay, az), (bx, by, bz) = (map(Fraction, v) for v in (a, b))
     exact = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
-    found = arrays.cross(np.array(a), np.array(b))
+    found = exact.cross(np.array(a), np.array(b))
     np.testing.assert_allclose(found, [float(c) for c in exact], rtol=4 * EPS, atol=1e-14)
 
 
 @given(vectors, vectors)
 def test_dot_and_norm(a, b):
     a, b = np.array(a), np.array(b)
-    assert arrays.dot(a, b) == pytest.approx(float(np.sum(a * b)), abs=1e4)
-    assert arrays.norm(a) == pytest.approx(float(np.linalg.norm(a)), rel=4 * EPS)
+    assert exact.dot(a, b) == pytest.approx(float(np.sum(a * b)), abs=1e4)
+    assert exact.norm(a) == pytest.approx(float(np.linalg.norm(a)), rel=4 * EPS)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1, 1e6])
@@ -118,7 +120,7 @@ def test_radius_and_excess_against_mpmath(scale, gap):
             reach = r * abs(1 + side * gap)
             x, z = reach * np.cos(angle), reach * np.sin(angle)
             rho = mp.sqrt(mpf(x) ** 2 + mpf(z) ** 2)
-            found, excess = arrays.radius_and_excess(x, z, np.float64(r))
+            found, excess = exact.radius_and_excess(x, z, np.float64(r))
             assert abs(found - rho) <= 2 * EPS * rho
             assert abs(excess - (rho - mpf(r))) <= 8 * EPS * abs(rho - mpf(r)) + 1e-22 * r
 
@@ -127,21 +129,21 @@ def test_radius_and_excess_against_mpmath(scale, gap):
 def test_in_blocks_is_the_function_itself(shape):
     rows = np.arange(np.prod(shape), dtype=float).reshape(shape)
     blocks = []
-    found = arrays.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, block=4)
+    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, block=4)
     np.testing.assert_array_equal(found, 2 * rows)
     assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
 
 
 @pytest.mark.parametrize("value", [0.0, 1e-100, -1.0, 1e100])
 def test_sizes_and_near_points_take_what_has_a_square(value):
-    assert arrays.sizes("x", value) == value
-    assert arrays.near_points("x", [value] * 3).tolist() == [value] * 3
+    assert arguments.sizes("x", value) == value
+    assert arguments.near_points("x", [value] * 3).tolist() == [value] * 3
 
 
 @pytest.mark.parametrize("value", [9e-101, -9e-101, 2e100, 1e-320])
 def test_sizes_and_near_points_refuse_what_has_none(value):
     with pytest.raises(ValueError, match=r"^x: must be zero or from 1e-100 to 1e[+]100 in size, "):
-        arrays.sizes("x", np.array([1.0, value]))
+        arguments.sizes("x", np.array([1.0, value]))
     if abs(value) > 1:
         with pytest.raises(ValueError, match=r"^x: must hold numbers of at most 1e[+]100 in size"):
-            arrays.near_points("x", [1.0, 0, value])
+            arguments.near_points("x", [1.0, 0, value])
