@@ -88,18 +88,18 @@ def test_difference_of_products_keeps_its_digits(a, b, c, ulps):
     assume(a and b and c)
     d = a * b / c
     d += ulps * float(np.spacing(d))  # a b and c d agree to a few roundings
-    exact = Fraction(a) * Fraction(b) - Fraction(c) * Fraction(d)
+    truth = Fraction(a) * Fraction(b) - Fraction(c) * Fraction(d)
     found = Fraction(float(exact.difference_of_products(a, b, c, d)))
     least = Fraction(EPS) ** 2 * (abs(Fraction(a) * Fraction(b)) + abs(Fraction(c) * Fraction(d)))
-    assert abs(found - exact) <= Fraction(2 * EPS) * abs(exact) + 2 * least
+    assert abs(found - truth) <= Fraction(2 * EPS) * abs(truth) + 2 * least
 
 
 @given(vectors, vectors)
 def test_cross_keeps_its_digits(a, b):
     (ax, ay, az), (bx, by, bz) = (map(Fraction, v) for v in (a, b))
-    exact = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+    truth = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
     found = exact.cross(np.array(a), np.array(b))
-    np.testing.assert_allclose(found, [float(c) for c in exact], rtol=4 * EPS, atol=1e-14)
+    np.testing.assert_allclose(found, [float(c) for c in truth], rtol=4 * EPS, atol=1e-14)
 
 
 @given(vectors, vectors)
