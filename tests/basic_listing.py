@@ -56,7 +56,7 @@ def run(R, HH, H, F, J, *, repaired=(), fold_case=True):
     """
     lines = PRINTED | {number: REPAIRS[number] for number in repaired}
     order = sorted(lines)
-    memory = dict(zip(("R", "HH", "H", "F", "J"), (R, HH, H, F, J)))
+    memory = dict(zip(("R", "HH", "H", "F", "J"), (R, HH, H, F, J), strict=True))
     rows, here, loop = [], 0, None
 
     def value(expression):

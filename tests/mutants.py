@@ -83,7 +83,7 @@ class Mutant:
     def row(self, by):
         """Return the table's row."""
         before, after = (lines[self.line - 1].strip() for lines in self.lines())
-        return dict(zip(COLUMNS, [self.file, self.line, self.kind, before, after, by]))
+        return dict(zip(COLUMNS, [self.file, self.line, self.kind, before, after, by], strict=True))
 
 
 def more(number):
@@ -435,7 +435,7 @@ def main():
             name = f"{lot + 1}: {i + 1}/{len(mutants)} {mutant.file}:{mutant.line} {mutant.kind}"
             key = hashlib.sha256("".join([mutant.file, *mutant.lines()[1]]).encode()).hexdigest()
             killers[i] = known.judge(name, key, lot, lambda m=mutant, lot=lot: judge(m, lot))
-    rows = [mutant.row(by) for mutant, by in zip(mutants, killers)]
+    rows = [mutant.row(by) for mutant, by in zip(mutants, killers, strict=True)]
     if not options.of and not options.near:
         replace(TABLE, table(sorted(rows, key=lambda row: (row["file"], row["line"]))))
     alive = [row for row in rows if not row["killed by"]]

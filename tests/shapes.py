@@ -49,7 +49,7 @@ def random_tori(rng, n):
     """Return n tori of any scale from 1e-3 to 1e6 m and any R/r from 0.2 to 1e4."""
     scale = 10 ** rng.uniform(-3, 6, n)
     ratio = 10 ** rng.uniform(np.log10(0.2), 4, n)
-    return [Torus(s / max(1, k), s * k / max(1, k)) for s, k in zip(scale, ratio)]
+    return [Torus(s / max(1, k), s * k / max(1, k)) for s, k in zip(scale, ratio, strict=True)]
 
 
 def directions(rng, n):

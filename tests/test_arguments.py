@@ -34,8 +34,8 @@ def test_call_keeps_leading_axes(call, lead):
 def test_call_of_an_array_is_that_of_its_rows(call):
     arguments = made(call, (5,))
     found = as_tuple(call.function(*arguments))
-    rows = [as_tuple(call.function(*row)) for row in zip(*arguments)]
-    for answer, expected in zip(found, zip(*rows)):
+    rows = [as_tuple(call.function(*row)) for row in zip(*arguments, strict=True)]
+    for answer, expected in zip(found, zip(*rows, strict=True), strict=True):
         np.testing.assert_allclose(answer, np.array(expected), rtol=1e-14, atol=1e-15)
 
 
@@ -54,7 +54,7 @@ def test_call_leaves_its_arguments_alone(call):
         argument.flags.writeable = False
     before = [np.copy(argument) for argument in arguments]
     answers = as_tuple(call.function(*arguments))
-    for argument, copy in zip(arguments, before):
+    for argument, copy in zip(arguments, before, strict=True):
         np.testing.assert_array_equal(argument, copy)
         assert not any(np.may_share_memory(argument, answer) for answer in answers)
 
@@ -66,7 +66,7 @@ def test_call_takes_lists_and_whole_numbers(call):
         as_tuple(call.function(*map(take, arguments)))
         for take in (np.asarray, np.ndarray.tolist, lambda a: a.astype(float))
     )
-    for a, b, c in zip(whole, lists, real):
+    for a, b, c in zip(whole, lists, real, strict=True):
         np.testing.assert_array_equal(a, c)
         np.testing.assert_array_equal(b, c)
 
@@ -79,5 +79,7 @@ def test_call_takes_any_memory_layout(call, order):
         others = [np.asfortranarray(argument) for argument in arguments]
     else:
         others = [np.repeat(argument, 2, axis=0)[::2] for argument in arguments]
-    for a, b in zip(as_tuple(call.function(*others)), as_tuple(call.function(*arguments))):
+    for a, b in zip(
+        as_tuple(call.function(*others)), as_tuple(call.function(*arguments)), strict=True
+    ):
         np.testing.assert_allclose(a, b, rtol=1e-14, atol=1e-15)

@@ -115,7 +115,10 @@ def test_radius_and_excess_against_mpmath(scale, gap):
     rng = np.random.default_rng(0)
     with mp.workdps(40):
         for r, angle, side in zip(
-            scale * rng.uniform(1, 4, 200), rng.uniform(-4, 4, 200), rng.choice([-1, 1], 200)
+            scale * rng.uniform(1, 4, 200),
+            rng.uniform(-4, 4, 200),
+            rng.choice([-1, 1], 200),
+            strict=True,
         ):
             reach = r * abs(1 + side * gap)
             x, z = reach * np.cos(angle), reach * np.sin(angle)

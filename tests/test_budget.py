@@ -106,7 +106,7 @@ def test_following_error_of_a_steady_rate_is_the_rate_over_the_gain():
     at = CIRCUIT.position(LAP.places)
     rate = np.diff(at, axis=0) / 0.005
     track = follow(Integrator(0.5), pair(**P, count=0.0), at, slopes=rate)
-    for error, speed in zip(track.error.T, rate.T):
+    for error, speed in zip(track.error.T, rate.T, strict=True):
         slow = np.convolve(speed, np.full(40, 1 / 40), "same")  # set-points on whole ticks jitter
         assert np.abs(error).max() == pytest.approx(np.abs(slow).max() / 10, rel=0.05)
 

@@ -125,7 +125,7 @@ def test_path_broadcasts_and_leaves_its_arguments(path):
     way = path(MACHINE.torus, p, q, T)
     assert way.shape == (4, 3, 9, 2)
     assert path_length(MACHINE.torus, path, p, q).shape == (4, 3)
-    for argument, copy in zip((p, q, T), before):
+    for argument, copy in zip((p, q, T), before, strict=True):
         np.testing.assert_array_equal(argument, copy)
     one = path(MACHINE.torus, p[0, 0], q[0], T)
     np.testing.assert_allclose(way[2, 1], one, atol=1e-15)

@@ -43,7 +43,7 @@ def test_circuit_lies_on_both_surfaces(pitch, yaw, scale):
     s = along(circuit, 121)
     with mp.workdps(30):
         turn, (r, R) = rotation(mpf(pitch), mpf(yaw)), map(mpf, (machine.r, machine.R))
-        for point, wanted in zip(circuit.point(s), circuit.profile.point(s)):
+        for point, wanted in zip(circuit.point(s), circuit.profile.point(s), strict=True):
             x, y, z = map(mpf, point)
             gradient = 4 * R * mp.sqrt(x * x + z * z) * 2 * r  # of Eq. 2, on the surface
             assert abs(eq2(r, R, x, y, z)) / gradient <= 1e-12 * scale

@@ -56,7 +56,7 @@ def test_grid_sees_the_same_collision():
     inner = reach[np.argmax(EGG.depth(reach * np.cos(angle), reach * np.sin(angle)) < 0, axis=0), 0]
     tunnel = DexelGrid.radial(-0.3, 1.3, inner, inner + 0.2, (200, 360))
     for radius, collides in ((clearance - 1e-3, False), (clearance + 5e-3, True)):
-        rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre)]
+        rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre, strict=True)]
         assert any(tunnel.overlap(rod) > 0 for rod in rods) is collides
 
 

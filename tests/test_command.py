@@ -198,7 +198,7 @@ def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
                            "--out", tmp_path / "cut", "--json")  # fmt: skip
     assert code == 0 and told.splitlines()[-2:] == [
         f"warning: {warning}" for warning in json.loads(said)["warnings"]]  # fmt: skip
-    for name, line in zip(("over", "under"), told.splitlines()[-2:]):
+    for name, line in zip(("over", "under"), told.splitlines()[-2:], strict=True):
         worst = 1e3 * json.loads(said)[f"{name}break_m"]
         assert line == (f"warning: the {name}-break of {worst:.3g} mm is {worst:.2g} times the "
                         "tolerance of 1 mm.")  # fmt: skip

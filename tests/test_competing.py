@@ -38,7 +38,7 @@ def test_competing_geodesics_all_lead_to_the_end(torus):
     # Beyond two tube radii on the inner half neighbours part by e a radius: so do errors.
     assert np.max(miss / np.exp(rivals.length[found] / torus.R)) <= 1e-11 * torus.R
     assert np.percentile(miss, 90) <= 1e-11 * torus.R
-    assert len(set(zip(*np.nonzero(found)[1:]))) == len(p)
+    assert len(set(zip(*np.nonzero(found)[1:], strict=True))) == len(p)
 
 
 def crossings(torus, p, q, azimuths, length):
@@ -57,7 +57,7 @@ def crossings(torus, p, q, azimuths, length):
             for k in range(1, len(azimuths)):
                 # Neighbouring directions that pass the end on either side of it.
                 i, j = np.nonzero(hit[k - 1])[0], np.nonzero(hit[k])[0]
-                for a, b in zip(i, j) if len(i) == len(j) else []:
+                for a, b in zip(i, j, strict=True) if len(i) == len(j) else []:
                     if miss[k - 1, a] * miss[k, b] < 0 and abs(miss[k - 1, a] - miss[k, b]) < 0.1:
                         lengths.append((s[k - 1, a] + s[k, b]) / 2)
     return np.array(lengths)
@@ -101,7 +101,7 @@ def test_competing_geodesics_do_not_depend_on_company(torus):
     together = competing_geodesics(torus, p, q).length
     ends = np.cumsum([1, 1, 1, 2, 3, 5, 8, 19])  # alone, and in companies of other sizes
     assert ends[-1] == len(p)
-    parts = zip(np.split(p, ends[:-1]), np.split(q, ends[:-1]))
+    parts = zip(np.split(p, ends[:-1]), np.split(q, ends[:-1]), strict=True)
     apart = np.concatenate([competing_geodesics(torus, *part).length for part in parts], axis=1)
     np.testing.assert_allclose(together, apart, rtol=1e-12)
 

@@ -70,7 +70,7 @@ def length_on_the_cone(chord):
         ruling = mp.cos(chord.cone.half_angle), mp.sin(chord.cone.half_angle)
 
         def foot(t):
-            x, y, z = (a + t * (b - a) for a, b in zip(p, q))
+            x, y, z = (a + t * (b - a) for a, b in zip(p, q, strict=True))
             rho = mp.sqrt(x * x + y * y)
             along = rho * ruling[1] - z * ruling[0]
             return x / rho * along * ruling[1], y / rho * along * ruling[1], -along * ruling[0]

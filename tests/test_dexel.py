@@ -72,7 +72,7 @@ def test_cut_leaves_what_lines_one_by_one_leave(grid):
         cuts = [(enter[i, j], leave[i, j]) for enter, leave in meetings]
         expected = kept_by_hand(first.low[0, i, j], first.high[0, i, j], cuts)
         sides = grid.low[:, i, j], grid.high[:, i, j]
-        found = sorted((lo, hi) for lo, hi in zip(*sides) if lo < hi)
+        found = sorted((lo, hi) for lo, hi in zip(*sides, strict=True) if lo < hi)
         # Slivers of rounding are neither here nor there.
         expected = [p for p in expected if p[1] - p[0] > 1e-9]
         found = [p for p in found if p[1] - p[0] > 1e-9]

@@ -200,7 +200,7 @@ def test_eq01_cited_as_eq02():
     squared_eq1 = sum(c**2 for c in parametrised())
     assert zero(squared_eq1 - (r**2 + 2 * r * R * sp.cos(phi) + R**2))
     printed = TORUS  # Eq. 2, whose left side is zero already
-    on_surface = printed.subs(dict(zip((x, y, z), parametrised())))
+    on_surface = printed.subs(dict(zip((x, y, z), parametrised(), strict=True)))
     assert zero(on_surface) and not zero(on_surface**2 - squared_eq1)
     # A second way, in numbers: the sum is that of Eq. 1, while Eq. 2 says 0.
     point = Torus(1, 2).point(0.7, 0.4)
@@ -211,7 +211,7 @@ def test_eq01_cited_as_eq02():
 
 def test_eq02_implicit():
     printed = TORUS
-    assert zero(printed.subs(dict(zip((x, y, z), parametrised()))))
+    assert zero(printed.subs(dict(zip((x, y, z), parametrised(), strict=True))))
     # Nothing else: in rho^2 = x^2 + z^2 it is the product over both meridian circles.
     rho = sp.symbols("rho")
     circles = sp.prod((rho - s * r) ** 2 + y**2 - R**2 for s in (1, -1))
@@ -256,7 +256,9 @@ def test_eq03_homogeneous():
     sphere = -(rho**2) * w**2 + x**2 + y**2 + z**2
     powers = [p for p in itertools.product(range(4), repeat=4) if sum(p) == 3]
     coefficients = [sp.Symbol("k_{}{}{}{}".format(*p)) for p in powers]
-    cubic = sum(c * sp.prod(map(sp.Pow, (w, x, y, z), p)) for c, p in zip(coefficients, powers))
+    cubic = sum(
+        c * sp.prod(map(sp.Pow, (w, x, y, z), p)) for c, p in zip(coefficients, powers, strict=True)
+    )
     printed, corrected = sphere**2 + cubic, sphere**2 + w * cubic
     assert not sp.Poly(printed, w, x, y, z).is_homogeneous
     assert sp.Poly(corrected, w, x, y, z).is_homogeneous
@@ -274,7 +276,7 @@ def test_eq03_cyclide():
     constants = sp.symbols("c0:20")
     quadric = sp.Matrix([w, x, y, z]).dot(sp.Matrix(4, 4, lambda i, j: constants[4 + 4 * i + j])
                                           * sp.Matrix([w, x, y, z]))  # fmt: skip
-    linear = sum(c * v for c, v in zip(constants, (w, x, y, z)))
+    linear = sum(c * v for c, v in zip(constants, (w, x, y, z), strict=True))
 
     def gradient_at_infinity(surface):
         ideal = [surface.diff(v).subs(w, 0) for v in (w, x, y, z)]
@@ -293,14 +295,14 @@ def test_eq03_cyclide():
 
 def line_polynomial():
     """Return Eq. 4 with q put in, as a polynomial in t."""
-    q = [ai + (bi - ai) * t for ai, bi in zip(a, b)]
-    return sp.Poly(TORUS.subs(dict(zip((x, y, z), q))), t)
+    q = [ai + (bi - ai) * t for ai, bi in zip(a, b, strict=True)]
+    return sp.Poly(TORUS.subs(dict(zip((x, y, z), q, strict=True))), t)
 
 
 def test_eq04_line():
     q = sp.symbols("q1:4")
     printed = (q[0] ** 2 + q[1] ** 2 + q[2] ** 2 - r**2 - R**2) ** 2 - 4 * r**2 * (R**2 - q[1] ** 2)
-    assert zero(printed.subs(dict(zip(q, (x, y, z)))) - TORUS)
+    assert zero(printed.subs(dict(zip(q, (x, y, z), strict=True))) - TORUS)
     assert line_polynomial().degree() == 4
     ends = draw(4, 2, 40, 3)
     for torus in TORI:
@@ -316,7 +318,7 @@ def test_four_points():
     torus, shape = Torus(1, 2), {r: 1, R: 2}
     lines = {4: ((-10, 0, 0), (-9, 0, 0)), 2: ((-9, 0, 2), (-8, 0, 2)), 0: ((9, 5, 0), (8, 5, 0))}
     for count, (start, stop) in lines.items():
-        values = shape | dict(zip(a + b, start + stop))
+        values = shape | dict(zip(a + b, start + stop, strict=True))
         quartic = sp.Poly(line_polynomial().as_expr().subs(values), t)
         assert quartic.degree() == 4 and quartic.count_roots() == count
         assert np.sum(~np.isnan(torus.meet_line(start, stop))) == count
@@ -324,7 +326,9 @@ def test_four_points():
 
 def test_no_straight_lines():
     leading = line_polynomial().coeff_monomial(t**4)
-    assert zero(leading - sum((bi - ai) ** 2 for ai, bi in zip(a, b)) ** 2)  # never 0 for a != b
+    assert zero(
+        leading - sum((bi - ai) ** 2 for ai, bi in zip(a, b, strict=True)) ** 2
+    )  # never 0 for a != b
     start, stop = draw(5, 2, 20, 3)
     assert np.all(line_quartic(Torus(1, 2), start, stop)[:, 0] > 0)
 
@@ -366,7 +370,7 @@ def by_known_roots(coefficient, leading):
 
     From x = -10 in steps of 1 it does so at t = 7, 9, 11, 13: at x = -3, -1, 1, 3.
     """
-    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0)))}
+    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0), strict=True))}
     return coefficient.subs(line) / leading.subs(line)
 
 
@@ -385,7 +389,7 @@ def test_eq05_quartic():
     printed, t2, t3 = printed_eq05()
     corrected = printed | {2: printed[2] + 2 * t3**2, 0: printed[0] - t2 + t2**2}
     # The x axis meets the torus r = 1, R = 2 in -3, -1, 1, 3.
-    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0)))}
+    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0), strict=True))}
     for form, found in ((printed, False), (corrected, True)):
         quartic = sp.Poly(sum(c * t**p for p, c in form.items()).subs(line), t)
         assert (quartic.real_roots() == [7, 9, 11, 13]) is found
@@ -454,7 +458,7 @@ def vanishes_at_feet(equation):
 
 def test_eq06_on_torus():
     printed = EQ6
-    assert zero(printed.subs(dict(zip(n, (x, y, z)))) - TORUS)
+    assert zero(printed.subs(dict(zip(n, (x, y, z), strict=True))) - TORUS)
     assert vanishes_at_feet(printed)
     points = 3 * draw(8, 50, 3)
     for torus in TORI:
@@ -645,7 +649,9 @@ def test_eq10_no_cubic():
         coefficients = foot_quartic(torus, points)
         assert np.all(coefficients[:, 1] == 0)
         for i in range(3):  # a few, exactly: the feet's n1 are the roots
-            values = dict(zip((r, R, *m), map(sp.Rational, (torus.r, torus.R, *points[i]))))
+            values = dict(
+                zip((r, R, *m), map(sp.Rational, (torus.r, torus.R, *points[i])), strict=True)
+            )
             exact = sp.Poly(truth.as_expr().subs(values), n1).nroots(n=15)
             assert close(np.sort(first[i]), np.array(sorted(map(float, exact))), 1e2 * torus.R)
 
@@ -954,7 +960,7 @@ def test_eq16_back_substitution():
         points = draw(20, 30, 3)
         feet = Cone(angle).feet(points)
         values = np.tan(angle) ** 2, *points.T[..., None], feet[..., 0]
-        for form, axis in zip(printed, (1, 2)):
+        for form, axis in zip(printed, (1, 2), strict=True):
             found = at(form, (k, *m, n1), values)
             assert close(found / (1 + np.abs(found)), feet[..., axis] / (1 + np.abs(found)), 1e3)
 
@@ -971,7 +977,7 @@ def test_eq16_m1_zero():
 def test_numeric_example():
     root2, root5 = sp.sqrt(2), sp.sqrt(5)
     centre = sp.Matrix([-root2, -3 * root2, -12])
-    values = {k: sp.Rational(1, 4), **dict(zip(m, centre))}
+    values = {k: sp.Rational(1, 4), **dict(zip(m, centre, strict=True))}
     feet = []
     for root in sp.solve(EQ16.subs(values), n1):
         other = [(m2 * n1 / m1).subs(values).subs(n1, root),
@@ -981,7 +987,7 @@ def test_numeric_example():
     radii = [sp.sqrt(sp.simplify((foot - centre).dot(foot - centre))) for foot in feet]
     assert zero([radii[0] - (12 / root5 - 4), radii[1] - (12 / root5 + 4)])
     digits = [(-1.800735989, -5.402207965, -11.38885438), (1.23505056, 3.705151691, -7.811145618)]
-    for foot, shown in zip(feet, digits):
+    for foot, shown in zip(feet, digits, strict=True):
         assert np.max(np.abs(np.array(foot.T, float)[0] - shown)) < 6e-9
     printed = [1.366563, 8.39997]
     assert abs(radii[0] - printed[0]) < 6e-7 and abs(radii[1] - printed[1]) > 0.9
@@ -1171,7 +1177,7 @@ def test_M_formula():
 def test_planes_normal_to_surface():
     # A plane on the axis holds the cone's normals along its ruling, and isn't normal to PQ.
     plane = sp.Matrix([-sp.sin(theta), sp.cos(theta), 0])
-    ruling = dict(zip(n, (sp.cos(theta), sp.sin(theta), -1 / sp.sqrt(k))))
+    ruling = dict(zip(n, (sp.cos(theta), sp.sin(theta), -1 / sp.sqrt(k)), strict=True))
     gradient = sp.Matrix([EQ13.diff(v) for v in n]).subs(ruling)
     assert zero(gradient.dot(plane))
     chord = sp.Matrix([0, h * R / H, -h]) - sp.Matrix([R, 0, -H])

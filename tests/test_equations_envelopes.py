@@ -173,7 +173,7 @@ def test_osculation_penetrates():
     for turn in np.linspace(0.1, 6.1, 13):
         way = np.array([np.cos(turn), np.sin(turn)])
         centre = way * (1 + np.dot(here, here)) / (2 * np.tan(ANGLE) - 2 * np.dot(here, way))
-        names = dict(zip("xyuv", (*here, *centre)))
+        names = dict(zip("xyuv", (*here, *centre), strict=True))
         assert abs(at(EQ9.subs(tan, np.tan(ANGLE)), jet, **names)) < 1e-9
         assert abs(at(EQ11, jet, **names)) > 1e-3  # of no higher order
         contact = np.array([*here, jet.value])
@@ -216,8 +216,8 @@ def test_cylinders_mill_what_has_a_ruled_offset():
         for radius in (0.0, 0.1)
     )
     starts = [axis[:2] for axis in axes]
-    erring = np.array([away(*both) for both in zip(axes, starts)])
-    errors = np.array([abs(away(*both) - 0.1) for both in zip(milled, starts)])
+    erring = np.array([away(*both) for both in zip(axes, starts, strict=True)])
+    errors = np.array([abs(away(*both) - 0.1) for both in zip(milled, starts, strict=True)])
     assert 0.007 < np.max(erring) <= 0.01
     np.testing.assert_allclose(errors, erring, atol=2e-4)
 
@@ -319,7 +319,9 @@ def test_example1_boundary_of_positive_measure():
         half = Fraction(1, 2 * 4 ** (k + 1))  # of the piece that is taken out of each middle
         middles = [((a + b) / 2 - half, (a + b) / 2 + half) for a, b in stage]
         gaps += middles
-        stage = [part for (a, b), (c, e) in zip(stage, middles) for part in ((a, c), (e, b))]
+        stage = [
+            part for (a, b), (c, e) in zip(stage, middles, strict=True) for part in ((a, c), (e, b))
+        ]
     # So a gap, where a smooth g is above 0, is within 2^-k of any place that stays: all of the
     # set, where g vanishes, is boundary. Every derivative of such a g is 0 at a gap's ends.
     for a, _ in stage:
@@ -409,7 +411,7 @@ def test_eq04_resultant():
     # the cubic at the other.
     wrong = 0
     for p1, q1, p2, q2, *cubic in np.random.default_rng(4).integers(-9, 10, (30, 8)).tolist():
-        here = dict(zip((_k, _l, _m, _n), cubic))
+        here = dict(zip((_k, _l, _m, _n), cubic, strict=True))
         here |= {_a: p1 * p2, _b: sp.Rational(p1 * q2 + p2 * q1, 2), _c: q1 * q2}
         both = CUBIC.subs(here).subs({u: q1, v: -p1}) * CUBIC.subs(here).subs({u: q2, v: -p2})
         assert EQ4.subs(here) == both
@@ -484,11 +486,14 @@ def test_eq05_envelope_of_moving_planes():
         turn, time = variables(*GRID)
         vertex, _, (a, b, c), _ = motion(time)
         plane = [sine * i + cosine * (np.cos(turn) * j + np.sin(turn) * k)
-                 for i, j, k in zip(a, b, c)]  # fmt: skip
-        plane.append(-sum(i * j for i, j in zip(plane, vertex)))
+                 for i, j, k in zip(a, b, c, strict=True)]  # fmt: skip
+        plane.append(-sum(i * j for i, j in zip(plane, vertex, strict=True)))
         for order in ((0, 0), (1, 0), (0, 1)):
             T = [part.derivative(*order) for part in plane]
-            assert np.abs(sum(i * j for i, j in zip(T, found.contact.T)) + T[3]).max() < 1e-10
+            assert (
+                np.abs(sum(i * j for i, j in zip(T, found.contact.T, strict=True)) + T[3]).max()
+                < 1e-10
+            )
 
 
 def test_eq06_planes_to_points():
@@ -566,7 +571,7 @@ def test_osculating_circles_between_vertices():
             apart = np.linalg.norm(places[:, None] - places, axis=-1)
             assert np.all((apart < np.abs(sizes[:, None] - sizes)) | np.eye(12, dtype=bool))
         # Two circles of one size, on both sides of a vertex, cross.
-        for before, vertex, after in zip(vertices, vertices[1:], vertices[2:]):
+        for before, vertex, after in zip(vertices[:-2], vertices[1:-1], vertices[2:], strict=True):
             sizes = [size(place) for place in (before, vertex, after)]
             least = max(sizes[::2]) if sizes[1] > sizes[0] else min(sizes[::2])
             level = (sizes[1] + least) / 2
@@ -729,7 +734,7 @@ def _within_the_cone(graph, place, centre, around=None):
     Exactly, for tan(theta) = 1/2: the points over the circle by steps t of 0.1 to 1e-9, depths in
     powers t^4; or those next to the place in given directions.
     """
-    here = dict(zip((x, y, u, v), (*place, *centre))) | {tan: sp.Rational(1, 2)}
+    here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
     jet = {s: (graph.diff(*[x] * i, *[y] * j) if i + j else graph).subs(here)
            for (i, j), s in NAMES.items()}  # fmt: skip
     a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
@@ -790,7 +795,7 @@ def test_angle_of_proposition9():
     assert zero(4 * tan**2 * (u**2 + v**2) - below**2 + EQ9)  # cot = 2 sqrt/below, squared
     # ASB is the circle's radius on the sphere, or a straight angle less it.
     rng = np.random.default_rng(8)
-    for centre, size in zip(rng.normal(size=(12, 2)), rng.uniform(0.1, 2, 12)):
+    for centre, size in zip(rng.normal(size=(12, 2)), rng.uniform(0.1, 2, 12), strict=True):
         turns = 2 * np.pi * np.arange(9) / 9
         circle = centre + size * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
         ends = centre + np.outer([size, -size], centre / np.linalg.norm(centre))
@@ -833,7 +838,7 @@ def test_eq11_third_order():
 
 def _mixed(a, first, b, second):
     """Return a times one series and b times another."""
-    return [a * one + b * two for one, two in zip(first, second)]
+    return [a * one + b * two for one, two in zip(first, second, strict=True)]
 
 
 def _product(first, second):
@@ -850,7 +855,7 @@ def test_eq12_fourth_order():
     # A second way, fractions: the series of conic less graph has -(11)/6 for t^3 and -(12)/24
     # for t^4.
     for here in np.random.default_rng(12).integers(-9, 10, (10, 19)).tolist():
-        (x0, y0, U, V), graph = here[:4], dict(zip(NAMES, here[4:]))
+        (x0, y0, U, V), graph = here[:4], dict(zip(NAMES, here[4:], strict=True))
         sine, rise = [0, 1, 0, Fraction(-1, 6), 0], [0, 0, Fraction(1, 2), 0, Fraction(-1, 24)]
         step = [_mixed(V, sine, U, rise), _mixed(-U, sine, V, rise)]
         a, b = (e.subs({u: U, v: V}) for e in EQ10)
@@ -998,7 +1003,7 @@ def test_derivative_of_eq11():
     # degree 4 is of degree 4 itself, so that five values give the exact derivative.
     corrected = fourth + 3 * third + turned
     for move in np.random.default_rng(16).integers(-9, 10, (5, 19)).tolist():
-        (U, V, DU, DV), graph = move[:4], dict(zip(NAMES, move[4:]))
+        (U, V, DU, DV), graph = move[:4], dict(zip(NAMES, move[4:], strict=True))
         here = {s: graph[order] for order, s in NAMES.items()} | {u: U, v: V, du: DU, dv: DV}
         slope = _slope(_eleven(graph, U + step * DU, V + step * DV, V * step, -U * step)
                        for step in STEPS)  # fmt: skip
@@ -1039,7 +1044,7 @@ def _eq9(a, b, U, V, cot):
 def test_eq15_gradient():
     printed = x * W - 4 * u * tan**2, y * W - 4 * v * tan**2
     gradient = [EQ9.diff(u), EQ9.diff(v)]
-    assert all(sp.expand(a - 2 * b) == 0 for a, b in zip(gradient, (UT, VT)))
+    assert all(sp.expand(a - 2 * b) == 0 for a, b in zip(gradient, (UT, VT), strict=True))
     # Neither half of the gradient nor parallel to it.
     assert sp.expand(gradient[0] - 2 * printed[0]) != 0
     assert sp.expand(gradient[0] * printed[1] - gradient[1] * printed[0]) != 0
@@ -1131,7 +1136,7 @@ def test_eq17_to_eq20_prop18_surface_and_graph():
     f4 = example(s, w)
     moving = contact_point(s, w, f4, f4.d(0), f4.d(1))
     for order in ((1, 0), (0, 1)):
-        step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b)))
+        step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b), strict=True))
         assert abs(step) < 1e-12
 
 
@@ -1149,7 +1154,7 @@ def test_eq22_prop19_vertex():
         slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
         found = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V])
         assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
-        here = dict(zip((x, y, u, v), (*points[0, :2], U, V)))
+        here = dict(zip((x, y, u, v), (*points[0, :2], U, V), strict=True))
         printed = sp.Matrix(_vertex(points[0, 2], slope @ [V, -U], slope @ [U, V])).subs(here)
         assert np.allclose(np.array(printed.T, float)[0], found, rtol=1e-9, atol=1e-9)
 
@@ -1368,7 +1373,7 @@ def test_problem30_converses():
             slopes = (2 * s + 0.9 * s**2 * t, -2 * t + 0.3 * s**3 + 0.8 * t**3)
             length = (slopes[0] ** 2 + slopes[1] ** 2 + 1) ** 0.5
             n = [-slopes[0] / length, -slopes[1] / length, 1 / length]
-            return [c + R * m for c, m in zip(graph(s, t), n)]
+            return [c + R * m for c, m in zip(graph(s, t), n, strict=True)]
 
         return surface
 
@@ -1451,7 +1456,7 @@ def test_example31_four_principal_positions():
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
     r = sp.Matrix(contact_point(x, y, f_, fx, fy))
     gap = None
-    for line, shift in zip(PRINCIPAL, (y, x)):
+    for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
         assert zero(sum(c**2 for c in along.values()) - 1)
         size = p / 2 / (1 / t - shift)  # t = +-cot(theta)
@@ -1679,8 +1684,8 @@ def test_fig5_hyperosculation_of_a_developable():
     # A regular edge: its planes leave each of its points by curvature times torsion over 6.
     bend, twist = (sp.Function(name)(t) for name in ("bend", "twist"))
     q = [sp.Function(f"q{axis}")(t) for axis in "TNB"]  # from the moving frame to the point
-    rates = dict(zip((c.diff(t) for c in q),
-                     (bend * q[1] - 1, twist * q[2] - bend * q[0], -twist * q[1])))  # fmt: skip
+    turned = bend * q[1] - 1, twist * q[2] - bend * q[0], -twist * q[1]
+    rates = {c.diff(t): rate for c, rate in zip(q, turned, strict=True)}
     away = q[2]
     for order in (1, 2, 3):
         away = sp.expand(away.diff(t).subs(rates))

@@ -72,7 +72,7 @@ def test_geodesic_in_real_time(monkeypatch):
     integrate = geodesic_root.integrate
     monkeypatch.setattr(geodesic_root, "integrate", counted)
     number = []
-    for p, q in zip(*pairs(300)):
+    for p, q in zip(*pairs(300), strict=True):
         rounds.clear()
         assert geodesic_inverse(MACHINE.torus, p, q).converged
         number.append(len(rounds))

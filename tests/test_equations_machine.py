@@ -165,7 +165,7 @@ def test_example_centre():
     # M in decimals, with k = 1/4, a half-angle of arctan(1/2).
     M = [-sp.sqrt(2), -3 * sp.sqrt(2), -12]
     printed = (-1.414213562, -4.242640687, -12)
-    assert max(abs(float(exact - shown)) for exact, shown in zip(M, printed)) < 5e-10
+    assert max(abs(float(exact - shown)) for exact, shown in zip(M, printed, strict=True)) < 5e-10
     cone = Cone(np.arctan(0.5))
     assert abs(cone.k - 0.25) < 1e-15 and cone.implicit(np.array(printed)) < 0  # inside
 
@@ -211,7 +211,7 @@ def test_efficient_implementation():
     # Ours for a torus: a chord's point by three sums, then a root and two arctangents.
     ends = (-0.3, 0.2), (0.4, -0.3)
     (x1, y1, z1), q = (MACHINE.torus.point(*end).tolist() for end in ends)
-    dx, dy, dz = ((far - near) / 10 for far, near in zip(q, (x1, y1, z1)))
+    dx, dy, dz = ((far - near) / 10 for far, near in zip(q, (x1, y1, z1), strict=True))
     for expected in project_chord(MACHINE.torus, *ends, 11):
         found = atan2(-z1, x1), atan2(y1, sqrt(x1 * x1 + z1 * z1) - MACHINE.r)
         np.testing.assert_allclose(found, expected, atol=1e-12)

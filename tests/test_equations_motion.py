@@ -243,7 +243,7 @@ def test_listing_floats():
         for number in (Fraction, float)
     )
     odd = [k for k in wanted if found[k] != wanted[k]]
-    assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30)))
+    assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30), strict=True))
     assert all(time_bresenham(0, k, 30, tie="down").tolist() == wanted[k] for k in wanted)
     # A second way: the library's copy and the text itself tip over where it does.
     for ticks in range(1, 65):
@@ -292,8 +292,8 @@ def test_listing_ties():
     # e > emax lets a tie pass: half a count goes down, also where the move goes down.
     up, down = run_listing(0, 10, 0, 25, 1)[1], run_listing(0, 10, 0, -25, 1)[1]
     assert down != [-y for y in up]
-    assert [y - x for y, x in zip(up, exact(0, 25, 10))][1] == -HALF
-    assert [y - x for y, x in zip(down, exact(0, -25, 10))][1] == -HALF
+    assert [y - x for y, x in zip(up, exact(0, 25, 10), strict=True)][1] == -HALF
+    assert [y - x for y, x in zip(down, exact(0, -25, 10), strict=True)][1] == -HALF
     # On its way back a move meets the same points all the same.
     assert run_listing(0, 10, 25, 0, 1)[1] == up[::-1]
     for tie in ("up", "down"):
@@ -414,7 +414,7 @@ def test_figure_seven():
     named = [label.get_text() for label in ax.get_yticklabels()]
     assert named == ["interpolation", "servo", "preparation", "segment", "starved"]
     drawn = [[path.get_extents().intervalx for path in bars.get_paths()] for bars in ax.collections]
-    spans = dict(zip(named, map(np.array, drawn)))
+    spans = dict(zip(named, map(np.array, drawn), strict=True))
     # "running in a fast, high-priority schedule": a set-value each tick, whatever else goes on
     releases = 5000 * np.arange(len(spans["interpolation"]))
     np.testing.assert_allclose(spans["interpolation"][:, 0], releases)

@@ -257,7 +257,8 @@ def test_chance_at_rims():
     # ones have too seldom.
     lines = [array.tolist() for array in cases.vertical_lines(np.random.default_rng(5), 10_000)[:4]]
     closed, open_ = (
-        np.array([decisions(*line, closed=kind) for line in zip(*lines)]) for kind in (True, False)
+        np.array([decisions(*line, closed=kind) for line in zip(*lines, strict=True)])
+        for kind in (True, False)
     )
     for accepted, both, none in ((closed, 0.30, 0.18), (open_, 0.18, 0.30)):
         np.testing.assert_allclose(np.mean(accepted.all(axis=1)), both, atol=0.02)
@@ -328,7 +329,7 @@ def test_epsilon_fix():
     for unit, reached in ((Fraction(1), False), (Fraction(1, 10**5), True)):
         assert ((unit + Fraction(1, 10**5)) ** 2 >= (unit * 3 / 2) ** 2) is reached
     below = 0
-    for *rod, p_, u_ in zip(*cases.tangents(np.random.default_rng(4), 300)):
+    for *rod, p_, u_ in zip(*cases.tangents(np.random.default_rng(4), 300), strict=True):
         line = p_ + 99_991 * u_, u_
         exact, rounded = (discriminant(*rod, *line, number) for number in (Fraction, float))
         assert exact == 0
@@ -340,7 +341,7 @@ def discriminant(a, b, radius, point, direction, number):
     """Return the discriminant of a line's quadratic for the wall, in fractions or in floats."""
     v_, q_, u_ = ([number(c) for c in array] for array in (b - a, point - a, direction))
     vv, uu, qq, uv, qv, uq = (
-        sum(c * d for c, d in zip(*pair))
+        sum(c * d for c, d in zip(*pair, strict=True))
         for pair in ((v_, v_), (u_, u_), (q_, q_), (u_, v_), (q_, v_), (u_, q_))
     )
     A, B = uu * vv - uv * uv, uq * vv - qv * uv
@@ -585,7 +586,7 @@ def test_part_two():
     # below its wall is concave along lines, so that what is inside is an interval.
     for i in range(20):
         cone, axis = Frustum(a[i], b[i], 0.2, 0.9), b[i] - a[i]
-        for enter, leave, p_, u_ in zip(*cone.meet_line(point, u), point, u):
+        for enter, leave, p_, u_ in zip(*cone.meet_line(point, u), point, u, strict=True):
             middle, half = ((enter + leave) / 2, leave - enter) if enter < leave else (0, 3)
             out = p_ + (middle + half * np.linspace(-1, 1, 82))[:, None] * u_ - a[i]
             share = out @ axis / (axis @ axis)

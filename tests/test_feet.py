@@ -46,9 +46,13 @@ def test_feet_against_mpmath(seed):
     far = 10 ** rng.uniform(-2, 6, (len(tori), points, 1))
     m = far * np.array([torus.r + torus.R for torus in tori])[:, None, None]
     m = m * directions(rng, len(tori) * points).reshape(len(tori), points, 3)
-    found = np.array([torus.feet(near) for torus, near in zip(tori, m)])
+    found = np.array([torus.feet(near) for torus, near in zip(tori, m, strict=True)])
     with mp.workdps(30):
-        expected = [torus_feet.feet(t.r, t.R, p) for t, near in zip(tori, m.tolist()) for p in near]
+        expected = [
+            torus_feet.feet(t.r, t.R, p)
+            for t, near in zip(tori, m.tolist(), strict=True)
+            for p in near
+        ]
         expected = np.reshape(np.array(expected, dtype=float), found.shape)
     assert found.shape == (len(tori), points, 4, 3)
     assert relative_error(found, expected).max() <= 1e-13
@@ -59,8 +63,8 @@ def test_feet_of_nearly_horn_tori(exponent, count=2_000):
     rng = np.random.default_rng(-exponent)
     tori = [Torus(1.0, 1.0 + sign * 10.0**exponent) for sign in rng.choice([-1, 1], count)]
     m = rng.uniform(0, 3, (count, 1)) * directions(rng, count)
-    found = np.array([torus.feet(point) for torus, point in zip(tori, m)])
+    found = np.array([torus.feet(point) for torus, point in zip(tori, m, strict=True)])
     with mp.workdps(40):
-        expected = [torus_feet.feet(t.r, t.R, p) for t, p in zip(tori, m.tolist())]
+        expected = [torus_feet.feet(t.r, t.R, p) for t, p in zip(tori, m.tolist(), strict=True)]
         expected = np.array(expected, dtype=float)
     assert relative_error(found, expected).max() <= 1e-13

@@ -103,7 +103,7 @@ def direct_solves(torus, reach, way, n, seed):
             break
     rows = np.array(rows, dtype=float)
     assert len(rows) == n
-    return rows[:, :2], rows[:, 2:4], dict(zip(ANSWERS, rows[:, 4:].T))
+    return rows[:, :2], rows[:, 2:4], dict(zip(ANSWERS, rows[:, 4:].T, strict=True))
 
 
 @pytest.mark.parametrize("torus, reach, way", [
@@ -480,7 +480,7 @@ def test_geodesic_functions_leave_their_arguments_alone():
         argument.flags.writeable = False
     geodesic_inverse(RING, p, q)
     geodesic_direct(RING, p, azimuth, length, 3)
-    for argument, copy in zip(arguments, before):
+    for argument, copy in zip(arguments, before, strict=True):
         np.testing.assert_array_equal(argument, copy)
 
 

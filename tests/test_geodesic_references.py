@@ -37,7 +37,7 @@ def numbers(family):
     """Return the columns of a family as floats by name, and its kinds."""
     rows = [row for row in ROWS if row[0] == family]
     columns = np.array([row[1:-1] for row in rows], dtype=float).T
-    return dict(zip(HEADER[1:-1], columns)), np.array([row[-1] for row in rows])
+    return dict(zip(HEADER[1:-1], columns, strict=True)), np.array([row[-1] for row in rows])
 
 
 def inverse(known):
@@ -110,7 +110,7 @@ def test_rivals_of_the_outer_equator_appear_past_its_conjugate_point(turn, short
 
 @pytest.mark.parametrize("row", SWEEP, ids=lambda row: row[0])
 def test_geodesic_inverse_against_a_sweep_in_80_bits(row, count=100):
-    told = dict(zip(SWEEP_HEADER, row))
+    told = dict(zip(SWEEP_HEADER, row, strict=True))
     assert SWEEP_HEADER == geodesic_sweep.COLUMNS
     assert told["failures"] == told["wrong branches"] == told["rivals"] == "0"
     bounds = [float(x) for name, x in told.items() if name.startswith("worst ")]
@@ -121,7 +121,7 @@ def test_geodesic_inverse_against_a_sweep_in_80_bits(row, count=100):
     )
     del errors[2]  # how many are degenerate
     assert failures == wrong == 0
-    assert all(error <= bound for error, bound in zip(errors, bounds))
+    assert all(error <= bound for error, bound in zip(errors, bounds, strict=True))
     with mp.workdps(geodesic_sweep.DIGITS):
         exact = geodesic_sweep.against_mpmath(inputs, known, range(0, count, 20))
     assert max(exact) <= 1e-17

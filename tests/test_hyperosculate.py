@@ -41,14 +41,14 @@ def series(cones, k, f):
         across = np.cross(ruling / np.linalg.norm(ruling), start)
         sine, cosine = mp.sin(cones.half_angle), mp.cos(cones.half_angle)
         # Normals n(t) = side (sin axis + cos (p cos t + q sin t)), with n(0) the contact's.
-        p = [(mp.mpf(float(n)) - sine * a) / cosine for n, a in zip(start, axis)]
+        p = [(mp.mpf(float(n)) - sine * a) / cosine for n, a in zip(start, axis, strict=True)]
 
         def gap(t):
             n = [
                 cones.side[k] * (sine * a + cosine * (u * mp.cos(t) + mp.mpf(float(v)) * mp.sin(t)))
-                for a, u, v in zip(axis, p, across)
+                for a, u, v in zip(axis, p, across, strict=True)
             ]
-            h = -sum(a * mp.mpf(float(m)) for a, m in zip(n, cones.vertex[k]))
+            h = -sum(a * mp.mpf(float(m)) for a, m in zip(n, cones.vertex[k], strict=True))
             return h / (n[2] + 1) - f(n[0] / (n[2] + 1), n[1] / (n[2] + 1))
 
         return np.array([float(c) for c in mp.taylor(gap, 0, 4)])

@@ -137,7 +137,7 @@ def test_vtp_comes_back_with_its_errors(cut, tmp_path):
 def entities(text):
     """Return the entities of a drawing in DXF as dicts of their group codes."""
     lines = text.splitlines()
-    pairs = list(zip(map(int, lines[::2]), lines[1::2]))
+    pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
     assert pairs[-1] == (0, "EOF") and len(lines) % 2 == 0
     found = []
     for code, value in pairs:
@@ -170,7 +170,7 @@ def test_dxf_closes_and_lies_on_the_section(section):
 
 
 def test_dxf_of_arcs_turns_counter_clockwise_by_their_sweep():
-    for piece, arc in zip(entities(dxf({"WALL": EGG})), EGG.arcs):
+    for piece, arc in zip(entities(dxf({"WALL": EGG})), EGG.arcs, strict=True):
         assert (piece[51] - piece[50]) % 360 == pytest.approx(np.degrees(arc.sweep), abs=1e-9)
 
 

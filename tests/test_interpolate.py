@@ -60,7 +60,9 @@ def test_line_ticks_are_the_closed_form_of_all_short_moves(tie):
 def test_time_bresenham_of_ten_thousand_long_moves(tie):
     rng = np.random.default_rng(4)
     ends = rng.integers(-(2**30), 2**30, (10_000, 2))
-    for (start, stop), ticks in zip(ends.tolist(), rng.integers(1, 20, 10_000).tolist()):
+    for (start, stop), ticks in zip(
+        ends.tolist(), rng.integers(1, 20, 10_000).tolist(), strict=True
+    ):
         line = time_bresenham(start, stop, ticks, tie=tie).tolist()
         assert line == list(line_ticks(start, stop, ticks, tie=tie))
         slope = Fraction(stop - start, ticks)
@@ -120,7 +122,7 @@ def test_time_bresenham_broadcasts_and_leaves_its_arguments():
     lines = time_bresenham(start, stop, 6)
     assert lines.shape == (2, 3, 7)
     np.testing.assert_array_equal(lines[1, 2], time_bresenham(5, 7, 6))
-    assert all(np.array_equal(a, b) for a, b in zip((start, stop), kept))
+    assert all(np.array_equal(a, b) for a, b in zip((start, stop), kept, strict=True))
     small = time_bresenham(np.int8(-100), np.int8(100), np.int32(1))
     assert small.tolist() == [-100, 100]
 
@@ -130,7 +132,9 @@ def test_polyline_chains_without_residue(knots, data):
     ticks = data.draw(st.lists(st.integers(1, 40), min_size=len(knots) - 1,
                                max_size=len(knots) - 1))  # fmt: skip
     whole = polyline(knots, ticks)
-    pieces = [time_bresenham(a, b, n).T for a, b, n in zip(knots, knots[1:], ticks)]
+    pieces = [
+        time_bresenham(a, b, n).T for a, b, n in zip(knots[:-1], knots[1:], ticks, strict=True)
+    ]
     expected = np.concatenate([piece[:-1] for piece in pieces] + [np.array(knots[-1:])])
     np.testing.assert_array_equal(whole, expected)
     np.testing.assert_array_equal(whole[np.cumsum([0, *ticks])], knots)
@@ -232,7 +236,7 @@ def test_rivals_have_one_interface(name):
     lines = INTERPOLATORS[name](starts, stops, 50)
     assert lines.shape == (4, 51)
     np.testing.assert_array_equal(lines[:, 0], starts)
-    for line, start, stop in zip(lines, starts, stops):
+    for line, start, stop in zip(lines, starts, stops, strict=True):
         np.testing.assert_array_equal(INTERPOLATORS[name](start, stop, 50), line)
 
 

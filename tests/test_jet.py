@@ -131,7 +131,7 @@ def test_inverse_is_undone_by_composition(seed, scale):
     scales = np.array([scale ** (i + j) for i, j in EXPONENTS])[:, None]
     x, y = Jet(c[0] / scales), Jet(c[1] / scales)
     back = compose([x - x.value, y - y.value], *inverse(x, y))
-    for jet, place in zip(back, (1, 2)):
+    for jet, place in zip(back, (1, 2), strict=True):
         expected = np.zeros((15, 1))
         expected[place] = 1.0
         np.testing.assert_allclose(jet.c, expected, atol=1e-11)

@@ -132,7 +132,7 @@ def test_machine_refuses(change, message):
 
 def test_heights_are_where_crown_and_floor_are_just_reached():
     egg = Egg(0.5)
-    for height, index in zip(REFERENCE_MACHINE.heights(egg), (2, 3)):
+    for height, index in zip(REFERENCE_MACHINE.heights(egg), (2, 3), strict=True):
         requirement = replace(REFERENCE_MACHINE, height=height).requirements(egg)[index]
         assert abs(requirement.left - requirement.right) <= 1e-15
 

@@ -49,7 +49,7 @@ def test_model_jet_is_the_surface(name):
     x, y, f = model_jet(GENERAL[name], *GRID)
     point = contact_point(x, y, f.value, f.derivative(1, 0), f.derivative(0, 1))
     expected = np.broadcast_arrays(*GENERAL[name](*GRID))
-    for got, c in zip(point, expected):
+    for got, c in zip(point, expected, strict=True):
         np.testing.assert_allclose(got, c, atol=1e-12)
     # Its Taylor polynomial leads to the neighbours.
     s, t = GRID[0] + 1e-3, GRID[1] - 2e-3

@@ -85,5 +85,5 @@ def test_draw_is_the_same_each_time_and_changes_one_line(tmp_path, monkeypatch):
     assert first == second and len(first) == 1  # one line has formulas
     mutant = first[0]
     before, after = mutant.lines()
-    assert [a != b for a, b in zip(before, after)] == [False, True] + [False] * 200
+    assert [a != b for a, b in zip(before, after, strict=True)] == [False, True] + [False] * 200
     assert isinstance(mutant, Mutant) and mutant.row("t")["killed by"] == "t"

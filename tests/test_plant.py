@@ -62,7 +62,7 @@ def test_lag_discrete_keeps_its_digits(lag, tick):
     with mp.workdps(50):
         a = mp.exp(-mp.mpf(tick) / lag)
         exact = [[1, lag * (1 - a)], [0, a]], [tick - lag * (1 - a), 1 - a]
-        for found, wanted in [(Ad[0, 1], exact[0][0][1]), *zip(Bd, exact[1])]:
+        for found, wanted in [(Ad[0, 1], exact[0][0][1]), *zip(Bd, exact[1], strict=True)]:
             assert abs(found - wanted) <= 4e-15 * abs(wanted)
 
 
@@ -115,7 +115,7 @@ def angles(lever):
 @every_lever
 def test_linkage_obeys_the_law_of_cosines(lever):
     q = angles(lever)
-    for angle, length, arm in zip(q, lever.length(q), lever.arm(q)):
+    for angle, length, arm in zip(q, lever.length(q), lever.arm(q), strict=True):
         with mp.workdps(40):
             gamma = mp.mpf(lever.mounting) + lever.sense * mp.mpf(angle)
             exact = mp.sqrt(mp.mpf(lever.a) ** 2 + mp.mpf(lever.b) ** 2
@@ -186,7 +186,7 @@ def test_linkage_refuses_wrong_sizes():
 def test_rate_uses_up_the_pressure_of_both_lands(axis):
     q = np.linspace(axis.low, axis.high, 9)
     for spool in (1.0, 0.3, 0.01, -0.01, -1.0):
-        for angle, rate in zip(q, axis.rate(q, spool)):
+        for angle, rate in zip(q, axis.rate(q, spool), strict=True):
             plus, minus = axis.linkage.displacements(float(angle))
             filled, emptied = (plus, minus) if spool > 0 else (minus, plus)
             first = axis.supply - (abs(rate) * filled / (axis.flow * abs(spool))) ** 2

@@ -116,15 +116,18 @@ def test_project_chord_with_arc_spacing_splits_the_length_evenly(torus, p, q):
 
 def path_by_mpmath(torus, start, stop):
     """Return the foot N(t) of M(t) on a chord, by vectors from the ring's point."""
-    start, chord = [mpf(c) for c in start], [mpf(b) - mpf(a) for a, b in zip(start, stop)]
+    start, chord = (
+        [mpf(c) for c in start],
+        [mpf(b) - mpf(a) for a, b in zip(start, stop, strict=True)],
+    )
 
     def foot(t):
-        m = [a + t * c for a, c in zip(start, chord)]
+        m = [a + t * c for a, c in zip(start, chord, strict=True)]
         scale = mpf(torus.r) / mp.sqrt(m[0] ** 2 + m[2] ** 2)
         ring = [m[0] * scale, mpf(0), m[2] * scale]
-        away = [a - b for a, b in zip(m, ring)]
+        away = [a - b for a, b in zip(m, ring, strict=True)]
         length = mp.sqrt(sum(c * c for c in away))
-        return [a + torus.R * b / length for a, b in zip(ring, away)]
+        return [a + torus.R * b / length for a, b in zip(ring, away, strict=True)]
 
     return foot
 

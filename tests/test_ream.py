@@ -143,13 +143,15 @@ def test_bounds_keep_valves_flow_and_volume():
     rates = np.diff(moves, axis=0) / lengths[:, None]
     limits = Limits(feed=9.0, acceleration=1.0, valve=0.5, axes=axes)
     feed = limits.bounds(lengths, moves, ground)
-    opened = np.array([[abs(axis.command(float(v * r), float(q))) for v, r, q in zip(feed, *pair)]
-                       for axis, pair in zip(axes, zip(rates.T, middle.T))])  # fmt: skip
+    opened = np.array([
+        [abs(axis.command(float(v * r), float(q))) for v, r, q in zip(feed, rate, at, strict=True)]
+        for axis, rate, at in zip(axes, rates.T, middle.T, strict=True)
+    ])  # fmt: skip
     np.testing.assert_allclose(opened.max(axis=0), 0.5, rtol=1e-9)
     limits = Limits(feed=9.0, acceleration=1.0, flow=1e-4, axes=axes)
     feed = limits.bounds(lengths, moves, ground)
     drawn = sum(np.where(r > 0, axis.sides(q)[0][0], axis.sides(q)[1][0]) * np.abs(r * feed)
-                for axis, r, q in zip(axes, rates.T, middle.T))  # fmt: skip
+                for axis, r, q in zip(axes, rates.T, middle.T, strict=True))  # fmt: skip
     np.testing.assert_allclose(drawn, 1e-4, rtol=1e-12)
     limits = Limits(feed=9.0, acceleration=1.0, volume=1e-4)
     np.testing.assert_allclose(limits.bounds(lengths, moves, ground), 0.05, rtol=1e-12)

@@ -164,7 +164,7 @@ def test_meet_rods_of_halves_join():
     np.testing.assert_allclose(np.maximum(first[1], second[1]), leave, atol=1e-12)
     capsule = meet_rods(a, b, radius, p, u, ends="round")
     balls = [meet_rods(end, end, radius, p, u, ends="round") for end in (a, b)]
-    lows, highs = (np.array(side) for side in zip((enter, leave), *balls))
+    lows, highs = (np.array(side) for side in zip((enter, leave), *balls, strict=True))
     np.testing.assert_allclose(lows.min(axis=0), capsule[0], atol=1e-7)  # a root near tangents
     np.testing.assert_allclose(highs.max(axis=0), capsule[1], atol=1e-7)
 
@@ -227,7 +227,7 @@ def test_parallel_lines_are_as_one_by_one(ends):
         p[:100] = np.array(rod.a) + np.linspace(-1, 2, 100)[:, None] * rod.axis
         fast = rod.meet_line(p.reshape(200, 200, 3), direction)
         slow = rod.meet_line(p, np.broadcast_to(np.array(direction, float), p.shape))
-        for one, other in zip(fast, slow):
+        for one, other in zip(fast, slow, strict=True):
             np.testing.assert_allclose(one, other.reshape(200, 200), rtol=1e-11, atol=1e-12)
         assert np.isfinite(fast[0]).any() and not np.isfinite(fast[0]).all()
 

@@ -25,7 +25,7 @@ def searched(rod, low, high, side):
     best, where = -np.inf, None
     first, last = low.copy(), high.copy()
     for _ in range(60):
-        x, y = (np.linspace(*ends, 13) for ends in zip(first, last))
+        x, y = (np.linspace(*ends, 13) for ends in zip(first, last, strict=True))
         grid = np.stack([*np.meshgrid(x, y, indexing="ij"), np.zeros((13, 13))], axis=-1)
         enter, leave = rod.meet_line(grid, (0, 0, 1))
         height = side * (leave if side > 0 else enter)

@@ -73,7 +73,7 @@ def test_verdicts_on_the_pages_can_be_read(sheet):
 def test_axes_have_no_more_divisions_than_asked_for():
     for divisions in (2, 5):
         drawing, axes = figure(1, 2, height=7, divisions=divisions)
-        for ax, most in zip(axes, (0.6, 24.6)):
+        for ax, most in zip(axes, (0.6, 24.6), strict=True):
             ax.plot([0, 4], [0, most])
         drawing.draw_without_rendering()
         for ax in axes:

@@ -64,7 +64,7 @@ def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
     stamps = [file.stat().st_mtime_ns for file in first]
     files = sweep(small, blocks, tmp_path, jobs=2)
     assert [file.stat().st_mtime_ns for file in files[:2]] == stamps
-    for block, table in zip(blocks, loaded(files)):
+    for block, table in zip(blocks, loaded(files), strict=True):
         np.testing.assert_array_equal(table, small(block))
     told = capsys.readouterr().err
     assert "2 of 5 blocks are there" in told and "5 of 5 blocks, 0 s to go" in told
@@ -108,7 +108,7 @@ def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveye
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         address = cluster.scheduler_address
         there = sweep(atlas.survey, FEW, tmp_path / "there", scheduler=address)
-    for one, other in zip(loaded(there), loaded(surveyed)):
+    for one, other in zip(loaded(there), loaded(surveyed), strict=True):
         np.testing.assert_array_equal(one, other)
 
 

@@ -35,7 +35,7 @@ def test_response_times_are_the_longest_of_a_run(data):
     tasks = random_tasks(data.draw)
     times = response_times(tasks)
     _, jobs = schedule(tasks, 4 * math.lcm(*(t.period for t in tasks)))
-    for task, time in zip(tasks, times):
+    for task, time in zip(tasks, times, strict=True):
         if math.inf not in times:
             assert max(job.done - job.release for job in jobs if job.name == task.name) == time
 
@@ -98,7 +98,7 @@ def by_events(tasks, costs, ticks, depth):
        st.integers(1, 3))  # fmt: skip
 def test_hand_over_is_what_happens_unit_by_unit(segments, depth):
     tasks = [Task("line", 10, 2), Task("servo", 20, 3)]
-    costs, ticks = zip(*segments)
+    costs, ticks = zip(*segments, strict=True)
     run = hand_over(tasks, costs, ticks, depth=depth)
     assert (run.ready, run.started) == by_events(tasks, costs, ticks, depth)
     for k, wait in enumerate(run.starved):
@@ -108,7 +108,7 @@ def test_hand_over_is_what_happens_unit_by_unit(segments, depth):
 
 @given(st.lists(st.tuples(st.integers(1, 50_000), st.integers(1, 40)), min_size=2, max_size=12))
 def test_hand_over_of_a_sufficient_double_buffer_never_starves(segments):
-    costs, ticks = zip(*segments)
+    costs, ticks = zip(*segments, strict=True)
     run = hand_over(FAST, costs, ticks)
     if background_response(FAST, max(costs)) <= min(ticks) * FAST[0].period:
         assert not any(run.starved[1:])

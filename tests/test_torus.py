@@ -53,7 +53,7 @@ def test_angles_are_those_of_the_foot(torus, where):
 def test_implicit_against_eq2_in_fractions(torus, offset):
     angles = np.random.default_rng(2).uniform(-3, 3, (2, 50))
     points = torus.point(*angles) + offset * torus.R * torus.normal(*angles)
-    for point, found in zip(points, torus.implicit(points)):
+    for point, found in zip(points, torus.implicit(points), strict=True):
         exact = eq2(*fractions(torus.r, torus.R, *point))
         loss = 1 + (torus.r + torus.R) / off_surface(torus, point)
         assert abs(found - float(exact)) <= 16 * EPS * loss * abs(float(exact))
@@ -63,13 +63,15 @@ def test_implicit_against_eq2_in_fractions(torus, offset):
 def test_normal_is_the_gradient_of_eq2(torus):
     theta, phi = np.random.default_rng(3).uniform(-3, 3, (2, 20))
     with mp.workdps(40):
-        for point, normal in zip(torus.point(theta, phi), torus.normal(theta, phi)):
+        for point, normal in zip(torus.point(theta, phi), torus.normal(theta, phi), strict=True):
             p, axes = [mpf(c) for c in point], np.eye(3, dtype=int).tolist()
             gradient = [mp.diff(lambda *q: eq2(mpf(torus.r), mpf(torus.R), *q), p, a) for a in axes]
             length = mp.sqrt(sum(c * c for c in gradient))
             sign = mp.sign(sum(c * c for c in p) + 2 * mpf(torus.r) * (p[0] ** 2 + p[2] ** 2) ** 0.5
                            + mpf(torus.r) ** 2 - mpf(torus.R) ** 2)  # fmt: skip
-            along = float(abs(sum(mpf(n) * c for n, c in zip(normal, gradient))) / length)
+            along = float(
+                abs(sum(mpf(n) * c for n, c in zip(normal, gradient, strict=True))) / length
+            )
             assert sign and abs(along - 1) <= 1e-12
             assert np.linalg.norm(normal) == pytest.approx(1, abs=4 * EPS)
 
@@ -131,7 +133,7 @@ def test_feet_hold_the_nearest_and_the_farthest_point(torus):
     m = (torus.r + torus.R) * np.random.default_rng(6).uniform(-2, 2, (20, 3))
     angles = np.meshgrid(*[np.linspace(-np.pi, np.pi, 241)] * 2)
     every = torus.point(*angles).reshape(-1, 3)
-    for point, feet in zip(m, torus.feet(m)):
+    for point, feet in zip(m, torus.feet(m), strict=True):
         sampled = np.linalg.norm(every - point, axis=-1)
         touched = np.linalg.norm(feet - point, axis=-1)
         step = np.pi / 240 * (torus.r + torus.R) * 1.5

@@ -111,7 +111,7 @@ def test_posed_machine_has_its_cutter_where_the_simulation_has_it(options):
 
 def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
     early, late = (tunnel_scene(cut, tick, wall=wall) for tick, wall in
-                   zip((40, last(cut)), stages(cut, [40, last(cut)])))  # fmt: skip
+                   zip((40, last(cut)), stages(cut, [40, last(cut)]), strict=True))  # fmt: skip
     assert early.camera.position == late.camera.position
     pictures = [shoot(plotter, direction=None).astype(int) for plotter in (early, late)]
     red, green, blue = np.moveaxis(pictures[1][:, :1300], -1, 0)  # without the colour bar

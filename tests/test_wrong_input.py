@@ -73,7 +73,7 @@ def test_arrays_must_hold_real_numbers(key, value):
 @pytest.mark.parametrize("key", [k for k, call in CALLS.items() if any(call.axes)])
 def test_points_must_have_their_last_axis(key, shape):
     call = CALLS[key]
-    for i, (name, axis) in enumerate(zip(call.names, call.axes)):
+    for i, (name, axis) in enumerate(zip(call.names, call.axes, strict=True)):
         if axis:
             arguments = [np.full(axis, 0.25) for axis in call.axes]
             arguments[i] = np.zeros(shape)

@@ -152,7 +152,7 @@ class Reference:
         """Return a numpydoc docstring as HTML, its headings' level and names' scope given."""
         first, *rest = SECTION.split(text)
         parts = [self.text(first, scope)]
-        for name, content in zip(rest[::2], rest[1::2]):
+        for name, content in zip(rest[::2], rest[1::2], strict=True):
             body = (self.listed if name in LISTS else self.text)(content, scope)
             parts.append(f'<h{level} class="part">{name}</h{level}>\n{body}')
         return "\n".join(parts)

@@ -27,5 +27,8 @@ def proof_html(path):
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     first = [min(part.lineno for part in (node, *node.decorator_list)) - 1 for node in functions]
     head, *rest = ("".join(lines[a:b]).strip("\n") for a, b in pairwise([0, *first, len(lines)]))
-    named = (f'<h2 id="{f.name}">{f.name}</h2>\n{code(part)}' for f, part in zip(functions, rest))
+    named = (
+        f'<h2 id="{f.name}">{f.name}</h2>\n{code(part)}'
+        for f, part in zip(functions, rest, strict=True)
+    )
     return "\n".join([f"<h1>{path.name}</h1>", code(head), *named])

@@ -100,7 +100,7 @@ def test_against_solve_bvp(benchmark, say, tolerance, least):
     p, q = random_pairs(MACHINE, 100)
 
     def others():
-        return np.array([bvp_length(MACHINE, *pair, tolerance) for pair in zip(p, q)])
+        return np.array([bvp_length(MACHINE, *pair, tolerance) for pair in zip(p, q, strict=True)])
 
     length = benchmark.pedantic(others)
     ours, theirs = paces(MACHINE, others, len(p), rounds=5)
@@ -118,7 +118,7 @@ def test_against_solve_bvp_on_a_ring(benchmark, say):
     nearest = p + np.remainder(q - p + np.pi, 2 * np.pi) - np.pi
 
     def others():
-        return np.array([bvp_length(RING, *pair, 1e-6) for pair in zip(p, nearest)])
+        return np.array([bvp_length(RING, *pair, 1e-6) for pair in zip(p, nearest, strict=True)])
 
     found = benchmark.pedantic(others)
     ours, theirs = paces(RING, others, len(p), rounds=2)
@@ -191,7 +191,7 @@ def mesh(vertices):
     low, high = LOW - margin, HIGH + margin
     size = (high - low) * [MACHINE.r + MACHINE.R, MACHINE.R]
     counts = np.round(size * np.sqrt(vertices / np.prod(size))).astype(int)
-    axes = [np.linspace(*limits, count) for *limits, count in zip(low, high, counts)]
+    axes = [np.linspace(*limits, count) for *limits, count in zip(low, high, counts, strict=True)]
     joint = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     corner = np.arange(len(joint)).reshape(counts)
     a, b, c, d = (

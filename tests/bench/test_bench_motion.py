@@ -32,7 +32,8 @@ def plain_formula(start, stop, ticks):
 def each_move(function, starts, stops, ticks):
     """Call a function of one move for each of many."""
     return [
-        function(*ends, ticks) for ends in zip(np.ravel(starts).tolist(), np.ravel(stops).tolist())
+        function(*ends, ticks)
+        for ends in zip(np.ravel(starts).tolist(), np.ravel(stops).tolist(), strict=True)
     ]
 
 

@@ -274,7 +274,7 @@ def checked(inputs, known, index):
         r, R, phi1, phi2, theta2 = (array[i] for array in inputs)
         reach = float(known["length"][i])
         rivals += shortest_rival(r, R, phi1, phi2, abs(theta2), reach, 1e-4) is not None
-    return {name: np.array(x) for name, x in zip(CHECKS, (length, azimuth, rivals))}
+    return {name: np.array(x) for name, x in zip(CHECKS, (length, azimuth, rivals), strict=True)}
 
 
 def library(inputs):
@@ -326,8 +326,10 @@ def against_mpmath(inputs, known, index):
         r, R, phi1, phi2, theta2 = (float(array[i]) for array in inputs)
         *azimuths, length = (exactly(known[name][i]) for name in ANSWERS[:3])
         exact = torus_geodesics.again(r, R, phi1, theta2, phi2, *azimuths)
-        off = max(abs(x - y) for x, y in zip(azimuths, exact))
-        worst = [max(x, float(y)) for x, y in zip(worst, (abs(length / exact[2] - 1), off))]
+        off = max(abs(x - y) for x, y in zip(azimuths, exact, strict=True))
+        worst = [
+            max(x, float(y)) for x, y in zip(worst, (abs(length / exact[2] - 1), off), strict=True)
+        ]
     return worst
 
 

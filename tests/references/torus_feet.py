@@ -41,7 +41,7 @@ def residual(r, R, m, n):
     sphere = sum(c * c for c in n) - r * r - R * R
     off = sphere**2 - 4 * r**2 * (R**2 - n[1] ** 2)
     gradient = (sphere * n[0], (sphere + 2 * r * r) * n[1], sphere * n[2])
-    mn = [a - mpf(b) for a, b in zip(n, m)]
+    mn = [a - mpf(b) for a, b in zip(n, m, strict=True)]
     pairs = [(0, 1), (1, 2), (2, 0)]
     skew = max(abs(mn[i] * gradient[j] - mn[j] * gradient[i]) for i, j in pairs)
     size, far = r + R, mp.sqrt(sum(mpf(c) ** 2 for c in m)) + r + R
@@ -61,7 +61,7 @@ def cases(rng, count=40):
     def on_ring(r, offset):
         turn, v = rng.uniform(-mp.pi, mp.pi), direction()
         ring = (r * mp.cos(turn), 0, -r * mp.sin(turn))
-        return [float(a + offset * b) for a, b in zip(ring, v)]
+        return [float(a + offset * b) for a, b in zip(ring, v, strict=True)]
 
     for _ in range(count):
         r, R = log(-1, 0), log(-1, 1)

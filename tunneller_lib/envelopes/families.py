@@ -189,7 +189,7 @@ def dot(a, b):
 def add(first, *others):
     """Return the sum of lists of coordinates, the first and the others."""
     for other in others:
-        first = [a + b for a, b in zip(first, other)]
+        first = [a + b for a, b in zip(first, other, strict=True)]
     return first
 
 

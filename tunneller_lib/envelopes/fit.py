@@ -89,6 +89,8 @@ def fit_planes(contact, n, *, scale, degree=6):
         weight = 1 / np.maximum(1, left / (_HUBER * np.median(left) + np.finfo(float).tiny))
 
     def f(x, y):
-        return sum(a * (x / scale) ** i * (y / scale) ** j for a, (i, j) in zip(c, orders))
+        return sum(
+            a * (x / scale) ** i * (y / scale) ** j for a, (i, j) in zip(c, orders, strict=True)
+        )
 
     return f, planes

@@ -39,7 +39,7 @@ def size(f, degree):
     """Return the Frobenius norms (n,) of a jet's tensors of derivatives of one degree."""
     form = [f.derivative(degree - k, k) for k in range(degree + 1)]
     weights = np.cumprod([1.0, *((degree - k) / (k + 1) for k in range(degree))])
-    return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form)))
+    return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form, strict=True)))
 
 
 def circle_roots(function, degree, *, unit):

@@ -131,7 +131,7 @@ def model_jet(surface, s, t):
     """
     found = frames(surface, s, t, "space")
     r, n = (_turned(np.swapaxes(found.axes, 1, 2), jets) for jets in (found.r, found.n))
-    r = [jet + moved for jet, moved in zip(r, found.contact.T)]
+    r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
     x, y, value, fx, fy = isotropic_derivatives(r, n)
     f = _integrated(*compose([fx, fy], *inverse(x, y)))
     f.c[0] = value.value

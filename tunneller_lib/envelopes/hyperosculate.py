@@ -121,7 +121,7 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
         _of_block(surface, *(a[first : first + BLOCK] for a in flat), first, half_angle, model)
         for first in range(0, max(s.size, 1), BLOCK)
     ]
-    *rows, count, state = (np.concatenate(part) for part in zip(*parts))
+    *rows, count, state = (np.concatenate(part) for part in zip(*parts, strict=True))
     return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
 
 

@@ -122,8 +122,8 @@ def compose(jets, s, t):
         powers[i, j] = s * powers[i - 1, j] if i else t * powers[0, j - 1]
     terms = [powers[exponents].c for exponents in EXPONENTS[1:]]
     with np.errstate(all="ignore"):
-        composed = [sum(term * c for term, c in zip(terms, jet.c[1:])) for jet in jets]
-    return [Jet(c) + jet.value for c, jet in zip(composed, jets)]
+        composed = [sum(term * c for term, c in zip(terms, jet.c[1:], strict=True)) for jet in jets]
+    return [Jet(c) + jet.value for c, jet in zip(composed, jets, strict=True)]
 
 
 def inverse(x, y):

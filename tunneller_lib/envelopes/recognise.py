@@ -97,7 +97,9 @@ def recognise(
     'is'
     """
     s, t = finite_points(s, t)
-    if (n := len({*zip(s.flat, t.flat)})) < LEAST_POINTS:  # one residual of zero proves nothing
+    if (
+        n := len({*zip(s.flat, t.flat, strict=True)})
+    ) < LEAST_POINTS:  # one residual of zero proves nothing
         raise ValueError(f"s, t: must hold at least {LEAST_POINTS} different points; got {n}.")
     if not 0 < finite("tolerance", tolerance) <= IS_NOT:
         raise ValueError(f"tolerance: must be above 0, at most {IS_NOT}; got {tolerance!r}.")

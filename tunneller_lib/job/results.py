@@ -51,7 +51,7 @@ def summarise(job, cut, say=None):
         "removed_m3": float(cut.removed.sum()),
         "overbreak_m": over,
         "underbreak_m": under,
-        "faults": [dict(zip(FAULT, fault)) for fault in faults],
+        "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
         "warnings": [*_warnings(job, over, under), *_coarse(job, cut)],
     }
 

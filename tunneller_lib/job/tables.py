@@ -40,7 +40,7 @@ def setvalues_csv(plan):
 
 def _columns(names, left, counts):
     """Return numbered rows under their heading, parted by commas."""
-    rows = ([i, *a, *b] for i, (a, b) in enumerate(zip(left, counts.tolist())))
+    rows = ([i, *a, *b] for i, (a, b) in enumerate(zip(left, counts.tolist(), strict=True)))
     return "".join(",".join(map(str, row)) + "\n" for row in (names, *rows))
 
 
@@ -79,7 +79,7 @@ def read_csv(text):
         if len(row) != len(lines[0]):
             raise ValueError(f"text: row {number} has {len(row)} numbers under {len(lines[0])} "
                              "names.")  # fmt: skip
-    return about, {name: _numbers(name, cells) for name, *cells in zip(*lines)}
+    return about, {name: _numbers(name, cells) for name, *cells in zip(*lines, strict=True)}
 
 
 def _numbers(name, cells):

@@ -174,7 +174,9 @@ def reference_axes(machine, *, damping=0.15):
     loads = ((head + arm / 3) * reach**2, (head + arm / 2) * g * reach), (
         (head + arm / 3) * machine.R**2, 0.0)  # fmt: skip
     axes = []
-    for linkage, (low, high), (inertia, gravity) in zip(linkages(machine), ranges, loads):
+    for linkage, (low, high), (inertia, gravity) in zip(
+        linkages(machine), ranges, loads, strict=True
+    ):
         sizes = dict(linkage=linkage, low=low - STROKE_MARGIN, high=high + STROKE_MARGIN,
                      inertia=inertia, gravity=gravity, supply=160e5, tank=3e5, bulk=1.0e9,
                      hose=5e-5, flow=4e-3 / 60 / 35e5**0.5, valve_lag=4e-3)  # fmt: skip

@@ -116,10 +116,10 @@ class Compressible:
         def step(state, u):
             for _ in range(parts):
                 k1 = self.derivative(state, u)
-                k2 = self.derivative([y + h / 2 * k for y, k in zip(state, k1)], u)
-                k3 = self.derivative([y + h / 2 * k for y, k in zip(state, k2)], u)
-                k4 = self.derivative([y + h * k for y, k in zip(state, k3)], u)
-                slopes = zip(state, k1, k2, k3, k4)
+                k2 = self.derivative([y + h / 2 * k for y, k in zip(state, k1, strict=True)], u)
+                k3 = self.derivative([y + h / 2 * k for y, k in zip(state, k2, strict=True)], u)
+                k4 = self.derivative([y + h * k for y, k in zip(state, k3, strict=True)], u)
+                slopes = zip(state, k1, k2, k3, k4, strict=True)
                 state = [y + h / 6 * (a + 2 * (b + c) + d) for y, a, b, c, d in slopes]
                 state[2], state[3] = max(state[2], 0.0), max(state[3], 0.0)
             return tuple(state)

@@ -213,7 +213,7 @@ class ValveResonance(_Linear):
 
     def stepper(self, tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        rows = [[*a, b] for a, b in zip(*(m.tolist() for m in self.discrete(tick)))]
+        rows = [[*a, b] for a, b in zip(*(m.tolist() for m in self.discrete(tick)), strict=True)]
         return lambda state, u: tuple(sum(map(mul, row, (*state, u))) for row in rows)
 
 

@@ -182,7 +182,7 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     slopes = _slopes(slopes, values, loops)
     runs = [
         _run(*parts, inverse or parts[0].command)
-        for parts in zip(plants, loops, columns.T.tolist(), slopes.T.tolist())
+        for parts in zip(plants, loops, columns.T.tolist(), slopes.T.tolist(), strict=True)
     ]
     states = tuple(np.array(run[0]) for run in runs)
     shape = (-1, *values.shape[1:])
@@ -190,7 +190,9 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     command = np.array([run[1] for run in runs]).T.reshape(shape)
     limit = np.array([one.limit for one in loops]) if values.ndim == 2 else loops[0].limit
     ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
-    stable = tuple(None if inverse else is_stable(*parts) for parts in zip(plants, loops, ranges))
+    stable = tuple(
+        None if inverse else is_stable(*parts) for parts in zip(plants, loops, ranges, strict=True)
+    )
     saturated = np.abs(command) >= limit
     return Track(loops[0].tick, values, position, command, saturated, states, stable)
 
@@ -203,7 +205,7 @@ def _run(plant, loop, setvalues, slopes, inverse):
     summed = 0.0
     waiting = [0.0] * loop.delay
     states, commands = [state], []
-    for wanted, slope in zip(setvalues, slopes):
+    for wanted, slope in zip(setvalues, slopes, strict=True):
         position = state[0]
         if count:
             position = count * ((position / count + 0.5) // 1)

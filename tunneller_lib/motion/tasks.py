@@ -185,12 +185,12 @@ def hand_over(tasks, costs, ticks, *, depth=1):
     idle, cycle = _idle(tasks)
     tick = tasks[0].period
     ready, needed, started = [], [0], []
-    for k, (cost, number) in enumerate(zip(costs, ticks)):
+    for k, (cost, number) in enumerate(zip(costs, ticks, strict=True)):
         free = max(ready[-1] if ready else 0, started[k - depth] if k >= depth else 0)
         ready.append(_finish(idle, cycle, free, cost))
         started.append(-(-max(needed[k], ready[k]) // tick) * tick)
         needed.append(started[k] + number * tick)
-    starved = tuple((s - n) // tick for s, n in zip(started, needed))
+    starved = tuple((s - n) // tick for s, n in zip(started, needed, strict=True))
     return HandOver(tuple(ready), tuple(needed[:-1]), tuple(started), starved)
 
 
@@ -220,7 +220,7 @@ def _idle(tasks):
     cycle = math.lcm(*(task.period for task in tasks))
     slices, _ = schedule(tasks, cycle)
     edges = [0, *(edge for one in slices for edge in one[1:]), cycle]
-    return [(a, b) for a, b in zip(edges[::2], edges[1::2]) if b > a], cycle
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a], cycle
 
 
 def _finish(idle, cycle, start, cost):

@@ -49,7 +49,7 @@ def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
     if not (machine.within_limits(low) and machine.within_limits(high)):
         needs = ", ".join(
             f"{joint} from {a:.1f} to {b:.1f} deg"
-            for joint, a, b in zip(("theta", "phi"), np.degrees(low), np.degrees(high))
+            for joint, a, b in zip(("theta", "phi"), np.degrees(low), np.degrees(high), strict=True)
         )
         raise ValueError(f"machine: can't cut this section; it needs {needs}, beyond its limits.")
     return circuit
@@ -222,7 +222,7 @@ class Circuit:
         counts = np.maximum(np.ceil(steps / 2), 1)
         while counts.sum() <= MOST_KNOTS:
             counts = counts.astype(int)
-            arcs = zip(blends, blends[1:], counts)
+            arcs = zip(blends[:-1], blends[1:], counts, strict=True)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
             error = np.max(np.abs(self.path_overcut(s)), axis=-1)
             worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)

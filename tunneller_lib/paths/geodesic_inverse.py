@@ -42,7 +42,7 @@ class _Ways(NamedTuple):
     def settle(self, where, kind, *values):
         """Write down geodesics of a kind where a mask says, each value a number or an array."""
         self.kind[where] = kind
-        for array, value in zip(self, values):
+        for array, value in zip(self, values, strict=True):
             array[where] = value[where] if np.ndim(value) else value
 
 
@@ -90,7 +90,7 @@ def geodesic_inverse(torus, p, q):
     # Over the inner equator only between opposite halves: else the outside is shorter.
     outside, inside = _near_side(torus, ends), _inside(torus, ends, ends.b < 0)
     nearer = inside.length < np.where(outside.kind == "none", np.inf, outside.length)
-    shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside)))
+    shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside, strict=True)))
     return _geodesic(torus, p, q, ends, shortest)
 
 
@@ -213,7 +213,7 @@ def _search(torus, family, ends, possible, ways, low=None):
     reached = np.abs(found.turned - angle) <= AGREES
     index = index[reached]
     ways.kind[index] = family.__name__
-    for array, value in zip(ways, found[1:]):
+    for array, value in zip(ways, found[1:], strict=True):
         array[index] = value[reached]
 
 

@@ -103,7 +103,7 @@ def _ends(torus, p, q):
     """Return the joint positions of both ends, checked."""
     instance("torus", torus, Torus)
     ends = positions("p", p), positions("q", q)
-    for name, end in zip("pq", ends):
+    for name, end in zip("pq", ends, strict=True):
         inner = torus.r + torus.R * np.cos(end[..., 1]) < 0
         if np.any(inner):
             raise ValueError(

@@ -170,7 +170,7 @@ def following(plan, plants, loops):
     # The gain that leaves half, which with delays isn't a power's: looked for among factors.
     factors = np.geomspace(1, 10, 200)
     left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
-    halving = (factor for factor, worst in zip(factors, left) if worst <= closed / 2)
+    halving = (factor for factor, worst in zip(factors, left, strict=True) if worst <= closed / 2)
     factor = float(next(halving, np.inf))
     return Fault(
         "following", circuit.overcut(track.position), "largest", float(closed), "gain", factor
@@ -189,7 +189,7 @@ def encoder(plan, plants, loops):
     middle, rates, _ = planned_motion(plan)
     slope = gradient(circuit, middle, circuit.position(middle))
     square = 0.0
-    for plant, loop, f, rate in zip(plants, loops, slope.T, rates.T):
+    for plant, loop, f, rate in zip(plants, loops, slope.T, rates.T, strict=True):
         passed = (f * loop.count) ** 2 * rounding_passed(plant, loop, rate)
         square += np.average(passed[:-1], weights=plan.ticks[:-1])
     return Fault("encoder", with_counts - without, "rms", float(np.sqrt(square)), "count", 2.0)

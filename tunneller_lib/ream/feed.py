@@ -116,7 +116,7 @@ class Limits:
         rates = np.diff(positions, axis=0) / lengths[:, None]  # rad for each metre
         middle = (positions[1:] + positions[:-1]) / 2
         drawn = 0.0
-        for axis, rate, angle in zip(self.axes, rates.T, middle.T):
+        for axis, rate, angle in zip(self.axes, rates.T, middle.T, strict=True):
             (filled, _, _), (emptied, _, _) = axis.sides(angle)
             drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
             if self.valve < np.inf:

@@ -232,7 +232,10 @@ def _setpoints(circuit, knots, step):
         raise ValueError(f"step: must leave at most {MOST_SETPOINTS} set-points; got {step:g} m, "
                          f"which needs {moves.sum():.3g}.")  # fmt: skip
     moves = moves.astype(int)
-    s = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], moves)]
+    s = [
+        np.linspace(a, b, n, endpoint=False)
+        for a, b, n in zip(ends[:-1], ends[1:], moves, strict=True)
+    ]
     setpoints = join_knots(at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n,
                                                                        spacing="arc"))  # fmt: skip
     return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)

@@ -116,7 +116,9 @@ def trailing(plan, plants, loops):
     at = circuit.position(middle)
     share = np.array([loop.feedforward for loop in loops])
     lag = 1 / np.array([loop.gain for loop in loops])
-    late = np.array([loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants)])
+    late = np.array(
+        [loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants, strict=True)]
+    )
     behind = -(1 - share) * lag * rate
     slope = gradient(circuit, middle, at)
     first = dot(slope, behind - lag * ((1 - share) * tick / 2 + late) * change)

@@ -141,7 +141,7 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     elif cost is not None:
         raise ValueError(f"cost: needs tasks; got {cost!r} without any.")
     track = follow(plant, loop, setvalues, slopes=slopes)
-    for name, stable in zip(("theta", "phi"), track.stable):
+    for name, stable in zip(("theta", "phi"), track.stable, strict=True):
         if stable is False:
             raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
     cut = carve(plan, track.position, pose=pose, shape=shape, thickness=thickness, say=say)

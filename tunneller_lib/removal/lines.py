@@ -58,7 +58,7 @@ class Lines(NamedTuple):
         )
         start, stop = self._turn(angle, half)
         inner = np.array([np.take(nearest, np.arange(i, j), mode="wrap").min(initial=np.inf)
-                          for i, j in zip(start, stop)])  # fmt: skip
+                          for i, j in zip(start, stop, strict=True)])  # fmt: skip
         # Only where the ball is beyond that: a smaller angle, and a shorter piece of x.
         chord = inner**2 + off**2 - reach**2
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -162,7 +162,10 @@ class Lines(NamedTuple):
 
 def parallel(low, high, shape):
     """Return lines along z at the middles of shape = (n, m) cells from low to high (2,), in m."""
-    x, y = (lo + (np.arange(n) + 0.5) * (hi - lo) / n for lo, hi, n in zip(low, high, shape))
+    x, y = (
+        lo + (np.arange(n) + 0.5) * (hi - lo) / n
+        for lo, hi, n in zip(low, high, shape, strict=True)
+    )
     cell = (high[0] - low[0]) * (high[1] - low[1]) / (shape[0] * shape[1])
     return Lines(x, np.zeros(len(y)), np.ones(len(y)), y, cell, False)
 

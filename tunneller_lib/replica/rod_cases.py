@@ -103,7 +103,7 @@ def along_an_axis(rng, n):
     b = a + unit[axes[0]] * rng.integers(1, 400, n)[:, None]
     off = np.roll(np.pad(TRIPLES[rng.integers(0, 5, n)] * (reach // 65)[:, None],
                          ((0, 0), (1, 0))), 0, axis=1)  # fmt: skip
-    off = np.stack([np.roll(row, k) for row, k in zip(off, axes[0])])
+    off = np.stack([np.roll(row, k) for row, k in zip(off, axes[0], strict=True)])
     return _as_lines(a, b, reach, a + off, unit[axes[1]] * rng.choice([-2, 1], n)[:, None])
 
 

@@ -21,7 +21,8 @@ def whole(rows):
     least = np.where(units != 0, exponent, 2000).min(axis=-1, keepdims=True)
     up = np.where(units != 0, exponent - least, 0)
     numbers = [
-        [unit << shift for unit, shift in zip(*row)] for row in zip(units.tolist(), up.tolist())
+        [unit << shift for unit, shift in zip(*row, strict=True)]
+        for row in zip(units.tolist(), up.tolist(), strict=True)
     ]
     return numbers, 53 - least[:, 0]
 
@@ -142,7 +143,7 @@ def exact_intervals(a, b, radius, p, u, *, margin=0.0, ends="flat"):
     rows, shift = whole(np.concatenate([a, b, p, sizes], axis=-1))
     directions, unit = whole(u)
     out = np.empty((2, len(p)))
-    for i, (row, direction) in enumerate(zip(rows, directions)):
+    for i, (row, direction) in enumerate(zip(rows, directions, strict=True)):
         found = inside(row[0:3], row[3:6], *row[9:], row[6:9], direction)
         scale = 2.0 ** (unit[i] - shift[i])
         out[:, i] = (np.inf, -np.inf) if found is None else [_number(f) * scale for f in found]

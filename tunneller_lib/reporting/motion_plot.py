@@ -32,7 +32,7 @@ def draw_setvalues(ax, t, values, ideal, *, box=None, colour="correct"):
     lines = ax.plot(t, ideal, color=COLOURS["chord"], lw=0.8)
     lines += ax.plot(t, values, "o", color=COLOURS[colour], mfc="white", ms=4.5)
     width = t[1] - t[0]
-    for x, y in zip(t, values) if box and box > 0 else ():
+    for x, y in zip(t, values, strict=True) if box and box > 0 else ():
         corner = (x - width / 2, y - box / 2)
         ax.add_patch(Rectangle(corner, width, box, fill=False, ec=COLOURS[colour], lw=0.6))
     return lines
@@ -110,15 +110,18 @@ def draw_hand_over(ax, tasks, run, ticks, *, unit=1.0):
         Drawn time of one unit of the tasks.
     """
     tick = tasks[0].period
-    ends = [start + number * tick for start, number in zip(run.started, ticks)]
+    ends = [start + number * tick for start, number in zip(run.started, ticks, strict=True)]
     slices, _ = schedule(tasks, ends[-1])
     rows = {
         task.name: (task.name, [s[1:] for s in slices if s.name == task.name]) for task in tasks
     }
-    free = [0, *(max(pair) for pair in zip(run.ready, run.started))]
-    rows["preparation"] = "preparation", list(zip(free, run.ready))
-    rows["segment"] = "tangent sphere", list(zip(run.started, ends))
-    rows["starved"] = "error", [pair for pair in zip(run.needed, run.started) if pair[1] > pair[0]]
+    free = [0, *(max(pair) for pair in zip(run.ready, run.started, strict=True))]
+    rows["preparation"] = "preparation", list(zip(free, run.ready, strict=True))
+    rows["segment"] = "tangent sphere", list(zip(run.started, ends, strict=True))
+    rows["starved"] = (
+        "error",
+        [pair for pair in zip(run.needed, run.started, strict=True) if pair[1] > pair[0]],
+    )
     bars = draw_tasks(ax, rows, unit=unit)
     bars[-2].set(ec="white", lw=1.0)  # segments follow each other without a gap
     for start in run.started:

@@ -35,7 +35,7 @@ def projected(torus, p, q, steps, limits, geodesic=None):
     blue, black = {"color": COLOURS["tangent sphere"]}, {"color": COLOURS["chord"]}
     sheet = {"color": COLOURS["torus"], "opacity": 0.45, "smooth_shading": True}
     parts = [(surface(patch), sheet), (curve(fine, 0.006), blue), (curve(chord, 0.004), black)]
-    for m, n in zip(chord, dots):
+    for m, n in zip(chord, dots, strict=True):
         parts += [(curve([m, n], 0.002), black), (ball(n, 0.013), blue)]
     if geodesic is not None:
         way = geodesic.points(200).point

@@ -15,7 +15,7 @@ def equal(ax, xlabel, ylabel):
 
 def draw_pictures(axes, pictures, titles):
     """Put pictures (n, m, 3), such as those of scenes, on axes, each with its title."""
-    for ax, picture, title in zip(axes.flat, pictures, titles):
+    for ax, picture, title in zip(axes.flat, pictures, titles, strict=True):
         ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
         ax.set_title(title)
         ax.axis("off")
@@ -63,7 +63,7 @@ def draw_construction(ax, egg):
     """
     lines = []
     ends = egg.point(egg.blends)
-    for arc, start, stop in zip(egg.arcs, ends, ends[1:]):
+    for arc, start, stop in zip(egg.arcs, ends[:-1], ends[1:], strict=True):
         centre = np.array([arc.y, arc.z])
         lines += ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
         ax.plot(*centre, "o", color=COLOURS["chord"], ms=3)

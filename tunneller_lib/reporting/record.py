@@ -129,8 +129,8 @@ class Record:
                 raise ValueError(
                     f"{name}: needs one entry for each of {len(columns)} columns; got {len(row)}."
                 )
-        text = [[cell(name, c, d) for c, d in zip(row, decimals)] for row in rows]
-        cells = [[_stored(name, c, d) for c, d in zip(row, decimals)] for row in rows]
+        text = [[cell(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
+        cells = [[_stored(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
         return text
 

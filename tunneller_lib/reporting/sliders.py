@@ -92,7 +92,7 @@ def _moved_drawing(draw, first, alt, controls):
         drawing = draw(**values)
         if len(drawing.axes) == len(places):  # to lay them out anew takes as long as to draw
             drawing.set_layout_engine("none")
-            for ax, place in zip(drawing.axes, places):
+            for ax, place in zip(drawing.axes, places, strict=True):
                 ax.set_position(place)
         here = ", ".join(f"{name} {value:g}" for name, value in values.items())
         return preview(drawing, f"{alt} Drawn for {here}.")

@@ -50,7 +50,7 @@ def stages(cut, ticks):
     circuit, lines = cut.plan.circuit, cut.wall.lines
     inner = circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     wall = DexelGrid(lines, inner, cut.wall.high.max(axis=0))
-    for before, tick in zip([0, *ticks], ticks):
+    for before, tick in zip([0, *ticks], ticks, strict=True):
         if tick > before:
             wall.cut_path(cut.centres[before : tick + 1], circuit.machine.cutter_radius)
         yield wall.copy()
@@ -224,6 +224,6 @@ def frames(cut, count, *, width=800, limit=1.5e-3):
     """
     count, width = int(whole("count", count, 2, 10_000)), int(whole("width", width, 64, WINDOW[0]))
     ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
-    for tick, wall in zip(ticks, stages(cut, ticks)):
+    for tick, wall in zip(ticks, stages(cut, ticks), strict=True):
         pixels = picture(cut, int(tick), wall=wall, limit=limit)
         yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))

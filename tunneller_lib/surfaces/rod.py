@@ -241,7 +241,7 @@ class Rod:
             (np.abs(s[edge]) <= r + guard) & (off[edge] <= np.fmax(k[edge], run / 2) + more)
         ]
         edge = np.append(edge, np.flatnonzero(~missed & (last < first)))
-        for t, end, none in zip(found, (first, last), (np.inf, -np.inf)):
+        for t, end, none in zip(found, (first, last), (np.inf, -np.inf), strict=True):
             np.subtract(end, z, out=t)
             if axis.speed != 1:
                 t /= axis.speed

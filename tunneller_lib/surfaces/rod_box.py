@@ -118,7 +118,7 @@ def _ruling_points(rod, axis, side):
 
 def _corners(low, high):
     corners = [real(name, corner) for name, corner in (("low", low), ("high", high))]
-    for name, corner in zip(("low", "high"), corners):
+    for name, corner in zip(("low", "high"), corners, strict=True):
         if corner.ndim == 0 or corner.shape[-1] != 2:
             raise ValueError(f"{name}: the last axis must hold x, y, so its shape must be "
                              f"(..., 2); got {corner.shape}.")  # fmt: skip
