@@ -38,9 +38,9 @@ stale: environment ## say which notebooks `make report` would run, and why
 site: report ## the notebooks and the report as web pages, build/site/index.html
 	@$(BIN)/python -m report.site
 
-test: environment ## run every test, doctest and notebook, and the linter
+test: environment ## run every test, doctest and notebook, and the linter, or only TESTS=FILES
 	@$(BIN)/ruff check
-	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile
+	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile $(TESTS)
 
 long: environment ## run tests that have a longer form in it, for tests/long.md (half an hour)
 	@$(HEADLESS) $(BIN)/python -m tests.long

@@ -88,7 +88,7 @@ for blas in "${settings[@]}"; do
     try blas-$blas "the same results with OpenBLAS for $blas" 'Debian 12, root' root "OPENBLAS_CORETYPE=$blas $TEST"
 done
 try dispatch "the same results without numpy's code for newer processors" 'Debian 12, root' root "NPY_DISABLE_CPU_FEATURES=X86_V3 $TEST"
-try noise 'the same results with sin, exp, ... off by one bit at random' 'Debian 12, root' root 'PYTHONPATH=$PWD/tests/noise make test'
+try noise 'the same results of notebooks with sin, exp, ... off by one bit at random' 'Debian 12, root' root 'PYTHONPATH=$PWD/tests/noise make test TESTS=notebooks'
 try oldest 'the library with the oldest numpy and scipy it admits' 'Debian 12, root' root 'make environment && bash tests/oldest.sh'
 
 if asked debian13; then
