@@ -18,7 +18,7 @@ def reached(monkeypatch):
 
 def test_prose_reaches_the_report_and_the_pages_alone(reached):
     expected = ["tests/test_report.py", "tests/test_site.py"]
-    assert reached("report/sections/geodesics.typ") == expected
+    assert reached("report/sections/rods.typ") == expected
 
 
 def test_leaf_reaches_its_tests_its_doctests_and_its_notebook(reached):
