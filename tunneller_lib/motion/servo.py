@@ -205,7 +205,7 @@ def _run(plant, loop, setvalues, slopes, inverse):
     summed = 0.0
     waiting = [0.0] * loop.delay
     states, commands = [state], []
-    for wanted, slope in zip(setvalues, slopes, strict=True):
+    for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
         position = state[0]
         if count:
             position = count * ((position / count + 0.5) // 1)

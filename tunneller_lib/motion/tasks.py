@@ -190,7 +190,7 @@ def hand_over(tasks, costs, ticks, *, depth=1):
         ready.append(_finish(idle, cycle, free, cost))
         started.append(-(-max(needed[k], ready[k]) // tick) * tick)
         needed.append(started[k] + number * tick)
-    starved = tuple((s - n) // tick for s, n in zip(started, needed, strict=True))
+    starved = tuple((s - n) // tick for s, n in zip(started, needed[:-1], strict=True))
     return HandOver(tuple(ready), tuple(needed[:-1]), tuple(started), starved)
 
 

@@ -42,7 +42,7 @@ class _Ways(NamedTuple):
     def settle(self, where, kind, *values):
         """Write down geodesics of a kind where a mask says, each value a number or an array."""
         self.kind[where] = kind
-        for array, value in zip(self, values, strict=True):
+        for array, value in zip(self[:-1], values, strict=True):
             array[where] = value[where] if np.ndim(value) else value
 
 
@@ -213,7 +213,7 @@ def _search(torus, family, ends, possible, ways, low=None):
     reached = np.abs(found.turned - angle) <= AGREES
     index = index[reached]
     ways.kind[index] = family.__name__
-    for array, value in zip(ways, found[1:], strict=True):
+    for array, value in zip(ways[:-1], found[1:], strict=True):
         array[index] = value[reached]
 
 

@@ -116,7 +116,7 @@ def draw_hand_over(ax, tasks, run, ticks, *, unit=1.0):
         task.name: (task.name, [s[1:] for s in slices if s.name == task.name]) for task in tasks
     }
     free = [0, *(max(pair) for pair in zip(run.ready, run.started, strict=True))]
-    rows["preparation"] = "preparation", list(zip(free, run.ready, strict=True))
+    rows["preparation"] = "preparation", list(zip(free[:-1], run.ready, strict=True))
     rows["segment"] = "tangent sphere", list(zip(run.started, ends, strict=True))
     rows["starved"] = (
         "error",

@@ -191,9 +191,9 @@ def rows(pictures, columns):
 
 
 def _padded(picture, height, width):
-    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape, strict=True)]
+    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape[:2], strict=True)]
     rest = [
         size - had - gap
-        for size, had, gap in zip((height, width), picture.shape, gaps, strict=True)
+        for size, had, gap in zip((height, width), picture.shape[:2], gaps, strict=True)
     ]
     return np.pad(picture, (*zip(gaps, rest, strict=True), (0, 0)), constant_values=255)

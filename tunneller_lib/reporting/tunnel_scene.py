@@ -50,7 +50,7 @@ def stages(cut, ticks):
     circuit, lines = cut.plan.circuit, cut.wall.lines
     inner = circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     wall = DexelGrid(lines, inner, cut.wall.high.max(axis=0))
-    for before, tick in zip([0, *ticks], ticks, strict=True):
+    for before, tick in zip([0, *ticks[:-1]], ticks, strict=True):
         if tick > before:
             wall.cut_path(cut.centres[before : tick + 1], circuit.machine.cutter_radius)
         yield wall.copy()
