@@ -121,7 +121,7 @@ def test_geodesic_inverse_against_a_sweep_in_80_bits(row, count=100):
     )
     del errors[2]  # how many are degenerate
     assert failures == wrong == 0
-    assert all(error <= bound for error, bound in zip(errors, bounds, strict=True))
+    assert all(error <= bound for error, bound in zip(errors, bounds[:-2], strict=True))
     with mp.workdps(geodesic_sweep.DIGITS):
         exact = geodesic_sweep.against_mpmath(inputs, known, range(0, count, 20))
     assert max(exact) <= 1e-17

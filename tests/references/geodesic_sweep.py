@@ -326,7 +326,7 @@ def against_mpmath(inputs, known, index):
         r, R, phi1, phi2, theta2 = (float(array[i]) for array in inputs)
         *azimuths, length = (exactly(known[name][i]) for name in ANSWERS[:3])
         exact = torus_geodesics.again(r, R, phi1, theta2, phi2, *azimuths)
-        off = max(abs(x - y) for x, y in zip(azimuths, exact, strict=True))
+        off = max(abs(x - y) for x, y in zip(azimuths, exact[:2], strict=True))
         worst = [
             max(x, float(y)) for x, y in zip(worst, (abs(length / exact[2] - 1), off), strict=True)
         ]
