@@ -8,8 +8,8 @@ BIN := .venv/bin
 export PYTHONUTF8 := 1
 export PYTHONDONTWRITEBYTECODE :=
 
-# Memory that big arrays give back is kept for the next ones: a third of the time goes else to pages
-# that the system clears (glibc; elsewhere these mean nothing).
+# Memory that big arrays give back is kept for the next ones: else up to a third of the time of big
+# sweeps goes to pages that the system clears (glibc; elsewhere these mean nothing).
 export MALLOC_MMAP_THRESHOLD_ := 4000000000
 export MALLOC_TRIM_THRESHOLD_ := 4000000000
 
@@ -42,7 +42,7 @@ test: environment ## run every test, doctest and notebook, and the linter, or on
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile $(TESTS)
 
-long: environment ## run tests that have a longer form in it, for tests/long.md (half an hour)
+long: environment ## run tests that have a longer form in it, for tests/long.md (ten minutes)
 	@$(HEADLESS) $(BIN)/python -m tests.long
 
 check: environment ## test what the working tree's changes can reach

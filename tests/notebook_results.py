@@ -1,8 +1,8 @@
 """Pytest's view of a notebook: its cells run again, its outputs, numbers and figures compared.
 
 Built on nbval, whose comparison of outputs is exact; here numbers may differ in their last bits,
-which depend on the processor. Figures are compared as files, not as outputs. What a build here has
-run, and nothing changed since, it has compared itself: that one isn't run again.
+which depend on the processor. Figures are compared as files, not as outputs. A notebook that a
+build has run here isn't run again while its sources and its results are those of that build.
 """
 
 import functools

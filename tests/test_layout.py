@@ -127,7 +127,8 @@ def test_docstrings_describe_the_signature(path):
 
 
 @every_module
-def test_result_objects_document_each_field_with_its_unit_or_type(path):
+def test_classes_of_fields_document_each_of_them(path):
+    # That the names are the fields', in order, is asked above of every section.
     for name, node in public(ast.parse(path.read_text())):
         if isinstance(node, ast.ClassDef) and needs_parameters(node):
             section = described(ast.get_docstring(node))
