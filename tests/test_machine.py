@@ -95,7 +95,6 @@ def test_requirement_invert_is_strict():
     ((REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_min), True),
     ((REFERENCE_MACHINE.theta_max + 1e-12, 0), False),
     ((0, REFERENCE_MACHINE.phi_min - 1e-12), False),
-    ((np.nan, 0), False),
 ])  # fmt: skip
 def test_within_limits_includes_the_limits(position, within):
     assert REFERENCE_MACHINE.within_limits(np.array(position)) == within

@@ -1,5 +1,7 @@
 """Sections made of arcs and lines: circle, horseshoe, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,7 +57,7 @@ def test_closed_profile_has_its_area_and_perimeter(pieces, area, perimeter):
 
 @pytest.mark.parametrize("turns", [-3, -1, 1, 2, 5])
 def test_box_of_an_arc_that_starts_after_some_turns(turns):
-    moved = closed_profile([CIRCLE[0]._replace(start=2 * np.pi * turns)])
+    moved = closed_profile([replace(CIRCLE[0], start=2 * np.pi * turns)])
     np.testing.assert_allclose(moved.box, [(-0.6, -0.6), (0.6, 0.6)], atol=1e-13)
 
 
@@ -123,7 +125,7 @@ def test_offset_beyond_the_tightest_bend_is_refused(pieces, d):
 
 def changed(index, **fields):
     pieces = horseshoe()
-    pieces[index] = pieces[index]._replace(**fields)
+    pieces[index] = replace(pieces[index], **fields)
     return pieces
 
 
@@ -131,11 +133,9 @@ def changed(index, **fields):
     "pieces, message",
     [
         ([], "must be at least one"),
-        ([(0, 0, 1)], "must be arcs or lines"),
-        ([Arc(0.0, np.nan, 1.0, 0.0, 7.0)], "must be arcs or lines of finite numbers"),
+        ([(0, 0, 1)], r"pieces\[0\]: must be of class Arc or Line"),
         (horseshoe()[:-1], "1 of 5 isn't met: it isn't closed; the gap is 0.4 m"),
-        (None, "must be a sequence of arcs and lines"),
-        ([Line("a", 0.0, 0.0, 1.0)], "must hold real numbers"),
+        (None, "must be a list of Arc or Line"),
         (changed(1, heading=-QUARTER + 1e-9), "doesn't begin where"),
         (changed(1, length=0.41), "3 of 6 doesn't begin where the last one ended"),
         (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
@@ -152,6 +152,13 @@ def changed(index, **fields):
 def test_closed_profile_refuses_with_a_reason(pieces, message):
     with pytest.raises(ValueError, match=message):
         closed_profile(pieces)
+
+
+def test_pieces_are_of_finite_numbers():
+    with pytest.raises(ValueError, match="z: must be one finite number; got nan"):
+        Arc(0.0, np.nan, 1.0, 0.0, 7.0)
+    with pytest.raises(ValueError, match="y: must hold real numbers"):
+        Line("a", 0.0, 0.0, 1.0)
 
 
 def test_ray_needs_the_origin_inside():

@@ -5,12 +5,14 @@ The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) 
 
 import numpy as np
 
-from ..arguments import points
+from ..arguments import NotNegative, Points, Polynomials, checked
 from ..exact import dot
-from ..surfaces.torus_line import through
+from ..surfaces import Torus
+from ..surfaces.torus_line import check_differ
 
 
-def line_quartic(torus, a, b):
+@checked
+def line_quartic(torus: Torus, a: Points, b: Points):
     """Return the coefficients of the quartic in t for a line a + t (b - a) (Eq. 5).
 
     Parameters
@@ -29,7 +31,6 @@ def line_quartic(torus, a, b):
     -----
     Corrected: T2 has 4 t3^2 (printed 2 t3^2) and T0 has t2^2 (printed t2).
     """
-    a, b = points("a", a), points("b", b)
     u = b - a
     t4, t3 = dot(u, u), dot(a, u)
     t2 = dot(a, a) - torus.r**2 - torus.R**2
@@ -46,15 +47,18 @@ def line_quartic(torus, a, b):
     )
 
 
-def meet_line(torus, a, b):
+@checked
+def meet_line(torus: Torus, a: Points, b: Points):
     """Return where lines through a and b (..., 3) meet a torus, as `Torus.meet_line` does.
 
     By the eigenvalues of Eq. 5's companion matrix: (..., 4) ascending, NaN-padded.
     """
-    return real_roots(line_quartic(torus, *through(a, b)))
+    check_differ(a, b)
+    return real_roots(line_quartic(torus, a, b))
 
 
-def foot_quartic(torus, m):
+@checked
+def foot_quartic(torus: Torus, m: Points):
     """Return the coefficients of the quartic in n1 of the tangent-sphere feet (Eqs 10 and 11).
 
     Parameters
@@ -76,7 +80,7 @@ def foot_quartic(torus, m):
     (r^2 - R^2)^2 before its first bracket, no m3^2 behind it, and (r^2 - R^2) within its last.
     Written in s = m1^2 + m3^2, in which all three are polynomials.
     """
-    m1, m2, m3 = np.moveaxis(points("m", m), -1, 0)
+    m1, m2, m3 = np.moveaxis(m, -1, 0)
     rr, RR = torus.r**2, torus.R**2
     s, m11, m22 = m1**2 + m3**2, m1**2, m2**2
     nu4 = (s - rr) ** 2 + 2 * (s + rr) * m22 + m22**2
@@ -94,7 +98,8 @@ def foot_quartic(torus, m):
     )
 
 
-def real_roots(coefficients, *, threshold=2.0**-26):
+@checked
+def real_roots(coefficients: Polynomials, *, threshold: NotNegative = 2.0**-26):
     """Return the real roots (..., n) of polynomials, ascending and NaN-padded.
 
     Parameters

@@ -8,13 +8,23 @@ order in lengths and leaves the range of floats for rods below 1e-50 m or above 
 
 import numpy as np
 
+from ..arguments import Directions, Lengths, NotNegative, Points, checked
 from ..exact import dot, norm
-from ..surfaces.rod import meet_rods, rods_and_lines
+from ..surfaces.rod import check_rods, meet_rods
 
 EPSILON = 0.00001  # as printed; once a share of the length, once a length
 
 
-def crossings(a, b, radius, point, direction, *, epsilon=0.0):
+@checked
+def crossings(
+    a: Points,
+    b: Points,
+    radius: Lengths,
+    point: Points,
+    direction: Directions,
+    *,
+    epsilon: NotNegative = 0.0,
+):
     """Return where lines cross the three surfaces, each on its own, and which crossings count.
 
     Parameters
@@ -35,7 +45,7 @@ def crossings(a, b, radius, point, direction, *, epsilon=0.0):
     accepted : (4, ...) bool
         Whether the surface reaches that far.
     """
-    a, b, radius, point, direction = rods_and_lines(a, b, radius, point, direction)
+    check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq, vz, vq, wide = dot(v, v), dot(along, v), dot(q, v), radius + epsilon
     with np.errstate(all="ignore"):
@@ -49,7 +59,16 @@ def crossings(a, b, radius, point, direction, *, epsilon=0.0):
     return t, np.stack(np.broadcast_arrays(*accepted))
 
 
-def three_surfaces(a, b, radius, point, direction, *, epsilon=0.0):
+@checked
+def three_surfaces(
+    a: Points,
+    b: Points,
+    radius: Lengths,
+    point: Points,
+    direction: Directions,
+    *,
+    epsilon: NotNegative = 0.0,
+):
     """Return `enter` and `leave`, the least and the greatest of the `crossings` that count.
 
     "The cylinder considered as independent surfaces", with the parentheses that its zb lacks;
@@ -60,7 +79,8 @@ def three_surfaces(a, b, radius, point, direction, *, epsilon=0.0):
     return enter[()], np.max(np.where(accepted, t, -np.inf), axis=0)[()]
 
 
-def epsilon_fix(a, b, radius, point, direction):
+@checked
+def epsilon_fix(a: Points, b: Points, radius: Lengths, point: Points, direction: Directions):
     """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`.
 
     Arguments a, b, radius, point and direction as there.
@@ -68,13 +88,14 @@ def epsilon_fix(a, b, radius, point, direction):
     return three_surfaces(a, b, radius, point, direction, epsilon=EPSILON)
 
 
-def slab(a, b, radius, point, direction):
+@checked
+def slab(a: Points, b: Points, radius: Lengths, point: Points, direction: Directions):
     """Return `enter` and `leave` as the interval of the endless cylinder within the two planes.
 
     "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius,
     point and direction as of `three_surfaces`.
     """
-    a, b, radius, point, direction = rods_and_lines(a, b, radius, point, direction)
+    check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq, vz, vq = dot(v, v), dot(along, v), dot(q, v)
     with np.errstate(all="ignore"):

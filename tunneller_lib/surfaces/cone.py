@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import finite, points, real
+from ..arguments import Angle, Angles, Lengths, Points, checked
 
 
 @dataclass(frozen=True)
+@checked
 class Cone:
     """A cone of revolution about the z axis, both nappes, apex in the origin.
 
@@ -27,26 +28,28 @@ class Cone:
     alpha the half-angle; only so does Eq. 13 describe the cone with tan(alpha) = R/H.
     """
 
-    half_angle: float
+    half_angle: Angle
 
     def __post_init__(self):
-        angle = finite("half_angle", self.half_angle)
-        if not 0 < angle < np.pi / 2:
-            raise ValueError(f"half_angle: must lie between 0 and pi/2 rad; got {angle!r}.")
-        object.__setattr__(self, "half_angle", angle)
+        if not 0 < self.half_angle < np.pi / 2:
+            raise ValueError(
+                f"half_angle: must lie between 0 and pi/2 rad; got {self.half_angle!r}."
+            )
 
     @property
     def k(self):
         """Return the coefficient k = tan^2(half_angle) of Eq. 13."""
         return np.tan(self.half_angle) ** 2
 
-    def implicit(self, point):
+    @checked
+    def implicit(self, point: Points):
         """Return the left side of Eq. 13, x^2 + y^2 - k z^2, at points (..., 3), in m^2."""
-        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        x, y, z = np.moveaxis(point, -1, 0)
         radius, reach = np.hypot(x, y), np.tan(self.half_angle) * np.abs(z)
         return (radius - reach) * (radius + reach)
 
-    def point(self, distance, azimuth):
+    @checked
+    def point(self, distance: Lengths, azimuth: Angles):
         """Return points on the nappe below the apex, as in the appendix.
 
         Parameters
@@ -61,14 +64,13 @@ class Cone:
         point : (..., 3) float
             In m.
         """
-        distance, azimuth = np.broadcast_arrays(
-            real("distance", distance), real("azimuth", azimuth)
-        )
+        distance, azimuth = np.broadcast_arrays(distance, azimuth)
         radius = distance * np.sin(self.half_angle)
         height = -distance * np.cos(self.half_angle)
         return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), height], axis=-1)
 
-    def feet(self, m):
+    @checked
+    def feet(self, m: Points):
         """Return where the two spheres about points touch the cone (Eqs 13 to 16).
 
         Parameters
@@ -93,7 +95,7 @@ class Cone:
         >>> Cone(np.arctan(0.5)).feet((-(2**0.5), -3 * 2**0.5, -12))[:, 2]
         array([-11.38885438,  -7.81114562])
         """
-        x, y, z = np.moveaxis(points("m", m), -1, 0)
+        x, y, z = np.moveaxis(m, -1, 0)
         sin, cos = np.sin(self.half_angle), np.cos(self.half_angle)
         rho, nappe = np.hypot(x, y), np.where(z > 0, 1.0, -1.0)
         azimuth = np.arctan2(y, x)
@@ -105,7 +107,8 @@ class Cone:
             both.append(np.stack([radius * east, radius * north, nappe * distance * cos], axis=-1))
         return np.stack(both, axis=-2)
 
-    def development(self, distance, azimuth):
+    @checked
+    def development(self, distance: Lengths, azimuth: Angles):
         """Return where points of the cone lie when it is unrolled into a plane (Fig. 9).
 
         Parameters
@@ -121,6 +124,5 @@ class Cone:
             In m, the apex in the origin, azimuth 0 along the first axis; lengths and angles on
             the surface are kept.
         """
-        distance = real("distance", distance)
-        angle = real("azimuth", azimuth) * np.sin(self.half_angle)
+        angle = azimuth * np.sin(self.half_angle)
         return np.stack(np.broadcast_arrays(distance * np.cos(angle), distance * np.sin(angle)), -1)

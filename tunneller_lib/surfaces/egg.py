@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import finite, positive
+from ..arguments import Finite, Length, checked
 from .pieces import Arc
 from .section import Profile, Section
 
@@ -12,6 +12,7 @@ WALL = np.arctan2(3, 4)  # angle of a wall arc: the centres make a 3-4-5 triangl
 
 
 @dataclass(frozen=True)
+@checked
 class Egg(Section):
     """The standard sewer section, in the plane of y (left) and z (up).
 
@@ -38,17 +39,15 @@ class Egg(Section):
     array([0. , 0.5])
     """
 
-    a: float
-
-    def __post_init__(self):
-        object.__setattr__(self, "a", positive("a", self.a))
+    a: Length
 
     @property
     def arcs(self):
         """Return the four arcs: roof, right wall, invert, left wall."""
         return self.offset(0).arcs
 
-    def offset(self, d):
+    @checked
+    def offset(self, d: Finite):
         """Return the curve at a distance d inside the section.
 
         Parameters
@@ -68,10 +67,12 @@ class Egg(Section):
         ValueError
             If d >= a, where nothing of the section is left.
         """
-        a, d = self.a, finite("d", d)
+        a = self.a
         if d >= a:
-            raise ValueError(f"d: must be below the roof's radius a = {a:g} m, or nothing of the "
-                             f"section is left; got {d:g} m.")  # fmt: skip
+            raise ValueError(
+                f"d: must be below the roof's radius a = {a:g} m, or nothing of the section is "
+                f"left; got {d:g} m."
+            )
         sweep = WALL if d < a / 2 else np.arccos(2 * a / (3 * a - d))
         roof = Arc(0.0, 0.0, a - d, 0.0, np.pi)
         right = Arc(2 * a, 0.0, 3 * a - d, np.pi, sweep)

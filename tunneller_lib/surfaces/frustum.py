@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import arguments
-from ..arguments import directions, near_points, sizes
+from ..arguments import Directions, Length0, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
 from .rod_interval import GUARD, frame, nearest_point
 
 
 @dataclass(frozen=True)
+@checked
 class Frustum:
     """A cone of revolution cut off at two discs, its surface included: a conical pick.
 
@@ -28,25 +28,21 @@ class Frustum:
         is outside the range that `Rod` allows.
     """
 
-    a: tuple[float, float, float]
-    b: tuple[float, float, float]
-    radius_a: float
-    radius_b: float
+    a: Point
+    b: Point
+    radius_a: Length0
+    radius_b: Length0
 
     def __post_init__(self):
-        for name in ("a", "b"):
-            object.__setattr__(self, name, arguments.point(name, getattr(self, name)))
-        for name in ("radius_a", "radius_b"):
-            object.__setattr__(self, name, arguments.not_negative(name, getattr(self, name)))
         if self.a == self.b:
             raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
-        near_points("a", self.a), near_points("b", self.b)
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
-        sizes("radius_a", self.radius_a), sizes("radius_b", self.radius_b)
 
-    def contains(self, points):
+    @checked
+    def contains(self, points: Points):
         """Return whether points (..., 3), in m, are inside or, within rounding, on the surface."""
-        q, v = near_points("points", points) - self.a, np.subtract(self.b, self.a)
+        q = points - self.a
+        v = np.subtract(self.b, self.a)
         length = float(norm(v))
         along = dot(q, v) / length
         off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
@@ -54,7 +50,8 @@ class Frustum:
         wide = self.radius_a + (self.radius_b - self.radius_a) * along / length
         return (along >= -guard) & (along <= length + guard) & (off <= wide + guard)
 
-    def meet_line(self, point, direction):
+    @checked
+    def meet_line(self, point: Points, direction: Directions):
         """Return where lines enter and leave the frustum.
 
         Parameters
@@ -79,13 +76,12 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        p, u = near_points("point", point), directions("direction", direction)
         a, b = np.array(self.a), np.array(self.b)
-        axis = frame(a, b, u)
+        axis = frame(a, b, direction)
         turned = np.any(axis.start != a, axis=-1)
         r = np.where(turned, self.radius_b, self.radius_a)
         gain = np.where(turned, self.radius_a, self.radius_b) - r
-        s, m, z, shift = nearest_point(axis, p, u)
+        s, m, z, shift = nearest_point(axis, point, direction)
         hit, enter, leave = _interval(axis, r, gain, np.abs(s), m)
         enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
         leave = np.where(hit, shift + (leave - z) / axis.speed, -np.inf)

@@ -1,15 +1,16 @@
 """The cylinders that turn a joint: law of cosines, moment arms, stroke, oil volumes."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import finite, instance, positive, real
+from ..arguments import Angle, Angles, Length, Sign, checked
 from .machine import Machine
 
 
 @dataclass(frozen=True)
+@checked
 class Linkage:
     """A cylinder between frame and arm, or a push-pull pair of them, that turns one joint.
 
@@ -43,31 +44,26 @@ class Linkage:
     Examples
     --------
     >>> lever = Linkage(0.45, 0.11, 1.3, -1, 0.05, 0.028, 0.2)
-    >>> round(lever.length(0.0), 4)
+    >>> float(lever.length(0.0).round(4))
     0.4337
     """
 
-    a: float
-    b: float
-    mounting: float
-    sense: int
-    bore: float
-    rod: float
-    dead_length: float
+    a: Length
+    b: Length
+    mounting: Angle
+    sense: Sign
+    bore: Length
+    rod: Length
+    dead_length: Length
     pair: bool = False
 
     def __post_init__(self):
-        for field in fields(self):
-            if field.name not in ("sense", "pair"):
-                value = positive(field.name, getattr(self, field.name))
-                object.__setattr__(self, field.name, value)
-        if self.mounting >= np.pi:
-            raise ValueError(f"mounting: must be below pi; got {self.mounting!r}.")
-        if self.sense not in (1, -1):
-            raise ValueError(f"sense: must be 1 or -1; got {self.sense!r}.")
+        if not 0 < self.mounting < np.pi:
+            raise ValueError(f"mounting: must lie between 0 and pi rad; got {self.mounting!r}.")
         if self.rod >= self.bore:
-            raise ValueError(f"rod: must be thinner than the bore {self.bore:g} m; "
-                             f"got {self.rod:g} m.")  # fmt: skip
+            raise ValueError(
+                f"rod: must be thinner than the bore {self.bore:g} m; got {self.rod:g} m."
+            )
 
     @property
     def areas(self):
@@ -75,15 +71,18 @@ class Linkage:
         whole = math.pi / 4 * self.bore**2
         return whole, whole - math.pi / 4 * self.rod**2
 
-    def length(self, angle):
+    @checked
+    def length(self, angle: Angles):
         """Return the cylinder's length, in m, at joint angles."""
         return self._triangle(angle, self.sense)[0]
 
-    def arm(self, angle):
+    @checked
+    def arm(self, angle: Angles):
         """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
         return self._triangle(angle, self.sense)[1]
 
-    def displacements(self, angle):
+    @checked
+    def displacements(self, angle: Angles):
         """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
         whole, ring = self.areas
         arm = abs(self._triangle(angle, self.sense)[1])
@@ -95,13 +94,14 @@ class Linkage:
             plus, minus = plus + first * mirrored, minus + second * mirrored
         return plus, minus
 
-    def volumes(self, angle, low, high):
+    @checked
+    def volumes(self, angle: Angles, low: Angle, high: Angle):
         """Return the oil volumes of the plus and the minus side, in m^3, at joint angles.
 
         `low` and `high` are the angles at the ends of the stroke; hoses and ports are no part.
         """
         whole, ring = self.areas
-        shortest, longest = sorted((self.length(float(low)), self.length(float(high))))
+        shortest, longest = sorted(self._triangle(end, self.sense)[0] for end in (low, high))
         length = self._triangle(angle, self.sense)[0]
         pushing, pulling = whole * (length - shortest), ring * (longest - length)
         plus, minus = (pushing, pulling) if self.sense > 0 else (pulling, pushing)
@@ -112,13 +112,13 @@ class Linkage:
             plus, minus = plus + first, minus + second
         return plus, minus
 
-    def check(self, low, high):
+    @checked
+    def check(self, low: Angle, high: Angle):
         """Raise ValueError where joint angles from `low` to `high` ask for a stroke too long.
 
         The triangle must not close or stretch, and the shortest cylinder must hold its stroke and
         its dead length. A pair needs limits that are as far to either side.
         """
-        low, high = finite("low", low), finite("high", high)
         gamma = sorted(self.mounting + self.sense * angle for angle in (low, high))
         if not (low < high and 0 < gamma[0] and gamma[1] < np.pi):
             raise ValueError(
@@ -126,8 +126,9 @@ class Linkage:
                 f"got {np.degrees(gamma[0]):.1f} to {np.degrees(gamma[1]):.1f} deg."
             )
         if self.pair and not math.isclose(-low, high):
-            raise ValueError(f"low: a pair needs limits as far to either side; got {low:g} rad "
-                             f"and {high:g} rad.")  # fmt: skip
+            raise ValueError(
+                f"low: a pair needs limits as far to either side; got {low:g} rad and {high:g} rad."
+            )
         shortest, longest = sorted((self.length(low), self.length(high)))
         if longest - shortest + self.dead_length > shortest:
             raise ValueError(
@@ -139,14 +140,15 @@ class Linkage:
         """Return length and arm of the cylinder whose gamma is mounting + sense angle."""
         # In a simulation plain floats come one by one, for which math is ten times as fast.
         m = math if isinstance(angle, float) else np
-        gamma = self.mounting + sense * (angle if m is math else real("angle", angle))
+        gamma = self.mounting + sense * angle
         # (a - b)^2 + 4 a b sin^2(gamma / 2) is a^2 + b^2 - 2 a b cos(gamma) without the difference
         # that cancels where the triangle is nearly closed.
         length = m.hypot(self.a - self.b, 2 * math.sqrt(self.a * self.b) * m.sin(gamma / 2))
         return length, sense * self.a * self.b * m.sin(gamma) / length
 
 
-def linkages(machine):
+@checked
+def linkages(machine: Machine):
     """Return the study's linkages of the joints theta and phi of a machine, checked.
 
     Lengths are those of a tube radius of 0.80 m, the reference machine's, and grow with
@@ -161,10 +163,10 @@ def linkages(machine):
     --------
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
     >>> lift, swing = linkages(REFERENCE_MACHINE)
-    >>> round(lift.length(0.0), 4)
+    >>> float(lift.length(0.0).round(4))
     0.4347
     """
-    scale = instance("machine", machine, Machine).R / 0.80
+    scale = machine.R / 0.80
     lift = Linkage(a=0.45 * scale, b=0.11 * scale, mounting=np.radians(75), sense=-1,
                    bore=0.050 * scale, rod=0.028 * scale, dead_length=0.20 * scale)  # fmt: skip
     swing = Linkage(a=0.30 * scale, b=0.07 * scale, mounting=np.radians(90), sense=1, pair=True,

@@ -1,11 +1,11 @@
 """The tunnelling machine: sizes, joint limits, cutter, and what it can reach in a section."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import finite, instance, not_negative, positions, positive
+from ..arguments import Angle, Finite, Length, NotNegative, Positions, checked
 from .section import Section
 from .torus import Torus
 
@@ -30,6 +30,7 @@ class Requirement(NamedTuple):
 
 
 @dataclass(frozen=True)
+@checked
 class Machine:
     """A two-joint machine that reams an egg-shaped section; its axes along the tunnel's.
 
@@ -58,21 +59,17 @@ class Machine:
     -40 >= phi <= 40" can only mean -40 <= phi <= 40 (degrees).
     """
 
-    r: float
-    R: float
-    theta_min: float
-    theta_max: float
-    phi_min: float
-    phi_max: float
-    cutter_radius: float
-    depth: float
-    height: float
+    r: Length
+    R: Length
+    theta_min: Angle
+    theta_max: Angle
+    phi_min: Angle
+    phi_max: Angle
+    cutter_radius: Length
+    depth: NotNegative
+    height: Finite
 
     def __post_init__(self):
-        for field in fields(self):
-            size = field.name in ("r", "R", "cutter_radius")
-            check = positive if size else not_negative if field.name == "depth" else finite
-            object.__setattr__(self, field.name, check(field.name, getattr(self, field.name)))
         for joint in ("theta", "phi"):
             low, high = getattr(self, f"{joint}_min"), getattr(self, f"{joint}_max")
             if not -np.pi <= low < high <= np.pi:
@@ -96,14 +93,15 @@ class Machine:
         """Return how far inside the wall the cutter's centre moves, in m."""
         return self.cutter_radius - self.depth
 
-    def within_limits(self, position):
+    @checked
+    def within_limits(self, position: Positions):
         """Return whether joint positions (..., 2) = (theta, phi), in rad, are inside the limits."""
-        position = positions("position", position)
         low = np.array([self.theta_min, self.phi_min])
         high = np.array([self.theta_max, self.phi_max])
         return np.all((low <= position) & (position <= high), axis=-1)
 
-    def requirements(self, section):
+    @checked
+    def requirements(self, section: Section):
         """Return what the machine must meet to cut the whole of a section.
 
         Parameters
@@ -118,7 +116,7 @@ class Machine:
             roof's radius a its least radius is a/2, its box from -2a to a.
         """
         d, reach = self.offset, self.r + self.R
-        (right, floor), (left, crown) = instance("section", section, Section).box
+        (right, floor), (left, crown) = section.box
         # The sine's greatest value within each range of angles.
         swing, lift, drop = (
             np.sin(min(angle, np.pi / 2))
@@ -134,12 +132,14 @@ class Machine:
                         self.height - floor - d, False, reach * drop),
         )  # fmt: skip
 
-    def heights(self, section):
+    @checked
+    def heights(self, section: Section):
         """Return the lowest and the highest `height` that reach crown and floor, in m."""
         crown, floor = self.requirements(section)[2:]
         return self.height + crown.left - crown.right, self.height - floor.left + floor.right
 
-    def check(self, section, *, aligned=True):
+    @checked
+    def check(self, section: Section, *, aligned: bool = True):
         """Raise ValueError with the inequalities that fail where the machine can't cut a section.
 
         Parameters

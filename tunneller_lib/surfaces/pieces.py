@@ -1,18 +1,32 @@
 """The pieces of a section, an arc or a line, each with the same questions to answer."""
 
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..arguments import Angle, Finite, Lengths, NotNegative, checked
 
-class Arc(NamedTuple):
-    """An arc, counter-clockwise in the plane of y (left) and z (up); metres and radians."""
 
-    y: float
-    z: float
-    radius: float
-    start: float
-    sweep: float
+@dataclass(frozen=True)
+@checked
+class Arc:
+    """An arc, counter-clockwise in the plane of y (left) and z (up).
+
+    Parameters
+    ----------
+    y, z : float
+        Its centre, in m.
+    radius : float
+        In m; above zero in a section that closes.
+    start, sweep : float
+        Where it begins, and the angle over which it runs, in rad, from y to z.
+    """
+
+    y: Finite
+    z: Finite
+    radius: Finite
+    start: Angle
+    sweep: Angle
 
     @property
     def length(self):
@@ -24,13 +38,15 @@ class Arc(NamedTuple):
         """Return its directions at start and end, in rad from y to z."""
         return self.start + np.pi / 2, self.start + self.sweep + np.pi / 2
 
-    def locate(self, s):
+    @checked
+    def locate(self, s: Lengths):
         """Return points and outward unit normals (..., 2) at lengths s (...) from the start."""
         angle = self.start + s / self.radius
         normal = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         return np.array([self.y, self.z]) + self.radius * normal, normal
 
-    def depth(self, y, z, slack):
+    @checked
+    def depth(self, y: Lengths, z: Lengths, slack: NotNegative):
         """Return the depth of points behind the arc, infinite outside its sector, in m.
 
         The sector is wider by `slack`, in m on the arc, at both ends: at a blend both pieces count.
@@ -40,9 +56,10 @@ class Arc(NamedTuple):
         turned = np.mod(np.arctan2(dz, dy) - self.start + wider, 2 * np.pi)
         return np.where(turned <= self.sweep + 2 * wider, self.radius - np.hypot(dy, dz), np.inf)
 
-    def inset(self, d):
+    @checked
+    def inset(self, d: Finite):
         """Return the arc at a distance d on its inner side."""
-        return self._replace(radius=self.radius - d)
+        return replace(self, radius=self.radius - d)
 
     @property
     def swept(self):
@@ -52,29 +69,45 @@ class Arc(NamedTuple):
         return radius * (radius * self.sweep + moment)
 
 
-class Line(NamedTuple):
-    """A straight piece from (y, z) along a heading, in rad from y (left) to z (up); metres."""
+@dataclass(frozen=True)
+@checked
+class Line:
+    """A straight piece in the plane of y (left) and z (up).
 
-    y: float
-    z: float
-    heading: float
-    length: float
+    Parameters
+    ----------
+    y, z : float
+        Where it begins, in m.
+    heading : float
+        Its direction, in rad from y to z.
+    length : float
+        In m; above zero in a section that closes.
+    """
 
-    radius = np.inf
+    y: Finite
+    z: Finite
+    heading: Angle
+    length: Finite
+
+    @property
+    def radius(self):
+        """Return its radius of curvature, which is infinite."""
+        return np.inf
 
     @property
     def headings(self):
         """Return its direction at start and end, in rad from y to z."""
         return self.heading, self.heading
 
-    def locate(self, s):
+    @checked
+    def locate(self, s: Lengths):
         """Return points and outward unit normals (..., 2) at lengths s (...) from the start."""
-        s = np.asarray(s, dtype=float)
         along = np.array([np.cos(self.heading), np.sin(self.heading)])
         points = np.array([self.y, self.z]) + s[..., None] * along
         return points, np.broadcast_to([along[1], -along[0]], points.shape)
 
-    def depth(self, y, z, slack):
+    @checked
+    def depth(self, y: Lengths, z: Lengths, slack: NotNegative):
         """Return the depth of points behind the line, infinite beyond its ends by `slack`, in m."""
         cos, sin = np.cos(self.heading), np.sin(self.heading)
         dy, dz = y - self.y, z - self.z
@@ -82,10 +115,12 @@ class Line(NamedTuple):
         within = (-slack <= along) & (along <= self.length + slack)
         return np.where(within, cos * dz - sin * dy, np.inf)
 
-    def inset(self, d):
+    @checked
+    def inset(self, d: Finite):
         """Return the line at a distance d on its inner side."""
-        return self._replace(y=self.y - d * np.sin(self.heading),
-                             z=self.z + d * np.cos(self.heading))  # fmt: skip
+        return replace(
+            self, y=self.y - d * np.sin(self.heading), z=self.z + d * np.cos(self.heading)
+        )
 
     @property
     def swept(self):

@@ -1,18 +1,27 @@
 """A finite cylinder, flat or round at its ends, against lines: Line and finite cylinder."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from .. import arguments
-from ..arguments import MOST, directions, near_points, real, sizes
+from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
 
-def meet_rods(a, b, radius, point, direction, *, ends="flat"):
+@checked
+def meet_rods(
+    a: Points,
+    b: Points,
+    radius: Lengths,
+    point: Points,
+    direction: Directions,
+    *,
+    ends: Literal["flat", "round"] = "flat",
+):
     """Return where lines enter and leave rods, one rod a line: `Rod.meet_line` of many.
 
     Parameters
@@ -42,28 +51,19 @@ def meet_rods(a, b, radius, point, direction, *, ends="flat"):
     >>> enter.round(3), leave.round(3)
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
-    _check_ends(ends)
-    a, b, radius, p, direction = rods_and_lines(a, b, radius, point, direction)
-    return _meet(frame(a, b, direction), radius, ends == "round", p, direction)
+    check_rods(a, b, radius)
+    return _meet(frame(a, b, direction), radius, ends == "round", point, direction)
 
 
-def rods_and_lines(a, b, radius, point, direction):
-    """Return rods and lines as arrays, or raise ValueError: the arguments of `meet_rods`.
+def check_rods(a, b, radius):
+    """Raise ValueError where a radius (...) is negative, or it or an axis has no sound square.
 
-    The axes from a to b (..., 3) and the radius (...) in m; a point and a direction (..., 3).
+    `a` and `b` (..., 3) are the axes' ends, in m, as the radius.
     """
-    a, b, point = near_points("a", a), near_points("b", b), near_points("point", point)
-    direction, radius = directions("direction", direction), real("radius", radius)
-    if not np.all(np.isfinite(radius) & (radius >= 0)):
-        raise ValueError("radius: must hold finite numbers, none below zero.")
+    if not np.all(radius >= 0):
+        raise ValueError(f"radius: must not be below zero; got {np.min(radius):g} m.")
     sizes("radius", radius)
     sizes("b - a", np.abs(b - a).max(axis=-1))
-    return a, b, radius, point, direction
-
-
-def _check_ends(ends):
-    if ends not in ("flat", "round"):
-        raise ValueError(f'ends: must be "flat" or "round"; got {ends!r}.')
 
 
 def _meet(axis, radius, round_ends, p, direction):
@@ -76,6 +76,7 @@ def _meet(axis, radius, round_ends, p, direction):
 
 
 @dataclass(frozen=True)
+@checked
 class Rod:
     """A cylinder of finite length, or a capsule, its surface included.
 
@@ -101,20 +102,13 @@ class Rod:
     radius 0 it's the segment.
     """
 
-    a: tuple[float, float, float]
-    b: tuple[float, float, float]
-    radius: float
-    ends: str = "flat"
+    a: Point
+    b: Point
+    radius: Length0
+    ends: Literal["flat", "round"] = "flat"
 
     def __post_init__(self):
-        object.__setattr__(self, "a", arguments.point("a", self.a))
-        object.__setattr__(self, "b", arguments.point("b", self.b))
-        object.__setattr__(self, "radius", arguments.not_negative("radius", self.radius))
-        near_points("a", self.a)
-        near_points("b", self.b)
-        sizes("radius", self.radius)
         sizes("b - a", np.abs(self.axis).max())
-        _check_ends(self.ends)
 
     @property
     def axis(self):
@@ -126,7 +120,8 @@ class Rod:
         """Return the length of the axis, in m."""
         return float(norm(self.axis))
 
-    def contains(self, points):
+    @checked
+    def contains(self, points: Points):
         """Return whether points (..., 3), in m, are inside or, within rounding, on the surface.
 
         Examples
@@ -134,7 +129,8 @@ class Rod:
         >>> Rod((0, 0, 0), (4, 0, 0), 1).contains([(4, 0, 1), (4.5, 0, 0)])
         array([ True, False])
         """
-        q, v, length = near_points("points", points) - self.a, self.axis, self.length
+        q = points - self.a
+        v, length = self.axis, self.length
         if length == 0:
             return (norm(q) <= self.radius * (1 + GUARD)) & (self.ends == "round")
         guard = GUARD * (self.radius + length)
@@ -144,7 +140,8 @@ class Rod:
             return np.hypot(beyond, off) <= self.radius + guard
         return (beyond <= guard) & (off <= self.radius + guard)
 
-    def meet_line(self, point, direction):
+    @checked
+    def meet_line(self, point: Points, direction: Directions):
         """Return where lines enter and leave the rod.
 
         Parameters
@@ -180,22 +177,20 @@ class Rod:
         >>> float(enter), round(float(leave), 3)
         (-12.0, 54.667)
         """
-        p, u = arguments.points("point", point), directions("direction", direction)
-        if u.ndim > 1:
-            return meet_rods(self.a, self.b, self.radius, p, u, ends=self.ends)
-        enter, leave = np.empty(p.shape[:-1]), np.empty(p.shape[:-1])
-        rows, firsts, lasts = p.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
-        axis = frame(np.array(self.a), np.array(self.b), u)
+        if direction.ndim > 1:
+            return meet_rods(self.a, self.b, self.radius, point, direction, ends=self.ends)
+        enter = np.empty(point.shape[:-1])
+        leave = np.empty(point.shape[:-1])
+        rows, firsts, lasts = point.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
+        axis = frame(np.array(self.a), np.array(self.b), direction)
         for start in range(0, len(rows), BLOCK):
             block = slice(start, start + BLOCK)
-            self._meet_parallel(axis, rows[block], u, firsts[block], lasts[block])
+            self._meet_parallel(axis, rows[block], direction, firsts[block], lasts[block])
         return enter[()], leave[()]
 
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
         bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
-        if not bound <= MOST:
-            near_points("point", p)
         r, run, rise = self.radius, axis.run, axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)

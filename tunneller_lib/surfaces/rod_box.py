@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from ..arguments import instance, real
+from ..arguments import Corners, checked
 from .rod import Rod
 from .rod_interval import GUARD
 
 
-def meet_box(rod, low, high):
+@checked
+def meet_box(rod: Rod, low: Corners, high: Corners):
     """Return the lowest and highest points of a rod in boxes that are endless along z.
 
     Parameters
@@ -41,8 +42,9 @@ def meet_box(rod, low, high):
     >>> float(top.round(6)), float(bottom.round(6))
     (1.732051, -1.732051)
     """
-    instance("rod", rod, Rod)
-    low, high = _corners(low, high)
+    low, high = np.broadcast_arrays(low, high)
+    if not np.all(low <= high):
+        raise ValueError("low: must not be above high on either axis; got a corner that is.")
     guard = GUARD * (rod.radius + rod.length)
     lines = [_at(x[..., 0], y[..., 1]) for x in (low, high) for y in (low, high)]
     enter, leave = rod.meet_line(np.stack(lines), (0.0, 0.0, 1.0))
@@ -114,20 +116,6 @@ def _ruling_points(rod, axis, side):
         share = np.where((share >= 0) & (share <= 1), share, np.nan)
         points.append(start + share[..., None] * v)
     return points
-
-
-def _corners(low, high):
-    corners = [real(name, corner) for name, corner in (("low", low), ("high", high))]
-    for name, corner in zip(("low", "high"), corners, strict=True):
-        if corner.ndim == 0 or corner.shape[-1] != 2:
-            raise ValueError(f"{name}: the last axis must hold x, y, so its shape must be "
-                             f"(..., 2); got {corner.shape}.")  # fmt: skip
-        if not np.all(np.isfinite(corner)):
-            raise ValueError(f"{name}: must hold finite numbers; got one that isn't.")
-    low, high = np.broadcast_arrays(*corners)
-    if not np.all(low <= high):
-        raise ValueError("low: must not be above high on either axis.")
-    return low, high
 
 
 def _at(x, y):

@@ -1,11 +1,10 @@
 """Sections of a tunnel: closed convex curves of arcs and lines, and how deep points lie inside."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import finite, real
+from ..arguments import Angles, Each, Finite, Lengths, checked
 from .pieces import Arc, Line
 
 CLOSED = 1e-12  # largest gap between pieces, over the perimeter
@@ -58,21 +57,24 @@ class Section:
         starts, ends = np.transpose([arc.headings for arc in self.arcs])
         return np.mod(starts - np.roll(ends, 1) + np.pi, 2 * np.pi) - np.pi
 
-    def point(self, s):
+    @checked
+    def point(self, s: Lengths):
         """Return the points (..., 2) = (y, z), in m, at arc lengths s (...), in m."""
         return self._locate(s)[0]
 
-    def normal(self, s):
+    @checked
+    def normal(self, s: Lengths):
         """Return the outward unit normals (..., 2) = (y, z) at arc lengths s (...), in m."""
         return self._locate(s)[1]
 
-    def curvature(self, s):
+    @checked
+    def curvature(self, s: Lengths):
         """Return the curvatures (...), in 1/m, at arc lengths s (...), in m; 0 on lines."""
         return 1 / np.array([arc.radius for arc in self.arcs])[self._place(s)[1]]
 
     def _place(self, s):
         """Return arc lengths (...) within one round, and the indices of the pieces there."""
-        s = np.mod(real("s", s), self.perimeter)
+        s = np.mod(s, self.perimeter)
         index = np.searchsorted(self.blends, s, side="right") - 1
         return s, np.clip(index, 0, len(self.arcs) - 1)
 
@@ -85,7 +87,8 @@ class Section:
             point[here], normal[here] = arc.locate(s[here] - blends[k])
         return point, normal
 
-    def depth(self, y, z):
+    @checked
+    def depth(self, y: Lengths, z: Lengths):
         """Return how far points lie inside the curve.
 
         Parameters
@@ -103,7 +106,7 @@ class Section:
         The nearest point of a convex curve lies on a piece within whose sector or strip the given
         point is; only outside a corner no such piece exists, and the corner is nearest.
         """
-        y, z = np.broadcast_arrays(real("y", y), real("z", z))
+        y, z = np.broadcast_arrays(y, z)
         inside, corner = np.full((2, *y.shape), np.inf)
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
         for arc in self.arcs:
@@ -112,7 +115,8 @@ class Section:
             corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
         return np.where(np.isfinite(inside), inside, -corner)[()]
 
-    def offset(self, d):
+    @checked
+    def offset(self, d: Finite):
         """Return the `Profile` at a distance d, in m, inside the section; negative: outside.
 
         Raises
@@ -120,15 +124,16 @@ class Section:
         ValueError
             If the section's tightest bend isn't wider than d, or it has a corner.
         """
-        d = finite("d", d)
         if self.least_radius == 0:
-            raise ValueError("d: a section with a corner has no offset; round it first.")
+            raise ValueError("d: a section with a corner has no offset; got one, round it first.")
         if d >= self.least_radius:
-            raise ValueError(f"d: must be below the section's least radius {self.least_radius:g} m;"
-                             f" got {d:g} m.")  # fmt: skip
+            raise ValueError(
+                f"d: must be below the section's least radius {self.least_radius:g} m; got {d:g} m."
+            )
         return Profile(tuple(arc.inset(d) for arc in self.arcs))
 
-    def ray(self, angle):
+    @checked
+    def ray(self, angle: Angles):
         """Return the distances (...), in m, from the origin to the curve at angles in rad from y.
 
         Raises
@@ -138,9 +143,6 @@ class Section:
         """
         if not self.depth(0.0, 0.0) > 0:
             raise ValueError("section: must have the origin of its plane inside; it hasn't.")
-        angle = real("angle", angle)
-        if not np.all(np.isfinite(angle)):
-            raise ValueError(f"angle: must be finite; got {angle!r}.")
         cos, sin = np.cos(angle), np.sin(angle)
         low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
         for _ in range(60):  # the depth of a convex section changes its sign once along a ray
@@ -164,12 +166,13 @@ class Profile(Section):
     arcs: tuple
 
 
-def closed_profile(pieces):
+@checked
+def closed_profile(pieces: Each(Arc, Line)):
     """Return the section that pieces make, after checking that they close.
 
     Parameters
     ----------
-    pieces : sequence of Arc or Line
+    pieces : list of Arc or Line
         In counter-clockwise order.
 
     Returns
@@ -188,12 +191,8 @@ def closed_profile(pieces):
     >>> round(closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]).area, 4)
     0.7854
     """
-    if not isinstance(pieces, Sequence):
-        raise ValueError(f"pieces: must be a sequence of arcs and lines; got {pieces!r}.")
     section = Profile(tuple(pieces))
     for k, piece in enumerate(section.arcs):
-        if not isinstance(piece, (Arc, Line)) or not np.all(np.isfinite(real("pieces", piece))):
-            raise ValueError(f"pieces: must be arcs or lines of finite numbers; got {piece!r}.")
         if not piece.length > 0 or not piece.radius > 0:
             raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
     if not section.arcs:
@@ -207,10 +206,14 @@ def closed_profile(pieces):
     turns = section._turns()
     if np.any(turns < -SMOOTH):
         k = int(np.argmin(turns))
-        raise ValueError(f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins "
-                         f"with {np.degrees(-turns[k]):.3g} deg.")  # fmt: skip
+        raise ValueError(
+            f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins with "
+            f"{np.degrees(-turns[k]):.3g} deg."
+        )
     round_once = sum(b - a for a, b in (arc.headings for arc in section.arcs)) + turns.sum()
     if abs(round_once - 2 * np.pi) > SMOOTH:
-        raise ValueError("pieces: must go round once, counter-clockwise; they turn by "
-                         f"{np.degrees(round_once):.4g} deg.")  # fmt: skip
+        raise ValueError(
+            "pieces: must go round once, counter-clockwise; they turn by "
+            f"{np.degrees(round_once):.4g} deg."
+        )
     return section

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import points, positions, positive, real
+from ..arguments import Angles, Directions, Length, Points, Positions, Rates, checked
 from ..exact import dot, in_blocks, radius_and_excess
 from . import torus_line
 
@@ -13,6 +13,7 @@ FEET = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 @dataclass(frozen=True)
+@checked
 class Torus:
     """A torus about the y axis, in the frame of the machine: x forward, y left, z up.
 
@@ -37,14 +38,11 @@ class Torus:
     must neither over- nor underflow.
     """
 
-    r: float
-    R: float
+    r: Length
+    R: Length
 
-    def __post_init__(self):
-        object.__setattr__(self, "r", positive("r", self.r))
-        object.__setattr__(self, "R", positive("R", self.R))
-
-    def point(self, theta, phi):
+    @checked
+    def point(self, theta: Angles, phi: Angles):
         """Return the centre of the cutter for joint angles (Eq. 1).
 
         Parameters
@@ -62,11 +60,11 @@ class Torus:
         >>> Torus(r=0.1, R=0.9).point(0, 0)
         array([1., 0., 0.])
         """
-        theta, phi = real("theta", theta), real("phi", phi)
         rho = self.r + self.R * np.cos(phi)
         return _stack(rho * np.cos(theta), self.R * np.sin(phi), 0.0 - rho * np.sin(theta))
 
-    def angles(self, point):
+    @checked
+    def angles(self, point: Points):
         """Return the joint angles of points, the inverse of `point` on the working sheet.
 
         Parameters
@@ -80,31 +78,33 @@ class Torus:
             In rad, both from -pi to pi. On the axis theta is 0, on the ring circle phi is 0.
             Near the axis of a spindle torus the foot may lie on the inner sheet, see `foot`.
         """
-        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        x, y, z = np.moveaxis(point, -1, 0)
         return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, self.r)[1])
 
-    def implicit(self, point):
+    @checked
+    def implicit(self, point: Points):
         """Return the left side of Eq. 2 at points: 0 on the torus, in m^4.
 
         Written as the product over the two circles in which the meridian plane cuts the torus;
         the printed difference of fourth powers cancels where the ring is small against the tube.
         """
-        x, y, z = np.moveaxis(points("point", point), -1, 0)
+        x, y, z = np.moveaxis(point, -1, 0)
         rho, excess = radius_and_excess(x, z, self.r)
         near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
         return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
 
-    def normal(self, theta, phi):
+    @checked
+    def normal(self, theta: Angles, phi: Angles):
         """Return the unit normals (..., 3), away from the centre of the tube circle (Eq. 7)."""
-        theta, phi = real("theta", theta), real("phi", phi)
         return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
 
-    def ring_point(self, theta):
+    @checked
+    def ring_point(self, theta: Angles):
         """Return the points (..., 3) of the ring circle, in m: where the tangential joint is."""
-        theta = real("theta", theta)
         return self.r * _stack(np.cos(theta), np.zeros_like(theta), 0.0 - np.sin(theta))
 
-    def tangents(self, theta, phi):
+    @checked
+    def tangents(self, theta: Angles, phi: Angles):
         """Return the unit tangents of the meridian and of the parallel.
 
         Parameters
@@ -117,12 +117,12 @@ class Torus:
         meridian, parallel : (..., 3) float
             Towards growing phi and towards growing theta; with `normal` they are at right angles.
         """
-        theta, phi = real("theta", theta), real("phi", phi)
         sin, cos = np.sin(theta), np.cos(theta)
         meridian = _stack(-np.sin(phi) * cos, np.cos(phi), np.sin(phi) * sin)
         return meridian, _stack(-sin, np.zeros_like(sin), -cos)
 
-    def velocity(self, position, rate):
+    @checked
+    def velocity(self, position: Positions, rate: Rates):
         """Return the velocity of the cutter's centre, by the first derivative of Eq. 1.
 
         Parameters
@@ -143,7 +143,8 @@ class Torus:
             -drho * np.sin(theta) - rho * np.cos(theta) * turning,
         )
 
-    def acceleration(self, position, rate):
+    @checked
+    def acceleration(self, position: Positions, rate: Rates):
         """Return the acceleration of the cutter's centre while the joint rates are constant.
 
         Parameters
@@ -166,7 +167,8 @@ class Torus:
             -radial * np.sin(theta) - sideways * np.cos(theta),
         )
 
-    def normal_curvature(self, position, direction):
+    @checked
+    def normal_curvature(self, position: Positions, direction: Directions):
         """Return the normal curvature of the torus in tangent directions, by Euler's formula.
 
         Parameters
@@ -184,7 +186,8 @@ class Torus:
         cos, _, first, second = self._in_principal_directions(position, direction)
         return first * cos**2 + second * (1 - cos**2)
 
-    def geodesic_torsion(self, position, direction):
+    @checked
+    def geodesic_torsion(self, position: Positions, direction: Directions):
         """Return the torsion of the geodesics that leave in tangent directions.
 
         Parameters
@@ -204,12 +207,12 @@ class Torus:
 
     def _in_principal_directions(self, position, direction):
         """Return cosine and sine from the meridian to a direction, and both curvatures."""
-        theta, phi = np.moveaxis(positions("position", position), -1, 0)
-        direction = points("direction", direction)
+        theta, phi = np.moveaxis(position, -1, 0)
         meridian, parallel = self.tangents(theta, phi)
         return dot(meridian, direction), dot(parallel, direction), *self.curvatures(theta, phi)
 
-    def curvatures(self, theta, phi):
+    @checked
+    def curvatures(self, theta: Angles, phi: Angles):
         """Return the principal curvatures along the meridian and along the parallel.
 
         Parameters
@@ -223,12 +226,13 @@ class Torus:
             In 1/m, positive where the surface bends away from `normal`; the second is infinite
             at a node.
         """
-        theta, phi = np.broadcast_arrays(real("theta", theta), real("phi", phi))
+        theta, phi = np.broadcast_arrays(theta, phi)
         with np.errstate(divide="ignore"):
             parallel = np.cos(phi) / (self.r + self.R * np.cos(phi))
         return np.full(phi.shape, 1 / self.R)[()], parallel
 
-    def feet(self, m):
+    @checked
+    def feet(self, m: Points):
         """Return where the four spheres about points touch the torus (Eqs 6 to 9).
 
         Parameters
@@ -243,7 +247,7 @@ class Torus:
             side of M, eps = +1 its far end from that circle's centre as M sees it. On the axis
             of revolution, where a circle of feet exists, the one at theta = 0; at a circle's
             centre, where the whole circle is equally far, the one at phi = 0 or pi. At a node
-            two feet are the node. NaN where `m` isn't finite.
+            two feet are the node.
 
         Notes
         -----
@@ -257,10 +261,10 @@ class Torus:
         >>> Torus(r=1, R=2).feet((5, 0, 0))[:, 0]
         array([ 3., -1.,  1., -3.])
         """
-        m = points("m", m)
         return np.stack([self._foot(m, sigma, eps) for sigma, eps in FEET], axis=-2)
 
-    def foot(self, m):
+    @checked
+    def foot(self, m: Points):
         """Return the tangent-sphere foot (..., 3) on the working sheet: `feet` (+, +).
 
         It need not be the nearest: a chord that dips deep below the sheet comes nearer to another
@@ -269,7 +273,7 @@ class Torus:
         the working sheet while r + R (rho - r) / distance(M, ring circle) >= 0: on a spindle
         torus a point M near the axis has its (+, +) foot on the inner sheet.
         """
-        return self._foot(points("m", m), 1, 1)
+        return self._foot(m, 1, 1)
 
     def _foot(self, m, sigma, eps):
         return in_blocks(lambda block: self._foot_of_rows(block, sigma, eps), m)
@@ -294,7 +298,8 @@ class Torus:
             radius = radius / (rho + on_axis)
             return _stack(radius * (x + on_axis), scale * y, radius * z)
 
-    def meet_line(self, a, b):
+    @checked
+    def meet_line(self, a: Points, b: Points):
         """Return where lines through two points meet the torus (Eqs 4 and 5).
 
         It keeps its digits for far points and for tangent lines.
@@ -320,12 +325,11 @@ class Torus:
         >>> Torus(r=1, R=2).meet_line((-10, 0, 0), (-9, 0, 0))
         array([ 7.,  9., 11., 13.])
         """
-        return torus_line.meet(self, *torus_line.through(a, b))
+        return torus_line.meet(self, a, b)
 
 
 def _joint_motion(position, rate):
     """Return theta, phi and their rates, an array each."""
-    position, rate = positions("position", position), positions("rate", rate)
     return position[..., 0], position[..., 1], rate[..., 0], rate[..., 1]
 
 

@@ -2,19 +2,16 @@
 
 import numpy as np
 
-from ..arguments import points
 from ..exact import cross, dot, norm
 
 # Distances below this share of r + R count as contact: a few roundings of the arithmetic here.
 CONTACT = 8 * np.finfo(float).eps
 
 
-def through(a, b):
+def check_differ(a, b):
     """Return the two points (..., 3) of each line, or raise ValueError where they coincide."""
-    a, b = points("a", a), points("b", b)
     if np.any(np.all(a == b, axis=-1)):
         raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
-    return a, b
 
 
 def meet(torus, a, b):

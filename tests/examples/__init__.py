@@ -1,0 +1,5 @@
+"""A valid call of every public name, a module a room: where fuzzing starts from.
+
+`INSTANCES` has an object of each class that arguments or methods ask for, `CALLS` the arguments
+that a rule's usual example doesn't suit, by the name within the room.
+"""

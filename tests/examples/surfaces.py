@@ -1,0 +1,48 @@
+"""Examples for the room surfaces."""
+
+import numpy as np
+
+from tunneller_lib.surfaces import (
+    REFERENCE_MACHINE,
+    Arc,
+    Cone,
+    Egg,
+    Frustum,
+    Line,
+    Linkage,
+    Machine,
+    Rod,
+    Section,
+    Torus,
+    linkages,
+)
+
+INSTANCES = {
+    Arc: Arc(0.0, 0.0, 0.5, 0.0, 1.0),
+    Cone: Cone(0.5),
+    Egg: Egg(0.5),
+    Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
+    Line: Line(0.0, 0.0, 0.3, 1.0),
+    Linkage: linkages(REFERENCE_MACHINE)[0],
+    Machine: REFERENCE_MACHINE,
+    Rod: Rod((0, 0, 0), (4, 0, 1), 1),
+    Section: Egg(0.5),
+    Torus: Torus(0.08, 0.8),
+}
+
+CALLS = {
+    "Arc.depth": {"slack": 0.0},
+    "Egg.offset": {"d": 0.2},
+    "Frustum": {"b": (1.0, 2.0, 3.0)},
+    "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
+    "Linkage.check": {"low": -0.3, "high": 0.3},
+    "Linkage.volumes": {"low": -0.3, "high": 0.3},
+    "Machine": {name: getattr(REFERENCE_MACHINE, name)
+                for name in REFERENCE_MACHINE.__dataclass_fields__},
+    "Rod": {"b": (1.0, 2.0, 3.0)},
+    "Section.offset": {"d": 0.1},
+    "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
+    "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
+    "meet_box": {"low": (0.1, 0.1), "high": (0.3, 0.4)},
+    "meet_rods": {"b": (1.0, 2.0, 3.0)},
+}  # fmt: skip

@@ -1,0 +1,200 @@
+"""The contract of every public name: an answer, or a ValueError of one sentence, and soon.
+
+Public is what a room's `__all__` lists: functions, classes with their methods, and modules with
+theirs. What each argument may be is read from the annotations, which `arguments.checked` enforces.
+"""
+
+import importlib
+import inspect
+import re
+import time
+import types
+import warnings
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from tests.long import many
+from tunneller_lib import arguments
+from tunneller_lib.arguments import rule_of
+
+ROOMS = ("surfaces",)  # rooms join as they are done
+SOON = 5.0  # seconds
+EXAMPLES = {room: importlib.import_module(f"tests.examples.{room}") for room in ROOMS}
+INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTANCES.items()}
+
+# Values of numbers that fit every rule of their kind, by the rule's check.
+USUAL = {
+    arguments.finite: 0.3, arguments.positive: 0.5, arguments.not_negative: 0.5,
+    arguments.size: 0.5, arguments.size_or_zero: 0.5, arguments.point: (0.3, 0.2, 0.1),
+    arguments.bounded_array: 0.3, arguments.near_points: (0.3, 0.2, 0.1),
+    arguments.directions: (0.0, 0.6, 0.8), arguments.positions: (0.3, 0.2),
+    arguments.corners: (0.3, 0.2), arguments.polynomials: (1.0, -3.0, 2.0),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Call:
+    """A public function, method or class, and what its arguments may be."""
+
+    room: str
+    name: str
+    function: object
+    owner: type | None
+
+    @cached_property
+    def parameters(self):
+        every = inspect.signature(self.function).parameters
+        return {name: about for name, about in every.items() if name not in ("self", "cls")}
+
+    @cached_property
+    def valid(self):
+        """Return valid arguments: those of the examples, else what is usual for their rules."""
+        given = EXAMPLES[self.room].CALLS.get(self.name, {})
+        found = dict(given)
+        for name, about in self.parameters.items():
+            if name not in found and about.default is inspect.Parameter.empty:
+                found[name] = usual(about.annotation)
+        return found
+
+    def __call__(self, given):
+        """Call with arguments by name; a list of answers is gone through to its end."""
+        itself = () if self.owner is None else (INSTANCES[self.owner],)
+        answer = self.function(*itself, **given)
+        return list(answer) if isinstance(answer, types.GeneratorType) else answer
+
+
+def usual(annotation):
+    """Return a value that an annotation allows."""
+    if isinstance(annotation, type) and annotation in INSTANCES:
+        return INSTANCES[annotation]
+    rule = rule_of(annotation)
+    if rule.check in USUAL:
+        return USUAL[rule.check]
+    for value in (True, "plus", 1, 2, 8):
+        try:
+            return rule.check("it", value)
+        except ValueError:
+            continue
+    raise LookupError(f"no example for {annotation!r}")
+
+
+def public(room):
+    """Yield the public calls of a room, and those of the modules that it lists."""
+    package = importlib.import_module(f"tunneller_lib.{room}")
+    for name in package.__all__:
+        yield from named(room, name, getattr(package, name))
+
+
+def named(room, name, thing):
+    if inspect.ismodule(thing):
+        for inner, one in vars(thing).items():
+            if not inner.startswith("_") and getattr(one, "__module__", "") == thing.__name__:
+                yield from named(room, f"{name}.{inner}", one)
+    elif inspect.isclass(thing):
+        if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
+            yield Call(room, name, thing, None)
+        for inner, one in inspect.getmembers(thing, inspect.isfunction):
+            if not inner.startswith("_"):
+                yield Call(room, f"{name}.{inner}", one, thing)
+    elif inspect.isfunction(thing):
+        yield Call(room, name, thing, None)
+
+
+PUBLIC = {f"{room}.{call.name}": call for room in ROOMS for call in public(room)}
+every_call = pytest.mark.parametrize("call", PUBLIC.values(), ids=PUBLIC)
+
+
+@every_call
+def test_every_argument_says_what_it_may_be(call):
+    for name, about in call.parameters.items():
+        assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
+        rule_of(about.annotation)
+    if call.parameters and inspect.isfunction(call.function):
+        assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
+
+
+@every_call
+def test_docstrings_give_the_shapes_and_units_of_the_rules(call):
+    text = inspect.getdoc(call.function)
+    for name, about in call.parameters.items():
+        rule = rule_of(about.annotation)
+        entry = re.search(
+            rf"^(?:[\w, ]*, )?{name}(?:, [\w, ]*)? : (.*)\n((?:    .*\n?|\n(?=    ))*)", text, re.M
+        )
+        if entry and rule.says[0] in "({":
+            assert entry[1].startswith(rule.says.split(") ")[0]), f"{name} is {rule.says}"
+        if entry and rule.unit:
+            assert re.search(rf"\b{rule.unit}\b", text), f"{name} is in {rule.unit}"
+
+
+@every_call
+def test_the_example_of_a_call_is_answered(call):
+    call(call.valid)
+
+
+class Hostile:
+    """What numpy asks, it refuses; so it does to be shown."""
+
+    def __array__(self, *given, **options):
+        raise RuntimeError("no array")
+
+    def __repr__(self):
+        raise RuntimeError("no name")
+
+
+ODD = [
+    None, True, False, 0, 1, -1, 2, 3, 1.5, -0.0, 1e-5, 1e6, 10**9, 2**31, 2**63, 2**64, 10**400,
+    np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e100, 1e-100, 1e15, 1j, "", "x", "up",
+    "a\nb", "x" * 10**6, b"x", (), [], {}, {1: 2}, set(), [[]], [1], [1, 2], [1, 2, 3], (1,) * 4,
+    [[1], [1, 2]], [None], ["1"], [np.nan, 0, 0], [[0, 0, 0]], np.zeros((0, 3)),
+    np.zeros((2, 0, 3)), np.zeros((3, 2)), np.full((2, 3), 1e300), np.full((2, 2), 1e-300),
+    np.ones((2, 2, 3)),
+    np.ma.masked_array([1.0, 2.0, 3.0], [0, 1, 0]), np.ma.masked, np.float16(1), np.uint8(7),
+    np.longdouble("1e4000"), np.array(3), np.array(True), np.array([1, 2], dtype=object),
+    np.datetime64("2026-01-01"), np.array("x"), np.zeros(3, dtype=[("a", float)]), Fraction(1, 3),
+    Decimal("0.5"), object(), int, len, lambda *given: None, Hostile(), range(3), iter([1, 2]),
+    slice(1), Ellipsis, NotImplemented, np.random.default_rng(1), np.ones(1000), np.ones((500, 3)),
+    np.ones((500, 2)), np.zeros((1, 1, 1, 1, 3)), list(range(5000)),
+]  # fmt: skip
+odd = st.one_of(
+    st.integers(0, len(ODD) - 1).map(lambda place: ODD[place]),
+    st.floats(),
+    st.integers(-(2**70), 2**70),
+    st.sampled_from(list(INSTANCES.values())),
+    arrays.arrays(
+        st.sampled_from([np.float64, np.int64, np.float32]),
+        arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4),
+    ),
+)
+
+
+@every_call
+@settings(
+    max_examples=many(40, 500), deadline=None, database=None, derandomize=True,
+    suppress_health_check=list(HealthCheck),
+)  # fmt: skip
+@given(data=st.data())
+def test_odd_arguments_are_answered_or_refused_in_a_sentence(call, data):
+    if not call.parameters:
+        return
+    names = data.draw(st.sets(st.sampled_from(list(call.parameters)), min_size=1, max_size=3))
+    given = call.valid | {name: data.draw(odd) for name in sorted(names)}
+    begun = time.perf_counter()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            call(given)
+    except ValueError as error:
+        message = str(error)
+        assert re.fullmatch(r"[^\n]{5,400}\.", message), f"no sentence: {message[:500]!r}"
+        names = message.partition(":")[0]
+        assert re.search(r"\w", names) and ":" in message, f"which argument? {message!r}"
+    assert time.perf_counter() - begun < SOON
