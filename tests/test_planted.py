@@ -67,13 +67,27 @@ def test_records_are_compared(old, new, equal):
     assert (difference(old, new) is None) is equal
 
 
-@pytest.mark.parametrize(("changed", "equal"), [(0, True), (1, True), (400, False)])
+@pytest.mark.parametrize(("changed", "equal"), [(0, True), (1, True), (40, True), (400, False)])
 def test_pictures_are_compared(tmp_path, changed, equal):
     pixels = np.full((100, 100, 3), 255, np.uint8)
     (tmp_path / "new").mkdir()
     PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
     pixels.reshape(-1, 3)[:changed] = 180
     PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
+    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
+    assert (same is None) is equal
+
+
+@pytest.mark.parametrize(
+    ("edge", "height", "equal"),
+    [(51, 100, True), (50, 101, True), (53, 100, False), (50, 103, False)],
+)
+def test_edges_of_a_scene_may_lie_a_pixel_aside(tmp_path, edge, height, equal):
+    (tmp_path / "new").mkdir()
+    for name, begin, size in (("a.png", 50, 100), ("new/a.png", edge, height)):
+        pixels = np.full((size, 100, 3), 255, np.uint8)
+        pixels[:, begin:] = 60
+        PIL.Image.fromarray(pixels).save(tmp_path / name)
     same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
     assert (same is None) is equal
 

@@ -30,7 +30,8 @@ class Noisy:
         result = self.exact(*arguments, **options)
         if isinstance(result, np.float64 | np.ndarray) and result.dtype == np.float64:
             bits = np.asarray(result).view(np.int64)
-            step = ((bits & MANTISSA) * 0x9E3779B97F4A7C1) >> 62  # -2, -1, 0 or 1
+            with np.errstate(over="ignore"):  # the product is meant to overflow
+                step = ((bits & MANTISSA) * 0x9E3779B97F4A7C1) >> 62  # -2, -1, 0 or 1
             short = bits & 0xFFFFF == 0  # few digits: exact, such as hypot(3, 4) or log2(8)
             kept = short | np.isin(np.abs(result), KEPT) | ~np.isfinite(result)
             moved = (bits + np.where(kept, 0, np.clip(step, -1, 1))).view(np.float64)
