@@ -9,11 +9,11 @@ from mpmath import mp
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.circle_roots import real_zeros
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import cyclide, moving_cone
-from tunneller_lib.envelopes.forms import circle_roots
 from tunneller_lib.envelopes.isotropic import contact_point, surface_points
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 
 ANGLE = np.radians(30)
 GRAPHS = {
@@ -92,7 +92,7 @@ def test_no_cone_is_missed(name):
     rng = np.random.default_rng(4)
     x, y = rng.uniform(0.2, 1.5, (2, 500))
     cones = hyperosculating_cones(GRAPHS[name], x, y, half_angle=ANGLE)
-    f = GRAPHS[name](*variables(x, y))
+    f = GRAPHS[name](*jet_variables(x, y))
     b = np.linspace(0, 2 * np.pi, 20_001)[:-1, None]
     u, v = np.cos(b), np.sin(b)
     cubic = (f.derivative(3, 0) * v**3 - 3 * f.derivative(2, 1) * v**2 * u
@@ -345,7 +345,7 @@ def test_circle_roots_finds_given_zeros(zeros, size):
     def product(a):
         return size * np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
 
-    angle, multiplicity = circle_roots(product, 3, unit=np.array([size]))
+    angle, multiplicity = real_zeros(product, 3, unit=np.array([size]))
     np.testing.assert_allclose(angle[0], zeros, atol=1e-8)
     assert multiplicity.sum() == 6
 
@@ -359,13 +359,13 @@ def test_circle_roots_counts_multiple_zeros(zeros, expected):
     def product(a):
         return np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
 
-    _, multiplicity = circle_roots(product, 3, unit=np.ones(1))
+    _, multiplicity = real_zeros(product, 3, unit=np.ones(1))
     assert sorted(multiplicity[multiplicity > 0]) == sorted(expected)
 
 
 def test_circle_roots_of_lower_degree_and_of_nothing():
-    angle, _ = circle_roots(lambda a: np.sin(2 * a), 3, unit=np.ones(1))
+    angle, _ = real_zeros(lambda a: np.sin(2 * a), 3, unit=np.ones(1))
     np.testing.assert_allclose(np.sort(np.abs(angle[0, :4])), [0, np.pi / 2, np.pi / 2, np.pi],
                                atol=1e-12)  # fmt: skip
-    angle, multiplicity = circle_roots(lambda a: 0 * a, 3, unit=np.ones(1))
+    angle, multiplicity = real_zeros(lambda a: 0 * a, 3, unit=np.ones(1))
     assert np.isnan(angle).all() and not multiplicity.any()

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from tests.envelopes_zoo import GENERAL, GRID
 from tests.shapes import directions
-from tunneller_lib.envelopes.blade import BladeRing, clearance, cone_distance
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
+from tunneller_lib.envelopes.blade import BladeRing, blade_distances, cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
-from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
@@ -22,7 +22,7 @@ from tunneller_lib.envelopes.isotropic import (
     sphere_point,
     surface_points,
 )  # fmt: skip
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 
 RNG = np.random.default_rng(5)
 
@@ -161,7 +161,7 @@ def test_osculating_conic_leaves_the_graph_at_third_order():
         return np.sin(x) * np.cos(2 * y) + x * y
 
     x, y, centre = 0.3, 0.5, (0.4, -0.7)
-    z, a, b = osculating_conic(centre, f(*variables(x, y)))
+    z, a, b = osculating_conic(centre, f(*jet_variables(x, y)))
     gaps = []
     for t in (1e-2, 2e-2):
         px, py, pz = conic((x, y, z), centre, a, b, t)
@@ -171,7 +171,7 @@ def test_osculating_conic_leaves_the_graph_at_third_order():
 
 @pytest.mark.parametrize("name", GENERAL)
 def test_adapted_frame_has_the_principal_radii(name):
-    found = frames(GENERAL[name], *GRID, "space")
+    found = adapted_frames(GENERAL[name], *GRID, "space")
     f = isotropic_jet(found, slice(None))
     g = tangent_graph(found, slice(None))
     hessian, bend = ([[j.derivative(2, 0), j.derivative(1, 1)],
@@ -192,8 +192,8 @@ def test_both_models_give_the_same_jet(shift):
         fx, fy = -2 * x * y * y / square + shift, 2 * x * x * y / square
         return contact_point(x, y, f(x, y), fx, fy)
 
-    one = frames(f, *GRID, "isotropic")
-    two = frames(space, *GRID, "space")
+    one = adapted_frames(f, *GRID, "isotropic")
+    two = adapted_frames(space, *GRID, "space")
     np.testing.assert_allclose(one.contact, two.contact, atol=1e-12)
     # r_s x r_t may point the other way: R changes its sign, the frame is another.
     j, k = (isotropic_jet(found, slice(None)) for found in (one, two))
@@ -244,12 +244,12 @@ def test_clearance_is_from_the_first_blade_and_both_neighbours():
     # A tool in the middle of the gap to the next blade, then moved into that blade.
     turn = np.pi / 6
     middle = np.cos(turn) * out + np.sin(turn) * around
-    free = clearance(ring, 40 * middle, middle, 0.05, 30, 60)
+    free = blade_distances(ring, 40 * middle, middle, 0.05, 30, 60)
     assert np.all(free > 0)
     back = np.cos(2 * turn) * out + np.sin(2 * turn) * around
-    hit = clearance(ring, 40 * back, back, 0.05, 30, 60, n=241)
+    hit = blade_distances(ring, 40 * back, back, 0.05, 30, 60, n=241)
     assert hit[1] < 0 < min(hit[0], hit[2])
-    np.testing.assert_allclose(clearance(ring, 40 * middle, middle, 0.05, 30, 60, n=241), free,
+    np.testing.assert_allclose(blade_distances(ring, 40 * middle, middle, 0.05, 30, 60, n=241), free,
                                atol=0.1)  # fmt: skip
 
 
