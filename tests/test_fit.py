@@ -49,7 +49,7 @@ def test_fit_planes_wants_enough_planes():
 
 @pytest.mark.parametrize("degree", [0, 2.5, -1])
 def test_fit_planes_wants_a_degree(degree):
-    with pytest.raises(ValueError, match=r"^degree: must hold whole numbers from 1 to 20; got .*"):
+    with pytest.raises(ValueError, match=r"^degree: must be one whole number from 1 to 20; got .*"):
         fit_planes(*patch(graph, 30), scale=0.3, degree=degree)
 
 

@@ -46,10 +46,17 @@ def test_plane_to_point_takes_normals_of_any_length():
     np.testing.assert_allclose(plane_to_point(7 * n, 7.0), plane_to_point(n, 1.0), rtol=1e-13)
 
 
-@pytest.mark.parametrize("n", [(0, 0, -1), (0, 0, -5.0), (0, 0, 0), [(0, 0, 1), (0, 0, -1)]])
+@pytest.mark.parametrize(
+    "n", [(0, 0, -1), (0, 0, -5.0), [(0, 0, 1), (0, 0, -1)], (1e-99, 0, -9e99)]
+)
 def test_a_plane_without_point_is_refused(n):
-    with pytest.raises(ValueError, match=r"^n: a normal must not be zero nor have the direction"):
+    with pytest.raises(ValueError, match=r"^n: a normal must not have the direction \(0, 0, -1\)"):
         plane_to_point(n, 1.0)
+
+
+def test_a_plane_without_normal_is_refused():
+    with pytest.raises(ValueError, match=r"^n: must not be zero; got \(0, 0, 0\)\.$"):
+        plane_to_point((0, 0, 0), 1.0)
 
 
 def test_arguments_are_not_written_to_and_broadcast():
@@ -236,7 +243,7 @@ def test_no_ring_of_wrong_sizes(change):
         BladeRing(**(sizes | change))
 
 
-def test_clearance_is_from_the_first_blade_and_both_neighbours():
+def test_blade_distances_are_from_the_first_blade_and_both_neighbours():
     ring = BladeRing(60, 30, 50, -0.7, 1.2, -6, -6, 6)
     x, y, _ = ring.coordinates(0.5, 0.5)
     out = np.array([x, y, 0.0]) / np.hypot(x, y)
@@ -249,8 +256,8 @@ def test_clearance_is_from_the_first_blade_and_both_neighbours():
     back = np.cos(2 * turn) * out + np.sin(2 * turn) * around
     hit = blade_distances(ring, 40 * back, back, 0.05, 30, 60, n=241)
     assert hit[1] < 0 < min(hit[0], hit[2])
-    np.testing.assert_allclose(blade_distances(ring, 40 * middle, middle, 0.05, 30, 60, n=241), free,
-                               atol=0.1)  # fmt: skip
+    fine = blade_distances(ring, 40 * middle, middle, 0.05, 30, 60, n=241)
+    np.testing.assert_allclose(fine, free, atol=0.1)
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])
@@ -272,7 +279,11 @@ def test_cone_distance_is_that_to_sampled_walls(scale):
     np.testing.assert_array_equal(d < 0, inside)
 
 
-@pytest.mark.parametrize(("near", "far", "angle"), [(2, 1, 0.3), (-1, 1, 0.3), (0, 1, 1.6)])
-def test_no_distance_from_what_is_no_truncated_cone(near, far, angle):
-    with pytest.raises(ValueError, match=r"^near: must lie below far"):
+@pytest.mark.parametrize(("near", "far", "angle", "message"), [
+    (2, 1, 0.3, r"^near: must be below far; got 2 and 1\.$"),
+    (-1, 1, 0.3, r"^near: must be one finite number, not below zero; got -1\.$"),
+    (0, 1, 1.6, r"^half_angle: must lie between 0 and pi/2, both left out; got 1\.6\.$"),
+])  # fmt: skip
+def test_no_distance_from_what_is_no_truncated_cone(near, far, angle, message):
+    with pytest.raises(ValueError, match=message):
         cone_distance((0, 0, 0), (0, 0, 0), (0, 0, 1), angle, near, far)

@@ -155,7 +155,7 @@ def recognise(
 def _check_sound(jet):
     if not sound(jet).all():
         raise ValueError(
-            "surface: must have derivatives of at most 1e90 in size at every point; got greater ones."
+            "surface: must have derivatives of at most 1e90 in size at every point; got more."
         )
 
 
