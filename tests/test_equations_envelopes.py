@@ -739,7 +739,7 @@ def _within_the_cone(graph, place, centre, around=None):
            for (i, j), s in NAMES.items()}  # fmt: skip
     a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
     assert nine == eleven == 0
-    contact = sp.Matrix(contact_point(x, y, graph, graph.diff(x), graph.diff(y)))
+    contact = sp.Matrix(contact_point.unchecked(x, y, graph, graph.diff(x), graph.diff(y)))
     vertex = sp.Matrix(_vertex(jet[F("")], a, b)).subs(here)
     n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
     opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
@@ -1454,7 +1454,7 @@ def test_example31_four_principal_positions():
     eleven = sp.factor(EQ11.subs(ON_EX31))
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(contact_point(x, y, f_, fx, fy))
+    r = sp.Matrix(contact_point.unchecked(x, y, f_, fx, fy))
     gap = None
     for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
@@ -1542,7 +1542,7 @@ def _exact_eq13(graph, a, b):
 
 def test_example31_cyclide():
     """An identity, and curvature lines that are circles: both principal directions solve (26)."""
-    X, Y, Z = contact_point(x, y, EX31, EX31.diff(x), EX31.diff(y))
+    X, Y, Z = contact_point.unchecked(x, y, EX31, EX31.diff(x), EX31.diff(y))
     assert zero(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2))
     quadratic = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
     quadratic, cubic = (e.subs(ON_EX31) for e in (quadratic, EQ11 - 3 * quadratic))
