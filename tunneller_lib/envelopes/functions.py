@@ -27,12 +27,11 @@ _UNIT = 1e-6  # by how much the length of what is said to be a unit vector may b
 
 
 def Function(count):
-    """Return the annotation of a function that takes `count` arguments."""
+    """Return the annotation of a function that takes `count` arguments, numbers or jets."""
     wanted = "one argument" if count == 1 else f"{count} arguments"
 
     def check(name, value):
-        # A class is callable, too, but what it makes is no number.
-        if not callable(value) or isinstance(value, type) or not _takes(value, count):
+        if not callable(value) or not _takes(value, count):
             raise ValueError(f"{name}: must be a function of {wanted}; got {shown(value)}.")
         return value
 
@@ -40,11 +39,14 @@ def Function(count):
 
 
 def _takes(function, count):
+    # Classes make no numbers, and what is built into Python, as those of `math`, takes no jets.
+    if isinstance(function, type) or inspect.isbuiltin(function):
+        return False
     try:
         inspect.signature(function).bind(*[None] * count)
     except TypeError:
         return False
-    except ValueError:  # written in C, without a signature to ask
+    except ValueError:  # one of numpy's, without a signature to ask
         return True
     return True
 

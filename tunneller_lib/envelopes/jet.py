@@ -26,6 +26,7 @@ _PAIRS = sorted(
 )
 _TARGET, _LEFT, _RIGHT = np.array(_PAIRS).T
 _STARTS = np.searchsorted(_TARGET, np.arange(len(EXPONENTS)))
+_PLAIN = (float, int)
 
 
 class Jet(np.lib.mixins.NDArrayOperatorsMixin):
@@ -193,11 +194,12 @@ def _constant(value, like):
 
 
 def _both(a, b):
-    """Return two operands as jets, of which at least one is."""
-    return (
-        a if isinstance(a, Jet) else _constant(a, b),
-        b if isinstance(b, Jet) else _constant(b, a),
-    )
+    """Return two operands, of which at least one is a jet, as jets at points of as many axes."""
+    a = a if isinstance(a, Jet) else _constant(a, b)
+    b = b if isinstance(b, Jet) else _constant(b, a)
+    if a.c.ndim != b.c.ndim:
+        return Jet(_widened(a.c, b.c.ndim - 1)), Jet(_widened(b.c, a.c.ndim - 1))
+    return a, b
 
 
 def _widened(c, ndim):
@@ -209,25 +211,19 @@ def _widened(c, ndim):
     return c.reshape(c.shape[0], *[1] * missing, *c.shape[1:]) if missing > 0 else c
 
 
-def _coefficients(a, b):
-    """Return the coefficients of two jets, with as many axes."""
-    if a.c.ndim == b.c.ndim:
-        return a.c, b.c
-    return _widened(a.c, b.c.ndim - 1), _widened(b.c, a.c.ndim - 1)
-
-
 def _add(a, b):
-    first, second = _coefficients(*_both(a, b))
-    return Jet(first + second)
+    a, b = _both(a, b)
+    return Jet(a.c + b.c)
 
 
 def _multiply(a, b):
     if not isinstance(b, Jet):
-        return Jet(_widened(a.c, np.ndim(b)) * b)
+        return Jet(a.c * b) if type(b) in _PLAIN else Jet(_widened(a.c, np.ndim(b)) * b)
     if not isinstance(a, Jet):
-        return Jet(a * _widened(b.c, np.ndim(a)))
-    first, second = _coefficients(a, b)
-    return Jet(np.add.reduceat(first[_LEFT] * second[_RIGHT], _STARTS, axis=0))
+        return Jet(a * b.c) if type(a) in _PLAIN else Jet(a * _widened(b.c, np.ndim(a)))
+    if a.c.ndim != b.c.ndim:
+        a, b = _both(a, b)
+    return Jet(np.add.reduceat(a.c[_LEFT] * b.c[_RIGHT], _STARTS, axis=0))
 
 
 def _divide(a, b):
