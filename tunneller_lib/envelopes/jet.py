@@ -188,7 +188,11 @@ def inverse(x, y):
 
 
 def _constant(value, like):
-    c = np.zeros((len(EXPONENTS), *np.broadcast_shapes(np.shape(value), like.c.shape[1:])))
+    points = like.c.shape[1:]
+    # Most are numbers, or arrays with one at each point: they spare the longer question.
+    if type(value) not in _PLAIN and getattr(value, "shape", None) != points:
+        points = np.broadcast_shapes(np.shape(value), points)
+    c = np.zeros((len(EXPONENTS), *points))
     c[0] = value
     return Jet(c)
 
