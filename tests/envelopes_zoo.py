@@ -6,17 +6,8 @@ All are functions of two variables in ordinary arithmetic, as `recognise` takes 
 import numpy as np
 
 from tunneller_lib.envelopes import families
-from tunneller_lib.envelopes.families import (
-    add,
-    channel,
-    cross,
-    cubic,
-    helicoid,
-    helix,
-    saddle,
-    times,
-    turning,
-)  # fmt: skip
+from tunneller_lib.envelopes.coordinates import add, cross_product, times
+from tunneller_lib.envelopes.families import channel, cubic, helicoid, helix, saddle, turning
 
 
 def parabola(s):
@@ -73,7 +64,7 @@ def _conoid(s):
 
 def _binormals(s):
     c, v, a = cubic(s)
-    return c, v, cross(v, a), cross(v, [0 * s, 0 * s, 1 + 0 * s])
+    return c, v, cross_product(v, a), cross_product(v, [0 * s, 0 * s, 1 + 0 * s])
 
 
 def _strip(s):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tunneller_lib.envelopes.conics import top_circle
-from tunneller_lib.envelopes.developable import derivatives, osculating_cone, tangent_planes
+from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import cubic, helix
 from tunneller_lib.envelopes.isotropic import plane_to_point
 
@@ -22,7 +22,7 @@ def gap(curve, s, step):
 def test_derivatives_are_those_of_the_curve():
     s = np.linspace(-1, 2, 7)
     known = [*cubic(s, bend=0.8), [0, 0, 1]]  # the third derivative of s^3/6
-    for got, expected in zip(derivatives(CURVES["cubic"], s), known, strict=True):
+    for got, expected in zip(curve_derivatives(CURVES["cubic"], s), known, strict=True):
         np.testing.assert_allclose(got, np.stack([c + 0 * s for c in expected], -1), atol=1e-15)
 
 
@@ -67,7 +67,7 @@ def test_planes_leave_the_vertex_at_third_order(name, s, scale):
 
     vertex, *_ = osculating_cone(curve, s)
     n, h = tangent_planes(curve, s + 1e-3)
-    _, v, a, third = derivatives(curve, s)
+    _, v, a, third = curve_derivatives(curve, s)
     volume = np.dot(np.cross(v, a), third) / np.linalg.norm(np.cross(v, a))
     assert (n @ vertex + h) / scale == pytest.approx(-volume / scale * 1e-9 / 6, rel=0.01)
 
@@ -79,7 +79,7 @@ def test_osculating_cone_of_a_helix_holds_all_its_normals():
 def test_osculating_cone_holds_the_tangent_and_has_its_plane():
     s = np.linspace(-0.5, 1.5, 9)
     vertex, axis, angle = osculating_cone(CURVES["cubic"], s)
-    point, velocity, *_ = derivatives(CURVES["cubic"], s)
+    point, velocity, *_ = curve_derivatives(CURVES["cubic"], s)
     tangent = velocity / np.linalg.norm(velocity, axis=-1, keepdims=True)
     np.testing.assert_allclose(np.sum(axis * tangent, axis=-1), np.cos(angle), atol=1e-14)
     n, h = tangent_planes(CURVES["cubic"], s)

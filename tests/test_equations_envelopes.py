@@ -16,12 +16,12 @@ from scipy.optimize import brentq, minimize
 from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RULED, pipe, ruled
 from tests.shapes import directions
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, model_jet, tangent_graph
 from tunneller_lib.envelopes.blade import BladeRing, cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.developable import osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.fit import fit_planes, mean_frame, tilted
-from tunneller_lib.envelopes.frame import frames, isotropic_jet, model_jet, tangent_graph
 from tunneller_lib.envelopes.hyperosculate import order_four
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
@@ -33,7 +33,7 @@ from tunneller_lib.envelopes.isotropic import (
     sphere_point,
     surface_points,
 )  # fmt: skip
-from tunneller_lib.envelopes.jet import Jet, variables
+from tunneller_lib.envelopes.jet import Jet, differentiated, jet_variables
 
 x, y, u, v, t, g, tan = sp.symbols("x y u v t g tan", real=True)
 f = sp.Function("f")(x, y)
@@ -168,7 +168,7 @@ def test_osculation_penetrates():
     # Cones of 30 degrees, as sets of planes: points of the surface of Example 31 over the cone's
     # circle are within the cone on one side of the contact, outside on the other.
     here = 0.5, 0.3
-    jet = example(*variables(*here))
+    jet = example(*jet_variables(*here))
     steps = np.array([2e-4, -2e-4, 4e-4])
     for turn in np.linspace(0.1, 6.1, 13):
         way = np.array([np.cos(turn), np.sin(turn)])
@@ -177,11 +177,11 @@ def test_osculation_penetrates():
         assert abs(at(EQ9.subs(tan, np.tan(ANGLE)), jet, **names)) < 1e-9
         assert abs(at(EQ11, jet, **names)) > 1e-3  # of no higher order
         contact = np.array([*here, jet.value])
-        _, a, b = osculating_conic(centre, example(*variables(*here)))
+        _, a, b = osculating_conic(centre, example(*jet_variables(*here)))
         n, _ = point_to_plane(conic(contact, centre, a, b, np.array([0.0, 2.0, 4.0])))
         axis = np.linalg.solve(n, np.full(3, np.sin(ANGLE)))
         px, py, _ = conic(contact, centre, a, b, steps / np.hypot(*centre)).T
-        near = example(*variables(px, py))
+        near = example(*jet_variables(px, py))
         r = contact_point(px, py, near.value, near.derivative(1, 0), near.derivative(0, 1))
         out = np.stack(r, axis=-1) - cone_vertex(contact, centre, a, b)
         deep = (out @ axis) ** 2 - np.cos(ANGLE) ** 2 * np.sum(out**2, axis=-1)
@@ -193,7 +193,7 @@ def test_cylinders_mill_what_has_a_ruled_offset():
     s, t = GRID
     for name, lines in RULED.items():
         r = np.stack(np.broadcast_arrays(*ruled(name, 0.1)(s, t)), axis=-1)
-        found = frames(ruled(name, 0.1), s, t, "space")
+        found = adapted_frames(ruled(name, 0.1), s, t, "space")
         point, _, along, _ = (np.stack(np.broadcast_arrays(*c), axis=-1) for c in lines(s))
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)
         out = r - point
@@ -306,7 +306,7 @@ def test_theorem2_developable_surfaces():
         assert recognise(surface, *GRID, "developable", model="space").residual > 1e-3
     # The tangent plane stays along a ruling.
     s, w = np.full(7, 0.4), np.linspace(0.1, 0.7, 7)
-    normals = frames(DEVELOPABLE["tangents of the cubic"], s, w, "space").axes[:, 2]
+    normals = adapted_frames(DEVELOPABLE["tangents of the cubic"], s, w, "space").axes[:, 2]
     assert np.abs(normals - normals[0]).max() < 1e-12
 
 
@@ -342,7 +342,7 @@ def test_remark3_at_each_point_of_example1():
     # So it does on the developable surfaces at hand, wherever they are looked at.
     s, here = np.linspace(0.2, 0.9, 8), np.full(8, 0.3)
     for name, surface in DEVELOPABLE.items():
-        one, other = (frames(surface, s, w, "space").axes[:, 2] for w in (here, 2 * here))
+        one, other = (adapted_frames(surface, s, w, "space").axes[:, 2] for w in (here, 2 * here))
         assert np.abs(np.sum(one * other, axis=-1)).min() > 1 - 1e-12, name
 
 
@@ -405,7 +405,7 @@ def test_eq04_resultant():
     third = sp.Symbol("lambda")
     graded = sp.Poly(EQ4_PRINTED.subs({s: third * s for s in (_k, _l, _m, _n)}), third)
     assert len(graded.monoms()) > 1
-    jet = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*variables(0.3, 0.4))
+    jet = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*jet_variables(0.3, 0.4))
     assert abs(at(EQ4, jet)) < 1e-10 < 1e-3 < abs(at(EQ4_PRINTED, jet))
     # A second way, whole numbers: over two lines (p, q), (r, s) it's the cubic at the one times
     # the cubic at the other.
@@ -435,7 +435,7 @@ def test_discriminant_of_the_asymptotic_directions():
 def test_theorem4_ruled_surfaces():
     for name in RULED:
         assert recognise(ruled(name), *GRID, "ruled", model="space").residual < 1e-10
-        found = frames(ruled(name), *GRID, "space")
+        found = adapted_frames(ruled(name), *GRID, "space")
         graph = tangent_graph(found, found.smooth)
         for k in range(0, 20, 5):
             jet = Jet(graph.c[:, k : k + 1])
@@ -444,7 +444,7 @@ def test_theorem4_ruled_surfaces():
     for surface in GENERAL.values():
         assert recognise(surface, *GRID, "ruled", model="space").residual > 1e-3
     # K <= 0 is needed: x^2 + y^2 divides both forms here, and no real line does.
-    jet = (lambda a, b: (a * a + b * b) * (0.5 + a))(*variables(0.0, 0.0))
+    jet = (lambda a, b: (a * a + b * b) * (0.5 + a))(*jet_variables(0.0, 0.0))
     assert at(EQ4, jet) == 0 and at(_a * _c - _b**2, jet) > 0
 
 
@@ -474,7 +474,7 @@ def test_eq05_envelope_of_moving_planes():
     """The library's moving cone is Eq. 5: its point lies on the cone and is touched there."""
     for name, motion in MOTIONS.items():
         surface = moving_cone(motion, ANGLE)
-        found = frames(surface, *GRID, "space")
+        found = adapted_frames(surface, *GRID, "space")
         vertex, _, axes, _ = motion(GRID[1])
         sine, cosine = np.sin(ANGLE), np.cos(ANGLE)
         a, b, c = (np.stack([w + 0 * GRID[0] for w in axis], -1) for axis in axes)
@@ -483,7 +483,7 @@ def test_eq05_envelope_of_moving_planes():
         assert np.abs(((found.contact - m) * n).sum(-1)).max() < 1e-10, name
         assert np.abs(np.abs((found.axes[:, 2] * n).sum(-1)) - 1).max() < 1e-10, name
         # The three planes themselves: T and its derivatives hold the point.
-        turn, time = variables(*GRID)
+        turn, time = jet_variables(*GRID)
         vertex, _, (a, b, c), _ = motion(time)
         plane = [sine * i + cosine * (np.cos(turn) * j + np.sin(turn) * k)
                  for i, j, k in zip(a, b, c, strict=True)]  # fmt: skip
@@ -537,7 +537,7 @@ def test_prop6_cones_to_special_conics():
 def test_prop7_tangent_cones_are_conics_in_the_surface():
     surface = moving_cone(MOTIONS["screw"], ANGLE)
     s, w = np.linspace(0.2, 0.7, 9), np.full(9, 0.3)
-    found = frames(surface, s, w, "space")
+    found = adapted_frames(surface, s, w, "space")
     n = found.axes[:, 2]
     points = plane_to_point(n, -(n * found.contact).sum(-1))
     flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
@@ -642,7 +642,7 @@ def test_sphere_and_cone_touch_to_first_order_only():
 
 def test_osculating_cones_touch_mannheims_sphere():
     """For one ruling the osculating cones of all angles have a common inscribed sphere."""
-    found = frames(GENERAL["quartic graph"], np.array([0.3]), np.array([0.2]), "space")
+    found = adapted_frames(GENERAL["quartic graph"], np.array([0.3]), np.array([0.2]), "space")
     jet = isotropic_jet(found, slice(None))
     first, second, n = found.axes[0]
     a = 0.7
@@ -662,8 +662,8 @@ def test_osculating_cones_touch_mannheims_sphere():
 def test_appropriate_direction_is_not_conjugate_to_the_ruling():
     """The characteristic's tangent is conjugate to the cone's ruling."""
     surface = moving_cone(MOTIONS["wave"], ANGLE)
-    r = surface(*variables(*GRID))
-    found = frames(surface, *GRID, "space")
+    r = surface(*jet_variables(*GRID))
+    found = adapted_frames(surface, *GRID, "space")
     along = np.stack([c.derivative(1, 0) for c in r], axis=-1)
     vertex = np.stack([c + 0 * GRID[0] for c in MOTIONS["wave"](GRID[1])[0]], axis=-1)
     ruling = found.contact - vertex
@@ -680,7 +680,7 @@ def test_third_order_contact_is_not_always_free():
     cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
     near = np.linspace(-0.04, 0.04, 121)
     a, b = np.meshgrid(0.5 + near, 0.3 + near)
-    jet = example(*variables(a, b))
+    jet = example(*jet_variables(a, b))
     r = np.stack(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
     depths = [
         cone_distance(r, cones.vertex[k], cones.axis[k], ANGLE, cones.distance[k] / 2,
@@ -739,7 +739,7 @@ def _within_the_cone(graph, place, centre, around=None):
            for (i, j), s in NAMES.items()}  # fmt: skip
     a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
     assert nine == eleven == 0
-    contact = sp.Matrix(contact_point(x, y, graph, graph.diff(x), graph.diff(y)))
+    contact = sp.Matrix(contact_point.unchecked(x, y, graph, graph.diff(x), graph.diff(y)))
     vertex = sp.Matrix(_vertex(jet[F("")], a, b)).subs(here)
     n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
     opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
@@ -825,8 +825,8 @@ def test_eq10_second_order():
     a, b = EQ10
     assert zero(plain(on_circle(f, 1)) - a)
     assert zero(plain(on_circle(f, 2)) - b)
-    z, found_a, found_b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
-    jet = example(*variables(0.5, 0.3))
+    z, found_a, found_b = osculating_conic((0.4, 0.2), example(*jet_variables(0.5, 0.3)))
+    jet = example(*jet_variables(0.5, 0.3))
     assert np.isclose(found_a, at(a, jet, u=0.4, v=0.2)) and z == jet.value
     assert np.isclose(found_b, at(b, jet, u=0.4, v=0.2))
 
@@ -879,7 +879,7 @@ def test_prop11_contact_orders():
         points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
         here = plane_to_point(cones.normal[k], -cones.normal[k] @ cones.contact[k])
         centre = circle_centre(points) - here[:2]
-        jet = example(*variables(0.5, 0.3))
+        jet = example(*jet_variables(0.5, 0.3))
         _, a, b = osculating_conic(centre, jet)
         gaps = []
         for step in np.array([2e-3, 4e-3]) / np.hypot(*centre):
@@ -904,7 +904,7 @@ def test_corollary12_common_solution():
         surface = moving_cone(MOTIONS[name], ANGLE)
         px, py, jet = general_jet(surface, 0.4, 0.3)
         vertex, _, axes, _ = MOTIONS[name](0.3)
-        found = frames(surface, np.array([0.4]), np.array([0.3]), "space")
+        found = adapted_frames(surface, np.array([0.4]), np.array([0.3]), "space")
         n = found.axes[0, 2]
         sign = np.sign(n @ np.array(axes[0], dtype=float))
         points = cone_points(np.array(vertex, dtype=float), sign * np.array(axes[0], float), ANGLE)
@@ -929,7 +929,7 @@ def _eq13(px, py, jet, angle):
 
 def test_eq13_loses_a_root_at_infinity():
     px, py = 0.5, 0.3
-    jet = example(*variables(px, py))
+    jet = example(*jet_variables(px, py))
     coefficients = _eq13(px, py, jet, ANGLE)
     leading = (p * F("xxx") + 6 * F("xy") * (tan - y)).subs(values(jet))
     assert np.isclose(coefficients[0], float(leading.subs({x: px, y: py, tan: np.tan(ANGLE)})))
@@ -948,7 +948,7 @@ def test_eq13_loses_a_root_at_infinity():
     def graph(a, b):
         return a * a / 2 - b * b + a * b * b + 0.1 * b**3
 
-    jet = graph(*variables(0.5, 0.0))
+    jet = graph(*jet_variables(0.5, 0.0))
     coefficients = _eq13(0.5, 0.0, jet, ANGLE)
     assert len(coefficients) < 7
     roots = np.roots(coefficients)
@@ -1116,7 +1116,7 @@ def test_prop17_positive_curvature():
 
 def test_eq17_to_eq20_prop18_surface_and_graph():
     a, b = 0.5, 0.3
-    jet = example(*variables(a, b))
+    jet = example(*jet_variables(a, b))
     r = np.array(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)))
     fx, fy, value = jet.derivative(1, 0), jet.derivative(0, 1), jet.value
     square = a**2 + b**2 + 1
@@ -1132,9 +1132,9 @@ def test_eq17_to_eq20_prop18_surface_and_graph():
     printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
     assert np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
     # The surface has these normals: derivatives of its points are across them.
-    s, w = variables(a, b)
+    s, w = jet_variables(a, b)
     f4 = example(s, w)
-    moving = contact_point(s, w, f4, f4.d(0), f4.d(1))
+    moving = contact_point(s, w, f4, differentiated(f4, 0), differentiated(f4, 1))
     for order in ((1, 0), (0, 1)):
         step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b), strict=True))
         assert abs(step) < 1e-12
@@ -1183,7 +1183,7 @@ def _offset_conic(radius=-0.1):
     """Return the model's point, f's jet and (u, v) of a cylinder on an offset ruled surface."""
     surface = ruled("saddle", 0.1)
     px, py, jet = general_jet(surface, 0.4, 0.3)
-    n = frames(surface, np.array([0.4]), np.array([0.3]), "space").axes[0, 2]
+    n = adapted_frames(surface, np.array([0.4]), np.array([0.3]), "space").axes[0, 2]
     c, _, ruling, _ = (np.array(part, dtype=float) for part in RULED["saddle"](0.4))
     across = np.cross(ruling, n) / np.linalg.norm(ruling)
     turns = np.array([0.0, 0.5, 1.3])[:, None]
@@ -1249,7 +1249,7 @@ def _channel_conic(growth):
     surface = pipe(CURVES["cubic"], 0.3, growth)
     s = 0.4
     px, py, jet = general_jet(surface, s, 0.5)
-    found = frames(surface, np.full(9, s), 0.5 + 0.3 * np.arange(9), "space")
+    found = adapted_frames(surface, np.full(9, s), 0.5 + 0.3 * np.arange(9), "space")
     n = found.axes[:, 2]
     points = plane_to_point(n, -(n * found.contact).sum(-1))
     return px, py, jet, circle_centre(points) - (px, py), points, found
@@ -1305,7 +1305,7 @@ def test_pipes_are_no_offsets_but_envelopes_of_cylinders():
     """The offset of a pipe by its radius is a curve; cylinders about its tangents touch circles."""
     surface, radius = pipe(CURVES["cubic"], 0.3), 0.3
     s, w = np.full(9, 0.4), np.linspace(0, 6, 9)
-    found = frames(surface, s, w, "space")
+    found = adapted_frames(surface, s, w, "space")
     centre, velocity, _ = (np.array(part, dtype=float) for part in CURVES["cubic"](0.4))
     n = found.axes[:, 2] * np.sign((centre - found.contact[0]) @ found.axes[0, 2])
     assert np.abs(found.contact + radius * n - centre).max() < 1e-14  # one point a circle
@@ -1331,7 +1331,7 @@ def test_cylinder_along_tangents_envelops_offsets_and_a_pipe():
 def test_contour_from_the_vertex_has_the_osculating_cones_circle():
     """Rulings from an osculating cone's vertex to the contour leave that cone at third order."""
     surface, angle, a = GENERAL["quartic graph"], 0.5, 0.7
-    found = frames(surface, np.array([0.3]), np.array([0.2]), "space")
+    found = adapted_frames(surface, np.array([0.3]), np.array([0.2]), "space")
     first, second, n = found.axes[0]
     fee = order_four(isotropic_jet(found, slice(None)), np.array([[a]]), 1.0)[0][0, 0]
     w = np.cos(a) * second - np.sin(a) * first
@@ -1339,7 +1339,7 @@ def test_contour_from_the_vertex_has_the_osculating_cones_circle():
     axis = np.sign(fee) * (np.cos(angle) * w + np.sin(angle) * n)
 
     def plane(s, t):
-        there = frames(surface, np.array([s]), np.array([t]), "space")
+        there = adapted_frames(surface, np.array([s]), np.array([t]), "space")
         return there.axes[0, 2] @ (there.contact[0] - vertex)
 
     gaps = []
@@ -1357,7 +1357,7 @@ def test_problem30_converses():
     each point (Theorem 4 makes it ruled); the two conditions are the same function of the jet.
     """
     for name in RULED:
-        surface = frames(ruled(name, 0.1), *GRID, "space")
+        surface = adapted_frames(ruled(name, 0.1), *GRID, "space")
         found = recognise(ruled(name, 0.1), *GRID, "cylinder", model="space")
         contact, n = surface.contact, surface.axes[:, 2]
         back = contact + found.radius * n  # the offset: points of the rulings
@@ -1378,7 +1378,7 @@ def test_problem30_converses():
         return surface
 
     s, t0 = np.array([0.3]), np.array([0.2])
-    found = frames(graph, s, t0, "space")
+    found = adapted_frames(graph, s, t0, "space")
     f_, (first, second, n) = isotropic_jet(found, slice(None)), found.axes[0]
     upwards = np.sign(n[2])
 
@@ -1390,7 +1390,7 @@ def test_problem30_converses():
     for turn, share, holds in ((0.0, 1.0, True), (0.3, 1.0, False), (0.0, 0.9, False)):
         e = np.cos(a + turn), np.sin(a + turn)
         ruling = e[0] * second - e[1] * first
-        there = frames(offset(upwards * share * along(f_, 2, e) / 2), s, t0, "space")
+        there = adapted_frames(offset(upwards * share * along(f_, 2, e) / 2), s, t0, "space")
         w = there.axes[0, :2] @ ruling
         contact = [along(tangent_graph(there, there.smooth), order, w) for order in (2, 3)]
         assert bool(np.max(np.abs(contact)) < 1e-9) is holds
@@ -1454,7 +1454,7 @@ def test_example31_four_principal_positions():
     eleven = sp.factor(EQ11.subs(ON_EX31))
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(contact_point(x, y, f_, fx, fy))
+    r = sp.Matrix(contact_point.unchecked(x, y, f_, fx, fy))
     gap = None
     for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
@@ -1472,9 +1472,9 @@ def test_example31_four_principal_positions():
         assert _is_minus_a_square(gap, (square + shift * t) ** 2)
     # Principal directions: along the rulings the normal changes in their own direction.
     cones = hyperosculating_cones(example, 0.9, 0.6, half_angle=ANGLE)
-    X, Y = variables(0.9, 0.6)
+    X, Y = jet_variables(0.9, 0.6)
     f4 = example(X, Y)
-    moving = contact_point(X, Y, f4, f4.d(0), f4.d(1))
+    moving = contact_point(X, Y, f4, differentiated(f4, 0), differentiated(f4, 1))
     rates = [np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in part], float)
              for part in (moving, normal(X, Y))]  # fmt: skip
     for k in np.flatnonzero(cones.gouges):
@@ -1542,7 +1542,7 @@ def _exact_eq13(graph, a, b):
 
 def test_example31_cyclide():
     """An identity, and curvature lines that are circles: both principal directions solve (26)."""
-    X, Y, Z = contact_point(x, y, EX31, EX31.diff(x), EX31.diff(y))
+    X, Y, Z = contact_point.unchecked(x, y, EX31, EX31.diff(x), EX31.diff(y))
     assert zero(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2))
     quadratic = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
     quadratic, cubic = (e.subs(ON_EX31) for e in (quadratic, EQ11 - 3 * quadratic))
@@ -1602,7 +1602,7 @@ def test_example33_blades():
     assert {-1, 1} <= set(cones.side[~cones.gouges])
     lengths = [cones.distance[cones.index == i] for i in range(9)]
     assert all(np.ptp(each) > 1e-3 for each in lengths)  # "the tool size varies"
-    found = frames(ring.coordinates, s, w, "space")
+    found = adapted_frames(ring.coordinates, s, w, "space")
     jet = isotropic_jet(found, slice(None))
     hessian = jet.derivative(2, 0) * jet.derivative(0, 2) - jet.derivative(1, 1) ** 2
     assert np.all(hessian < 0)  # hyperbolic
@@ -1628,8 +1628,8 @@ def test_fig1_characteristic_of_degree_four():
 
 def test_fig2_tangent_planes_turn_along_a_skew_ruling():
     s, w = np.full(5, 0.4), np.linspace(0.1, 0.5, 5)
-    turned = frames(ruled("saddle"), s, w, "space").axes[:, 2]
-    fixed = frames(DEVELOPABLE["tangents of the helix"], s, w, "space").axes[:, 2]
+    turned = adapted_frames(ruled("saddle"), s, w, "space").axes[:, 2]
+    fixed = adapted_frames(DEVELOPABLE["tangents of the helix"], s, w, "space").axes[:, 2]
     assert np.abs(turned - turned[0]).max() > 0.1 and np.abs(fixed - fixed[0]).max() < 1e-12
 
 
@@ -1724,14 +1724,14 @@ def test_fig6_common_plane():
 def test_fig7_contact_curve_crosses_the_circles():
     """Along the motion the planes leave the cone's circle, where the envelope is regular."""
     surface = moving_cone(MOTIONS["screw"], ANGLE)
-    n = frames(surface, *GRID, "space").n
+    n = adapted_frames(surface, *GRID, "space").n
     across = n[0].derivative(1, 0) * n[1].derivative(0, 1)
     across = across - n[0].derivative(0, 1) * n[1].derivative(1, 0)
     assert np.abs(across).min() > 1e-3
 
 
 def test_fig8_circle_through_the_point():
-    z, a, b = osculating_conic((0.4, 0.2), example(*variables(0.5, 0.3)))
+    z, a, b = osculating_conic((0.4, 0.2), example(*jet_variables(0.5, 0.3)))
     points = conic((0.5, 0.3, z), (0.4, 0.2), a, b, np.linspace(0, 6, 7))
     assert np.allclose(points[0], (0.5, 0.3, z))
     assert np.allclose(np.linalg.norm(points[:, :2] - (0.9, 0.5), axis=1), np.hypot(0.4, 0.2))

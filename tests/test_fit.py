@@ -7,7 +7,7 @@ from tests.shapes import directions
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.fit import fit_planes, mean_frame, tilted
 from tunneller_lib.envelopes.isotropic import normal, surface_points
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 
 RNG = np.random.default_rng(32)
 
@@ -30,7 +30,7 @@ def test_fit_planes_returns_a_polynomial(scale):
     x, y = RNG.uniform(-0.3, 0.3, (2, 20))
     np.testing.assert_allclose(f(x, y) / scale, graph(x, y), atol=1e-12)
     np.testing.assert_allclose(planes[:, 2] / scale, graph(*planes[:, :2].T), atol=1e-12)
-    found, expected = (g(*variables(0.1, 0.2)) for g in (f, graph))
+    found, expected = (g(*jet_variables(0.1, 0.2)) for g in (f, graph))
     np.testing.assert_allclose(found.c / scale, expected.c, atol=1e-9)
 
 
@@ -49,7 +49,7 @@ def test_fit_planes_wants_enough_planes():
 
 @pytest.mark.parametrize("degree", [0, 2.5, -1])
 def test_fit_planes_wants_a_degree(degree):
-    with pytest.raises(ValueError, match=r"^degree: must hold whole numbers from 1 to 20; got .*"):
+    with pytest.raises(ValueError, match=r"^degree: must be one whole number from 1 to 20; got .*"):
         fit_planes(*patch(graph, 30), scale=0.3, degree=degree)
 
 

@@ -9,11 +9,11 @@ from mpmath import mp
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.circle_roots import real_zeros
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import cyclide, moving_cone
-from tunneller_lib.envelopes.forms import circle_roots
 from tunneller_lib.envelopes.isotropic import contact_point, surface_points
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 
 ANGLE = np.radians(30)
 GRAPHS = {
@@ -92,7 +92,7 @@ def test_no_cone_is_missed(name):
     rng = np.random.default_rng(4)
     x, y = rng.uniform(0.2, 1.5, (2, 500))
     cones = hyperosculating_cones(GRAPHS[name], x, y, half_angle=ANGLE)
-    f = GRAPHS[name](*variables(x, y))
+    f = GRAPHS[name](*jet_variables(x, y))
     b = np.linspace(0, 2 * np.pi, 20_001)[:-1, None]
     u, v = np.cos(b), np.sin(b)
     cubic = (f.derivative(3, 0) * v**3 - 3 * f.derivative(2, 1) * v**2 * u
@@ -313,7 +313,7 @@ def test_no_cone_of_a_wrong_angle(angle):
     (np.nan, 0.0, r"^s: must hold finite numbers; got nan\.$"),
     (0.0, [1.0, np.inf], r"^t: must hold finite numbers; got inf\.$"),
     ("a", 0.0, r"^s: must hold real numbers"),
-    ([1, 2], [1, 2, 3], r"^t: must go with the shape \(2,\) of s; got \(3,\)\.$"),
+    ([1, 2], [1, 2, 3], r"^s, t: their leading axes must broadcast; got \(2,\), \(3,\)\.$"),
 ])  # fmt: skip
 def test_points_must_be_finite(s, t, message):
     with pytest.raises(ValueError, match=message):
@@ -336,7 +336,7 @@ def test_surface_must_fit_the_model(surface, model, message):
 
 
 @given(st.lists(st.floats(-3.1, 3.1), min_size=6, max_size=6), st.floats(0.1, 10))
-def test_circle_roots_finds_given_zeros(zeros, size):
+def test_real_zeros_finds_given_zeros(zeros, size):
     """A product of sines of half-angle differences is a trigonometric cubic with these zeros."""
     zeros = np.sort(zeros)
     if np.min(np.append(np.diff(zeros), 2 * np.pi - np.ptp(zeros))) < 0.05:
@@ -345,7 +345,7 @@ def test_circle_roots_finds_given_zeros(zeros, size):
     def product(a):
         return size * np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
 
-    angle, multiplicity = circle_roots(product, 3, unit=np.array([size]))
+    angle, multiplicity = real_zeros(product, 3, unit=np.array([size]))
     np.testing.assert_allclose(angle[0], zeros, atol=1e-8)
     assert multiplicity.sum() == 6
 
@@ -355,17 +355,17 @@ def test_circle_roots_finds_given_zeros(zeros, size):
     ([3.14159265, -3.14159265, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
     ([0.5, 0.5, 0.5, 2, -2, -1], [1, 1, 3, 1]),
 ])  # fmt: skip
-def test_circle_roots_counts_multiple_zeros(zeros, expected):
+def test_real_zeros_counts_multiple_zeros(zeros, expected):
     def product(a):
         return np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
 
-    _, multiplicity = circle_roots(product, 3, unit=np.ones(1))
+    _, multiplicity = real_zeros(product, 3, unit=np.ones(1))
     assert sorted(multiplicity[multiplicity > 0]) == sorted(expected)
 
 
-def test_circle_roots_of_lower_degree_and_of_nothing():
-    angle, _ = circle_roots(lambda a: np.sin(2 * a), 3, unit=np.ones(1))
+def test_real_zeros_of_lower_degree_and_of_nothing():
+    angle, _ = real_zeros(lambda a: np.sin(2 * a), 3, unit=np.ones(1))
     np.testing.assert_allclose(np.sort(np.abs(angle[0, :4])), [0, np.pi / 2, np.pi / 2, np.pi],
                                atol=1e-12)  # fmt: skip
-    angle, multiplicity = circle_roots(lambda a: 0 * a, 3, unit=np.ones(1))
+    angle, multiplicity = real_zeros(lambda a: 0 * a, 3, unit=np.ones(1))
     assert np.isnan(angle).all() and not multiplicity.any()

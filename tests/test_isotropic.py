@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from tests.envelopes_zoo import GENERAL, GRID
 from tests.shapes import directions
-from tunneller_lib.envelopes.blade import BladeRing, clearance, cone_distance
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
+from tunneller_lib.envelopes.blade import BladeRing, blade_distances, cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
-from tunneller_lib.envelopes.frame import frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
@@ -22,7 +22,7 @@ from tunneller_lib.envelopes.isotropic import (
     sphere_point,
     surface_points,
 )  # fmt: skip
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 
 RNG = np.random.default_rng(5)
 
@@ -46,10 +46,17 @@ def test_plane_to_point_takes_normals_of_any_length():
     np.testing.assert_allclose(plane_to_point(7 * n, 7.0), plane_to_point(n, 1.0), rtol=1e-13)
 
 
-@pytest.mark.parametrize("n", [(0, 0, -1), (0, 0, -5.0), (0, 0, 0), [(0, 0, 1), (0, 0, -1)]])
+@pytest.mark.parametrize(
+    "n", [(0, 0, -1), (0, 0, -5.0), [(0, 0, 1), (0, 0, -1)], (1e-99, 0, -9e99)]
+)
 def test_a_plane_without_point_is_refused(n):
-    with pytest.raises(ValueError, match=r"^n: a normal must not be zero nor have the direction"):
+    with pytest.raises(ValueError, match=r"^n: a normal must not have the direction \(0, 0, -1\)"):
         plane_to_point(n, 1.0)
+
+
+def test_a_plane_without_normal_is_refused():
+    with pytest.raises(ValueError, match=r"^n: must not be zero; got \(0, 0, 0\)\.$"):
+        plane_to_point((0, 0, 0), 1.0)
 
 
 def test_arguments_are_not_written_to_and_broadcast():
@@ -161,7 +168,7 @@ def test_osculating_conic_leaves_the_graph_at_third_order():
         return np.sin(x) * np.cos(2 * y) + x * y
 
     x, y, centre = 0.3, 0.5, (0.4, -0.7)
-    z, a, b = osculating_conic(centre, f(*variables(x, y)))
+    z, a, b = osculating_conic(centre, f(*jet_variables(x, y)))
     gaps = []
     for t in (1e-2, 2e-2):
         px, py, pz = conic((x, y, z), centre, a, b, t)
@@ -171,7 +178,7 @@ def test_osculating_conic_leaves_the_graph_at_third_order():
 
 @pytest.mark.parametrize("name", GENERAL)
 def test_adapted_frame_has_the_principal_radii(name):
-    found = frames(GENERAL[name], *GRID, "space")
+    found = adapted_frames(GENERAL[name], *GRID, "space")
     f = isotropic_jet(found, slice(None))
     g = tangent_graph(found, slice(None))
     hessian, bend = ([[j.derivative(2, 0), j.derivative(1, 1)],
@@ -192,8 +199,8 @@ def test_both_models_give_the_same_jet(shift):
         fx, fy = -2 * x * y * y / square + shift, 2 * x * x * y / square
         return contact_point(x, y, f(x, y), fx, fy)
 
-    one = frames(f, *GRID, "isotropic")
-    two = frames(space, *GRID, "space")
+    one = adapted_frames(f, *GRID, "isotropic")
+    two = adapted_frames(space, *GRID, "space")
     np.testing.assert_allclose(one.contact, two.contact, atol=1e-12)
     # r_s x r_t may point the other way: R changes its sign, the frame is another.
     j, k = (isotropic_jet(found, slice(None)) for found in (one, two))
@@ -236,7 +243,7 @@ def test_no_ring_of_wrong_sizes(change):
         BladeRing(**(sizes | change))
 
 
-def test_clearance_is_from_the_first_blade_and_both_neighbours():
+def test_blade_distances_are_from_the_first_blade_and_both_neighbours():
     ring = BladeRing(60, 30, 50, -0.7, 1.2, -6, -6, 6)
     x, y, _ = ring.coordinates(0.5, 0.5)
     out = np.array([x, y, 0.0]) / np.hypot(x, y)
@@ -244,13 +251,13 @@ def test_clearance_is_from_the_first_blade_and_both_neighbours():
     # A tool in the middle of the gap to the next blade, then moved into that blade.
     turn = np.pi / 6
     middle = np.cos(turn) * out + np.sin(turn) * around
-    free = clearance(ring, 40 * middle, middle, 0.05, 30, 60)
+    free = blade_distances(ring, 40 * middle, middle, 0.05, 30, 60)
     assert np.all(free > 0)
     back = np.cos(2 * turn) * out + np.sin(2 * turn) * around
-    hit = clearance(ring, 40 * back, back, 0.05, 30, 60, n=241)
+    hit = blade_distances(ring, 40 * back, back, 0.05, 30, 60, n=241)
     assert hit[1] < 0 < min(hit[0], hit[2])
-    np.testing.assert_allclose(clearance(ring, 40 * middle, middle, 0.05, 30, 60, n=241), free,
-                               atol=0.1)  # fmt: skip
+    fine = blade_distances(ring, 40 * middle, middle, 0.05, 30, 60, n=241)
+    np.testing.assert_allclose(fine, free, atol=0.1)
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])
@@ -272,7 +279,11 @@ def test_cone_distance_is_that_to_sampled_walls(scale):
     np.testing.assert_array_equal(d < 0, inside)
 
 
-@pytest.mark.parametrize(("near", "far", "angle"), [(2, 1, 0.3), (-1, 1, 0.3), (0, 1, 1.6)])
-def test_no_distance_from_what_is_no_truncated_cone(near, far, angle):
-    with pytest.raises(ValueError, match=r"^near: must lie below far"):
+@pytest.mark.parametrize(("near", "far", "angle", "message"), [
+    (2, 1, 0.3, r"^near: must be below far; got 2 and 1\.$"),
+    (-1, 1, 0.3, r"^near: must be one finite number, not below zero; got -1\.$"),
+    (0, 1, 1.6, r"^half_angle: must lie between 0 and pi/2, both left out; got 1\.6\.$"),
+])  # fmt: skip
+def test_no_distance_from_what_is_no_truncated_cone(near, far, angle, message):
+    with pytest.raises(ValueError, match=message):
         cone_distance((0, 0, 0), (0, 0, 0), (0, 0, 1), angle, near, far)

@@ -6,7 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tunneller_lib.envelopes.jet import EXPONENTS, Jet, compose, inverse, variables
+from tunneller_lib.envelopes.jet import (
+    EXPONENTS,
+    Jet,
+    compose,
+    differentiated,
+    inverse,
+    jet_variables,
+)
 
 FUNCTIONS = {
     "rational": lambda m, x, y: y**2 / (x**2 + y**2),
@@ -49,7 +56,7 @@ def found(jet):
 def test_jet_has_the_derivatives_of_mpmath(name, point):
     function = FUNCTIONS[name]
     expected = exact(function, *point)
-    jet = function(Numpy(), *variables(*point))
+    jet = function(Numpy(), *jet_variables(*point))
     for degree in range(5):
         of_degree = [i for i, exponents in enumerate(EXPONENTS) if sum(exponents) == degree]
         bound = 1e-11 * np.abs(expected[of_degree]).max()
@@ -64,21 +71,21 @@ def test_jet_keeps_its_digits_at_any_scale(scale):
     x, y = 0.3 * scale, -0.8 * scale
     expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8)
     powers = np.array([scale ** (i + j) for i, j in EXPONENTS])
-    jet = function(Numpy(), *variables(x, y))
+    jet = function(Numpy(), *jet_variables(x, y))
     np.testing.assert_allclose(found(jet) * powers, expected, rtol=1e-12, atol=1e-13)
 
 
 def test_jet_of_many_points_is_that_of_each():
     x, y = np.random.default_rng(1).uniform(0.2, 1, (2, 7))
     for function in FUNCTIONS.values():
-        every = function(Numpy(), *variables(x, y)).c
+        every = function(Numpy(), *jet_variables(x, y)).c
         for k in range(7):
-            one = function(Numpy(), *variables(x[k], y[k])).c
+            one = function(Numpy(), *jet_variables(x[k], y[k])).c
             np.testing.assert_allclose(every[:, k], one, rtol=1e-13, atol=1e-15)
 
 
 def test_jet_takes_numbers_and_arrays_on_either_side():
-    x, _ = variables(np.array([1.0, 2.0]), 0.5)
+    x, _ = jet_variables(np.array([1.0, 2.0]), 0.5)
     step = np.array([3.0, 4.0])
     for a, b in [(x + step, step + x), (x * step, step * x), (2 - x, -(x - 2)), (+x, x)]:
         np.testing.assert_array_equal(a.c, b.c)
@@ -87,13 +94,13 @@ def test_jet_takes_numbers_and_arrays_on_either_side():
 
 
 def test_whole_powers_are_smooth_at_zero():
-    x, y = variables(0.0, 0.0)
+    x, y = jet_variables(0.0, 0.0)
     assert np.isfinite((x**3 + y**0 + x**1).c).all()
     assert (x**4).derivative(4, 0) == 24
 
 
 def test_jet_is_not_finite_where_the_function_is_not_smooth():
-    x, y = variables([0.0, 1.0], [0.0, 1.0])
+    x, y = jet_variables([0.0, 1.0], [0.0, 1.0])
     for jet in (1 / x, np.sqrt(x - 1e-3 - x), np.log(x), (x * x + y * y) ** 0.5, x**0.5):
         assert not np.isfinite(jet.c[:, 0]).all()
 
@@ -104,19 +111,23 @@ def test_jet_is_not_finite_where_the_function_is_not_smooth():
 ])  # fmt: skip
 def test_functions_out_of_reach_are_refused(call):
     with pytest.raises(ValueError, match=r"^surface: must be built from .* got \w+\.$"):
-        call(variables(1.0, 2.0)[0])
+        call(jet_variables(1.0, 2.0)[0])
 
 
 def test_d_is_the_derivative():
-    x, y = variables(0.4, 0.9)
+    x, y = jet_variables(0.4, 0.9)
     f = np.sin(x * y) + x**3
     for i, j in EXPONENTS[:10]:
-        assert f.d(0).derivative(i, j) == pytest.approx(f.derivative(i + 1, j), rel=1e-14)
-        assert f.d(1).derivative(i, j) == pytest.approx(f.derivative(i, j + 1), rel=1e-14)
+        assert differentiated(f, 0).derivative(i, j) == pytest.approx(
+            f.derivative(i + 1, j), rel=1e-14
+        )
+        assert differentiated(f, 1).derivative(i, j) == pytest.approx(
+            f.derivative(i, j + 1), rel=1e-14
+        )
 
 
 def test_compose_is_substitution():
-    h, k = variables(np.zeros(2), np.zeros(2))
+    h, k = jet_variables(np.zeros(2), np.zeros(2))
     s, t = np.sin(h + k**2), np.exp(2 * k - h) - 1
     f = np.cos(0.5 + h) / (2 + k)
     composed = compose([f], s, t)[0]
@@ -138,11 +149,11 @@ def test_inverse_is_undone_by_composition(seed, scale):
 
 
 def test_inverse_is_not_finite_where_the_jacobian_vanishes():
-    x, y = variables([0.0, 1.0], [0.0, 1.0])
+    x, y = jet_variables([0.0, 1.0], [0.0, 1.0])
     s, _ = inverse(x * x, y)
     assert not np.isfinite(s.c[:, 0]).all() and np.isfinite(s.c[:, 1]).all()
 
 
 def test_variables_refuses_what_is_no_number():
     with pytest.raises(ValueError, match="s: must hold real numbers"):
-        variables("a", 1.0)
+        jet_variables("a", 1.0)

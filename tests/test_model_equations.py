@@ -5,11 +5,11 @@ import pytest
 from mpmath import mp
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
+from tunneller_lib.envelopes.adapted import adapted_frames, model_jet
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import channel, cubic, moving_cone, ruled, saddle
-from tunneller_lib.envelopes.frame import frames, model_jet
 from tunneller_lib.envelopes.isotropic import contact_point
-from tunneller_lib.envelopes.jet import variables
+from tunneller_lib.envelopes.jet import jet_variables
 from tunneller_lib.replica import envelope_equations as eq
 
 PLACES = [(0.3, -0.4, 0.7, 0.2), (-1.2, 0.5, -0.3, 2.0), (0.0, 0.0, 1e-3, -2e-3)]
@@ -29,14 +29,14 @@ def test_eq11_and_eq12_are_derivatives_along_the_circle(x, y, u, v):
 
         c = mp.taylor(along, 0, 4)
         third, fourth = float(6 * c[3] + c[1]), float(24 * c[4] + 2 * c[2])
-    f = graph(*variables(x, y))
+    f = graph(*jet_variables(x, y))
     assert eq.eq11(f, u, v) == pytest.approx(third, rel=1e-12)
     assert eq.eq12(f, u, v) == pytest.approx(fourth, rel=1e-12)
 
 
 @pytest.mark.parametrize(("x", "y", "u", "v"), PLACES)
 def test_eq14_is_a_sixth_of_the_jacobian(x, y, u, v):
-    f, angle = graph(*variables(x, y)), 0.4
+    f, angle = graph(*jet_variables(x, y)), 0.4
     with mp.workdps(30):
         parts = [[mp.diff(g, (u, v), order) for order in ((1, 0), (0, 1))] for g in (
             lambda u, v: eq.eq09(x, y, u, v, angle), lambda u, v: eq.eq11(f, u, v))]  # fmt: skip
@@ -64,7 +64,7 @@ def test_model_jet_is_the_surface(name):
 def test_cones_of_an_envelope_solve_eq09_eq11_and_eq12(name):
     surface = moving_cone(MOTIONS[name], 0.35)
     x, y, f = model_jet(surface, *GRID)
-    n = frames(surface, *GRID, "space").axes[:, 2]
+    n = adapted_frames(surface, *GRID, "space").axes[:, 2]
     axis = np.stack([c + 0 * x for c in MOTIONS[name](GRID[1])[2][0]], axis=-1)
     side = np.sign((n * axis).sum(axis=-1))
     u, v = (top_circle(side[:, None] * axis, 0.35)[0] - np.stack([x, y], -1)).T
@@ -89,7 +89,7 @@ def test_eq25_and_eq26_hold_for_channels():
     x, y, f = model_jet(channel(cubic, 0.3, growth=0.1), *GRID)
     tangent = np.stack([c + 0 * x for c in cubic(GRID[0])[1]], axis=-1)
     speed = np.linalg.norm(tangent, axis=-1)
-    normal = frames(channel(cubic, 0.3, growth=0.1), *GRID, "space").axes[:, 2]
+    normal = adapted_frames(channel(cubic, 0.3, growth=0.1), *GRID, "space").axes[:, 2]
     # The characteristic's normals make a constant angle with the curve: a cone's planes.
     lean = np.arcsin((normal * tangent).sum(axis=-1) / speed)
     u, v = (top_circle(tangent, lean)[0] - np.stack([x, y], -1)).T

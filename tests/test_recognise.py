@@ -163,9 +163,9 @@ def test_developable_surfaces_have_no_isotropic_model(kind):
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    ({"kind": "torus"}, r"^kind: must be one of developable, .*; got 'torus'\.$"),
+    ({"kind": "torus"}, r"^kind: must be .developable., .* or .cone.; got 'torus'\.$"),
     ({"kind": "cone", "radius": 1.0}, r"^radius: belongs to cylinder and pipe only; got .*\.$"),
-    ({"kind": "pipe", "half_angle": 1.0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
+    ({"kind": "pipe", "half_angle": 1.0}, r"^half_angle: belongs to cone only; got it with .*\.$"),
     ({"kind": "cone", "half_angle": np.pi / 2}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
     ({"kind": "cone", "half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
     ({"kind": "pipe", "radius": np.nan}, r"^radius: must be one finite number; got nan\.$"),

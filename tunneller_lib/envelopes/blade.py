@@ -7,11 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import finite, points, positive
+from ..arguments import Directions, Length, Length0, Point, Points, Whole, checked
 from ..exact import dot, norm
+from .functions import HalfAngle, Shift, Turn, Varying
+from .jet import Jet
+
+_SLENDER = 1e6  # times a hub's radius: no size of a blade is above it
 
 
 @dataclass(frozen=True)
+@checked
 class BladeRing:
     """Equal thin blades about the z axis, hyperbolic at the proportions of the study.
 
@@ -24,12 +29,13 @@ class BladeRing:
     camber, bow : float
         Rise of the blade's arc at the foot's middle and lag of its tip, in m.
     blades : int
-        How many.
+        How many, from 2 to 1000.
 
     Raises
     ------
     ValueError
-        If a length isn't above zero, a number not finite, or there are fewer than 2 blades.
+        If a length isn't above zero, a number not finite, a size above a million times the hub's
+        radius, or there are fewer than 2 blades.
 
     Examples
     --------
@@ -38,51 +44,82 @@ class BladeRing:
     (3, 3, 3)
     """
 
-    hub: float
-    height: float
-    chord: float
-    stagger: float
-    twist: float
-    camber: float
-    bow: float
-    blades: int
+    hub: Length
+    height: Length
+    chord: Length
+    stagger: Turn
+    twist: Turn
+    camber: Shift
+    bow: Shift
+    blades: Whole(2, 1000)
 
     def __post_init__(self):
-        for name in ("hub", "height", "chord"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        for name in ("stagger", "twist", "camber", "bow"):
-            object.__setattr__(self, name, finite(name, getattr(self, name)))
-        if self.blades != int(finite("blades", self.blades)) or self.blades < 2:
-            raise ValueError(f"blades: must be a whole number of at least 2; got {self.blades}.")
+        for name in ("height", "chord", "camber", "bow"):
+            size = abs(getattr(self, name))
+            if size > _SLENDER * self.hub:
+                raise ValueError(
+                    f"{name}: must be at most {_SLENDER:g} times the hub's radius {self.hub:g} m; "
+                    f"got {size:g} m."
+                )
 
-    def coordinates(self, s, t):
-        """Return x, y, z of the first blade, by fractions s of its height and t of its chord.
+    @checked
+    def coordinates(self, s: Varying, t: Varying):
+        """Return the coordinates of points of the first blade.
 
-        Numbers, arrays or jets: a surface for `hyperosculating_cones` with model="space".
+        A surface for `hyperosculating_cones` with model="space".
+
+        Parameters
+        ----------
+        s, t : (...) float or Jet
+            Fractions of the blade's height and of its chord, from 0 to 1.
+
+        Returns
+        -------
+        x, y, z : (...) float or Jet
+            In m.
         """
+        for name, part in (("s", s), ("t", t)):
+            value = part.value if isinstance(part, Jet) else part
+            wrong = ~((value >= 0) & (value <= 1))
+            if np.any(wrong):
+                raise ValueError(f"{name}: must lie from 0 to 1; got {value[wrong].flat[0]:g}.")
         radius = self.hub + self.height * s
         slope = self.stagger + self.twist * s
         along = self.chord * (t - 0.5)
         arc = along * np.sin(slope) + 4 * self.camber * t * (1 - t) + self.bow * s**2
         return (radius * np.cos(arc / radius), radius * np.sin(arc / radius), along * np.cos(slope))
 
-    def mesh(self, n, blade=0):
+    @checked
+    def mesh(self, n: Whole(1, 2000), blade: Whole(-1000, 1000) = 0):
         """Return a grid (n, n, 3) of points of a blade, in m, counted from the first one."""
         s, t = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
-        c, d = (f(2 * np.pi * blade / self.blades) for f in (np.cos, np.sin))
+        c = np.cos(2 * np.pi * blade / self.blades)
+        d = np.sin(2 * np.pi * blade / self.blades)
         x, y, z = self.coordinates(s, t)
         return np.stack([c * x - d * y, d * x + c * y, z], axis=-1)
 
 
-def clearance(ring, vertex, axis, half_angle, near, far, *, n=121):
+@checked
+def blade_distances(
+    ring: BladeRing,
+    vertex: Point,
+    axis: Directions,
+    half_angle: HalfAngle,
+    near: Length0,
+    far: Length,
+    *,
+    n: Whole(2, 1000) = 121,
+):
     """Return how far a truncated cone stays from the first blade and from both its neighbours.
 
     Parameters
     ----------
     ring : BladeRing
         The blades.
-    vertex, axis : (3,) float
-        Vertex in m, and a vector along the axis into the cone.
+    vertex : (3,) float
+        In m.
+    axis : (..., 3) float
+        One vector along the axis into the cone.
     half_angle : float
         Between axis and rulings, in rad.
     near, far : float
@@ -95,18 +132,28 @@ def clearance(ring, vertex, axis, half_angle, near, far, *, n=121):
     distance : (3,) float
         In m, negative within the cone: to the first blade, the next and the last.
     """
+    if axis.ndim > 1:
+        raise ValueError(f"axis: must be one vector (3,); got {axis.shape}.")
     tool = vertex, axis, half_angle, near, far
     return np.array([cone_distance(ring.mesh(n, k), *tool).min() for k in (0, 1, -1)])
 
 
-def cone_distance(point, vertex, axis, half_angle, near, far):
+@checked
+def cone_distance(
+    point: Points,
+    vertex: Points,
+    axis: Directions,
+    half_angle: HalfAngle,
+    near: Length0,
+    far: Length,
+):
     """Return how far points are from a truncated cone, negative within it.
 
     Parameters
     ----------
     point : (..., 3) float
         In m.
-    vertex, axis : (3,) float
+    vertex, axis : (..., 3) float
         Vertex in m, and a vector along the axis into the cone.
     half_angle : float
         Between axis and rulings, in rad.
@@ -121,7 +168,7 @@ def cone_distance(point, vertex, axis, half_angle, near, far):
     Raises
     ------
     ValueError
-        If the cone is no truncated cone.
+        If the half-angle isn't between 0 and pi/2, or `near` not below `far`.
 
     Examples
     --------
@@ -129,16 +176,13 @@ def cone_distance(point, vertex, axis, half_angle, near, far):
     >>> cone_distance((0, 0, 3), (0, 0, 0), (0, 0, 1), 0.5, 1 / np.cos(0.5), 2 / np.cos(0.5))
     np.float64(1.0)
     """
-    point, vertex, axis = points("point", point), points("vertex", vertex), points("axis", axis)
-    half_angle, far = positive("half_angle", half_angle), positive("far", far)
-    near = finite("near", near)
-    if not (half_angle < np.pi / 2 and 0 <= near < far):
-        raise ValueError("near: must lie below far and not below 0, and the half_angle below pi/2; "
-                         f"got {near}, {far} and {half_angle}.")  # fmt: skip
-    axis = axis / norm(axis)
+    if near >= far:
+        raise ValueError(f"near: must be below far; got {near:g} and {far:g}.")
+    axis = axis / norm(axis)[..., None]
     height = dot(point - vertex, axis)
     radius = norm(point - vertex - height[..., None] * axis)
-    c, s = np.cos(half_angle), np.sin(half_angle)
+    c = np.cos(half_angle)
+    s = np.sin(half_angle)
     # In the half plane of the axis: the wall is a segment, the ends are the levels near c, far c.
     along = np.clip(height * c + radius * s, near, far)
     wall = np.hypot(height - along * c, radius - along * s)

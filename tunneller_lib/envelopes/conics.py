@@ -2,11 +2,16 @@
 
 import numpy as np
 
-from ..arguments import points, real
+from ..arguments import Angles, Directions, Point, bounded_array, checked
 from ..exact import norm
+from .functions import Centre, Shift
+from .jet import Jet, derivative
+
+_MOST = 1e60  # of numbers whose products of four, over one small divisor, are sound floats
 
 
-def top_circle(axis, half_angle):
+@checked
+def top_circle(axis: Directions, half_angle: Angles):
     """Return the circle over which the tangent planes of a cone lie (Proposition 6).
 
     Parameters
@@ -34,7 +39,6 @@ def top_circle(axis, half_angle):
     >>> float(np.round(radius, 3))
     0.577
     """
-    axis, half_angle = points("axis", axis), real("half_angle", half_angle)
     axis = axis / norm(axis)[..., None]
     # The planes' normals n have n.axis = sin(half_angle), with Eq. 21 for n.
     height = axis[..., 2] + np.sin(half_angle)
@@ -43,13 +47,14 @@ def top_circle(axis, half_angle):
     return axis[..., :2] / height[..., None], np.cos(half_angle) / np.abs(height)
 
 
-def conic(point, centre, a, b, t):
+@checked
+def conic(point: Point, centre: Centre, a: Shift, b: Shift, t: Angles):
     """Return points of a conic over a circle (Eq. 8).
 
     Parameters
     ----------
     point : (3,) float
-        The conic's point at t = 0.
+        The conic's point at t = 0, its third coordinate in m.
     centre : (2,) float
         (u, v), from that point to the circle's centre.
     a, b : float
@@ -62,12 +67,15 @@ def conic(point, centre, a, b, t):
     points : (..., 3) float
         On the conic.
     """
-    (x, y, z), (u, v), t = point, centre, real("t", t)
-    sin, rise = np.sin(t), 2 * np.sin(t / 2) ** 2
+    x, y, z = point
+    u, v = centre
+    sin = np.sin(t)
+    rise = 2 * np.sin(t / 2) ** 2  # 1 - cos(t) would cancel
     return np.stack([x + v * sin + u * rise, y - u * sin + v * rise, z + a * sin + b * rise], -1)
 
 
-def osculating_conic(centre, f):
+@checked
+def osculating_conic(centre: Centre, f: Jet):
     """Return z, a, b of the conic over a circle that osculates a graph (Eq. 10).
 
     Parameters
@@ -81,21 +89,33 @@ def osculating_conic(centre, f):
     -------
     z, a, b : float
         Coefficients for `conic`, in m.
+
+    Raises
+    ------
+    ValueError
+        If the function is given at more points, or isn't smooth at the one.
     """
+    if f.shape != ():
+        raise ValueError(f"f: must be a jet at one point; got one at points of shape {f.shape}.")
+    bounded_array("f", f.c)
     u, v = centre
-    a = f.derivative(1, 0) * v - f.derivative(0, 1) * u
-    b = f.derivative(1, 0) * u + f.derivative(0, 1) * v
-    b = b + f.derivative(2, 0) * v**2 - 2 * f.derivative(1, 1) * u * v + f.derivative(0, 2) * u**2
+    fx = derivative(f, 1, 0)
+    fy = derivative(f, 0, 1)
+    a = fx * v - fy * u
+    b = fx * u + fy * v
+    b = b + derivative(f, 2, 0) * v**2
+    b = b - 2 * derivative(f, 1, 1) * u * v + derivative(f, 0, 2) * u**2
     return f.value, a, b
 
 
-def cone_vertex(point, centre, a, b):
+@checked
+def cone_vertex(point: Point, centre: Centre, a: Shift, b: Shift):
     """Return the vertex of the cone that a conic stands for (Eq. 22).
 
     Parameters
     ----------
     point : (3,) float
-        The conic's point at t = 0.
+        The conic's point at t = 0, its third coordinate in m.
     centre : (2,) float
         (u, v), from that point to the circle's centre.
     a, b : float
@@ -104,15 +124,30 @@ def cone_vertex(point, centre, a, b):
     Returns
     -------
     vertex : (3,) float
-        In m; not finite for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0.
+        In m.
+
+    Raises
+    ------
+    ValueError
+        If the conic stands for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0; if the centre
+        is the point, or a number so great that products of four aren't numbers.
     """
-    (x, y, z), (u, v) = point, centre
+    x, y, z = point
+    u, v = centre
+    most = max(map(abs, (x, y, z, u, v, a, b)))
+    if most > _MOST:
+        raise ValueError(f"point, centre, a, b: must be at most {_MOST:g} in size; got {most:g}.")
     square = u * u + v * v
-    along, across = a * v + b * u, b * v - a * u
+    if square < 1 / _MOST:
+        raise ValueError(f"centre: must not be the point itself, (0, 0); got {centre}.")
+    weight = x * x + y * y + 1 + 2 * u * x + 2 * v * y
+    if weight == 0:
+        raise ValueError("centre: must not be that of a cylinder, which has no vertex; got one.")
+    along = a * v + b * u
+    across = b * v - a * u
     vertex = [
         (x * x - y * y - 1) * along + 2 * x * y * across - 2 * square * (u * z + x * z + a * y),
         (y * y - x * x - 1) * across + 2 * x * y * along - 2 * square * (v * z + y * z - a * x),
         2 * x * along + 2 * y * across - 2 * square * z,
     ]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.array(vertex) / (square * (x * x + y * y + 1 + 2 * u * x + 2 * v * y))
+    return np.array(vertex) / (square * weight)

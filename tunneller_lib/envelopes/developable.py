@@ -2,34 +2,58 @@
 
 import numpy as np
 
-from ..arguments import real
+from ..arguments import Reals, checked
 from ..exact import dot, norm
-from .jet import variables
+from .functions import Function, coordinates
+from .jet import derivative, jet_variables
+
+_LEAST = 1e-60
+_MOST = 1e60  # in m: products of five derivatives are sound floats
 
 
-def derivatives(curve, s):
-    """Return a curve's point, velocity, acceleration and third derivative, each (..., 3) float.
+@checked
+def curve_derivatives(curve: Function(1), s: Reals):
+    """Return a curve's point, velocity, acceleration and third derivative.
 
     Parameters
     ----------
     curve : callable
-        Of its parameter: three coordinates in m, in ordinary arithmetic.
+        Of its parameter: three coordinates in m, in ordinary arithmetic. What it raises itself
+        passes through.
     s : (...) float
         Parameters.
+
+    Returns
+    -------
+    derivatives : list of four (..., 3) float
+        In m, by powers of the parameter's unit.
+
+    Raises
+    ------
+    ValueError
+        If the curve isn't defined and smooth at a parameter, or returns something else.
     """
-    s = variables(real("s", s), 0.0)[0]
-    r = [c + 0.0 * s for c in curve(s)]  # a constant coordinate is no jet
-    return [np.stack([c.derivative(order, 0) for c in r], axis=-1) for order in range(4)]
+    s, _ = jet_variables.unchecked(s, np.zeros(()))
+    with np.errstate(all="ignore"):
+        r = [c + 0.0 * s for c in coordinates("curve", curve(s), s)]  # a constant is no jet
+    found = [np.stack([derivative(c, order, 0) for c in r], axis=-1) for order in range(4)]
+    if not np.all(np.abs(found) <= _MOST):
+        raise ValueError(
+            "curve: must be defined and smooth at every parameter, its derivatives at most "
+            f"{_MOST:g} in size; got one where they aren't."
+        )
+    return found
 
 
 def _binormal(velocity, acceleration):
     b = np.cross(velocity, acceleration)
-    if not np.all(norm(b) > 0):
+    if not np.all((norm(velocity) > _LEAST) & (norm(b) > _LEAST)):
         raise ValueError("curve: must have no point of inflexion among those asked; got one.")
     return b
 
 
-def tangent_planes(curve, s):
+@checked
+def tangent_planes(curve: Function(1), s: Reals):
     """Return the tangent planes of the surface that a curve's tangents make.
 
     They are the osculating planes of the curve.
@@ -37,7 +61,7 @@ def tangent_planes(curve, s):
     Parameters
     ----------
     curve : callable
-        As for `derivatives`, without points of inflexion.
+        As for `curve_derivatives`, without points of inflexion.
     s : (...) float
         Parameters.
 
@@ -53,19 +77,20 @@ def tangent_planes(curve, s):
     ValueError
         If one of the points is one of inflexion.
     """
-    point, velocity, acceleration, _ = derivatives(curve, s)
+    point, velocity, acceleration, _ = curve_derivatives.unchecked(curve, s)
     n = _binormal(velocity, acceleration)
     n = n / norm(n)[..., None]
     return n, -dot(n, point)
 
 
-def osculating_cone(curve, s):
+@checked
+def osculating_cone(curve: Function(1), s: Reals):
     """Return the cone that osculates a curve's tangents along one of them.
 
     Parameters
     ----------
     curve : callable
-        As for `derivatives`, without points of inflexion.
+        As for `curve_derivatives`, without points of inflexion.
     s : (...) float
         Parameters.
 
@@ -96,8 +121,10 @@ def osculating_cone(curve, s):
     >>> axis.round(12) + 0.0, float(half_angle * 180 / np.pi)
     (array([0., 0., 1.]), 45.0)
     """
-    point, velocity, acceleration, third = derivatives(curve, s)
-    speed, b = norm(velocity), _binormal(velocity, acceleration)
-    curvature, torsion = norm(b) / speed**3, dot(b, third) / dot(b, b)
+    point, velocity, acceleration, third = curve_derivatives.unchecked(curve, s)
+    b = _binormal(velocity, acceleration)
+    speed = norm(velocity)
+    curvature = norm(b) / speed**3
+    torsion = dot(b, third) / dot(b, b)
     axis = (torsion / speed)[..., None] * velocity + (curvature / norm(b))[..., None] * b
     return point, axis / norm(axis)[..., None], np.arctan2(curvature, torsion)

@@ -1,4 +1,8 @@
-"""Taylor coefficients to order 4 of the elementary functions of one variable, for `jet`."""
+"""Taylor coefficients to order 4 of the elementary functions of one variable, for `jet`.
+
+The functions bear numpy's names, by which `jet` looks them up; they are called as
+``elementary.exp`` only.
+"""
 
 from math import factorial
 

@@ -7,19 +7,34 @@ and motions to give them stand below.
 
 import numpy as np
 
+from ..arguments import LEAST, Length, checked, shown
+from .coordinates import add, cross_product, dot_product, times, unit_vector
+from .functions import (
+    Function,
+    HalfAngle,
+    Shift,
+    Turn,
+    Varying,
+    coordinates,
+    vectors,
+)  # fmt: skip
+from .jet import Jet
 
-def moving_cone(motion, half_angle, *, rate=0.0):
+
+@checked
+def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Turn = 0.0):
     """Return the envelope of a cone of revolution that a motion carries (Eq. 5).
 
     Parameters
     ----------
     motion : callable
         Of the time v: returns the cone's vertex in m, the vertex' velocity, three unit vectors
-        that turn with the cone, the first along its axis, and their angular velocity.
+        that turn with the cone, the first along its axis, and their angular velocity. What it
+        raises itself passes through.
     half_angle : float
         Of the cone at v = 0, in rad.
     rate : float
-        How it grows with v; 0 for congruent cones.
+        How it grows with v, in rad; 0 for congruent cones.
 
     Returns
     -------
@@ -33,26 +48,46 @@ def moving_cone(motion, half_angle, *, rate=0.0):
     """
 
     def surface(u, v):
-        vertex, velocity, axes, omega = motion(v)
+        vertex, velocity, axes, omega = _moved(motion(v), v)
         angle = half_angle + rate * v
-        sine, cosine, c, s = np.sin(angle), np.cos(angle), np.cos(u), np.sin(u)
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
+        c = np.cos(u)
+        s = np.sin(u)
         across = add(times(c, axes[1]), times(s, axes[2]))
         n = add(times(sine, axes[0]), times(cosine, across))
         nu = times(cosine, add(times(-s, axes[1]), times(c, axes[2])))
-        nv = add(cross(omega, n), times(rate, add(times(cosine, axes[0]), times(-sine, across))))
+        opening = add(times(cosine, axes[0]), times(-sine, across))
+        nv = add(cross_product(omega, n), times(rate, opening))
         # n.x = n.m and nu.x = nu.m by the vertex; nv.x = nv.m + n.m' adds along the ruling.
-        return add(vertex, times(dot(n, velocity) / dot(nv, cross(n, nu)), cross(n, nu)))
+        ruling = cross_product(n, nu)
+        return add(vertex, times(dot_product(n, velocity) / dot_product(nv, ruling), ruling))
 
     return surface
 
 
-def channel(curve, radius, *, growth=0.0):
+def _moved(answer, v):
+    """Return vertex, velocity, axes and angular velocity that a motion answered to the time v."""
+    try:
+        vertex, velocity, axes, omega = answer
+    except (TypeError, ValueError):
+        raise ValueError(
+            "motion: must return vertex, velocity, three axes and angular velocity; "
+            f"got {shown(answer)}."
+        ) from None
+    axes = vectors("motion", axes, 3, v)
+    return *vectors("motion", [vertex, velocity], 2, v), axes, coordinates("motion", omega, v)
+
+
+@checked
+def channel(curve: Function(1), radius: Length, *, growth: Shift = 0.0):
     """Return the envelope of spheres on a curve, a pipe surface where they are congruent.
 
     Parameters
     ----------
     curve : callable
-        Of a parameter s: centre in m, its first and its second derivative, not parallel.
+        Of a parameter s: centre in m, its first and its second derivative, not parallel. What it
+        raises itself passes through.
     radius : float
         Of the sphere at s = 0, in m.
     growth : float
@@ -65,23 +100,27 @@ def channel(curve, radius, *, growth=0.0):
     """
 
     def surface(s, t):
-        centre, velocity, acceleration = curve(s)
-        e1, e3 = unit(velocity), unit(cross(velocity, acceleration))
+        centre, velocity, acceleration = vectors("curve", curve(s), 3, s)
+        e1 = unit_vector(velocity)
+        e3 = unit_vector(cross_product(velocity, acceleration))
         size = radius + growth * s
-        lag = growth / np.sqrt(dot(velocity, velocity))  # sine of the circle's lag on the sphere
-        around = add(times(np.cos(t), cross(e3, e1)), times(np.sin(t), e3))
+        # Sine of the circle's lag on the sphere's equator: the next sphere is greater.
+        lag = growth / np.sqrt(dot_product(velocity, velocity))
+        around = add(times(np.cos(t), cross_product(e3, e1)), times(np.sin(t), e3))
         return add(centre, times(-size * lag, e1), times(size * np.sqrt(1 - lag * lag), around))
 
     return surface
 
 
-def ruled(lines, *, offset=0.0):
+@checked
+def ruled(lines: Function(1), *, offset: Shift = 0.0):
     """Return a ruled surface, or one at a distance: the envelope of cylinders about its rulings.
 
     Parameters
     ----------
     lines : callable
         Of a parameter s: a point in m, its derivative, the ruling's direction, its derivative.
+        What it raises itself passes through.
     offset : float
         Along the normal of the ruled surface, in m.
 
@@ -92,66 +131,144 @@ def ruled(lines, *, offset=0.0):
     """
 
     def surface(s, t):
-        point, velocity, direction, turn = lines(s)
-        n = unit(cross(add(velocity, times(t, turn)), direction))
+        point, velocity, direction, turn = vectors("lines", lines(s), 4, s)
+        n = unit_vector(cross_product(add(velocity, times(t, turn)), direction))
         return add(point, times(t, direction), times(offset, n))
 
     return surface
 
 
-def helix(s, pitch=0.4):
-    """Return a helix about z that rises by `pitch` m a radian, its velocity and acceleration."""
-    c, d = np.cos(s), np.sin(s)
+@checked
+def helix(s: Varying, pitch: Shift = 0.4):
+    """Return a helix about z that rises by `pitch` m a radian, its velocity and acceleration.
+
+    Parameters
+    ----------
+    s : (...) float or Jet
+        Parameter, in rad.
+    pitch : float
+        In m a radian; the radius is 1 m.
+
+    Returns
+    -------
+    point, velocity, acceleration : list of three
+        Coordinates, in m and by rad.
+    """
+    c = np.cos(s)
+    d = np.sin(s)
     return [c, d, pitch * s], [-d, c, pitch + 0 * s], [-c, -d, 0 * s]
 
 
-def cubic(s, bend=1.0):
-    """Return the curve (s, bend s^2/2, s^3/6), its velocity and acceleration, in m."""
+@checked
+def cubic(s: Varying, bend: Shift = 1.0):
+    """Return the curve (s, bend s^2/2, s^3/6), its velocity and acceleration.
+
+    Parameters
+    ----------
+    s : (...) float or Jet
+        Parameter.
+    bend : float
+        In m; 1 makes it a curve of constant slope.
+
+    Returns
+    -------
+    point, velocity, acceleration : list of three
+        Coordinates, in m.
+    """
+    point = [s, bend * s**2 / 2, s**3 / 6]
     velocity = [1 + 0 * s, bend * s, s * s / 2]
-    return [s, bend * s**2 / 2, s**3 / 6], velocity, [0 * s, bend + 0 * s, s]
+    return point, velocity, [0 * s, bend + 0 * s, s]
 
 
-def tangents(curve):
-    """Return the tangents of a curve, as lines for `ruled`."""
+@checked
+def tangents(curve: Function(1)):
+    """Return the tangents of a curve, as lines for `ruled`.
+
+    Parameters
+    ----------
+    curve : callable
+        As for `channel`.
+
+    Returns
+    -------
+    lines : callable
+        Of the curve's parameter.
+    """
 
     def lines(s):
-        point, velocity, acceleration = curve(s)
+        point, velocity, acceleration = vectors("curve", curve(s), 3, s)
         return point, velocity, velocity, acceleration
 
     return lines
 
 
-def saddle(s):
-    """Return one family of the lines on z = x y, for `ruled`."""
-    point, direction = [s, 0 * s, 0 * s], [0 * s, 1 + 0 * s, s]
+@checked
+def saddle(s: Varying):
+    """Return one family of the lines on z = x y, for `ruled`, by their x (...), in m."""
+    point = [s, 0 * s, 0 * s]
+    direction = [0 * s, 1 + 0 * s, s]
     return point, [1 + 0 * s, 0 * s, 0 * s], direction, [0 * s, 0 * s, 1 + 0 * s]
 
 
-def helicoid(s, pitch=1.0):
-    """Return lines across the x axis that move by `pitch` m a radian of turn, for `ruled`."""
-    c, d, none = np.cos(s), np.sin(s), 0 * s
+@checked
+def helicoid(s: Varying, pitch: Shift = 1.0):
+    """Return lines across the x axis that move along it as they turn, for `ruled`.
+
+    Parameters
+    ----------
+    s : (...) float or Jet
+        Turn, in rad.
+    pitch : float
+        In m a radian.
+
+    Returns
+    -------
+    point, velocity, direction, turn : list of three
+        Coordinates of a point, in m, of the direction, and their derivatives.
+    """
+    c = np.cos(s)
+    d = np.sin(s)
+    none = 0 * s
     return [pitch * s, none, none], [pitch + none, none, none], [none, c, d], [none, -d, c]
 
 
-def helix_lines(s, twist=0.0, pitch=0.4):
-    """Return lines from a helix: its tangents, turned by `twist` in rad, for `ruled`.
+@checked
+def helix_lines(s: Varying, twist: Turn = 0.0, pitch: Shift = 0.4):
+    """Return lines from a helix: its tangents, turned in the osculating planes, for `ruled`.
 
-    They turn in the osculating planes, towards the axis: pi/2 makes a helicoid. `pitch` is in m a
-    radian of s.
+    Parameters
+    ----------
+    s : (...) float or Jet
+        The helix' parameter, in rad.
+    twist : float
+        By how much they are turned towards the axis, in rad: pi/2 makes a helicoid.
+    pitch : float
+        Of the helix, in m a radian.
+
+    Returns
+    -------
+    point, velocity, direction, turn : list of three
+        Coordinates of a point, in m, of the direction, and their derivatives.
     """
-    c, d, (point, velocity, acceleration) = np.cos(twist), np.sin(twist), helix(s, pitch)
+    c = np.cos(twist)
+    d = np.sin(twist)
+    point, velocity, acceleration = helix.unchecked(s, pitch)
     jerk = [np.sin(s), -np.cos(s), 0 * s]
     direction = add(times(c, velocity), times(d, acceleration))
     return point, velocity, direction, add(times(c, acceleration), times(d, jerk))
 
 
-def turning(vertex, velocity, lean, *, rate=1.0, start=1.0):
+@checked
+def turning(
+    vertex: Function(1), velocity: Function(1), lean: Turn, *, rate: Turn = 1.0, start: Turn = 1.0
+):
     """Return a motion whose axes turn about z, for `moving_cone`.
 
     Parameters
     ----------
     vertex, velocity : callable
-        Of the time v: the vertex in m and its derivative.
+        Of the time v: the vertex in m and its derivative. What they raise themselves passes
+        through.
     lean : float
         Angle of the first axis, that of the cone, from z, in rad.
     rate, start : float
@@ -164,40 +281,37 @@ def turning(vertex, velocity, lean, *, rate=1.0, start=1.0):
     """
 
     def motion(v):
-        c, d, p, q = np.cos(rate * v + start), np.sin(rate * v + start), np.cos(lean), np.sin(lean)
+        c = np.cos(rate * v + start)
+        d = np.sin(rate * v + start)
+        p = np.cos(lean)
+        q = np.sin(lean)
         axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
-        return vertex(v), velocity(v), axes, [0 * v, 0 * v, rate + 0 * v]
+        at = coordinates("vertex", vertex(v), v)
+        return at, coordinates("velocity", velocity(v), v), axes, [0 * v, 0 * v, rate + 0 * v]
 
     return motion
 
 
-def cyclide(x, y):
-    """Return f(x, y) = y^2/(x^2 + y^2), in m: planes of a parabolic Dupin cyclide (Example 31)."""
+@checked
+def cyclide(x: Varying, y: Varying):
+    """Return f(x, y) = y^2/(x^2 + y^2): planes of a parabolic Dupin cyclide (Example 31).
+
+    Parameters
+    ----------
+    x, y : (...) float or Jet
+        Place in the model.
+
+    Returns
+    -------
+    f : (...) float or Jet
+        In m.
+
+    Raises
+    ------
+    ValueError
+        If numbers x and y are both zero; a jet isn't finite there.
+    """
+    if not isinstance(x, Jet) and not isinstance(y, Jet):
+        if np.any(np.maximum(np.abs(x), np.abs(y)) < LEAST):
+            raise ValueError("x, y: must not both be zero, where f has no value; got such a pair.")
     return y * y / (x * x + y * y)
-
-
-def cross(a, b):
-    """Return the vector product of two lists of coordinates a and b."""
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
-
-
-def dot(a, b):
-    """Return the scalar product of two lists of coordinates a and b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def add(first, *others):
-    """Return the sum of lists of coordinates, the first and the others."""
-    for other in others:
-        first = [a + b for a, b in zip(first, other, strict=True)]
-    return first
-
-
-def times(c, a):
-    """Return the multiple c of a list of coordinates a."""
-    return [c * part for part in a]
-
-
-def unit(a):
-    """Return a list of coordinates a, scaled to length 1."""
-    return times(1 / np.sqrt(dot(a, a)), a)

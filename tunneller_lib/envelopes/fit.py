@@ -2,15 +2,17 @@
 
 import numpy as np
 
-from ..arguments import points, positive, whole
+from ..arguments import LEAST, Directions, Points, Positive, Whole, checked
 from ..exact import dot, norm
+from .functions import Number, UnitVectors
 from .isotropic import plane_to_point
 
 ROUNDS = 4  # of reweighting
 _HUBER = 1.345 * 1.4826  # of the median: its efficiency is 95 % for normal errors
 
 
-def tilted(n, turn, rng):
+@checked
+def tilted(n: UnitVectors, turn: Number, rng: np.random.Generator):
     """Return unit normals (..., 3), turned each in a random direction as Example 32 turns them.
 
     Parameters
@@ -21,29 +23,57 @@ def tilted(n, turn, rng):
         The document's r, the tangent of the angle.
     rng : numpy.random.Generator
         Where the directions come from.
+
+    Returns
+    -------
+    tilted : (..., 3) float
+        Unit normals.
     """
-    n = points("n", n)
     aside = np.cross(rng.normal(size=n.shape), n)  # of a uniform direction
     n = n + turn * aside / norm(aside)[..., None]
     return n / norm(n)[..., None]
 
 
-def mean_frame(n):
-    """Return three unit vectors (3, 3), in rows, the third along the mean of normals (..., 3)."""
-    third = points("n", n).reshape(-1, 3).mean(axis=0)
+@checked
+def mean_frame(n: Directions):
+    """Return a frame that stands on the mean of normals.
+
+    Parameters
+    ----------
+    n : (..., 3) float
+        Normals.
+
+    Returns
+    -------
+    axes : (3, 3) float
+        Three unit vectors in rows, the third along the mean.
+
+    Raises
+    ------
+    ValueError
+        If there is no normal, or their mean is zero.
+    """
+    rows = n.reshape(-1, 3)
+    if not len(rows):
+        raise ValueError("n: must hold at least one normal; got none.")
+    third = rows.mean(axis=0)
+    if not np.abs(third).max() >= LEAST:
+        raise ValueError("n: the normals' mean must not be zero; got one that is.")
     third = third / norm(third)
     first = np.cross(np.eye(3)[np.argmin(np.abs(third))], third)
     first = first / norm(first)
     return np.array([first, np.cross(third, first), third])
 
 
-def fit_planes(contact, n, *, scale, degree=6):
+@checked
+def fit_planes(contact: Points, n: Directions, *, scale: Positive, degree: Whole(1, 20) = 6):
     """Return a polynomial f(x, y) through the points of tangent planes, for the isotropic model.
 
     Parameters
     ----------
-    contact, n : (m, 3) float
-        A point of each plane in m, and its normal, none near (0, 0, -1): see `mean_frame`.
+    contact, n : (..., 3) float
+        A point of each plane in m, and its normal, none near (0, 0, -1): see `mean_frame`. There
+        are m planes.
     scale : float
         Size of the patch in the model, by which x and y are divided.
     degree : int
@@ -59,7 +89,8 @@ def fit_planes(contact, n, *, scale, degree=6):
     Raises
     ------
     ValueError
-        If there are fewer planes than coefficients, or an argument is out of shape.
+        If there are fewer planes than coefficients, one of them has no point in the model, or
+        the patch reaches farther than a hundred times the scale.
 
     Notes
     -----
@@ -73,20 +104,31 @@ def fit_planes(contact, n, *, scale, degree=6):
     >>> bool(np.isclose(f(0.0, 0.0), -1))
     True
     """
-    contact, n, scale = points("contact", contact), points("n", n), positive("scale", scale)
-    degree = int(whole("degree", degree, 1, 20))
-    planes = plane_to_point(n, -dot(n, contact))
+    planes = plane_to_point.unchecked(n, -dot(n, contact)).reshape(-1, 3)
+    # All products x^i y^j of the degree or less, the lower degrees first.
     orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
     if len(planes) < len(orders):
         raise ValueError(f"n: must hold at least {len(orders)} planes; got {len(planes)}.")
-    px, py = (np.vander(c / scale, degree + 1, increasing=True).T for c in planes[:, :2].T)
-    basis, z = np.stack([px[i] * py[j] for i, j in orders], axis=-1), planes[:, 2]
+    place = planes[:, :2]
+    reach = np.abs(place).max()
+    if reach > 100 * scale:  # whose powers of the degree 20 would drown all others
+        raise ValueError(
+            f"scale: must be at least a hundredth of the patch's reach {reach:g}; got {scale:g}."
+        )
+    px, py = (np.vander(c / scale, degree + 1, increasing=True).T for c in place.T)
+    basis = np.stack([px[i] * py[j] for i, j in orders], axis=-1)
+    z = planes[:, 2]
     weight = np.ones(len(z))
     for _ in range(ROUNDS):
+        # Weighted squares are the squares of rows scaled by the weights' roots.
         root = np.sqrt(weight)
         c = np.linalg.lstsq(root[:, None] * basis, root * z, rcond=None)[0]
         left = np.abs(basis @ c - z)
-        weight = 1 / np.maximum(1, left / (_HUBER * np.median(left) + np.finfo(float).tiny))
+        # Huber's rule: full weight up to a bound, beyond it a weight by which the plane counts as
+        # its distance, no more as the square. Where most planes fit exactly the bound is nothing.
+        bound = _HUBER * np.median(left) + np.finfo(float).tiny
+        with np.errstate(over="ignore"):
+            weight = 1 / np.maximum(1, left / bound)
 
     def f(x, y):
         return sum(

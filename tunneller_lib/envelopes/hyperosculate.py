@@ -1,12 +1,16 @@
 """All cones of revolution in third-order contact with a surface (Envelopes, section 5)."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from ..arguments import finite
-from .forms import along, circle_roots, size
-from .frame import FLAT, finite_points, frames, isotropic_jet
+from ..arguments import Reals, checked
+from .adapted import FLAT, adapted_frames, isotropic_jet, sound
+from .circle_roots import real_zeros
+from .forms import derivative_along, frobenius
+from .functions import Function, HalfAngle
+from .jet import Jet, derivative
 
 BLOCK = 1000  # points at a time, whose jets fit the cache
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
@@ -69,13 +73,22 @@ class Cones:
     state: np.ndarray
 
 
-def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
+@checked
+def hyperosculating_cones(
+    surface: Function(2),
+    s: Reals,
+    t: Reals,
+    *,
+    half_angle: HalfAngle,
+    model: Literal["isotropic", "space"] = "isotropic",
+):
     """Return all cones of a half-angle in third-order contact with a surface at points.
 
     Parameters
     ----------
     surface : callable
-        A function of two variables, built from ordinary arithmetic and numpy's functions.
+        A function of two variables, built from ordinary arithmetic and numpy's functions. What
+        it raises itself passes through.
     s, t : (...) float
         Points, that is, values of these two variables.
     half_angle : float
@@ -92,7 +105,8 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     Raises
     ------
     ValueError
-        If the angle is not between 0 and pi/2, or a point not finite, or `surface` wrong.
+        If the angle isn't between 0 and pi/2, a point isn't finite, or `surface` is no function
+        of two variables or returns something else.
 
     Notes
     -----
@@ -103,7 +117,7 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     rho^2 f_eeee + 6 rho f_eew + 3 (f_ww - f_ee) has the sign of f_ee; with the other sign, or
     where K > 0, the cone gouges, and where that form vanishes it's undecided. The document says
     free always. The verdict is local: other parts of a cone may meet other parts of the surface.
-    Towards points of curvature 0 the vertices lose digits, see `frame.FLAT`.
+    Towards points of curvature 0 the vertices lose digits, see `adapted.FLAT`.
 
     Examples
     --------
@@ -111,55 +125,73 @@ def hyperosculating_cones(surface, s, t, *, half_angle, model="isotropic"):
     >>> len(cones.vertex), int(sum(cones.gouges)), int(sum(cones.undecided))
     (6, 4, 2)
     """
-    half_angle = finite("half_angle", half_angle)
-    if not 0 < half_angle < np.pi / 2:
-        raise ValueError("half_angle: must lie between 0 and pi/2, both left out; "
-                         f"got {half_angle!r}.")  # fmt: skip
-    s, t = finite_points(s, t)
-    flat = s.ravel(), t.ravel()
-    parts = [
-        _of_block(surface, *(a[first : first + BLOCK] for a in flat), first, half_angle, model)
-        for first in range(0, max(s.size, 1), BLOCK)
-    ]
+    s, t = np.broadcast_arrays(s, t)
+    flat_s = s.ravel()
+    flat_t = t.ravel()
+    parts = []
+    for first in range(0, max(s.size, 1), BLOCK):
+        block = slice(first, first + BLOCK)
+        parts.append(_of_block(surface, flat_s[block], flat_t[block], first, half_angle, model))
     *rows, count, state = (np.concatenate(part) for part in zip(*parts, strict=True))
     return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
 
 
 def _of_block(surface, s, t, first, half_angle, model):
     """Return the fields of `Cones` but the angle, for points counted from `first`."""
-    found = frames(surface, s, t, model)
+    found = adapted_frames.unchecked(surface, s, t, model)
+    # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
+    # planes of a graph always turn: there it is points of contact that stand still, K infinite.
     flat = found.curvature <= FLAT
     state = np.where(flat, "flat" if model == "space" else "singular", "regular")
+    # A point that isn't smooth has no curvature to speak of, so this verdict goes before.
     state = np.where(found.smooth, state, "outside").astype("<U11")
     where = np.flatnonzero(state == "regular")
     f = isotropic_jet(found, where)
+    # What is too great for products of three derivatives counts as not defined, too.
+    within = sound(f)
+    if not within.all():
+        state[where[~within]] = "outside"
+        where = where[within]
+        f = Jet(f.c[:, within])
     rho = 0.5 / np.tan(half_angle)
     angle, multiplicity = third_order(f, rho)
     count = np.zeros(s.size, dtype=int)
     count[where] = np.isfinite(angle).sum(axis=-1)
-    state[where[count[where] == 0]] = "spherical"  # a mean of 0 leaves no other way to none
+    # The cubic's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
+    state[where[count[where] == 0]] = "spherical"
+    # From here on a row is a cone: `point` counts within f, `row` within that point's zeros.
     point, row = np.nonzero(np.isfinite(angle))
     fee, order4 = (values[point, row] for values in order_four(f, angle, rho))
-    K = (f.derivative(2, 0) * f.derivative(0, 2) - f.derivative(1, 1) ** 2)[point]
-    # A vertex nearer than rounding puts it is the contact.
-    side = np.where(np.abs(fee) > 1e-12 * size(f, 2)[point], np.sign(fee), 0).astype(int)
+    hessian = derivative(f, 2, 0) * derivative(f, 0, 2) - derivative(f, 1, 1) ** 2
+    K = hessian[point]  # its sign is that of the Gaussian curvature
+    # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
+    near = np.abs(fee) <= 1e-12 * frobenius(f, 2)[point]
+    side = np.where(near, 0, np.sign(fee)).astype(int)
     tangent, other, normal = np.moveaxis(found.axes[where[point]], 1, 0)
     e = angle[point, row, None]
-    w = np.cos(e) * other - np.sin(e) * tangent
+    w = np.cos(e) * other - np.sin(e) * tangent  # e turned by a right angle: the ruling's line
     contact = found.contact[where[point]]
+    vertex = contact - (rho * fee)[:, None] * w
+    # This axis belongs to a cone on the normal's side, with the vertex behind along w; on the other
+    # side both turn. A vertex in the contact has no side: it keeps the first.
     lean = np.cos(half_angle) * w + np.sin(half_angle) * normal
+    axis = np.where(side < 0, -1, 1)[:, None] * lean
+    # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
+    # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
+    # and order 4 tells whether it enters there.
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
+    undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
     return (
         first + where[point],
         contact,
         normal,
-        contact - (rho * fee)[:, None] * w,
-        np.where(side < 0, -1, 1)[:, None] * lean,
+        vertex,
+        axis,
         side,
         np.abs(rho * fee),
         order4,
         gouges,
-        ~gouges & (np.abs(order4) <= _CONTAINED),
+        undecided,
         multiplicity[point, row],
         count,
         state,
@@ -183,8 +215,11 @@ def third_order(f, rho):
     multiplicity : (n, 6) int
         How many fell together.
     """
-    unit = rho * size(f, 3) + 3 * size(f, 2)
-    return circle_roots(lambda a: rho * along(f, a, 3) + 3 * along(f, a, 1, 1), 3, unit=unit)
+
+    def cubic(a):
+        return rho * derivative_along(f, a, 3) + 3 * derivative_along(f, a, 1, 1)
+
+    return real_zeros(cubic, 3, unit=rho * frobenius(f, 3) + 3 * frobenius(f, 2))
 
 
 def order_four(f, angle, rho):
@@ -206,14 +241,14 @@ def order_four(f, angle, rho):
     residual : (n, m) float
         Eq. 12, from -1 to 1.
     """
-    fee = along(f, angle, 2)
+    fee = derivative_along(f, angle, 2)
     terms = [
-        rho**2 * along(f, angle, 4),
-        6 * rho * along(f, angle, 2, 1),
-        3 * (along(f, angle, 0, 2) - fee),
+        rho**2 * derivative_along(f, angle, 4),
+        6 * rho * derivative_along(f, angle, 2, 1),
+        3 * (derivative_along(f, angle, 0, 2) - fee),
     ]
     total = sum(np.abs(term) for term in terms)
     # All terms may vanish together: then rounding is compared with the jet as a whole.
-    norm = rho**2 * size(f, 4) + 6 * rho * size(f, 3) + 3 * size(f, 2)
-    floor = np.maximum(total, 1e-3 * norm[:, None])
+    whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
+    floor = np.maximum(total, 1e-3 * whole[:, None])
     return fee, sum(terms) / (floor + (floor == 0))

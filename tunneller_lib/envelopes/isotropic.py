@@ -6,12 +6,14 @@ planes of a surface become a surface z = f(x, y), those of a cone a conic over a
 
 import numpy as np
 
-from ..arguments import points, real
+from ..arguments import Angles, Directions, Lengths, Points, Reals, checked
 from ..exact import dot, norm
-from .jet import variables
+from .functions import Function, Three, UnitThree, UnitVectors, Varying, one_number
+from .jet import derivative, jet_variables
 
 
-def plane_to_point(n, h):
+@checked
+def plane_to_point(n: Directions, h: Lengths):
     """Return the points of oriented planes n.x + h = 0 (Eq. 6).
 
     Parameters
@@ -29,38 +31,70 @@ def plane_to_point(n, h):
     Raises
     ------
     ValueError
-        If a normal is zero, or has the direction (0, 0, -1), which has no point.
+        If a normal is zero, or has the direction (0, 0, -1), which has no point, or is so near
+        to it that the point's coordinates aren't numbers.
 
     Examples
     --------
     >>> plane_to_point((0, 0, 1), -3)
     array([ 0. ,  0. , -1.5])
     """
-    n, h = points("n", n), real("h", h)
     x, y, z = np.moveaxis(n, -1, 0)
+    length = norm(n)
+    flat = x * x + y * y
     # |n| + n3 cancels for a normal that points downwards.
-    length, flat = norm(n), x * x + y * y
-    denominator = np.where(z > 0, length + z, flat / (length + np.abs(z) + (length == 0)))
-    if np.any(denominator == 0):
-        raise ValueError("n: a normal must not be zero nor have the direction (0, 0, -1), "
-                         "whose planes have no point; got one that is.")  # fmt: skip
-    return np.stack(np.broadcast_arrays(x, y, h), axis=-1) / denominator[..., None]
+    denominator = np.where(z > 0, length + z, flat / (length + np.abs(z)))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        point = np.stack(np.broadcast_arrays(x, y, h), axis=-1) / denominator[..., None]
+    if not np.all(np.isfinite(point)):
+        raise ValueError(
+            "n: a normal must not have the direction (0, 0, -1), whose planes have no point; "
+            "got one that has."
+        )
+    return point
 
 
-def point_to_plane(point):
-    """Return the oriented planes of points: unit normals (..., 3), constant terms (...) in m."""
-    x, y, z = np.moveaxis(points("point", point), -1, 0)
-    n = np.stack(normal(x, y), axis=-1)
+@checked
+def point_to_plane(point: Points):
+    """Return the oriented planes n.x + h = 0 of points, what `plane_to_point` undoes.
+
+    Parameters
+    ----------
+    point : (..., 3) float
+        The first two coordinates are numbers, the third is in m.
+
+    Returns
+    -------
+    n : (..., 3) float
+        Unit normals.
+    h : (...) float
+        Constant terms, in m.
+    """
+    x, y, z = np.moveaxis(point, -1, 0)
+    n = np.stack(normal.unchecked(x, y), axis=-1)
     return n, z * (n[..., 2] + 1)
 
 
-def normal(x, y):
-    """Return the three components of the unit normal over (x, y) (Eq. 21), arrays or jets."""
+@checked
+def normal(x: Varying, y: Varying):
+    """Return the unit normal of the planes over a place of the model (Eq. 21).
+
+    Parameters
+    ----------
+    x, y : (...) float or Jet
+        The place.
+
+    Returns
+    -------
+    n : tuple of three
+        Components, arrays or jets as x and y.
+    """
     p = x * x + y * y + 1
     return 2 * x / p, 2 * y / p, 2 / p - 1
 
 
-def sphere_point(centre, radius, x, y):
+@checked
+def sphere_point(centre: Points, radius: Lengths, x: Reals, y: Reals):
     """Return the third coordinate of the paraboloid that stands for a sphere (Eq. 7).
 
     Parameters
@@ -78,19 +112,19 @@ def sphere_point(centre, radius, x, y):
     z : (...) float
         In m.
     """
-    m1, m2, m3 = np.moveaxis(points("centre", centre), -1, 0)
-    radius, x, y = real("radius", radius), real("x", x), real("y", y)
+    m1, m2, m3 = np.moveaxis(centre, -1, 0)
     return (radius + m3) / 2 * (x * x + y * y) - m1 * x - m2 * y + (radius - m3) / 2
 
 
-def contact_point(x, y, f, fx, fy):
+@checked
+def contact_point(x: Varying, y: Varying, f: Varying, fx: Varying, fy: Varying):
     """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
 
     Parameters
     ----------
-    x, y : float, array or Jet
+    x, y : (...) float or Jet
         Place in the isotropic model.
-    f, fx, fy : float, array or Jet
+    f, fx, fy : (...) float or Jet
         The function and its first derivatives there, in m.
 
     Returns
@@ -104,13 +138,15 @@ def contact_point(x, y, f, fx, fy):
     return x * r3 - fx, y * r3 - fy, r3
 
 
-def surface_points(f, x, y):
+@checked
+def surface_points(f: Function(2), x: Reals, y: Reals):
     """Return points of the surface whose tangent planes lie on a graph (Eq. 20).
 
     Parameters
     ----------
     f : callable
-        A function of two variables, built from ordinary arithmetic, with values in m.
+        A function of two variables, built from ordinary arithmetic, with values in m. What it
+        raises itself passes through.
     x, y : (...) float
         Places in the isotropic model.
 
@@ -124,23 +160,30 @@ def surface_points(f, x, y):
     >>> surface_points(lambda x, y: (x * x + y * y + 1) / 2, 0.6, 0.8)  # a sphere about (0, 0, 0)
     array([-0.6, -0.8,  0. ])
     """
-    s, t = variables(x, y)
-    jet = f(s, t) + 0.0 * s  # a constant is a function, too
-    first = jet.derivative(1, 0), jet.derivative(0, 1)
-    return np.stack(contact_point(*np.broadcast_arrays(x, y), jet.value, *first), axis=-1)
+    x, y = np.broadcast_arrays(x, y)
+    s, t = jet_variables.unchecked(x, y)
+    with np.errstate(all="ignore"):
+        jet = one_number("f", f(s, t), s) + 0.0 * s  # a constant is a function, too
+        fx = derivative(jet, 1, 0)
+        fy = derivative(jet, 0, 1)
+        points = np.stack(contact_point.unchecked(x, y, jet.value, fx, fy), axis=-1)
+    if not np.all(np.isfinite(points)):
+        raise ValueError("f: must be defined and smooth at every place; got one where it isn't.")
+    return points
 
 
-def isotropic_derivatives(r, n):
+@checked
+def isotropic_derivatives(r: Three, n: UnitThree):
     """Return x, y, f, fx, fy from points of a surface and unit normals there (Eqs 17 to 19).
 
     Parameters
     ----------
-    r, n : sequence of three float, array or Jet
+    r, n : (...) float or Jet, three of them
         Points, in m, and oriented unit normals other than (0, 0, -1).
 
     Returns
     -------
-    x, y, f, fx, fy : float, array or Jet
+    x, y, f, fx, fy : (...) float or Jet
         The place in the isotropic model, the function there and its derivatives.
     """
     below = n[2] + 1
@@ -149,7 +192,8 @@ def isotropic_derivatives(r, n):
     return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
 
 
-def cone_planes(vertex, axis, half_angle, azimuth):
+@checked
+def cone_planes(vertex: Points, axis: Directions, half_angle: Angles, azimuth: Angles):
     """Return the tangent planes of cones, as normals and constant terms.
 
     Parameters
@@ -168,8 +212,6 @@ def cone_planes(vertex, axis, half_angle, azimuth):
     h : (...) float
         Constant terms, in m.
     """
-    vertex, axis = points("vertex", vertex), points("axis", axis)
-    half_angle, azimuth = real("half_angle", half_angle), real("azimuth", azimuth)
     axis = axis / norm(axis)[..., None]
     # A unit vector across: from the coordinate axis that the cone's is farthest from.
     away = np.eye(3)[np.argmin(np.abs(axis), axis=-1)]
@@ -181,21 +223,33 @@ def cone_planes(vertex, axis, half_angle, azimuth):
     return n, -dot(n, vertex)
 
 
-def plane_azimuth(axis, half_angle, n):
-    """Return azimuths (...), in rad, at which `cone_planes` gives unit normals n (..., 3).
+@checked
+def plane_azimuth(axis: Directions, half_angle: Angles, n: UnitVectors):
+    """Return at which azimuths `cone_planes` gives the normals of planes that touch a cone.
 
-    The axis (..., 3) and the half-angle (...) are as there, and the normals those of planes that
-    touch such a cone.
+    Parameters
+    ----------
+    axis : (..., 3) float
+        A vector along the axis, from the vertex into the cone.
+    half_angle : (...) float
+        Angle between axis and rulings, in rad.
+    n : (..., 3) float
+        Unit normals that point into the cone.
+
+    Returns
+    -------
+    azimuth : (...) float
+        In rad, from -pi to pi.
     """
-    half_angle, right = real("half_angle", half_angle), np.array([0.0, np.pi / 2])
-    pair, _ = cone_planes((0.0, 0.0, 0.0), points("axis", axis)[..., None, :],
-                          half_angle[..., None], right)  # fmt: skip
+    right = np.array([0.0, np.pi / 2])
+    pair, _ = cone_planes.unchecked(np.zeros(3), axis[..., None, :], half_angle[..., None], right)
     share = np.sin(half_angle) ** 2  # of the axis in the product of any two normals
-    cosine, sine = (dot(pair[..., i, :], points("n", n)) - share for i in (0, 1))
+    cosine, sine = (dot(pair[..., i, :], n) - share for i in (0, 1))
     return np.arctan2(sine, cosine)
 
 
-def cone_rulings(axis, half_angle, azimuth):
+@checked
+def cone_rulings(axis: Directions, half_angle: Angles, azimuth: Angles):
     """Return unit vectors along rulings, in the planes that `cone_planes` gives for these.
 
     Parameters
@@ -212,8 +266,7 @@ def cone_rulings(axis, half_angle, azimuth):
     ruling : (..., 3) float
         From the vertex into the cone.
     """
-    axis = points("axis", axis)
     axis = axis / norm(axis)[..., None]
-    n, _ = cone_planes((0.0, 0.0, 0.0), axis, half_angle, azimuth)
-    half_angle = real("half_angle", half_angle)[..., None]
+    n, _ = cone_planes.unchecked(np.zeros(3), axis, half_angle, azimuth)
+    half_angle = half_angle[..., None]
     return (axis - np.sin(half_angle) * n) / np.cos(half_angle)

@@ -10,7 +10,7 @@ from math import factorial
 
 import numpy as np
 
-from ..arguments import real
+from ..arguments import Reals, Whole, checked
 from . import elementary
 
 ORDER = 4
@@ -26,6 +26,7 @@ _PAIRS = sorted(
 )
 _TARGET, _LEFT, _RIGHT = np.array(_PAIRS).T
 _STARTS = np.searchsorted(_TARGET, np.arange(len(EXPONENTS)))
+_PLAIN = (float, int)
 
 
 class Jet(np.lib.mixins.NDArrayOperatorsMixin):
@@ -43,7 +44,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     Examples
     --------
-    >>> x, y = variables(2.0, 3.0)
+    >>> x, y = jet_variables(2.0, 3.0)
     >>> (x**2 * y).derivative(1, 1)
     np.float64(4.0)
     """
@@ -52,22 +53,32 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         self.c = c
 
     @property
+    def shape(self):
+        """Return the shape of the array of points."""
+        return self.c.shape[1:]
+
+    @property
     def value(self):
         """Return the function's values (...), the coefficients of order 0."""
         return self.c[0]
 
-    def derivative(self, i, j):
-        """Return the values (...) of the derivative, `i` times by the first, `j` by the second."""
-        return factorial(i) * factorial(j) * self.c[_PLACE[i, j]]
+    @checked
+    def derivative(self, i: Whole(0, ORDER), j: Whole(0, ORDER)):
+        """Return a derivative's values.
 
-    def d(self, axis):
-        """Return the derivative's jet, of order 3, by the first (0) or second (1) variable."""
-        c = np.zeros_like(self.c)
-        for place, exponents in enumerate(EXPONENTS):
-            if exponents[axis]:
-                lower = (exponents[0] - (axis == 0), exponents[1] - (axis == 1))
-                c[_PLACE[lower]] = exponents[axis] * self.c[place]
-        return Jet(c)
+        Parameters
+        ----------
+        i, j : int
+            How often by the first and by the second variable, at most 4 together.
+
+        Returns
+        -------
+        values : (...) float
+            One a point.
+        """
+        if i + j > ORDER:
+            raise ValueError(f"i, j: must be at most {ORDER} together; got {i} and {j}.")
+        return factorial(i) * factorial(j) * self.c[_PLACE[i, j]]
 
     def __array_ufunc__(self, ufunc, method, *arguments, **options):
         function = _FUNCTIONS.get(ufunc)
@@ -80,7 +91,21 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
             return function(*arguments)
 
 
-def variables(s, t):
+derivative = Jet.derivative.unchecked  # for inner loops, whose orders are sound
+
+
+def differentiated(f, axis):
+    """Return the jet, of order 3, of a derivative by the first (0) or second (1) variable."""
+    c = np.zeros_like(f.c)
+    for place, exponents in enumerate(EXPONENTS):
+        if exponents[axis]:
+            lower = (exponents[0] - (axis == 0), exponents[1] - (axis == 1))
+            c[_PLACE[lower]] = exponents[axis] * f.c[place]
+    return Jet(c)
+
+
+@checked
+def jet_variables(s: Reals, t: Reals):
     """Return the two variables (h + s, k + t) as jets at points.
 
     Parameters
@@ -92,8 +117,14 @@ def variables(s, t):
     -------
     s, t : Jet
         At points of the common shape.
+
+    Examples
+    --------
+    >>> x, y = jet_variables(0.3, [1.0, 2.0])
+    >>> np.exp(x * y).derivative(1, 0).round(3)
+    array([1.35 , 3.644])
     """
-    s, t = np.broadcast_arrays(real("s", s), real("t", t))
+    s, t = np.broadcast_arrays(s, t)
     jets = []
     for place, value in ((1, s), (2, t)):
         c = np.zeros((len(EXPONENTS), *value.shape))
@@ -139,31 +170,49 @@ def inverse(x, y):
     h, k : Jet
         Functions of (x - x0, y - y0), of value 0; not finite where the Jacobian vanishes.
     """
-    h, k = variables(np.zeros_like(x.value), np.zeros_like(x.value))
+    origin = np.zeros_like(x.value)
+    h, k = jet_variables.unchecked(origin, origin)
     (_, xh, xk), (_, yh, yk) = x.c[:3], y.c[:3]
     with np.errstate(all="ignore"):
         determinant = xh * yk - xk * yh
         xh, xk, yh, yk = (entry / determinant for entry in (xh, xk, yh, yk))
+    # x = xh h + xk k + bent(h, k): the linear part is undone exactly, what bends by substitution.
     bent = [Jet(np.concatenate([np.zeros_like(j.c[:3]), j.c[3:]])) for j in (x, y)]
-    s, t = yk * h - xk * k, xh * k - yh * h
+    s = yk * h - xk * k
+    t = xh * k - yh * h
     for _ in range(ORDER - 1):  # each round makes one more order right
         x_bent, y_bent = compose(bent, s, t)
-        s, t = yk * (h - x_bent) - xk * (k - y_bent), xh * (k - y_bent) - yh * (h - x_bent)
+        s = yk * (h - x_bent) - xk * (k - y_bent)
+        t = xh * (k - y_bent) - yh * (h - x_bent)
     return s, t
 
 
 def _constant(value, like):
-    c = np.zeros((len(EXPONENTS), *np.broadcast_shapes(np.shape(value), like.c.shape[1:])))
+    points = like.c.shape[1:]
+    # Most are numbers, or arrays with one at each point: they spare the longer question.
+    if type(value) not in _PLAIN and getattr(value, "shape", None) != points:
+        points = np.broadcast_shapes(np.shape(value), points)
+    c = np.zeros((len(EXPONENTS), *points))
     c[0] = value
     return Jet(c)
 
 
 def _both(a, b):
-    """Return two operands as jets, of which at least one is."""
-    return (
-        a if isinstance(a, Jet) else _constant(a, b),
-        b if isinstance(b, Jet) else _constant(b, a),
-    )
+    """Return two operands, of which at least one is a jet, as jets at points of as many axes."""
+    a = a if isinstance(a, Jet) else _constant(a, b)
+    b = b if isinstance(b, Jet) else _constant(b, a)
+    if a.c.ndim != b.c.ndim:
+        return Jet(_widened(a.c, b.c.ndim - 1)), Jet(_widened(b.c, a.c.ndim - 1))
+    return a, b
+
+
+def _widened(c, ndim):
+    """Return coefficients with axes put in until they are of points of `ndim` axes or more.
+
+    Points broadcast as arrays do, by their last axes; the axis of coefficients stays the first.
+    """
+    missing = ndim + 1 - c.ndim
+    return c.reshape(c.shape[0], *[1] * missing, *c.shape[1:]) if missing > 0 else c
 
 
 def _add(a, b):
@@ -172,13 +221,19 @@ def _add(a, b):
 
 
 def _multiply(a, b):
-    if isinstance(a, Jet) and isinstance(b, Jet):
-        return Jet(np.add.reduceat(a.c[_LEFT] * b.c[_RIGHT], _STARTS, axis=0))
-    return Jet(a.c * b) if isinstance(a, Jet) else Jet(a * b.c)
+    if not isinstance(b, Jet):
+        return Jet(a.c * b) if type(b) in _PLAIN else Jet(_widened(a.c, np.ndim(b)) * b)
+    if not isinstance(a, Jet):
+        return Jet(a * b.c) if type(a) in _PLAIN else Jet(a * _widened(b.c, np.ndim(a)))
+    if a.c.ndim != b.c.ndim:
+        a, b = _both(a, b)
+    return Jet(np.add.reduceat(a.c[_LEFT] * b.c[_RIGHT], _STARTS, axis=0))
 
 
 def _divide(a, b):
-    return _multiply(a, np.reciprocal(b)) if isinstance(b, Jet) else Jet(a.c / b)
+    if isinstance(b, Jet):
+        return _multiply(a, np.reciprocal(b))
+    return Jet(_widened(a.c, np.ndim(b)) / b)
 
 
 def _power(a, p):
@@ -196,7 +251,9 @@ def _power(a, p):
 def _arctan2(y, x):
     y, x = _both(y, x)
     angle = np.arctan2(y.value, x.value)
-    s, c = np.sin(angle), np.cos(angle)
+    s = np.sin(angle)
+    c = np.cos(angle)
+    # Turned so that the point lies on the first axis, far from the cut of the arctangent.
     return np.arctan((y * c - x * s) / (x * c + y * s)) + angle
 
 

@@ -1,0 +1,55 @@
+"""Examples for the room envelopes: its callers' functions are sane ones of jets."""
+
+import numpy as np
+
+from tunneller_lib.envelopes import Jet, jet_variables
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
+
+SIZES = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
+         "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
+RNG = np.random.default_rng(1)
+S, T = RNG.uniform(0.2, 0.8, (2, 14))
+POINTS = RNG.normal(size=(30, 3))
+
+
+def graph(s, t):
+    return [s, t, s * s - t * t + 0.3 * s**3 * t]
+
+
+def edge(s):
+    return cubic(s, bend=0.8)[0]
+
+
+INSTANCES = {
+    BladeRing: BladeRing(**SIZES),
+    Jet: cyclide(*jet_variables(0.5, 0.3)),
+    np.random.Generator: RNG,
+}
+
+CALLS = {
+    "Jet.derivative": {"i": 2, "j": 1},
+    "adapted_frames": {"surface": graph, "model": "space"},
+    "blade.BladeRing": SIZES,
+    "blade.blade_distances": {"half_angle": 0.2, "near": 0.1, "far": 0.2, "n": 5},
+    "blade.cone_distance": {"half_angle": 0.2, "near": 0.1, "far": 0.2},
+    "conics.conic": {"centre": (0.4, -0.7)},
+    "conics.cone_vertex": {"centre": (0.4, -0.7)},
+    "conics.osculating_conic": {"centre": (0.4, -0.7)},
+    "developable.curve_derivatives": {"curve": edge},
+    "developable.osculating_cone": {"curve": edge},
+    "developable.tangent_planes": {"curve": edge},
+    "families.channel": {"curve": helix},
+    "families.moving_cone": {"motion": turning(edge, edge, 0.8), "half_angle": 0.3},
+    "families.ruled": {"lines": saddle},
+    "families.tangents": {"curve": helix},
+    "families.turning": {"vertex": edge, "velocity": edge},
+    "fit.fit_planes": {"contact": POINTS, "n": POINTS * [1, 1, 0] + [0, 0, 3], "scale": 1.0},
+    "fit.tilted": {"n": (0.0, 0.6, 0.8)},
+    "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
+    "isotropic.isotropic_derivatives": {"r": (0.3, 0.2, 0.1), "n": (0.0, 0.6, 0.8)},
+    "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},
+    "isotropic.surface_points": {"f": cyclide},
+    "model_jet": {"surface": graph},
+    "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
+}

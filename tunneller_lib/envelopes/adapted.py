@@ -1,0 +1,236 @@
+"""A surface at its points, in the frame where everything is simplest (Envelopes, section 6).
+
+The adapted frame has its origin in the point and its third axis along the normal: there
+x = y = f = fx = fy = 0 in the isotropic model, and f's Hessian has the eigenvalues 2 R1, 2 R2.
+"""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..arguments import Reals, checked
+from .coordinates import cross_product
+from .functions import Function, as_jet, coordinates, one_number
+from .isotropic import contact_point, isotropic_derivatives, normal
+from .jet import EXPONENTS, Jet, compose, differentiated, inverse, jet_variables
+
+# |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
+# at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
+FLAT = 1e-6
+_NOISE = 1e-12
+_MOST = 1e90  # of a jet's coefficients, whose third powers and their sums are sound floats
+
+_normal = normal.unchecked
+_contact_point = contact_point.unchecked
+_isotropic_derivatives = isotropic_derivatives.unchecked
+
+
+class AdaptedFrames(NamedTuple):
+    """What `adapted_frames` finds at n points of a surface.
+
+    Parameters
+    ----------
+    contact : (n, 3) float
+        The points of the surface, in m.
+    axes : (n, 3, 3) float
+        Rows: two unit tangents and the unit normal.
+    curvature : (n,) float
+        |K| / |II|^2, 0 to 1/2; 0 where all curvatures vanish.
+    smooth : (n,) bool
+        Whether point, tangent plane and derivatives exist.
+    r, n : list of three Jet
+        The surface in these frames, to order 3, in m, and its unit normal.
+    """
+
+    contact: np.ndarray
+    axes: np.ndarray
+    curvature: np.ndarray
+    smooth: np.ndarray
+    r: list
+    n: list
+
+
+@checked
+def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["isotropic", "space"]):
+    """Return a surface's points with their frames, and its jets seen from there.
+
+    Parameters
+    ----------
+    surface : callable
+        A function of two variables, built from ordinary arithmetic and numpy's functions. What
+        it raises itself passes through.
+    s, t : (...) float
+        Points, that is, values of these two variables; n of them in all.
+    model : {"isotropic", "space"}
+        "isotropic": `surface` returns f(x, y), in m; "space": it returns three coordinates, in m.
+
+    Returns
+    -------
+    frames : AdaptedFrames
+        At these points, counted through the flattened arrays.
+
+    Raises
+    ------
+    ValueError
+        If `surface` is no function of two variables or returns something else.
+
+    Examples
+    --------
+    >>> frames = adapted_frames(lambda s, t: [s, t, s * t], 0.0, 0.0, "space")
+    >>> frames.axes[0, 2]
+    array([0., 0., 1.])
+    """
+    s, t = np.broadcast_arrays(s, t)
+    s, t = jet_variables.unchecked(s.ravel(), t.ravel())
+    with np.errstate(all="ignore"):
+        answer = surface(s, t)
+        if model == "isotropic":
+            f = as_jet(one_number("surface", answer, s), s)
+            n = _normal(s, t)
+            r = _contact_point(s, t, f, differentiated(f, 0), differentiated(f, 1))
+            tangent = [differentiated(c, 0) for c in n]
+            known = 1.0  # the tangent's length is 2/(x^2 + y^2 + 1), never zero
+        else:
+            r = [as_jet(c, s) for c in coordinates("surface", answer, s)]
+            tangent = [differentiated(c, 0) for c in r]
+            other = [differentiated(c, 1) for c in r]
+            known = _ratio(tangent, other)
+            n = cross_product(tangent, other)
+            length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            n = [c / length for c in n]
+        third = np.stack([c.value for c in n], axis=-1)
+        first = np.stack([c.value for c in tangent], axis=-1)
+        first = first / np.linalg.norm(first, axis=-1, keepdims=True)
+        axes = np.stack([first, np.cross(third, first), third], axis=-2)
+        contact = np.stack([c.value for c in r], axis=-1)
+        r = _turned(axes, [c - c.value for c in r])
+        n = _turned(axes, n)
+        finite = np.all([np.isfinite(c.c[:10]).all(0) for c in (*r, *n)], axis=0)
+        return AdaptedFrames(contact, axes, _curvature(r, n), (known > _NOISE) & finite, r, n)
+
+
+def isotropic_jet(frames, where):
+    """Return f's jets, of order 4, in the adapted frames of some points.
+
+    Parameters
+    ----------
+    frames : AdaptedFrames
+        Of n points.
+    where : (n,) bool, indices or slice
+        Which: smooth ones where the curvature isn't 0.
+
+    Returns
+    -------
+    f : Jet
+        In m.
+    """
+    r = [Jet(c.c[:, where]) for c in frames.r]
+    n = [Jet(c.c[:, where]) for c in frames.n]
+    x, y, _, fx, fy = _isotropic_derivatives(r, n)
+    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f.c[:3] = 0.0
+    return f
+
+
+def sound(f):
+    """Return where (n,) a jet's coefficients are numbers that can be reckoned with."""
+    return np.abs(f.c).max(axis=0) <= _MOST
+
+
+@checked
+def model_jet(surface: Function(2), s: Reals, t: Reals):
+    """Return a surface in the isotropic model as it stands, without an adapted frame.
+
+    Parameters
+    ----------
+    surface : callable
+        Of two variables: three coordinates in m, with curvature nowhere 0. What it raises itself
+        passes through.
+    s, t : (...) float
+        Points, with no normal (0, 0, -1); n of them in all.
+
+    Returns
+    -------
+    x, y : (n,) float
+        Places in the model.
+    f : Jet
+        There, of order 4, in m.
+
+    Raises
+    ------
+    ValueError
+        If the surface isn't smooth at a point, or has no isotropic model there.
+    """
+    found = adapted_frames.unchecked(surface, s, t, "space")
+    back = np.swapaxes(found.axes, 1, 2)
+    r = _turned(back, found.r)
+    n = _turned(back, found.n)
+    r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
+    x, y, value, fx, fy = _isotropic_derivatives(r, n)
+    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f.c[0] = value.value
+    if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):
+        raise ValueError(
+            "surface: must be smooth at every point, of a Gaussian curvature not 0 and with a "
+            "normal other than (0, 0, -1); got one where it isn't."
+        )
+    return x.value, y.value, f
+
+
+def _integrated(fx, fy):
+    """Return a jet of order 4 from its first derivatives, its value left 0."""
+    f = np.zeros_like(fx.c)
+    # f itself would need the surface to order 5; its derivatives don't (Eqs 18 and 19).
+    for place, (i, j) in enumerate(EXPONENTS[1:], start=1):
+        if i:
+            f[place] = fx.c[EXPONENTS.index((i - 1, j))] / i
+        else:
+            f[place] = fy.c[EXPONENTS.index((0, j - 1))] / j
+    return Jet(f)
+
+
+def tangent_graph(frames, where):
+    """Return jets, of order 3, of the surface as a graph over its tangent planes.
+
+    Parameters
+    ----------
+    frames : AdaptedFrames
+        Of n points.
+    where : (n,) bool, indices or slice
+        Which; only smooth ones.
+
+    Returns
+    -------
+    g : Jet
+        Heights along the normal, in m.
+    """
+    x, y, z = (Jet(c.c[:, where]) for c in frames.r)
+    return compose([z], *inverse(x, y))[0]
+
+
+def _curvature(r, n):
+    """Return |K|/|II|^2 from first derivatives of points and normals, in the frames."""
+    (_, xs, xt), (_, ys, yt) = (c.c[:3] for c in r[:2])
+    (_, ns, nt), (_, ms, mt) = (c.c[:3] for c in n[:2])
+    # The matrix of the shape operator times the area xs yt - xt ys, which may be zero.
+    a, b = ns * yt - nt * ys, nt * xs - ns * xt
+    c, d = ms * yt - mt * ys, mt * xs - ms * xt
+    square = a * a + b * b + c * c + d * d
+    # Normals that turn no more than the second derivatives' rounding don't turn.
+    bend = sum(np.abs(part.c[3:6]).sum(axis=0) for part in r[:2])
+    turn = np.hypot(np.hypot(ns, nt), np.hypot(ms, mt))
+    run = np.hypot(np.hypot(xs, xt), np.hypot(ys, yt))
+    plane = turn * run <= _NOISE * bend
+    return np.where(plane | (square == 0), 0.0, np.abs(a * d - b * c) / (square + (square == 0)))
+
+
+def _turned(axes, vector):
+    return [sum(vector[k] * axes[:, i, k] for k in range(3)) for i in range(3)]
+
+
+def _ratio(a, b):
+    """Return how far two tangents are from being parallel or zero, 0 to 1."""
+    a, b = (np.stack([c.value for c in v], axis=-1) for v in (a, b))
+    return np.linalg.norm(np.cross(a, b), axis=-1) / np.prod(
+        [np.linalg.norm(v, axis=-1) for v in (a, b)], axis=0
+    )

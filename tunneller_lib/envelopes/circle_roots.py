@@ -1,0 +1,108 @@
+"""Where trigonometric polynomials vanish: all real zeros on the circle, by eigenvalues."""
+
+from functools import cache
+
+import numpy as np
+
+SAME = 2e-5  # rad, roots nearer than this are one multiple root
+_NEARLY_REAL = 1e-3
+_ZERO = 1e-11  # of the coefficients' sum
+
+
+def real_zeros(function, degree, *, unit):
+    """Return all real zeros of trigonometric polynomials, with their multiplicities.
+
+    Parameters
+    ----------
+    function : callable
+        Maps angles (1, m) or (n, m) to the values (n, m) of n trigonometric polynomials.
+    degree : int
+        Their degree d.
+    unit : (n,) float
+        What their values are to be compared with: one below 1e-12 of it vanishes everywhere.
+
+    Returns
+    -------
+    angle : (n, 2 d) float
+        The zeros from -pi to pi, ascending, NaN-padded; none where a polynomial vanishes
+        everywhere.
+    multiplicity : (n, 2 d) int
+        How many zeros fell together, 0 in the padding.
+
+    Notes
+    -----
+    The circle is mapped onto a line by the tangent of the half angle, from the angle at which
+    the polynomial is greatest: that becomes the leading coefficient, so that no zero is lost at
+    infinity. A fixed angle, as in the document's Eq. 13, loses the zero that it hits. A pair of
+    zeros is taken for a double one where it is nearer than `SAME`, or where the polynomial
+    doesn't leave 1e-11 of its coefficients between the two.
+    """
+    n = 2 * degree
+    samples = 2 * np.pi * np.arange(n + 1)[None] / (n + 1)
+    values = function(samples)
+    harmonics = np.fft.fft(values, axis=-1) / (n + 1)  # harmonic k at place k modulo n + 1
+    scale = np.sum(np.abs(harmonics), axis=-1, keepdims=True)
+    vanishes = scale[:, 0] <= 1e-12 * unit
+    # `at` lies opposite the greatest sample, which the half angle's tangent sends to infinity.
+    at = np.take(samples[0], np.argmax(np.abs(values), axis=-1))[:, None] + np.pi
+    orders = np.arange(-degree, degree + 1)
+    line = ((harmonics[:, orders] * np.exp(1j * orders * at)) @ _line(degree)).real
+    line[vanishes] = np.eye(n + 1)[-1]  # any polynomial that divides soundly: no zero is kept
+    companion = np.zeros((len(line), n, n))
+    companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
+    companion[:, :, -1] = -line[:, :-1] / line[:, -1:]
+    tangent = np.linalg.eigvals(companion)
+    # Rounding may part a double zero into a complex pair, off the axis by its square root.
+    nearly = np.abs(tangent.imag) < _NEARLY_REAL * (1 + np.abs(tangent) ** 2)
+    # Seen from `at` no zero lies near -pi or pi, where the polynomial is greatest.
+    angle = _polished(harmonics, orders, at + 2 * np.arctan(tangent.real))
+    left = np.abs(_evaluate(harmonics, orders, angle)[0])
+    # That bound lets pairs in that do miss the axis: there the polynomial keeps off zero.
+    found = nearly & (left <= _ZERO * scale) & ~vanishes[:, None]
+    angle, multiplicity = _merged(np.where(found, angle - at, np.nan))
+    angle = np.angle(np.exp(1j * (angle + at)))
+    order = np.argsort(angle, axis=-1)
+    return np.take_along_axis(angle, order, -1), np.take_along_axis(multiplicity, order, -1)
+
+
+@cache
+def _line(degree):
+    """Return the coefficients of (1 + i x)^(d + k) (1 - i x)^(d - k), a row for each k."""
+    rows = []
+    for k in range(-degree, degree + 1):
+        row = np.poly1d([1.0])
+        for factor in [[1j, 1]] * (degree + k) + [[-1j, 1]] * (degree - k):
+            row = row * np.poly1d(factor)
+        rows.append(row.coeffs[::-1])
+    return np.array(rows)
+
+
+def _evaluate(harmonics, orders, angle):
+    waves = harmonics[:, None, orders] * np.exp(1j * orders * angle[..., None])
+    return waves.sum(axis=-1).real, (1j * orders * waves).sum(axis=-1).real
+
+
+def _polished(harmonics, orders, angle):
+    """Return angles after two Newton steps, none of which may lead to another zero."""
+    for _ in range(2):
+        value, slope = _evaluate(harmonics, orders, angle)
+        with np.errstate(all="ignore"):
+            step = value / slope
+        angle = angle - np.where(np.abs(step) < 0.1 * SAME, step, 0.0)
+    return angle
+
+
+def _merged(angle):
+    """Return sorted angles (n, m), those that are nearly the same put together, and how many."""
+    angle = np.sort(angle, axis=-1)  # NaN comes last
+    multiplicity = np.isfinite(angle).astype(int)
+    for column in range(angle.shape[-1] - 1):
+        near = angle[:, column + 1] - angle[:, column] < SAME
+        count = multiplicity[:, column]
+        # The mean, kept in the later column, where a third may join; the earlier is left empty.
+        mean = (count * angle[:, column] + angle[:, column + 1]) / (count + 1)
+        angle[near, column + 1] = mean[near]
+        angle[near, column] = np.nan
+        multiplicity[near, column + 1] += count[near]
+        multiplicity[near, column] = 0
+    return angle, multiplicity
