@@ -154,9 +154,12 @@ def test_path_refuses_ends_beyond_the_node(path):
                 call()
 
 
-def test_chord_through_the_centre_is_not_projected_from_there():
-    with pytest.raises(ValueError, match=r"^p, q: must be ends that radial projection can join"):
-        CHORD_PATHS["radial projection"](MACHINE.torus, (0, 0), (np.pi, 0), np.array([0.5]))
+def test_path_that_leads_nowhere_is_refused():
+    lost = ChordPath("lost", lambda torus, p, q, t: np.full((len(t), 2), np.nan), "error", "-")
+    for call in (lambda: lost(MACHINE.torus, (0, 0), (0.1, 0), T),
+                 lambda: path_length(MACHINE.torus, lost, (0, 0), (0.1, 0))):  # fmt: skip
+        with pytest.raises(ValueError, match=r"^p, q: must be ends that lost can join"):
+            call()
 
 
 def test_path_of_ones_own_is_measured_like_the_others():

@@ -106,6 +106,13 @@ def test_competing_geodesics_do_not_depend_on_company(torus):
     np.testing.assert_allclose(together, apart, rtol=1e-12)
 
 
+@pytest.mark.parametrize("torus", [Torus(1e60, 1e-60), Torus(1e-60, 1e60)], ids=str)
+def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
+    for find in (geodesic_inverse, competing_geodesics):
+        with pytest.raises(ValueError, match=r"^torus: r / R must be from 1e-100 to 1e\+100"):
+            find(torus, (0, 0), (0.1, 0))
+
+
 def test_competing_geodesics_broadcast():
     rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
     assert rivals.length.shape == (6, 4, 3) and rivals.p.shape == (6, 4, 3, 2)

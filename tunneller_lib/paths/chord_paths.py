@@ -153,7 +153,7 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     0.63
     """
     t, weights, slope = _nodes()
-    way = path(torus, p, q, t)
+    way = ChordPath.__call__.unchecked(path, torus, p, q, t)
     rate = np.einsum("ij,...jk->...ik", slope, way)
     rho = torus.r + torus.R * np.cos(way[..., 1])
     return np.hypot(rho * rate[..., 0], torus.R * rate[..., 1]) @ weights

@@ -11,6 +11,7 @@ from .bounds import Row
 from .projection import project_chord
 
 PLACES = 33  # of each projected chord at which its depth is looked at
+LEAST_SIZE, MOST_SIZE = 1e-6, 1e6  # m
 MOST_KNOTS = 20_000  # far beyond any machine: 1e-8 m in a tunnel of a metre
 
 
@@ -75,6 +76,11 @@ class Circuit:
         Pose of the machine in the tunnel, right-handed about its own y axis (left) and then
         about the tunnel's z axis (up), in rad; a positive pitch lowers the nose.
 
+    Raises
+    ------
+    ValueError
+        If r + R of the machine isn't from 1e-6 to 1e6 m.
+
     Notes
     -----
     Tunnelling robot, sections 1.1 and 3.2.2. The wanted path is this intersection and not a
@@ -86,6 +92,14 @@ class Circuit:
     section: Section
     pitch: Angle = 0.0
     yaw: Angle = 0.0
+
+    def __post_init__(self):
+        size = self.machine.r + self.machine.R
+        if not LEAST_SIZE <= size <= MOST_SIZE:
+            raise ValueError(
+                f"machine: r + R must be from {LEAST_SIZE:g} to {MOST_SIZE:g} m, for lines are "
+                f"told by points a metre apart; got {size:g} m."
+            )
 
     @property
     def aligned(self):
@@ -141,6 +155,7 @@ class Circuit:
             return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
         a = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1) @ self.axes
         along = self.axes[0]  # the tunnel's direction, seen by the machine
+        self._refuse(np.hypot(y, z).ravel() > 2 * (torus.r + torus.R), s)  # beyond all rounding
         t = torus.meet_line(a, a + along)
         self._refuse(np.isnan(t[:, 0]), s)
         farthest = np.nanargmax(t * along[0], axis=-1)

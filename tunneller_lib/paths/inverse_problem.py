@@ -15,6 +15,7 @@ from .geodesic_classes import inner, outer
 from .geodesic_root import integrate, solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+MOST_RATIO = 1e100  # of r and R, either way
 FEW = 16  # pairs whose turned angles are looked at together, within what a cache holds
 
 
@@ -57,7 +58,7 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     Parameters
     ----------
     torus : Torus
-        The surface: a ring, a horn, or the outer sheet of a spindle.
+        The surface: a ring, a horn, or the outer sheet of a spindle, r / R from 1e-100 to 1e100.
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends, in rad; they broadcast.
 
@@ -107,7 +108,7 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     Parameters
     ----------
     torus : Torus
-        The surface: a ring, a horn, or the outer sheet of a spindle.
+        The surface: a ring, a horn, or the outer sheet of a spindle, r / R from 1e-100 to 1e100.
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends, in rad; they broadcast.
 
@@ -144,6 +145,11 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
 
 def _normal_form(torus, p, q):
     """Return the ends, broadcast, and the same as `_Ends`."""
+    if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
+        raise ValueError(
+            f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "
+            f"overflows; got {torus.r / torus.R:g}."
+        )
     p, q = np.broadcast_arrays(p, q)
     start = p.reshape(-1, 2)
     stop = q.reshape(-1, 2)
