@@ -6,15 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tunneller_lib.paths import geodesic_inverse, project_chord, projected_length
-from tunneller_lib.paths.chord_paths import (
+from tunneller_lib.paths import (
     CHORD_PATHS,
-    joint_line,
-    one_third_rule,
+    ChordPath,
+    geodesic_inverse,
     path_length,
-    plane_section,
-    radial_projection,
-    tangent_spheres,
+    project_chord,
+    projected_length,
 )
 from tunneller_lib.reporting.digits import in_words
 from tunneller_lib.reporting.path_plot import look
@@ -68,15 +66,16 @@ def test_path_is_no_shorter_than_the_geodesic(torus, path):
 @every_torus
 def test_tangent_spheres_are_the_projected_chord(torus):
     p, q = pairs(200, seed=3)
-    np.testing.assert_array_equal(tangent_spheres(torus, p, q, T), project_chord(torus, p, q, 9))
-    length = path_length(torus, tangent_spheres, p, q)
+    path = CHORD_PATHS["tangent spheres"]
+    np.testing.assert_array_equal(path(torus, p, q, T), project_chord(torus, p, q, 9))
+    length = path_length(torus, path, p, q)
     np.testing.assert_allclose(length, projected_length(torus, p, q), rtol=1e-8)
 
 
 @every_torus
 def test_plane_section_lies_in_the_plane_and_is_where_lines_meet_the_torus(torus):
     p, q = pairs(50, seed=4)
-    way = points(torus, plane_section(torus, p, q, T[1:-1]))
+    way = points(torus, CHORD_PATHS["plane section"](torus, p, q, T[1:-1]))
     start, stop = points(torus, p), points(torus, q)
     middle = (start + stop) / 2
     normal = torus.normal(*torus.angles(middle))
@@ -92,7 +91,7 @@ def test_plane_section_lies_in_the_plane_and_is_where_lines_meet_the_torus(torus
 @every_torus
 def test_radial_projection_lies_in_a_plane_through_the_centre(torus):
     p, q = pairs(50, seed=5)
-    way = points(torus, radial_projection(torus, p, q, T))
+    way = points(torus, CHORD_PATHS["radial projection"](torus, p, q, T))
     across = np.cross(points(torus, p), points(torus, q))
     off = np.einsum("nki,ni->nk", way, across)
     assert np.max(np.abs(off)) <= 1e-13 * torus.R**3
@@ -104,8 +103,8 @@ def test_one_third_rule_is_the_geodesic_to_a_higher_order(torus):
     p, q = np.array([0.1, 0.2]), np.array([0.5, 0.45])
     ends = np.array([[p + s * (q - p), q - s * (q - p)] for s in (0.0, 0.25)])
     samples = geodesic_inverse(torus, ends[:, 0], ends[:, 1]).points(257)
-    for path, ratio in ((tangent_spheres, 7), (plane_section, 7), (one_third_rule, 13)):
-        way = path(torus, ends[:, 0], ends[:, 1], T)
+    for name, ratio in (("tangent spheres", 7), ("plane section", 7), ("one-third rule", 13)):
+        way = CHORD_PATHS[name](torus, ends[:, 0], ends[:, 1], T)
         long, short = np.max(np.abs(samples.deviation(way)), axis=-1)
         assert long / short > ratio
 
@@ -139,8 +138,41 @@ def test_path_refuses_ends_of_another_shape(path):
         path(MACHINE.torus, (0, 0), (0, 0), ["a"])
 
 
+@pytest.mark.parametrize("t", [0.5, [[0.5]], "half"], ids=repr)
+@every_path
+def test_path_refuses_what_is_no_list_of_shares(path, t):
+    with pytest.raises(ValueError, match=r"^t: must "):
+        path(MACHINE.torus, (0, 0), (0.1, 0), t)
+
+
+@every_path
+def test_path_refuses_ends_beyond_the_node(path):
+    for name, ends in (("p", ((0, 3), (0, 0))), ("q", ((0, 0), (0, 3)))):
+        for call in (lambda ends=ends: path(MACHINE.torus, *ends, T),
+                     lambda ends=ends: path_length(MACHINE.torus, path, *ends)):  # fmt: skip
+            with pytest.raises(ValueError, match=rf"^{name}: must lie on the working sheet"):
+                call()
+
+
+def test_path_that_leads_nowhere_is_refused():
+    lost = ChordPath("lost", lambda torus, p, q, t: np.full((len(t), 2), np.nan), "error", "-")
+    for call in (lambda: lost(MACHINE.torus, (0, 0), (0.1, 0), T),
+                 lambda: path_length(MACHINE.torus, lost, (0, 0), (0.1, 0))):  # fmt: skip
+        with pytest.raises(ValueError, match=r"^p, q: must be ends that lost can join"):
+            call()
+
+
+def test_path_of_ones_own_is_measured_like_the_others():
+    mine = ChordPath("mine", CHORD_PATHS["joint space"].way, "error", "-")
+    p, q = pairs(5)
+    theirs = path_length(MACHINE.torus, CHORD_PATHS["joint space"], p, q)
+    np.testing.assert_array_equal(path_length(MACHINE.torus, mine, p, q), theirs)
+    with pytest.raises(ValueError, match=r"^path: must be of class ChordPath; got"):
+        path_length(MACHINE.torus, mine.way, p, q)
+
+
 def test_joint_line_of_no_length_has_none():
-    assert path_length(MACHINE.torus, joint_line, (0.1, 0.2), (0.1, 0.2)) < 1e-14
+    assert path_length(MACHINE.torus, CHORD_PATHS["joint space"], (0.1, 0.2), (0.1, 0.2)) < 1e-14
 
 
 # What a further path reaches by itself, and where people count them

@@ -106,6 +106,13 @@ def test_competing_geodesics_do_not_depend_on_company(torus):
     np.testing.assert_allclose(together, apart, rtol=1e-12)
 
 
+@pytest.mark.parametrize("torus", [Torus(1e60, 1e-60), Torus(1e-60, 1e60)], ids=str)
+def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
+    for find in (geodesic_inverse, competing_geodesics):
+        with pytest.raises(ValueError, match=r"^torus: r / R must be from 1e-100 to 1e\+100"):
+            find(torus, (0, 0), (0.1, 0))
+
+
 def test_competing_geodesics_broadcast():
     rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
     assert rivals.length.shape == (6, 4, 3) and rivals.p.shape == (6, 4, 3, 2)
@@ -143,8 +150,6 @@ def test_certified_geodesics_have_no_shorter_rival(torus):
 
 
 def test_certificates_of_special_ends():
-    found = geodesic_inverse(
-        SPINDLE, [(0, 1), (0, 1), (0, 3), (np.nan, 0)], [(0, 1), (0, -1), (0, 0), (0, 0)]
-    )
-    assert list(found.certificate) == ["curvature", "meridian", "", ""]
-    np.testing.assert_array_equal(found.certified, [True, True, False, False])
+    found = geodesic_inverse(SPINDLE, [(0, 1), (0, 1), (0, 3)], [(0, 1), (0, -1), (0, 0)])
+    assert list(found.certificate) == ["curvature", "meridian", ""]
+    np.testing.assert_array_equal(found.certified, [True, True, False])

@@ -4,12 +4,14 @@ import numpy as np
 import sympy as sp
 
 from tunneller_lib.paths import (
+    CHORD_PATHS,
+    NODES_OF_WORKING_SHEET,
     competing_geodesics,
     geodesic_direct,
     geodesic_inverse,
     geodesic_root,
+    path_length,
 )
-from tunneller_lib.paths.chord_paths import CHORD_PATHS, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE = REFERENCE_MACHINE
@@ -65,9 +67,9 @@ def test_geodesic_in_real_time(monkeypatch):
     # A handful of short sums, once for a whole path: no search of unknown length.
     rounds = []
 
-    def counted(torus, track, count):
+    def counted(torus, integrand, count):
         rounds.append(count)
-        return integrate(torus, track, count)
+        return integrate(torus, integrand, count)
 
     integrate = geodesic_root.integrate
     monkeypatch.setattr(geodesic_root, "integrate", counted)
@@ -76,7 +78,7 @@ def test_geodesic_in_real_time(monkeypatch):
         rounds.clear()
         assert geodesic_inverse(MACHINE.torus, p, q).converged
         number.append(len(rounds))
-    assert set(rounds) == {20} and max(number) <= 5 and np.mean(number) < 3.5
+    assert set(rounds) == {NODES_OF_WORKING_SHEET} and max(number) <= 5 and np.mean(number) < 3.5
 
 
 def test_geodesic_is_approximated():

@@ -207,8 +207,14 @@ def test_length_of_a_path_that_jumps_is_refused(torus, p, q):
             call(torus, p, q)
 
 
-def test_projected_length_of_an_unknown_position_is_nan():
-    assert np.isnan(projected_length(MACHINE, (0, np.nan), Q))
+def test_projected_length_of_an_unknown_position_is_refused():
+    with pytest.raises(ValueError, match=r"^p: must hold finite numbers; got nan"):
+        projected_length(MACHINE, (0, np.nan), Q)
+
+
+def test_project_chord_refuses_more_points_than_memory_holds():
+    with pytest.raises(ValueError, match=r"^n: must ask for at most 10000000 points of all paths"):
+        project_chord(MACHINE, np.zeros((1000, 2)), Q, 10_001)
 
 
 def test_spacing_by_arc_is_monotone_and_even_on_the_longest_chords():
@@ -230,7 +236,7 @@ def test_project_chord_broadcasts(spacing):
 
 @pytest.mark.parametrize("n", [1, 0, -3, 2.0, "2", None])
 def test_project_chord_refuses_another_number_of_points(n):
-    with pytest.raises(ValueError, match=r"^n: must be a whole number of at least 2 points; got "):
+    with pytest.raises(ValueError, match=r"^n: must be one whole number from 2 to 10000000; got "):
         project_chord(MACHINE, P, Q, n)
 
 

@@ -1,8 +1,7 @@
 """Other ways between two joint positions that could stand in for a geodesic.
 
-Each is a function of the torus, the ends p and q and the shares t of the way, 0 at p and 1 at q,
-and returns joint positions. All but the straight line in joint space drop the points M(t) of the
-chord onto the torus: along which direction is the whole difference.
+All but the straight line in joint space drop the points M(t) of the chord onto the torus: along
+which direction is the whole difference.
 """
 
 from collections.abc import Callable
@@ -12,20 +11,75 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arguments import instance, positions, real
+from ..arguments import Positions, checked, positions
 from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
+from .bounds import Row, check_on_sheet
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
+ORDER = 48  # nodes of the quadrature of a path's length
 
 
-def tangent_spheres(torus, p, q, t):
+@dataclass(frozen=True)
+@checked
+class ChordPath:
+    """A way that could stand in for a geodesic, with its look in drawings.
+
+    Parameters
+    ----------
+    name : str
+        What tables and legends call it.
+    way : callable
+        Of a torus, positions p and q (..., 2) in rad and shares t (n,), 0 at p and 1 at q, to
+        positions (..., n, 2).
+    colour : str
+        Its role in `reporting.COLOURS`.
+    line : str or tuple
+        Its line style, of matplotlib, that tells it apart in grey, too.
+    """
+
+    name: str
+    way: Callable
+    colour: str
+    line: str | tuple
+
+    @checked
+    def __call__(self, torus: Torus, p: Positions, q: Positions, t: Row):
+        """Return the joint positions (..., n, 2), in rad, at the shares t of the way from p to q.
+
+        Parameters
+        ----------
+        torus : Torus
+            The surface.
+        p, q : (..., 2) float
+            Joint positions (theta, phi) of the ends, in rad, on the working sheet.
+        t : (n,) float
+            Shares of the way, 0 at p and 1 at q.
+
+        Raises
+        ------
+        ValueError
+            If an end isn't on the working sheet, or no path leads from one to the other, as along
+            a chord through the centre of the torus.
+        """
+        check_on_sheet(torus, p, q)
+        with np.errstate(all="ignore"):  # where there is no path the next lines say so
+            found = self.way(torus, p, q, t)
+        if not np.all(np.isfinite(found)):
+            raise ValueError(
+                f"p, q: must be ends that {self.name} can join, with a chord that keeps away from "
+                "the axis and the torus' centre; got others."
+            )
+        return positions(self.name, found)
+
+
+def _tangent_spheres(torus, p, q, t):
     """Return the document's path on a torus from p to q: M(t) along its own normal, 3.3."""
     m, _ = _chord(torus, p, q, t)
     return _joint(torus, m)
 
 
-def one_third_rule(torus, p, q, t):
+def _one_third_rule(torus, p, q, t):
     """Return the path on a torus from p to q that mixes the normals at M(t) and in the middle.
 
     Our proposal: a third of M's own normal and two thirds of the middle's cancel the leading term
@@ -38,114 +92,96 @@ def one_third_rule(torus, p, q, t):
     return _joint(torus, m - depth * (normal - _normal(torus, middle)) * (2 / 3))
 
 
-def plane_section(torus, p, q, t):
+def _plane_section(torus, p, q, t):
     """Return the torus' section from p to q by a plane, M(t) along the normal of the middle."""
     m, middle = _chord(torus, p, q, t)
     return _dropped(torus, m, _normal(torus, middle))
 
 
-def radial_projection(torus, p, q, t):
+def _radial_projection(torus, p, q, t):
     """Return the chord from p to q projected from the centre of the torus, M(t) by M(t)."""
     m, _ = _chord(torus, p, q, t)
     return _dropped(torus, m, m / norm(m)[..., None])
 
 
-def joint_line(torus, p, q, t):
+def _joint_line(_, p, q, t):
     """Return the straight line from p to q at t in the plane of the joint angles, for any torus."""
-    p, q, t = positions("p", p), positions("q", q), real("t", t)
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
-
-
-@dataclass(frozen=True)
-class ChordPath:
-    """A way that could stand in for a geodesic, with its look in drawings.
-
-    Parameters
-    ----------
-    name : str
-        What tables and legends call it.
-    way : callable
-        Of a torus, positions p and q (..., 2) in rad and shares t (n,), to positions (..., n, 2).
-    colour : str
-        Its role in `reporting.COLOURS`.
-    line : str or tuple
-        Its line style, of matplotlib, that tells it apart in grey, too.
-    """
-
-    name: str
-    way: Callable
-    colour: str
-    line: str | tuple
-
-    def __call__(self, torus, p, q, t):
-        """Return the `way` on a torus from p to q at t."""
-        return self.way(torus, p, q, t)
 
 
 # A further one is one entry here; the atlas (notebooks/atlas.csv) is then to be made anew.
 CHORD_PATHS = {
     path.name: path
     for path in (
-        ChordPath("tangent spheres", tangent_spheres, "tangent sphere", "-"),
-        ChordPath("one-third rule", one_third_rule, "correct", "--"),
-        ChordPath("plane section", plane_section, "offset", "-."),
-        ChordPath("radial projection", radial_projection, "printed", ":"),
-        ChordPath("joint space", joint_line, "error", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
+        ChordPath("tangent spheres", _tangent_spheres, "tangent sphere", "-"),
+        ChordPath("one-third rule", _one_third_rule, "correct", "--"),
+        ChordPath("plane section", _plane_section, "offset", "-."),
+        ChordPath("radial projection", _radial_projection, "printed", ":"),
+        ChordPath("joint space", _joint_line, "error", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
     )
 }
 
 
-def path_length(torus, path, p, q, *, order=48):
+@checked
+def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     """Return the length of a path between joint positions.
 
     Parameters
     ----------
     torus : Torus
         The surface.
-    path : callable
-        One of this module's paths, or another of t (n,) to joint positions (..., n, 2).
+    path : ChordPath
+        One of `CHORD_PATHS`, or another.
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends, in rad; they broadcast.
-    order : int
-        Number of nodes of the Gauss-Legendre quadrature, whose polynomial gives the speed.
 
     Returns
     -------
     length : (...) float
-        In m; on a working sheet to 1e-9 of itself, mostly to rounding.
+        In m; on a working sheet to 1e-9 of itself, mostly to rounding: Gauss-Legendre quadrature
+        of the speed of the polynomial through the path at the nodes.
+
+    Raises
+    ------
+    ValueError
+        If an end isn't on the working sheet, or the path doesn't join them.
+
+    Examples
+    --------
+    >>> path = CHORD_PATHS["joint space"]
+    >>> round(float(path_length(Torus(0.1, 0.9), path, (0, -0.3), (0, 0.4))), 12)
+    0.63
     """
-    t, weights, slope = _nodes(order)
-    way = path(torus, p, q, t)
+    t, weights, slope = _nodes()
+    way = ChordPath.__call__.unchecked(path, torus, p, q, t)
     rate = np.einsum("ij,...jk->...ik", slope, way)
     rho = torus.r + torus.R * np.cos(way[..., 1])
     return np.hypot(rho * rate[..., 0], torus.R * rate[..., 1]) @ weights
 
 
 @cache
-def _nodes(order):
+def _nodes():
     """Return Gauss-Legendre nodes and weights for t, and the matrix that differentiates there."""
-    x, weights = legendre.leggauss(order)
-    basis = legendre.legvander(x, order - 1)
-    slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(order)], axis=1)
+    x, weights = legendre.leggauss(ORDER)
+    basis = legendre.legvander(x, ORDER - 1)
+    slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(ORDER)], axis=1)
     return (1 + x) / 2, weights / 2, 2 * np.linalg.solve(basis.T, slopes.T).T
 
 
 def _chord(torus, p, q, t):
     """Return the chord's points M(t) (..., n, 3) and its middle (..., 1, 3)."""
-    instance("torus", torus, Torus)
-    start, stop = (
-        torus.point(*np.moveaxis(positions(*end), -1, 0)) for end in (("p", p), ("q", q))
-    )
-    t, way = real("t", t)[:, None], (stop - start)[..., None, :]
-    return start[..., None, :] + t * way, start[..., None, :] + way / 2
+    start = Torus.point.unchecked(torus, p[..., 0], p[..., 1])
+    stop = Torus.point.unchecked(torus, q[..., 0], q[..., 1])
+    way = (stop - start)[..., None, :]
+    return start[..., None, :] + t[:, None] * way, start[..., None, :] + way / 2
 
 
 def _joint(torus, m):
-    return np.stack(torus.angles(m), axis=-1)
+    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
 
 
 def _normal(torus, m):
-    return torus.normal(*torus.angles(m))
+    return Torus.normal.unchecked(torus, *Torus.angles.unchecked(torus, m))
 
 
 def _depth(torus, m):

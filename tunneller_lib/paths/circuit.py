@@ -1,18 +1,22 @@
 """The closed curve that the cutter's centre must follow: offset tunnel meets torus."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..arguments import finite, instance, points, positions, positive, real
-from ..surfaces import Machine, Section
+from ..arguments import Angle, Lengths, Points, Positions, Positive, checked
+from ..surfaces import Machine, Section, Torus
+from .bounds import Row
 from .projection import project_chord
 
-SAMPLES = 33  # points of each projected chord at which its depth is looked at
+PLACES = 33  # of each projected chord at which its depth is looked at
+LEAST_SIZE, MOST_SIZE = 1e-6, 1e6  # m
 MOST_KNOTS = 20_000  # far beyond any machine: 1e-8 m in a tunnel of a metre
 
 
-def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
+@checked
+def cutting_circuit(machine: Machine, section: Section, *, pitch: Angle = 0.0, yaw: Angle = 0.0):
     """Return the circuit of a machine in a tunnel, after checking that it can be run.
 
     Parameters
@@ -56,6 +60,7 @@ def cutting_circuit(machine, section, *, pitch=0.0, yaw=0.0):
 
 
 @dataclass(frozen=True)
+@checked
 class Circuit:
     """A circuit of the cutter's centre, by arc length s along the offset section, in m.
 
@@ -71,6 +76,11 @@ class Circuit:
         Pose of the machine in the tunnel, right-handed about its own y axis (left) and then
         about the tunnel's z axis (up), in rad; a positive pitch lowers the nose.
 
+    Raises
+    ------
+    ValueError
+        If r + R of the machine isn't from 1e-6 to 1e6 m.
+
     Notes
     -----
     Tunnelling robot, sections 1.1 and 3.2.2. The wanted path is this intersection and not a
@@ -80,21 +90,23 @@ class Circuit:
 
     machine: Machine
     section: Section
-    pitch: float = 0.0
-    yaw: float = 0.0
+    pitch: Angle = 0.0
+    yaw: Angle = 0.0
 
     def __post_init__(self):
-        instance("machine", self.machine, Machine)
-        instance("section", self.section, Section)
-        for name in ("pitch", "yaw"):
-            object.__setattr__(self, name, finite(name, getattr(self, name)))
+        size = self.machine.r + self.machine.R
+        if not LEAST_SIZE <= size <= MOST_SIZE:
+            raise ValueError(
+                f"machine: r + R must be from {LEAST_SIZE:g} to {MOST_SIZE:g} m, for lines are "
+                f"told by points a metre apart; got {size:g} m."
+            )
 
     @property
     def aligned(self):
         """Whether the machine's axes are parallel to the tunnel's."""
         return self.pitch == 0 and self.yaw == 0
 
-    @property
+    @cached_property
     def profile(self):
         """Return the offset section on which the centre of the cutter stays."""
         return self.section.offset(self.machine.offset)
@@ -102,25 +114,40 @@ class Circuit:
     @property
     def axes(self):
         """Return the machine's axes in the tunnel's frame, as the columns of a matrix (3, 3)."""
-        (c, s), (cy, sy) = ((np.cos(a), np.sin(a)) for a in (self.pitch, self.yaw))
+        c, s = np.cos(self.pitch), np.sin(self.pitch)
+        cy, sy = np.cos(self.yaw), np.sin(self.yaw)
         return np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
 
-    def position(self, s):
-        """Return the joint positions (..., 2) = (theta, phi), in rad, at arc lengths s (...).
+    @checked
+    def position(self, s: Lengths):
+        """Return the joint positions of the circuit.
 
-        Where the axes are parallel Eq. 5 is biquadratic and the angles follow at once;
-        otherwise the ruling meets the torus in up to four points, of which the document takes
-        the one of greatest x.
+        Parameters
+        ----------
+        s : (...) float
+            Arc lengths along the offset section, in m.
+
+        Returns
+        -------
+        position : (..., 2) float
+            (theta, phi), in rad.
 
         Raises
         ------
         ValueError
             If a ruling misses the torus.
+
+        Notes
+        -----
+        Where the axes are parallel Eq. 5 is biquadratic and the angles follow at once;
+        otherwise the ruling meets the torus in up to four points, of which the document takes
+        the one of greatest x.
         """
-        y, z = np.moveaxis(self.profile.point(s), -1, 0)
+        y, z = np.moveaxis(Section.point.unchecked(self.profile, s), -1, 0)
         z = z - self.machine.height
         torus = self.machine.torus
         if self.aligned:
+            # y alone gives phi, and with it the radius rho of the parallel on which z lies.
             missed = np.abs(y) > torus.R
             rho = torus.r + np.sqrt(np.where(missed, 0, (torus.R - y) * (torus.R + y)))
             missed |= np.abs(z) > rho
@@ -128,23 +155,28 @@ class Circuit:
             return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
         a = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1) @ self.axes
         along = self.axes[0]  # the tunnel's direction, seen by the machine
+        self._refuse(np.hypot(y, z).ravel() > 2 * (torus.r + torus.R), s)  # beyond all rounding
         t = torus.meet_line(a, a + along)
         self._refuse(np.isnan(t[:, 0]), s)
         farthest = np.nanargmax(t * along[0], axis=-1)
         point = a + np.take_along_axis(t, farthest[:, None], axis=-1) * along
-        return np.stack(torus.angles(point), axis=-1).reshape(*y.shape, 2)
+        return np.stack(Torus.angles.unchecked(torus, point), axis=-1).reshape(*y.shape, 2)
 
     def _refuse(self, missed, s):
         if np.any(missed):
-            first = np.ravel(real("s", s))[np.flatnonzero(missed)[0]]
-            raise ValueError(f"machine: can't cut this section; the ruling {first:.3f} m along the "
-                             "circuit misses the torus.")  # fmt: skip
+            first = np.ravel(s)[np.flatnonzero(missed)[0]]
+            raise ValueError(
+                f"machine: can't cut this section; the ruling {first:.3f} m along the circuit "
+                "misses the torus."
+            )
 
-    def point(self, s):
+    @checked
+    def point(self, s: Lengths):
         """Return the cutter's centre (..., 3), in m, in the machine's frame, at arc lengths s."""
-        position = self.position(s)
-        return self.machine.torus.point(position[..., 0], position[..., 1])
+        position = Circuit.position.unchecked(self, s)
+        return Torus.point.unchecked(self.machine.torus, position[..., 0], position[..., 1])
 
+    @checked
     def reach(self):
         """Return the least and the greatest joint positions (2,) on the circuit, in rad.
 
@@ -153,45 +185,78 @@ class Circuit:
         step = self.profile.perimeter / 720
         s = step * np.arange(720)
         for _ in range(4):
-            position = self.position(s)
-            low, high = position.min(axis=0), position.max(axis=0)
+            position = Circuit.position.unchecked(self, s)
+            low = position.min(axis=0)
+            high = position.max(axis=0)
             extremes = s[np.concatenate([position.argmin(axis=0), position.argmax(axis=0)])]
             s = (extremes[:, None] + step * np.linspace(-1, 1, 65)).ravel()
             step /= 32
         return low, high
 
-    def in_tunnel(self, point):
+    @checked
+    def in_tunnel(self, point: Points):
         """Return points (..., 3) of the machine's frame in the tunnel's, in m."""
-        turned = points("point", point) @ self.axes.T
-        return turned + np.array([0.0, 0.0, self.machine.height])
+        return point @ self.axes.T + np.array([0.0, 0.0, self.machine.height])
 
-    def arm(self, position):
-        """Return the ends of the arm's axis, the tangential joint and the cutter's centre.
+    @checked
+    def arm(self, position: Positions):
+        """Return the ends of the arm's axis at joint positions.
 
-        Both (..., 3), in m, in the tunnel's frame, at joint positions (..., 2).
+        Parameters
+        ----------
+        position : (..., 2) float
+            Joint positions (theta, phi), in rad.
+
+        Returns
+        -------
+        joint, centre : (..., 3) float
+            The tangential joint and the cutter's centre, in m, in the tunnel's frame.
         """
-        theta, phi = np.moveaxis(positions("position", position), -1, 0)
+        theta, phi = np.moveaxis(position, -1, 0)
         torus = self.machine.torus
-        return self.in_tunnel(torus.ring_point(theta)), self.in_tunnel(torus.point(theta, phi))
+        joint = Torus.ring_point.unchecked(torus, theta)
+        centre = Torus.point.unchecked(torus, theta, phi)
+        in_tunnel = Circuit.in_tunnel.unchecked
+        return in_tunnel(self, joint), in_tunnel(self, centre)
 
-    def overcut(self, position):
-        """Return how far the cutter's centre at joint positions (..., 2) lies outside the
-        wanted profile, in m: over-break if positive, under-break if negative."""
-        _, centre = self.arm(position)
-        return -self.profile.depth(centre[..., 1], centre[..., 2])
+    @checked
+    def overcut(self, position: Positions):
+        """Return how far the cutter's centre lies outside the wanted profile.
 
-    def path_overcut(self, s):
-        """Return the over-break (n, SAMPLES), in m, along the tangent-sphere paths that join n
-        knots at arc lengths s (n,) to a closed loop."""
-        s = real("s", s)
-        if s.ndim != 1:
-            raise ValueError(f"s: must be a list (n,) of arc lengths; got shape {s.shape}.")
-        knots = self.position(s)
-        path = project_chord(self.machine.torus, knots, np.roll(knots, -1, axis=0), SAMPLES)
-        return self.overcut(path)
+        Parameters
+        ----------
+        position : (..., 2) float
+            Joint positions (theta, phi), in rad.
 
-    def knots(self, tolerance):
-        """Return arc lengths (n,), in m, of knots whose tangent-sphere paths keep the depth.
+        Returns
+        -------
+        overcut : (...) float
+            In m: over-break if positive, under-break if negative.
+        """
+        _, centre = Circuit.arm.unchecked(self, position)
+        return -Section.depth.unchecked(self.profile, centre[..., 1], centre[..., 2])
+
+    @checked
+    def path_overcut(self, s: Row):
+        """Return the over-break along the tangent-sphere paths that join knots to a closed loop.
+
+        Parameters
+        ----------
+        s : (n,) float
+            Arc lengths of the knots, in m.
+
+        Returns
+        -------
+        overcut : (n, 33) float
+            At as many places of each path, both ends included, in m.
+        """
+        position = Circuit.position.unchecked(self, s)
+        path = project_chord(self.machine.torus, position, np.roll(position, -1, axis=0), PLACES)
+        return Circuit.overcut.unchecked(self, path)
+
+    @checked
+    def knots(self, tolerance: Positive):
+        """Return arc lengths of knots whose tangent-sphere paths keep the depth.
 
         Parameters
         ----------
@@ -201,8 +266,8 @@ class Circuit:
         Returns
         -------
         s : (n,) float
-            Ascending from 0; the loop closes from the last knot to the first. Every blend of
-            the section is a knot, and each arc is divided evenly.
+            In m, ascending from 0; the loop closes from the last knot to the first. Every blend
+            of the section is a knot, and each arc is divided evenly.
 
         Raises
         ------
@@ -215,21 +280,24 @@ class Circuit:
         projection undoes part of it where the torus leans against the wall, so each arc starts
         from half as many knots and is divided until the projected paths keep the tolerance.
         """
-        tolerance = positive("tolerance", tolerance)
         blends = self.profile.blends
         radius = np.array([arc.radius for arc in self.profile.arcs])
-        steps = np.diff(blends) / np.sqrt(8 * radius * tolerance)
+        with np.errstate(over="ignore", divide="ignore"):  # infinitely many are refused below
+            steps = np.diff(blends) / np.sqrt(8 * radius * tolerance)
         counts = np.maximum(np.ceil(steps / 2), 1)
         while counts.sum() <= MOST_KNOTS:
             counts = counts.astype(int)
             arcs = zip(blends[:-1], blends[1:], counts, strict=True)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
-            error = np.max(np.abs(self.path_overcut(s)), axis=-1)
+            error = np.max(np.abs(Circuit.path_overcut.unchecked(self, s)), axis=-1)
             worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)
-            if np.all(worst <= tolerance):
+            kept = worst <= tolerance
+            if np.all(kept):
                 return s
-            # The error falls with the square of the number; approach from below, by one at least.
-            more = np.maximum(np.floor(counts * np.sqrt(worst / tolerance)), counts + 1)
-            counts = np.where(worst > tolerance, more, counts)
-        raise ValueError(f"tolerance: must be such that {MOST_KNOTS} knots keep "
-                         f"it; got {tolerance:g} m.")  # fmt: skip
+            # The error falls with the square of the number; approach from below, by one at least,
+            # also where the error isn't known.
+            more = np.fmax(np.floor(counts * np.sqrt(worst / tolerance)), counts + 1)
+            counts = np.where(kept, counts, more)
+        raise ValueError(
+            f"tolerance: must be such that {MOST_KNOTS} knots keep it; got {tolerance:g} m."
+        )

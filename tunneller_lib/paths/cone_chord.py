@@ -1,15 +1,33 @@
 """The test case of the appendix: on a cone the geodesic is known. Eqs 17 to 19 and the table."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
 
-from ..arguments import finite, positive, real
+from ..arguments import Angles, Finite, Length, Rule, bounded_array, checked
 from ..surfaces import Cone
+
+FACTOR = 1e8  # by which the three lengths may differ
+APART = 1e-9  # turns by which f must keep away from whole and half ones
+SLACK = 1e-9  # of a turn's angle, by which rounding may carry an azimuth past an end
+
+
+def _shares(name, value):
+    array = bounded_array(name, value)
+    if np.any((array < 0) | (array > 1)):
+        outside = array[(array < 0) | (array > 1)].flat[0]
+        raise ValueError(f"{name}: must be fractions from 0 to 1; got {outside:g}.")
+    return array
+
+
+Fractions = Annotated[ArrayLike, Rule("(...) float", _shares)]
 
 
 @dataclass(frozen=True)
+@checked
 class ConeChord:
     """A chord PQ between two points of a cone, its tangent-sphere path and the geodesic.
 
@@ -26,8 +44,9 @@ class ConeChord:
     Raises
     ------
     ValueError
-        If a length isn't above zero, or f is a whole or a half turn: the chord then lies on a
-        ruling, or meets the axis, where the foot jumps.
+        If a length isn't above zero, two of them differ by more than a factor of 1e8, or f is
+        within 1e-9 of a whole or a half turn: the chord then lies on a ruling, or meets the axis,
+        where the foot jumps.
 
     Notes
     -----
@@ -35,16 +54,19 @@ class ConeChord:
     Its theta = (S/R) phi is taken by atan2, because phi passes 90 degrees on wide cones.
     """
 
-    R: float
-    H: float
-    h: float
-    f: float
+    R: Length
+    H: Length
+    h: Length
+    f: Finite
 
     def __post_init__(self):
-        for name in ("R", "H", "h"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        object.__setattr__(self, "f", finite("f", self.f))
-        if 2 * self.f == np.round(2 * self.f):
+        lengths = (self.R, self.H, self.h)
+        if max(lengths) > FACTOR * min(lengths):
+            raise ValueError(
+                f"R, H, h: must be within a factor of {FACTOR:g} of each other, or rounding hides "
+                f"the cone; got {self.R:g}, {self.H:g} and {self.h:g} m."
+            )
+        if abs(self.f - np.round(2 * self.f) / 2) < APART:
             raise ValueError(f"f: must be neither whole nor half a turn; got {self.f!r}.")
 
     @property
@@ -63,7 +85,8 @@ class ConeChord:
         slant = np.hypot(self.R, self.H)
         return slant, self.h * slant / self.H
 
-    def geodesic(self, u):
+    @checked
+    def geodesic(self, u: Fractions):
         """Return the geodesic's points N_d, a straight line on the development (Eq. 17).
 
         Parameters
@@ -77,64 +100,116 @@ class ConeChord:
             Points on the development, in m.
         """
         start, stop = self.cone.development(self.ends, [0.0, self.turn])
-        return start + real("u", u)[..., None] * (stop - start)
+        return start + u[..., None] * (stop - start)
 
-    def azimuth(self, u):
-        """Return the azimuth theta of the geodesic's points, in rad (Eq. 18, by atan2)."""
-        plane = self.geodesic(u)
+    @checked
+    def azimuth(self, u: Fractions):
+        """Return the azimuth of the geodesic's points (Eq. 18, by atan2).
+
+        Parameters
+        ----------
+        u : (...) float
+            Fraction of the geodesic's length from P to Q.
+
+        Returns
+        -------
+        azimuth : (...) float
+            The document's theta, in rad.
+        """
+        plane = ConeChord.geodesic.unchecked(self, u)
         return np.arctan2(plane[..., 1], plane[..., 0]) / np.sin(self.cone.half_angle)
 
-    def chord_point(self, azimuth):
+    @checked
+    def chord_point(self, azimuth: Angles):
         """Return the points M (..., 3), in m, where the chord meets planes on the axis (Eq. 19).
 
         Parameters
         ----------
         azimuth : (...) float
             Angle of each plane about the axis, in rad, between 0 and `turn`.
+
+        Raises
+        ------
+        ValueError
+            If a plane doesn't meet the chord.
         """
-        azimuth = real("azimuth", azimuth)
-        near, far = self.H * np.sin(azimuth), self.h * np.sin(self.turn - azimuth)
+        share = azimuth / self.turn
+        if np.any((share < -SLACK) | (share > 1 + SLACK)):
+            raise ValueError(
+                f"azimuth: must lie between 0 and the chord's turn, {self.turn:g} rad; got others."
+            )
+        near = self.H * np.sin(azimuth)
+        far = self.h * np.sin(self.turn - azimuth)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
         return start + (near / (near + far))[..., None] * (stop - start)
 
-    def tangent_sphere(self, azimuth):
-        """Return the distances LN (...) of the tangent-sphere feet from the apex, in m.
+    @checked
+    def tangent_sphere(self, azimuth: Angles):
+        """Return the distances LN of the tangent-sphere feet from the apex.
 
-        The foot of M on its own side of the axis: the scalar product of (rho, |z|) with the
-        ruling. The document solves its quadratic Eq. 16 instead.
+        Parameters
+        ----------
+        azimuth : (...) float
+            Angle of M's plane about the axis, in rad, between 0 and `turn`.
+
+        Returns
+        -------
+        distance : (...) float
+            In m, of the foot of M on its own side of the axis: the scalar product of (rho, |z|)
+            with the ruling. The document solves its quadratic Eq. 16 instead.
         """
-        m = self.chord_point(azimuth)
-        sin, cos = np.sin(self.cone.half_angle), np.cos(self.cone.half_angle)
+        m = ConeChord.chord_point.unchecked(self, azimuth)
+        sin = np.sin(self.cone.half_angle)
+        cos = np.cos(self.cone.half_angle)
         return np.hypot(m[..., 0], m[..., 1]) * sin - m[..., 2] * cos
 
-    def table(self, u):
-        """Return the document's table as columns (..., 5): u, phi (rad), LN, NN, NN - LN (m).
+    @checked
+    def table(self, u: Fractions):
+        """Return the document's table.
 
-        NN is the geodesic's distance from the apex, phi its angle on the development. The
-        column heads are missing in the document; its columns come out in the order
-        u, phi, LN, NN, NN - LN.
+        Parameters
+        ----------
+        u : (...) float
+            Fraction of the geodesic's length from P to Q.
+
+        Returns
+        -------
+        columns : (..., 5) float
+            u, phi (rad), LN, NN, NN - LN (m). NN is the geodesic's distance from the apex, phi its
+            angle on the development. The column heads are missing in the document; its columns
+            come out in this order.
         """
-        u = real("u", u)
-        plane = self.geodesic(u)
+        plane = ConeChord.geodesic.unchecked(self, u)
         phi = np.arctan2(plane[..., 1], plane[..., 0])
         geodesic = np.hypot(plane[..., 0], plane[..., 1])
-        path = self.tangent_sphere(self.azimuth(u))
+        path = ConeChord.tangent_sphere.unchecked(self, ConeChord.azimuth.unchecked(self, u))
         return np.stack([u, phi, path, geodesic, geodesic - path], axis=-1)
 
-    def path(self, u):
+    @checked
+    def path(self, u: Fractions):
         """Return the tangent-sphere path on the development, (..., 2) in m, at azimuth(u)."""
-        azimuth = self.azimuth(u)
-        return self.cone.development(self.tangent_sphere(azimuth), azimuth)
+        azimuth = ConeChord.azimuth.unchecked(self, u)
+        distance = ConeChord.tangent_sphere.unchecked(self, azimuth)
+        return self.cone.development(distance, azimuth)
 
-    def deviation(self, u):
-        """Return how far the path lies off the geodesic, at right angles to it, in m.
+    @checked
+    def deviation(self, u: Fractions):
+        """Return how far the path lies off the geodesic.
 
-        Positive towards the apex, like NN - LN, by which the document compares at equal
-        azimuth and which is longer by the slant.
+        Parameters
+        ----------
+        u : (...) float
+            Fraction of the geodesic's length from P to Q, where the azimuths are the same.
+
+        Returns
+        -------
+        deviation : (...) float
+            At right angles to the geodesic, in m, positive towards the apex, like NN - LN, by which
+            the document compares at equal azimuth and which is longer by the slant.
         """
         start, stop = self.geodesic([0.0, 1.0])
         along = (stop - start) / np.hypot(*(stop - start))
-        offset = self.path(u) - start
+        offset = ConeChord.path.unchecked(self, u) - start
         across = along[0] * offset[..., 1] - along[1] * offset[..., 0]
         return np.sign(self.turn) * across
 
@@ -153,7 +228,8 @@ class ConeChord:
         nodes, weights = legendre.leggauss(64)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
         chord = stop - start
-        sin, cos = np.sin(self.cone.half_angle), np.cos(self.cone.half_angle)
+        sin = np.sin(self.cone.half_angle)
+        cos = np.cos(self.cone.half_angle)
         plan = np.hypot(chord[0], chord[1])
         gap = np.abs(start[0] * chord[1] - start[1] * chord[0]) / plan
         along = np.array([start[:2] @ chord[:2], stop[:2] @ chord[:2]]) / plan

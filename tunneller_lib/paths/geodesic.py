@@ -5,18 +5,32 @@ c = rho sin(azimuth), rho = r + R cos(phi), is constant.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import instance, positions, real
+from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
 from ..exact import dot
 from ..surfaces import Torus
+from .bounds import Count, check_points
 
 STEP = 0.08  # tube radii, the longest step of an integration
+LONGEST = 500  # tube radii, of a geodesic that is integrated: some seconds
+
+
+def _rows_of_positions(name, value):
+    array = positions(name, value)
+    if array.ndim < 2:
+        raise ValueError(f"{name}: must be lists (..., m, 2) of positions; got {array.shape}.")
+    return array
+
+
+Ways = Annotated[ArrayLike, Rule("(..., m, 2) float", _rows_of_positions, "rad")]
 
 
 @dataclass(frozen=True)
-class Samples:
+class GeodesicPoints:
     """Points along geodesics, from first to last: made by `geodesic_direct`.
 
     Parameters
@@ -39,28 +53,59 @@ class Samples:
     @property
     def point(self):
         """Return the points (..., n, 3), in m."""
-        return self.torus.point(self.position[..., 0], self.position[..., 1])
+        return Torus.point.unchecked(self.torus, *self._angles)  # which may be NaN
 
     @property
     def tangent(self):
         """Return the unit tangents (..., n, 3)."""
-        meridian, parallel = self.torus.tangents(self.position[..., 0], self.position[..., 1])
-        cos, sin = np.cos(self.azimuth)[..., None], np.sin(self.azimuth)[..., None]
+        meridian, parallel = Torus.tangents.unchecked(self.torus, *self._angles)
+        cos = np.cos(self.azimuth)[..., None]
+        sin = np.sin(self.azimuth)[..., None]
         return cos * meridian + sin * parallel
 
-    def deviation(self, position):
-        """Return how far joint positions (..., m, 2) lie beside the geodesic, as (..., m) in m.
+    @property
+    def _angles(self):
+        return self.position[..., 0], self.position[..., 1]
 
-        Measured from the nearest sample, at right angles to the tangent and within the tangent
-        plane, positive to the left of the way as seen from outside.
+    @checked
+    def deviation(self, position: Ways):
+        """Return how far joint positions lie beside the geodesic.
+
+        Parameters
+        ----------
+        position : (..., m, 2) float
+            Joint positions (theta, phi), in rad; the leading axes broadcast with the geodesics'.
+
+        Returns
+        -------
+        deviation : (..., m) float
+            In m, from the nearest of the points, at right angles to the tangent and within the
+            tangent plane, positive to the left of the way as seen from outside.
+
+        Raises
+        ------
+        ValueError
+            If the leading axes don't broadcast with the geodesics'.
         """
-        theta, phi = np.moveaxis(positions("position", position), -1, 0)
-        point, samples = self.torus.point(theta, phi), self.point
-        square = dot(samples, samples)[..., None, :] - 2 * point @ np.swapaxes(samples, -1, -2)
+        own = self.s.shape[:-1]
+        try:
+            leading = np.broadcast_shapes(position.shape[:-2], own)
+        except ValueError:
+            raise ValueError(
+                f"position: its leading axes must broadcast with those of the geodesics, {own}; "
+                f"got {position.shape[:-2]}."
+            ) from None
+        theta, phi = np.moveaxis(position, -1, 0)
+        point = Torus.point.unchecked(self.torus, theta, phi)
+        # Of |P - N|^2 the square of P is the same for all N; a product of matrices does the rest.
+        on_way = self.point
+        square = dot(on_way, on_way)[..., None, :] - 2 * point @ np.swapaxes(on_way, -1, -2)
         near = np.argmin(square, axis=-1)[..., None]
-        normal = self.torus.normal(self.position[..., 0], self.position[..., 1])
+        normal = Torus.normal.unchecked(self.torus, *self._angles)
         across = np.cross(normal, self.tangent)
-        gap = point - np.take_along_axis(samples, near, axis=-2)
+        on_way = np.broadcast_to(on_way, (*leading, *on_way.shape[-2:]))
+        across = np.broadcast_to(across, on_way.shape)
+        gap = point - np.take_along_axis(on_way, near, axis=-2)
         return dot(gap, np.take_along_axis(across, near, axis=-2))
 
 
@@ -106,13 +151,26 @@ class Geodesic:
         """Return where it is proved that nothing is shorter, as (...) bool."""
         return np.isin(self.certificate, ["meridian", "curvature"])
 
-    def points(self, n):
-        """Return n `Samples` of each geodesic, equally spaced in arc, both ends included."""
+    @checked
+    def points(self, n: Count):
+        """Return points of each geodesic, equally spaced in arc.
+
+        Parameters
+        ----------
+        n : int
+            Number of points, both ends included, from 2 to 10,000,000 of all geodesics together.
+
+        Returns
+        -------
+        points : GeodesicPoints
+            As by `geodesic_direct`; NaN where there is no answer.
+        """
         azimuth = np.where(self.kind == "point", 0.0, self.azimuth1)
-        return geodesic_direct(self.torus, self.p, azimuth, self.length, n)
+        return geodesic_direct.unchecked(self.torus, self.p, azimuth, self.length, n)
 
 
-def geodesic_direct(torus, p, azimuth, length, n=2):
+@checked
+def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths, n: Count = 2):
     """Return geodesics of given start, direction and length.
 
     Parameters
@@ -121,62 +179,70 @@ def geodesic_direct(torus, p, azimuth, length, n=2):
         The surface.
     p : (..., 2) float
         Joint positions (theta, phi) of the starts, in rad.
-    azimuth, length : (...) float
-        Directions in rad, lengths in m; they broadcast with p.
+    azimuth : (...) float
+        Directions, in rad; they broadcast with p.
+    length : (...) float
+        In m, at most 500 tube radii; a negative one goes backwards.
     n : int
-        Number of samples, equally spaced in arc, both ends included, at least 2.
+        Number of points, equally spaced in arc, both ends included, from 2 to 10,000,000 of all
+        geodesics together.
 
     Returns
     -------
-    samples : Samples
-        The last one is the end. NaN where an argument is NaN or a start isn't on the working sheet,
-        and for all of them where the solver gives up, as it may close by a node. A meridian is
-        followed through a node onto the inner sheet.
+    points : GeodesicPoints
+        The last one is the end. NaN where a start isn't on the working sheet, and for all of them
+        where the solver gives up, as it may close by a node. A meridian is followed through a node
+        onto the inner sheet.
 
     Raises
     ------
     ValueError
-        If n isn't a whole number of at least 2.
+        If a length is above 500 tube radii, or n isn't a whole number of at least 2.
 
     Notes
     -----
     theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length,
     by Dormand and Prince's method of order 8 with all geodesics in one system.
+
+    Examples
+    --------
+    >>> way = geodesic_direct(Torus(0.1, 0.9), (0, -0.3), 0.0, 0.63)
+    >>> way.position[-1].round(12)
+    array([0. , 0.4])
     """
     from scipy.integrate import solve_ivp  # here: it takes longer to load than numpy
 
-    instance("torus", torus, Torus)
-    if not isinstance(n, (int, np.integer)) or n < 2:
-        raise ValueError(f"n: must be a whole number of at least 2 samples; got {n!r}.")
-    p = known(positions("p", p))
-    azimuth, length = known(real("azimuth", azimuth)), known(real("length", length))
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
+    check_points(n, theta.shape)
     start = np.stack([theta, phi, azimuth]).reshape(3, -1)
-    reach = length.ravel()
-    sound = np.isfinite(start.sum(axis=0) + reach) & (torus.r + torus.R * np.cos(start[1]) > 0)
+    whole = length.ravel()
+    # Geodesics of no answer (`Geodesic.points`) have neither direction nor length.
+    sound = np.isfinite(azimuth + length).ravel() & (torus.r + torus.R * np.cos(start[1]) > 0)
+    start = start[:, sound]
+    whole = whole[sound]
+    longest = np.max(np.abs(whole), initial=0)
+    if longest > LONGEST * torus.R:
+        raise ValueError(
+            f"length: must be at most {LONGEST} tube radii, {LONGEST * torus.R:g} m, for it is "
+            f"followed in steps of at most {STEP} of them; got {longest:g} m."
+        )
 
     def rates(_, state):
         _, phi, alpha = state.reshape(3, -1)
         turning = np.sin(alpha) / (torus.r + torus.R * np.cos(phi))
         rate = np.stack([turning, np.cos(alpha) / torus.R, np.sin(phi) * turning])
-        return (reach[sound] * rate).ravel()
+        return (whole * rate).ravel()
 
     steps = np.linspace(0, 1, n)
-    track = np.full((3, start.shape[1], n), np.nan)
+    found = np.full((3, sound.size, n), np.nan)
     if np.any(sound):
         # The solver looks at the mean error of all; short steps keep the worst as small.
-        longest = np.max(np.abs(reach[sound]))
-        step = STEP * torus.R / longest if longest > 0 else np.inf
+        step = STEP * torus.R / max(longest, STEP * torus.R)
         way = solve_ivp(
-            rates, (0, 1), start[:, sound].ravel(), "DOP853", steps,
-            rtol=3e-14, atol=1e-15, max_step=step,
-        )  # fmt: skip
+            rates, (0, 1), start.ravel(), "DOP853", steps, rtol=3e-14, atol=1e-15, max_step=step
+        )
         if way.success:
-            track[:, sound] = way.y.reshape(3, -1, n)
-    track = track.reshape(3, *theta.shape, n)
-    return Samples(torus, length[..., None] * steps, np.stack(track[:2], axis=-1), track[2])
-
-
-def known(array):
-    """Return an array with NaN in place of infinity, which has no direction either."""
-    return np.where(np.isfinite(array), array, np.nan)
+            found[:, sound] = way.y.reshape(3, -1, n)
+    found = found.reshape(3, *theta.shape, n)
+    position = np.stack(found[:2], axis=-1)
+    return GeodesicPoints(torus, length[..., None] * steps, position, found[2])

@@ -1,8 +1,13 @@
 """The two classes of shortest geodesics on a torus, each with its one unknown.
 
-A geodesic runs from phi = a >= 0 to phi = b, |b| <= a. In both classes sin(phi/2) or cos(phi/2) is
-a multiple of cos(t), so that the turned angle and the length are integrals of smooth functions:
-with D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
+A geodesic runs from phi = a >= 0 to phi = b, |b| <= a. Clairaut's c = rho sin(azimuth) is constant
+along it, so that with rho = r + R cos(phi)
+
+    d(theta) / d(phi) = R c / (rho sqrt(rho^2 - c^2)),   d(s) / d(phi) = R rho / sqrt(rho^2 - c^2).
+
+The root vanishes at a turning point, where rho = c, and a quadrature in phi would fail there. In
+both classes sin(phi/2) or cos(phi/2) is a multiple of cos(t), by which it goes: with
+D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
 
     angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
@@ -13,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Track(NamedTuple):
-    """What one value of the unknown stands for.
+class Integrand(NamedTuple):
+    """What one value of the unknown stands for: both integrals' constants and limits.
 
     `at` (6, n) holds c, A, B, E, the lower limit of t and how far the upper one is from it; `rate`
     what c, A, B, E and both limits change by with the unknown; cos_a and cos_b (n,) are the
@@ -41,12 +46,26 @@ def outer(torus, a, b, u):
 
     Returns
     -------
-    track : Track
-        The geodesic of each u.
+    integrand : Integrand
+        That of each u.
+
+    Notes
+    -----
+    sin(phi/2) = k cos(t), with t = 0 at the turning point. Let x = -k sin(t) at a, which is
+    negative where the turning point is behind, and W = k sin(t) at b. Then k^2 = sin^2(a/2) + x^2,
+    rho_a - c = 2R x^2 and rho_b - c = 2R W^2: nothing cancels where x is small, and all follows
+    from x.
     """
     r, R = torus.r, torus.R
-    sa, sb, rho_a = np.sin(a / 2), np.sin(b / 2), r + R * np.cos(a)
+    sa = np.sin(a / 2)
+    sb = np.sin(b / 2)
+    rho_a = r + R * np.cos(a)
+    # x stays below X. On a ring the geodesic of x = X winds towards the inner equator (k = 1,
+    # c = r - R), on a spindle it is the meridian, through the node (c = 0).
     X = np.cos(a / 2) if r >= R else np.sqrt(rho_a / (2 * R))
+    # On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle
+    # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
+    # there is no such end, and x = u joins without a bend.
     rising = u > 0
     high = np.where(rising, u / X, 0)
     x = np.where(rising, X * np.tanh(high), u)
@@ -54,29 +73,33 @@ def outer(torus, a, b, u):
     # with a turn too sharp for the quadrature if it were followed farther, or turns many times.
     bound = 300 if r > R else 30
     gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, bound))), X - x)
-    e = gap * (X + x)
-    d = np.sin((a + b) / 2) * np.sin((a - b) / 2)  # sin^2(a/2) - sin^2(b/2)
+    e = gap * (X + x)  # X^2 - x^2
+    d = np.sin((a + b) / 2) * np.sin((a - b) / 2)  # sin^2(a/2) - sin^2(b/2), near ends or not
     W = np.sqrt(np.maximum(d + x * x, 0))
     k2 = sa * sa + x * x
     c = max(r - R, 0) + 2 * R * e
     rest = e + (0 if r >= R else np.cos(a / 2) ** 2 - X * X)  # 1 - k^2
     dx = np.where(rising, e / X**2, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # W sa + x sb is their difference where x sb < 0.
+        # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
+        # product with the sum, W^2 sa^2 - x^2 sb^2, is d k^2.
         sine = np.where(x * sb < 0, d * k2 / (W * sa - x * sb), W * sa + x * sb)
-        dfirst, dlast = -sa * dx / k2, sb * x * dx / (W * k2)
+        dfirst = -sa * dx / k2
+        dlast = sb * x * dx / (W * k2)
     span = np.arctan2(np.where(np.isnan(sine), 0, sine), sa * sb - W * x)
-    span = np.where(span < 0, span + 2 * np.pi, span)
+    span = np.where(span < 0, span + 2 * np.pi, span)  # atan2 knows no more than pi
     first = np.arctan2(-x, sa)
-    slope_a, slope_b = np.sqrt(2 * R * (rho_a + c)), np.sqrt(2 * R * (r + R * np.cos(b) + c))
+    slope_a = np.sqrt(2 * R * (rho_a + c))
+    slope_b = np.sqrt(2 * R * (r + R * np.cos(b) + c))
     dk2 = 2 * x * dx
     at = _rows(c, rest, k2, 0, first, span)
     rate = _rows(-2 * R * dk2, -dk2, dk2, 0, dfirst, dlast)
-    # A geodesic that would cross the inner equator has no turning point; then t = (pi - phi)/2.
+    # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
+    # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
     free = rest < 0
-    at = np.where(free, _rows(c, -rest, 1, -rest, below_pi(a) / 2, (a - b) / 2), at)
+    at = np.where(free, _rows(c, -rest, 1, -rest, _below_pi(a) / 2, (a - b) / 2), at)
     rate = np.where(free, _rows(-2 * R * dk2, dk2, 0, dk2, 0, 0), rate)
-    return Track(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
+    return Integrand(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
 
 
 def inner(torus, a, b, u):
@@ -93,24 +116,34 @@ def inner(torus, a, b, u):
 
     Returns
     -------
-    track : Track
-        The geodesic of each u.
+    integrand : Integrand
+        That of each u.
+
+    Notes
+    -----
+    They have no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
+    equator, on which they turn the farther the nearer they come, again as a logarithm.
     """
     r, R = torus.r, torus.R
-    slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))
-    c, kappa2 = (r - R) * np.tanh(u), (r - R) / R * slow
-    rho_a, rho_b = r + R * np.cos(a), r + R * np.cos(b)
-    start, stop = below_pi(a) / 2, below_pi(-b) / 2
-    dc, dkappa2 = 4 * (r - R) * slow * (1 - slow), -2 * kappa2 * (1 - slow)
+    slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))  # the bound: exp(710) is no float
+    c = (r - R) * np.tanh(u)
+    kappa2 = (r - R) / R * slow  # (r - R - c) / 2R, whose difference would cancel
+    rho_a = r + R * np.cos(a)
+    rho_b = r + R * np.cos(b)
+    start = _below_pi(a) / 2
+    stop = _below_pi(-b) / 2
+    dc = 4 * (r - R) * slow * (1 - slow)
+    dkappa2 = -2 * kappa2 * (1 - slow)
+    # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
     cosines = [
         np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho
         for t, rho in ((start, rho_a), (stop, rho_b))
     ]
     at = _rows(c, kappa2, 1, kappa2, -start, start + stop)
-    return Track(at, _rows(dc, dkappa2, 0, dkappa2, 0, 0), *cosines)
+    return Integrand(at, _rows(dc, dkappa2, 0, dkappa2, 0, 0), *cosines)
 
 
-def below_pi(phi):
+def _below_pi(phi):
     """Return how far angles phi are below pi, to the last digit: np.pi is 1.2e-16 too small."""
     return (np.pi - phi) + 1.2246467991473532e-16
 

@@ -1,17 +1,28 @@
 """The tangent-sphere path: a chord projected normally onto the torus (section 3.3)."""
 
+from typing import Literal
+
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arguments import instance, positions
+from ..arguments import Positions, checked
 from ..exact import norm, radius_and_excess
 from ..surfaces import Torus
+from .bounds import Count, check_on_sheet, check_points
 
 ORDER = 48  # samples of the path's speed along a chord
 RESOLVED = 1e-9  # largest share of the last terms in the speed's Legendre series
 
 
-def project_chord(torus, p, q, n, *, spacing="chord"):
+@checked
+def project_chord(
+    torus: Torus,
+    p: Positions,
+    q: Positions,
+    n: Count,
+    *,
+    spacing: Literal["chord", "tangent", "arc"] = "chord",
+):
     """Return points of the tangent-sphere path between two joint positions.
 
     Parameters
@@ -21,7 +32,7 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends P and Q, in rad; they broadcast.
     n : int
-        Number of points, both ends included, at least 2.
+        Number of points, both ends included, from 2 to 10,000,000 of all paths together.
     spacing : {"chord", "tangent", "arc"}
         Equal steps along the chord, as the document does; equal steps of angle as seen from the
         centre of a sphere through P and Q with the normals' half-angle b, which needs two
@@ -35,9 +46,9 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
     Raises
     ------
     ValueError
-        If n is below 2, `spacing` is another word, or a position isn't (theta, phi) or isn't on
-        the working sheet, r + R cos(phi) >= 0. With equal arcs also where a chord passes so close
-        to the axis or to the ring circle that its length can't be told.
+        If n is below 2 or asks for too many points, `spacing` is another word, or a position isn't
+        (theta, phi) or isn't on the working sheet, r + R cos(phi) >= 0. With equal arcs also where
+        a chord passes so close to the axis or to the ring circle that its length can't be told.
 
     Notes
     -----
@@ -54,27 +65,26 @@ def project_chord(torus, p, q, n, *, spacing="chord"):
            [ 0. ,  0. ],
            [ 0. ,  0.3]])
     """
-    p, q = _ends(torus, p, q)
-    if not isinstance(n, (int, np.integer)) or n < 2:
-        raise ValueError(f"n: must be a whole number of at least 2 points; got {n!r}.")
+    check_on_sheet(torus, p, q)
+    start, chord = _chord(torus, p, q)
+    check_points(n, chord.shape[:-1])
     u = np.linspace(0, 1, n)
     if spacing == "chord":
         t = u
     elif spacing == "tangent":
+        # Where both normals are the same, as of a chord without length, equal steps are the limit.
         b = _half_angle(torus, p, q)[..., None]
         tan = np.where(b > 0, np.tan(b), 1)
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
-    elif spacing == "arc":
-        t = _equal_arcs(torus, p, q, u)
     else:
-        raise ValueError(f'spacing: must be "chord", "tangent" or "arc"; got {spacing!r}.')
-    start, chord = _chord(torus, p, q)
+        t = _equal_arcs(torus, p, q, u)
     t = np.broadcast_to(t, (*chord.shape[:-1], n))
     m = start[..., None, :] + t[..., None] * chord[..., None, :]
-    return np.stack(torus.angles(m), axis=-1)
+    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
 
 
-def projected_length(torus, p, q):
+@checked
+def projected_length(torus: Torus, p: Positions, q: Positions):
     """Return the length of the tangent-sphere path between joint positions.
 
     Parameters
@@ -96,32 +106,20 @@ def projected_length(torus, p, q):
         If an end isn't on the working sheet, or a chord passes so close to the axis or to the
         ring circle, where its foot jumps, that the quadrature doesn't settle.
     """
-    return _speed_series(torus, *_ends(torus, p, q))[0]
-
-
-def _ends(torus, p, q):
-    """Return the joint positions of both ends, checked."""
-    instance("torus", torus, Torus)
-    ends = positions("p", p), positions("q", q)
-    for name, end in zip("pq", ends, strict=True):
-        inner = torus.r + torus.R * np.cos(end[..., 1]) < 0
-        if np.any(inner):
-            raise ValueError(
-                f"{name}: must lie on the working sheet, r + R cos(phi) >= 0; "
-                f"got phi = {end[..., 1][inner].flat[0]:g} rad."
-            )
-    return ends
+    check_on_sheet(torus, p, q)
+    return _speed_series(torus, p, q)[0]
 
 
 def _chord(torus, p, q):
-    start = torus.point(p[..., 0], p[..., 1])
-    return start, torus.point(q[..., 0], q[..., 1]) - start
+    """Return where chords begin (..., 3), and the vectors (..., 3) to their ends."""
+    start = Torus.point.unchecked(torus, p[..., 0], p[..., 1])
+    return start, Torus.point.unchecked(torus, q[..., 0], q[..., 1]) - start
 
 
 def _half_angle(torus, p, q):
     """Return half the angle between the normals at the ends."""
-    first = torus.normal(p[..., 0], p[..., 1])
-    last = torus.normal(q[..., 0], q[..., 1])
+    first = Torus.normal.unchecked(torus, p[..., 0], p[..., 1])
+    last = Torus.normal.unchecked(torus, q[..., 0], q[..., 1])
     return np.arctan2(norm(last - first), norm(last + first))
 
 
@@ -149,10 +147,9 @@ def _speed_series(torus, p, q):
         speed = _speed(torus, p, q, (1 + nodes) / 2)
     basis = legendre.legvander(nodes, ORDER - 1) * (np.arange(ORDER) + 0.5)
     series = np.moveaxis((speed * weights) @ basis, -1, 0)
-    asked = np.all(np.isfinite(p), axis=-1) & np.all(np.isfinite(q), axis=-1)
     tail = np.max(np.abs(series[-4:]), axis=0)
     settled = tail <= RESOLVED * series[0] + np.finfo(float).tiny  # also for a chord of no length
-    if np.any(asked & ~settled):
+    if not np.all(settled):
         raise ValueError(
             "p, q: a chord must keep away from the axis and from the ring circle, where its foot "
             "jumps; got one that passes through or close by."

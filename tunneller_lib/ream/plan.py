@@ -6,8 +6,7 @@ import numpy as np
 
 from ..arguments import finite, instance, not_negative, points, positions, positive, whole
 from ..motion import polyline, polyline_slopes, tick_counts
-from ..paths import project_chord, projected_length
-from ..paths.circuit import Circuit
+from ..paths import Circuit, project_chord, projected_length
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
 

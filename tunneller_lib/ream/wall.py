@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import instance, positive
 from ..exact import norm
-from ..paths.circuit import Circuit
+from ..paths import Circuit
 from ..removal import DexelGrid
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ..paths import competing_geodesics, geodesic_inverse
-from ..paths.chord_paths import CHORD_PATHS, path_length
+from ..paths import CHORD_PATHS, competing_geodesics, geodesic_inverse, path_length
 from .plot import equal
 from .style import COLOURS
 

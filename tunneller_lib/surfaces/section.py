@@ -84,7 +84,7 @@ class Section:
         point, normal = np.empty((2, *s.shape, 2))
         for k, arc in enumerate(self.arcs):
             here = index == k
-            point[here], normal[here] = arc.locate(s[here] - blends[k])
+            point[here], normal[here] = arc.locate.unchecked(arc, s[here] - blends[k])
         return point, normal
 
     @checked
@@ -110,8 +110,8 @@ class Section:
         inside, corner = np.full((2, *y.shape), np.inf)
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
         for arc in self.arcs:
-            inside = np.minimum(inside, arc.depth(y, z, slack))
-            (start, _) = arc.locate(np.zeros(()))
+            inside = np.minimum(inside, arc.depth.unchecked(arc, y, z, slack))
+            (start, _) = arc.locate.unchecked(arc, np.zeros(()))
             corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
         return np.where(np.isfinite(inside), inside, -corner)[()]
 

@@ -8,18 +8,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import instance, positions
+from ..arguments import Positions, checked
 from ..surfaces import Torus
-from .geodesic import Geodesic, known
+from .geodesic import Geodesic
 from .geodesic_classes import inner, outer
 from .geodesic_root import integrate, solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+MOST_RATIO = 1e100  # of r and R, either way
 FEW = 16  # pairs whose turned angles are looked at together, within what a cache holds
 
 
 class _Ends(NamedTuple):
-    """Pairs of ends, flat, in normal form: from phi = a >= 0 to phi = b, |b| <= a."""
+    """Pairs of ends, flat, in normal form: from phi = a >= 0 to phi = b, |b| <= a.
+
+    What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
+    tells where the ends were exchanged.
+    """
 
     a: np.ndarray
     b: np.ndarray
@@ -46,13 +51,14 @@ class _Ways(NamedTuple):
             array[where] = value[where] if np.ndim(value) else value
 
 
-def geodesic_inverse(torus, p, q):
+@checked
+def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     """Return the shortest geodesics between joint positions.
 
     Parameters
     ----------
     torus : Torus
-        The surface: a ring, a horn, or the outer sheet of a spindle.
+        The surface: a ring, a horn, or the outer sheet of a spindle, r / R from 1e-100 to 1e100.
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends, in rad; they broadcast.
 
@@ -87,20 +93,22 @@ def geodesic_inverse(torus, p, q):
     (0.63, 'meridian')
     """
     p, q, ends = _normal_form(torus, p, q)
+    outside = _near_side(torus, ends)
     # Over the inner equator only between opposite halves: else the outside is shorter.
-    outside, inside = _near_side(torus, ends), _inside(torus, ends, ends.b < 0)
+    inside = _inside(torus, ends, ends.b < 0)
     nearer = inside.length < np.where(outside.kind == "none", np.inf, outside.length)
     shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside, strict=True)))
     return _geodesic(torus, p, q, ends, shortest)
 
 
-def competing_geodesics(torus, p, q):
+@checked
+def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     """Return the geodesics between joint positions that may be the shortest, and are nearly so.
 
     Parameters
     ----------
     torus : Torus
-        The surface: a ring, a horn, or the outer sheet of a spindle.
+        The surface: a ring, a horn, or the outer sheet of a spindle, r / R from 1e-100 to 1e100.
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends, in rad; they broadcast.
 
@@ -121,31 +129,39 @@ def competing_geodesics(torus, p, q):
     """
     p, q, ends = _normal_form(torus, p, q)
     ways = []
-    for way in (ends, ends._replace(angle=2 * np.pi - ends.angle, side=-ends.side)):
-        ways += [
-            _geodesic(torus, p, q, way, f(torus, way)) for f in (_near_side, _far_side, _inside)
-        ]
+    long_way = ends._replace(angle=2 * np.pi - ends.angle, side=-ends.side)
+    for way in (ends, long_way):
+        for find in (_near_side, _far_side, _inside):
+            ways.append(_geodesic(torus, p, q, way, find(torus, way)))
     fields = ["length", "azimuth1", "azimuth2", "clairaut", "kind", "converged", "certificate"]
     stacked = [np.stack([getattr(way, name) for way in ways]) for name in fields]
     order = np.argsort(stacked[0], axis=0)  # NaN comes last
     *ranked, certificate = (np.take_along_axis(field, order, axis=0) for field in stacked)
     certificate[1:] = ""
-    p, q = np.broadcast_to(p, (6, *p.shape)), np.broadcast_to(q, (6, *q.shape))
+    p = np.broadcast_to(p, (6, *p.shape))
+    q = np.broadcast_to(q, (6, *q.shape))
     return Geodesic(torus, p, q, *ranked, certificate)
 
 
 def _normal_form(torus, p, q):
-    """Return the checked ends, and the same as `_Ends`."""
-    instance("torus", torus, Torus)
-    p, q = np.broadcast_arrays(positions("p", p), positions("q", q))
-    start, stop = known(p).reshape(-1, 2), known(q).reshape(-1, 2)
-    phi1, phi2 = _reduced(start[:, 1]), _reduced(stop[:, 1])
+    """Return the ends, broadcast, and the same as `_Ends`."""
+    if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
+        raise ValueError(
+            f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "
+            f"overflows; got {torus.r / torus.R:g}."
+        )
+    p, q = np.broadcast_arrays(p, q)
+    start = p.reshape(-1, 2)
+    stop = q.reshape(-1, 2)
+    phi1 = _reduced(start[:, 1])
+    phi2 = _reduced(stop[:, 1])
     turn = _reduced(stop[:, 0] - start[:, 0])
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
     swap = np.abs(phi2) > np.abs(phi1)
     a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
     mirror = np.where(a < 0, -1.0, 1.0)
-    on_sheet = (torus.r + torus.R * np.minimum(np.cos(a), np.cos(b)) > 0) & np.isfinite(turn)
+    # At a node itself there is no tangent plane: it isn't on the sheet.
+    on_sheet = torus.r + torus.R * np.minimum(np.cos(a), np.cos(b)) > 0
     side = np.where(turn < 0, -1.0, 1.0)
     return p, q, _Ends(a * mirror, b * mirror, np.abs(turn), mirror, side, swap, on_sheet)
 
@@ -156,11 +172,14 @@ def _nothing(ends):
 
 def _near_side(torus, ends):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
-    ways, (a, b, angle) = _nothing(ends), ends[:3]
+    ways = _nothing(ends)
+    a, b, angle = ends[:3]
+    # On one meridian c = 0, the end of the class, which a search would only near.
     meridian = ends.on_sheet & (angle == 0)
     ways.settle(meridian, "meridian", torus.R * (a - b), 0.0, -1.0, -1.0)
     ways.settle(meridian & (a == b), "point", 0.0, 0.0, np.nan, np.nan)
-    # The outer equator is shortest up to its conjugate point.
+    # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
+    # sin(phi/2) vanishes all along and leaves no quadrature.
     equator = (angle > 0) & (a == 0) & ~_past_conjugate(torus, ends)
     span = torus.r + torus.R
     ways.settle(equator, "outer", span * angle, span, 0.0, 0.0)
@@ -170,12 +189,17 @@ def _near_side(torus, ends):
 
 def _far_side(torus, ends):
     """Return the ways over the side opposite to the farther end, past the conjugate point."""
-    ways, possible = _nothing(ends), ends.on_sheet & (ends.angle > 0)
+    ways = _nothing(ends)
+    possible = ends.on_sheet & (ends.angle > 0)
     possible &= (ends.a > 0) | _past_conjugate(torus, ends)
     index = np.flatnonzero(possible)
-    a, b = -ends.a[index], -ends.b[index]
-    # Beyond its least, at the conjugate point, the turned angle grows again.
-    u, low = np.geomspace(1e-3, 10, 81), np.full(ends.a.size, np.nan)
+    # Mirrored, they rise from -a over the outer equator and come down to -b: the same class.
+    a = -ends.a[index]
+    b = -ends.b[index]
+    # Beyond its least, at the conjugate point, the turned angle grows again. No formula tells where
+    # that is: the least of 81 values is where the search begins.
+    u = np.geomspace(1e-3, 10, 81)
+    low = np.full(ends.a.size, np.nan)
     for k in range(0, index.size, FEW):
         tried = outer(torus, *np.broadcast_arrays(a[k : k + FEW], b[k : k + FEW], u[:, None]))
         low[index[k : k + FEW]] = u[np.argmin(integrate(torus, tried, 96)[0], axis=0)]
@@ -186,13 +210,18 @@ def _far_side(torus, ends):
 
 def _inside(torus, ends, allowed=True):
     """Return the ways over a ring's inner equator, or along either equator."""
-    ways, (a, b, angle) = _nothing(ends), ends[:3]
-    span, narrow = torus.r + torus.R, torus.r - torus.R
+    ways = _nothing(ends)
+    a, b, angle = ends[:3]
+    span = torus.r + torus.R
+    narrow = torus.r - torus.R
+    # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
     ways.settle((a == 0) & _past_conjugate(torus, ends), "outer", span * angle, span, 0.0, 0.0)
-    if narrow <= 0:
+    if narrow <= 0:  # the working sheet of a horn or a spindle has no inner equator
         return ways
+    # Round the tube the other way, if there are two ends.
     meridian = (angle == 0) & ((b < 0) | (a > b)) & allowed
     ways.settle(meridian, "meridian", torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
+    # Along the inner equator c = r - R, the class's other end.
     both = (a == np.pi) & (np.abs(b) == np.pi)
     ways.settle(both, "inner", narrow * angle, narrow, 0.0, 0.0)
     ways.settle(both & (angle == 0), "point", 0.0, 0.0, np.nan, np.nan)
@@ -219,12 +248,15 @@ def _search(torus, family, ends, possible, ways, low=None):
 
 def _geodesic(torus, p, q, ends, ways):
     """Return ways as a `Geodesic` between the ends as they were given."""
-    # The way back from the second end, where the ends were exchanged, goes the opposite way.
+    # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
+    # and of the sine twice, since the turn is reckoned from the other end, too.
     back = ends.mirror * np.where(ends.swap, -1.0, 1.0)
     rho = torus.r + torus.R * np.cos([ends.a, ends.b])
     azimuth = np.arctan2(ends.side * ways.c / rho, back * [ways.cos_a, ways.cos_b])
     first, last = np.where(ends.swap, azimuth[::-1], azimuth)
-    # Between ways that can't be drawn into each other lies one round the tube the other way.
+    # Below the bound of the curvature no other way can be drawn into this one. One that can't be
+    # goes round the tube the other way and is longer than that way along a meridian, or turns by
+    # more than pi; of a way that does so itself nothing is claimed.
     drop = ends.a - ends.b
     other = np.where(ways.kind == "inner", drop, 2 * np.pi - drop) if torus.r > torus.R else np.inf
     lone = ways.length < np.pi * np.sqrt(torus.R * (torus.r + torus.R))

@@ -1,0 +1,44 @@
+"""Examples for the room paths."""
+
+import numpy as np
+
+from tunneller_lib.paths import (
+    CHORD_PATHS,
+    ChordPath,
+    Circuit,
+    ConeChord,
+    Geodesic,
+    GeodesicPoints,
+    geodesic_inverse,
+)
+from tunneller_lib.paths.atlas import COLUMNS
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+
+_GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])
+
+INSTANCES = {
+    ChordPath: CHORD_PATHS["one-third rule"],
+    Circuit: Circuit(REFERENCE_MACHINE, Egg(0.5)),
+    ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
+    Geodesic: _GEODESIC,
+    GeodesicPoints: _GEODESIC.points(3),
+}
+
+_ENDS = {"p": (0.3, 0.2), "q": (-0.4, 0.1)}
+
+CALLS = {
+    "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
+                  "line": "-"},
+    "Circuit.knots": {"tolerance": 1e-3},
+    "Circuit.path_overcut": {"s": (0.0, 0.5, 1.0)},
+    "ConeChord": {"f": 0.25},
+    "GeodesicPoints.deviation": {"position": [(0.3, 0.2), (0.1, 0.1)]},
+    "atlas.pairs": {"stripe": 8},
+    "atlas.summary": {"tables": [np.ones((2, len(COLUMNS)))]},
+    "atlas.survey": {"block": (0, 8)},
+    "competing_geodesics": _ENDS,
+    "geodesic_inverse": _ENDS,
+    "path_length": _ENDS,
+    "project_chord": _ENDS,
+    "projected_length": _ENDS,
+}  # fmt: skip

@@ -1,0 +1,43 @@
+"""What may be asked of a path: how many points, at which shares of the way, between which ends."""
+
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Rule, Whole, bounded_array
+
+MOST_POINTS = 10_000_000  # of all paths of a call together: a few hundred megabytes
+
+
+def row(name, value):
+    """Return `value` as a float array (n,)."""
+    array = bounded_array(name, value)
+    if array.ndim != 1:
+        raise ValueError(f"{name}: must be a list (n,) of numbers; got shape {array.shape}.")
+    return array
+
+
+Count = Whole(2, MOST_POINTS)
+Row = Annotated[ArrayLike, Rule("(n,) float", row)]
+
+
+def check_points(n, shape):
+    """Raise ValueError where n points of each of as many paths as `shape` holds are too many."""
+    paths = int(np.prod(shape))
+    if n * paths > MOST_POINTS:
+        raise ValueError(
+            f"n: must ask for at most {MOST_POINTS} points of all paths together; "
+            f"got {n} of each of {paths}."
+        )
+
+
+def check_on_sheet(torus, p, q):
+    """Raise ValueError where an end of a path (..., 2), in rad, isn't on the working sheet."""
+    for name, end in (("p", p), ("q", q)):
+        inner = torus.r + torus.R * np.cos(end[..., 1]) < 0
+        if np.any(inner):
+            raise ValueError(
+                f"{name}: must lie on the working sheet, r + R cos(phi) >= 0; "
+                f"got phi = {end[..., 1][inner].flat[0]:g} rad."
+            )
