@@ -25,7 +25,7 @@ from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 
-ROOMS = ("surfaces",)  # rooms join as they are done
+ROOMS = ("surfaces", "removal")  # rooms join as they are done
 SOON = 5.0  # seconds
 EXAMPLES = {room: importlib.import_module(f"tests.examples.{room}") for room in ROOMS}
 INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTANCES.items()}
@@ -33,6 +33,7 @@ INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTA
 # Values of numbers that fit every rule of their kind, by the rule's check.
 USUAL = {
     arguments.finite: 0.3, arguments.positive: 0.5, arguments.not_negative: 0.5,
+    arguments.coordinate: 0.3,
     arguments.size: 0.5, arguments.size_or_zero: 0.5, arguments.point: (0.3, 0.2, 0.1),
     arguments.bounded_array: 0.3, arguments.near_points: (0.3, 0.2, 0.1),
     arguments.directions: (0.0, 0.6, 0.8), arguments.positions: (0.3, 0.2),
@@ -101,9 +102,10 @@ def named(room, name, thing):
     elif inspect.isclass(thing):
         if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
             yield Call(room, name, thing, None)
-        for inner, one in inspect.getmembers(thing, inspect.isfunction):
+        for inner, one in inspect.getmembers(thing, inspect.isroutine):
             if not inner.startswith("_"):
-                yield Call(room, f"{name}.{inner}", one, thing)
+                owner = thing if inspect.isfunction(one) else None  # a class method has its class
+                yield Call(room, f"{name}.{inner}", one, owner)
     elif inspect.isfunction(thing):
         yield Call(room, name, thing, None)
 
@@ -117,7 +119,7 @@ def test_every_argument_says_what_it_may_be(call):
     for name, about in call.parameters.items():
         assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
         rule_of(about.annotation)
-    if call.parameters and inspect.isfunction(call.function):
+    if call.parameters and inspect.isroutine(call.function):
         assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
 
 
