@@ -25,7 +25,7 @@ from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 
-ROOMS = ("surfaces", "removal")  # rooms join as they are done
+ROOMS = ("surfaces", "removal", "ream")  # rooms join as they are done
 SOON = 5.0  # seconds
 EXAMPLES = {room: importlib.import_module(f"tests.examples.{room}") for room in ROOMS}
 INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTANCES.items()}
@@ -102,8 +102,8 @@ def named(room, name, thing):
     elif inspect.isclass(thing):
         if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
             yield Call(room, name, thing, None)
-        for inner, one in inspect.getmembers(thing, inspect.isroutine):
-            if not inner.startswith("_"):
+        for inner, one in inspect.getmembers(thing):
+            if not inner.startswith("_") and (inspect.isfunction(one) or inspect.ismethod(one)):
                 owner = thing if inspect.isfunction(one) else None  # a class method has its class
                 yield Call(room, f"{name}.{inner}", one, owner)
     elif inspect.isfunction(thing):
@@ -119,7 +119,7 @@ def test_every_argument_says_what_it_may_be(call):
     for name, about in call.parameters.items():
         assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
         rule_of(about.annotation)
-    if call.parameters and inspect.isroutine(call.function):
+    if call.parameters and not inspect.isclass(call.function):
         assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
 
 
