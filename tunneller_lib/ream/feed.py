@@ -1,4 +1,4 @@
-"""How fast the cutter may go along its path: constant, or as fast as the limits let it."""
+"""How fast the cutter may go along its path: as fast as the limits let it."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -29,7 +29,7 @@ def _row(name, value):
 
 Size = Annotated[float, Rule("float", size)]
 Bound = Annotated[float, Rule("float", _bound)]
-Lengths = Annotated[ArrayLike, Rule("(m,) float", _row, "m")]
+Moves = Annotated[ArrayLike, Rule("(m,) float", _row, "m")]
 Areas = Annotated[ArrayLike, Rule("(m,) float", _row)]
 Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
 
@@ -75,7 +75,7 @@ class Limits:
             raise ValueError("axes: must be given for a limit of flow or of valves; got None.")
 
     @checked
-    def profile(self, lengths: Lengths, positions: Ends, ground: Areas):
+    def profile(self, lengths: Moves, positions: Ends, ground: Areas):
         """Return the fastest feed from rest to rest.
 
         Parameters
@@ -105,13 +105,14 @@ class Limits:
         # A climb beyond the greatest feed says nothing, and its sum would take digits away.
         climb = np.minimum(2 * self.acceleration * lengths, square.max())
         climb = np.concatenate([[0], np.cumsum(climb)])
-        # Less the climb so far, what is reached from any place before never rises.
+        # From every place before, and then from every one behind, no more than the climb: less the
+        # climb so far, that is a minimum which runs.
         square = np.minimum.accumulate(square - climb) + climb
         square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
         return np.sqrt(np.maximum(square, 0))  # the sums leave a rounding below zero at rest
 
     @checked
-    def bounds(self, lengths: Lengths, positions: Ends, ground: Areas):
+    def bounds(self, lengths: Moves, positions: Ends, ground: Areas):
         """Return the greatest steady feed on each move.
 
         Parameters

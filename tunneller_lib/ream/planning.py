@@ -307,12 +307,12 @@ def join_knots(knots, moves, way):
 
     The `way` from p to q (k, 2) in points is a function (p, q, points) -> (k, points, 2).
     """
-    following = np.roll(knots, -1, axis=0)
+    after = np.roll(knots, -1, axis=0)
     path = np.empty((moves.sum() + 1, 2))
     first = np.cumsum(moves) - moves
     for n in np.unique(moves):  # those of as many moves at once
         rows = np.flatnonzero(moves == n)
-        path[first[rows, None] + np.arange(n)] = way(knots[rows], following[rows], n + 1)[:, :-1]
+        path[first[rows, None] + np.arange(n)] = way(knots[rows], after[rows], n + 1)[:, :-1]
     path[-1] = knots[0]
     return path
 
@@ -322,9 +322,9 @@ def _ground(circuit, s, lengths, advance):
 
     Moves are longer than what they cover of the section where the circuit leans out of its plane.
     """
-    machine, profile = circuit.machine, circuit.profile
+    machine = circuit.machine
     with np.errstate(divide="ignore"):
-        wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
+        wall = 1 / circuit.profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
     across = np.diff(s) / lengths
     return across * removed_volume(
         machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None

@@ -37,7 +37,7 @@ def _two_sizes(name, value):
     return tuple(sizes.tolist())
 
 
-def _path(name, value):
+def _centres(name, value):
     """Return `value` as a float array (n, 3) of points."""
     centres = near_points(name, value)
     if centres.ndim != 2:
@@ -55,7 +55,7 @@ def _distances(name, value):
 
 # What arguments may be, in this room and above it.
 Shape = Annotated[tuple[int, int], Rule("(int, int)", _two_sizes)]
-Path = Annotated[ArrayLike, Rule("(n, 3) float", _path, "m")]
+Centres = Annotated[ArrayLike, Rule("(n, 3) float", _centres, "m")]
 Distances = Annotated[ArrayLike, Rule("float or (m,) float", _distances, "m")]
 
 
@@ -223,7 +223,7 @@ class DexelGrid:
         return sum(self._shared(*touched)[0] for touched in self._touched_by(rod))
 
     @checked
-    def cut_path(self, centres: Path, radius: Length):
+    def cut_path(self, centres: Centres, radius: Length):
         """Remove what a ball sweeps along a path.
 
         Parameters
