@@ -17,15 +17,20 @@ from tunneller_lib.motion import (
 from tunneller_lib.motion import simulate as follow
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits, Pose, budget, plan, starved
-from tunneller_lib.ream.budget import (
-    counts,
-    encoder,
-    following,
-    knots,
-    setpoints,
-    standing_elsewhere,
-    tangent_spheres,
+from tunneller_lib.ream import (
+    Limits,
+    Pose,
+    budget,
+    count_fault,
+    encoder_fault,
+    following_fault,
+    knot_fault,
+    plan,
+    pose_fault,
+    setpoint_fault,
+    starved,
+    tangent_sphere_fault,
+    trailing,
 )
 from tunneller_lib.ream.sensitivity import geodesic_bend, gradient, joint_bend, rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
@@ -57,7 +62,7 @@ TOLERANCES = pytest.mark.parametrize("tolerance", [3e-3, 1e-3, 2e-4])
 @CIRCUITS
 @TOLERANCES
 def test_knots_alone_leave_the_sagitta(circuit, tolerance):
-    fault = knots(job(circuit, tolerance=tolerance))
+    fault = knot_fault(job(circuit, tolerance=tolerance))
     assert fault.measured == pytest.approx(fault.closed, rel=0.05)
     assert fault.under > fault.over  # chords keep inside
 
@@ -65,14 +70,14 @@ def test_knots_alone_leave_the_sagitta(circuit, tolerance):
 @CIRCUITS
 @TOLERANCES
 def test_tangent_spheres_alone_leave_the_law_of_the_third_power(circuit, tolerance):
-    fault = tangent_spheres(job(circuit, tolerance=tolerance))
+    fault = tangent_sphere_fault(job(circuit, tolerance=tolerance))
     assert fault.measured == pytest.approx(fault.closed, rel=0.05)
 
 
 @CIRCUITS
 def test_setpoints_alone_leave_the_sagitta_of_joint_lines(circuit):
     for step in (2e-2, 5e-3):
-        fault = setpoints(job(circuit, step=step))
+        fault = setpoint_fault(job(circuit, step=step))
         assert fault.measured == pytest.approx(fault.closed, rel=0.05)
 
 
@@ -80,7 +85,7 @@ def test_setpoints_alone_leave_the_sagitta_of_joint_lines(circuit):
 @pytest.mark.parametrize("bits", [13, 16])
 def test_counts_alone_leave_their_rounding(circuit, bits):
     count = 2 * np.pi / 2**bits
-    fault = counts(job(circuit, count=count))
+    fault = count_fault(job(circuit, count=count))
     assert fault.measured == pytest.approx(fault.closed, rel=0.05)
     # Half a count of either set-value is met, and one count of both together isn't passed.
     at = CIRCUIT.position(LAP.places)
@@ -98,7 +103,7 @@ PLANTS = {"T0": Integrator(0.5), "T1": Lag(0.5, 0.02), "T2": [Rigid(a) for a in 
 @pytest.mark.parametrize("options", [P, FED])
 def test_following_alone_leaves_its_series_in_the_lag(tier, gains, options):
     plants = PLANTS[tier] if tier == "T2" else [PLANTS[tier]] * 2
-    fault = following(LAP, plants, pair(gains, **options))
+    fault = following_fault(LAP, plants, pair(gains, **options))
     assert fault.measured == pytest.approx(fault.closed, rel=0.06)
 
 
@@ -113,8 +118,8 @@ def test_following_error_of_a_steady_rate_is_the_rate_over_the_gain():
 
 def test_following_of_compressible_oil_is_worse_where_the_pressures_change_sides():
     plants = [Compressible(a) for a in AXES]
-    fault = following(LAP, plants, pair(**FED))
-    slow = following(LAP, PLANTS["T2"], pair(**FED))
+    fault = following_fault(LAP, plants, pair(**FED))
+    slow = following_fault(LAP, PLANTS["T2"], pair(**FED))
     assert slow.measured < 1.06 * slow.closed < 1.06 * fault.closed  # the oil is late, too
     assert fault.measured > 3 * fault.closed
     rate = np.gradient(CIRCUIT.position(LAP.places)[:, 0])
@@ -142,7 +147,7 @@ def test_encoder_in_slow_motion_is_half_a_count(feedforward):
 @pytest.mark.parametrize("tier", PLANTS)
 def test_encoder_alone_in_motion_is_what_the_linear_loop_passes_on(tier):
     plants = PLANTS[tier] if tier == "T2" else [PLANTS[tier]] * 2
-    fault = encoder(LAP, plants, pair(**FED))
+    fault = encoder_fault(LAP, plants, pair(**FED))
     assert 0.75 < fault.measured / fault.closed < 1.35  # the axis answers to the rounding
     half = BITS16 / 2 * np.abs(gradient(CIRCUIT, LAP.s, CIRCUIT.position(LAP.s))).sum(-1).max()
     assert max(fault.over, fault.under) <= 1.2 * half
@@ -151,7 +156,7 @@ def test_encoder_alone_in_motion_is_what_the_linear_loop_passes_on(tier):
 @CIRCUITS
 @pytest.mark.parametrize("name", ["y", "z", "roll", "pitch", "yaw"])
 def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, name):
-    fault = standing_elsewhere(job(circuit), Pose(**{name: 2e-3}))
+    fault = pose_fault(job(circuit), Pose(**{name: 2e-3}))
     assert fault.measured == pytest.approx(fault.closed, rel=0.05)
 
 
@@ -170,7 +175,7 @@ def changed(fault, by, factor):
     raise AssertionError(by)
 
 
-@pytest.mark.parametrize("fault", [knots, tangent_spheres, setpoints, counts])
+@pytest.mark.parametrize("fault", [knot_fault, tangent_sphere_fault, setpoint_fault, count_fault])
 def test_faults_of_the_plan_are_halved_by_what_they_say(fault):
     before = fault(LAP)
     after = changed(fault, before.halved_by, before.factor)
@@ -183,9 +188,9 @@ def test_faults_of_the_plan_are_halved_by_what_they_say(fault):
 )
 def test_following_without_delay_is_halved_by_its_gain(gains, options):
     plants = [Integrator(0.5)] * 2
-    before = following(LAP, plants, pair(gains, delay=0, **options))
+    before = following_fault(LAP, plants, pair(gains, delay=0, **options))
     raised = [gain * before.factor for gain in gains]
-    after = following(LAP, plants, pair(raised, delay=0, **options))
+    after = following_fault(LAP, plants, pair(raised, delay=0, **options))
     if options == FED:
         assert max(before.measured, after.measured) < 2e-6  # nothing left to halve
         return
@@ -198,8 +203,8 @@ def test_following_without_delay_is_halved_by_its_gain(gains, options):
 @pytest.mark.parametrize("gains", [(8.0, 8.0), (10.0, 8.0)])
 def test_following_with_delay_and_lag_is_halved_by_its_gain(gains, options):
     plants = [Lag(0.5, 0.02)] * 2
-    before = following(LAP, plants, pair(gains, **options))
-    after = following(LAP, plants, pair([g * before.factor for g in gains], **options))
+    before = following_fault(LAP, plants, pair(gains, **options))
+    after = following_fault(LAP, plants, pair([g * before.factor for g in gains], **options))
     assert after.measured == pytest.approx(before.measured / 2, rel=0.15)
     equal_p = options is P and gains[0] == gains[1]
     assert (1 < before.factor < 1.3) if equal_p else (1.6 < before.factor < 2.2)
@@ -207,7 +212,7 @@ def test_following_with_delay_and_lag_is_halved_by_its_gain(gains, options):
 
 def test_following_of_a_resonance_knows_its_lateness():
     plants = [Resonance(0.5, 100.0, 0.15)] * 2
-    fault = following(LAP, plants, pair(**FED))
+    fault = following_fault(LAP, plants, pair(**FED))
     assert fault.measured == pytest.approx(fault.closed, rel=0.1)
 
 
@@ -215,11 +220,14 @@ def test_following_of_a_resonance_knows_its_lateness():
     "call, message",
     [
         (lambda: budget(LAP, Integrator(0.5), pair(integral=1.0)), "without integral"),
-        (lambda: encoder(LAP, [Integrator(0.5)] * 2, pair(dead_band=0.1)), "without integral"),
+        (lambda: encoder_fault(LAP, Integrator(0.5), pair(dead_band=0.1)), "without integral"),
+        (lambda: trailing(LAP, Integrator(0.5), pair(integral=1.0)), "without integral"),
+        (lambda: trailing(LAP, [Integrator(0.5)] * 3, pair()), "plant: must be two, theta's and"),
+        (lambda: knot_fault(starved(LAP, [Task("line", 5000, 400)], 150_000)), "must not wait"),
         (lambda: budget(LAP, Integrator(0.5), Loop(10.0, 0.01)), "must have the plan's tick"),
         (lambda: budget(LAP, Integrator(0.5), 3), "loop: must be of class Loop"),
         (lambda: budget(3, Integrator(0.5), pair()), "plan: must be of class Plan"),
-        (lambda: budget(LAP, Integrator(0.5), pair(), pose=3), "pose"),
+        (lambda: budget(LAP, Integrator(0.5), pair(), pose=3), "pose: must be of class Pose"),
         (lambda: budget(starved(LAP, [Task("line", 5000, 400)], 150_000), Integrator(0.5), pair()),
          "must not wait"),
     ],
@@ -230,11 +238,11 @@ def test_budget_refuses_what_its_closed_forms_lack(call, message):
 
 
 def test_encoder_and_pose_are_halved_by_half():
-    before = encoder(LAP, [Lag(0.5, 0.02)] * 2, pair(**FED))
-    after = encoder(LAP, [Lag(0.5, 0.02)] * 2, pair(count=BITS16 / before.factor, **FED))
+    before = encoder_fault(LAP, [Lag(0.5, 0.02)] * 2, pair(**FED))
+    after = encoder_fault(LAP, [Lag(0.5, 0.02)] * 2, pair(count=BITS16 / before.factor, **FED))
     assert after.measured == pytest.approx(before.measured / 2, rel=0.3)
     half = replace(POSE, **{n: getattr(POSE, n) / 2 for n in ("y", "z", "roll", "pitch", "yaw")})
-    whole, less = standing_elsewhere(LAP, POSE), standing_elsewhere(LAP, half)
+    whole, less = pose_fault(LAP, POSE), pose_fault(LAP, half)
     assert less.measured == pytest.approx(whole.measured / whole.factor, rel=0.01)
 
 

@@ -260,7 +260,7 @@ REFUSED = [
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
     ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
-    ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one number above zero; got nan."),
+    ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one finite number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
      "[section] pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),

@@ -33,6 +33,7 @@ INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTA
 # Values of numbers that fit every rule of their kind, by the rule's check.
 USUAL = {
     arguments.finite: 0.3, arguments.positive: 0.5, arguments.not_negative: 0.5,
+    arguments.coordinate: 0.3,
     arguments.size: 0.5, arguments.size_or_zero: 0.5, arguments.point: (0.3, 0.2, 0.1),
     arguments.bounded_array: 0.3, arguments.near_points: (0.3, 0.2, 0.1),
     arguments.directions: (0.0, 0.6, 0.8), arguments.positions: (0.3, 0.2),
@@ -101,9 +102,10 @@ def named(room, name, thing):
     elif inspect.isclass(thing):
         if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
             yield Call(room, name, thing, None)
-        for inner, one in inspect.getmembers(thing, inspect.isfunction):
-            if not inner.startswith("_"):
-                yield Call(room, f"{name}.{inner}", one, thing)
+        for inner, one in inspect.getmembers(thing):
+            if not inner.startswith("_") and (inspect.isfunction(one) or inspect.ismethod(one)):
+                owner = thing if inspect.isfunction(one) else None  # a class method has its class
+                yield Call(room, f"{name}.{inner}", one, owner)
     elif inspect.isfunction(thing):
         yield Call(room, name, thing, None)
 
@@ -117,7 +119,7 @@ def test_every_argument_says_what_it_may_be(call):
     for name, about in call.parameters.items():
         assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
         rule_of(about.annotation)
-    if call.parameters and inspect.isfunction(call.function):
+    if call.parameters and not inspect.isclass(call.function):
         assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tunneller_lib.removal import DexelGrid, removed_volume
-from tunneller_lib.removal import lines as grids
+from tunneller_lib.removal import grid as grids
 from tunneller_lib.surfaces import Rod
 
 
@@ -265,19 +265,29 @@ def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
         (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2, 0)), "shape: must be two whole"),
         (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must be two whole"),
         (lambda: DexelGrid.radial(1, 0, 1, 2, (2, 2)), "start: must be below stop"),
-        (lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)), "start: must be below stop"),
-        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one finite distance"),
+        (
+            lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)),
+            "stop: must be one finite number; got inf",
+        ),
+        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one distance or one a ray"),
         (
             lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)),
-            "outer: must be one finite distance",
+            "outer: must be one distance or one for each of 2 rays; got 3",
         ),
-        (lambda: DexelGrid.radial(0, 1, 1, np.inf, (2, 2)), "outer: must be one finite distance"),
-        (lambda: DexelGrid.radial(0, 1, [np.nan, 1], 2, (2, 2)), "inner: must be one finite"),
+        (
+            lambda: DexelGrid.radial(0, 1, 1, np.inf, (2, 2)),
+            "outer: must hold finite numbers; got inf",
+        ),
+        (
+            lambda: DexelGrid.radial(0, 1, [np.nan, 1], 2, (2, 2)),
+            "inner: must hold finite numbers; got nan",
+        ),
         (
             lambda: DexelGrid.radial(0, 1, [1, 3], 2, (2, 2)),
             "inner: must not be above outer on any",
         ),
         (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
+        (lambda: DexelGrid(wall().lines, [0, 0], 1), "low: must broadcast to 40 x 90 lines"),
         (lambda: wall().cut("rod"), "rod: must be of class Rod; got 'rod'"),
         (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),
         (lambda: wall().cut_path([[0, 0, np.nan]], 1), "centres: must hold finite"),
@@ -291,3 +301,14 @@ def test_wrong_input_is_told(call, message):
 
 def test_empty_path_removes_nothing():
     assert wall().cut_path(np.empty((0, 3)), 0.1) == 0
+
+
+def test_ball_of_no_size_on_the_axis_of_rays_removes_nothing():
+    assert wall(inner=0.0).cut(Rod((0, 0, 0), (0, 0, 0), 0, ends="round")) == 0
+
+
+def test_degenerate_and_far_windows_have_no_warnings():
+    for grid in (block(), wall(), wall(inner=0.0)):
+        for size in (1e-100, 1.0, 1e100):
+            grid.cut(Rod((0, 0, 0), (size, -size, size), size, ends="round"))
+            assert grid.cut_path([[size, size, -size]] * 2, size) >= 0

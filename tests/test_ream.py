@@ -14,15 +14,17 @@ from tunneller_lib.ream import (
     Limits,
     Pose,
     carve,
+    lap_volume,
     overbreak,
+    pass_distance,
     plan,
     scallop_height,
     simulate,
     standing,
     starved,
 )
-from tunneller_lib.ream.wall import intact_wall, lap_volume, pass_distance
-from tunneller_lib.removal import removed_volume
+from tunneller_lib.ream.wall import intact_wall
+from tunneller_lib.removal import DexelGrid, removed_volume
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
 EGG = Egg(0.5)
@@ -160,15 +162,19 @@ def test_bounds_keep_valves_flow_and_volume():
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({"feed": 0.0}, "feed: must be one number above zero"),
+        ({"feed": 0.0}, "feed: must be one finite number above zero"),
         ({"feed": np.inf}, "feed"),
-        ({"acceleration": -1.0}, "acceleration: must be one number above zero"),
+        ({"acceleration": -1.0}, "acceleration: must be one finite number above zero"),
         ({"volume": np.nan}, "volume: must be one number above zero"),
         ({"flow": 1e-4}, "axes: must be given for a limit of flow"),
         ({"axes": (1, 2)}, "axes: must be of class Hydraulics"),
-        ({"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5}, "axes: must be two"),
+        (
+            {"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5},
+            "axes: must be two, theta's and phi's; got 1",
+        ),
         ({"axes": reference_axes(REFERENCE_MACHINE), "valve": 3.0}, "valve: must be at most 1"),
         ({"feed": "a"}, "feed: must hold real numbers"),
+        ({"feed": 1e-200}, "feed: must be zero or from 1e-100 to 1e\\+100 in size"),
     ],
 )
 def test_limits_refuse(options, message):
@@ -322,15 +328,16 @@ def test_starved_plan_costs_time_and_no_count():
         (lambda: simulate(lap(), Integrator(0.5), LOOP, cost=9), "cost: needs tasks"),
         (lambda: carve(lap(), np.zeros((9, 2))), "position: must be"),
         (lambda: carve(3, np.zeros((9, 2))), "plan: must be of class Plan"),
-        (lambda: starved(lap(), None, 5), "tasks: must be a sequence"),
+        (lambda: starved(lap(), None, 5), "tasks: must be a list of Task"),
         (lambda: starved(lap(), [Task("line", 5000, 400)], 2**31), "cost: must"),
         (lambda: lap(count=1e-300), "count: must lie between"),
         (lambda: lap(rest=1e30), "rest: must be at most"),
         (lambda: lap(rest=9e3, laps=10_000),
          r"^laps: must take at most 5000000 ticks together; got 10000 x \d+ ticks of 0\.005 s\.$"),
         (lambda: lap(Limits(feed=1e-6, acceleration=0.5)), "laps: must take at most 5000000 ticks"),
-        (lambda: lap(step=1e-9), r"^step: must leave at most 1000000 set-points; got 1e-09 m, "),
-        (lambda: lap(step=1e-310), "step: must leave at most 1000000 set-points; got 1e-310 m, "),
+        (lambda: lap(step=1e-9), r"^step: must leave at most 1000000 setpoints; got 1e-09 m, "),
+        (lambda: lap(step=1e-99), "step: must leave at most 1000000 setpoints; got 1e-99 m, "),
+        (lambda: lap(step=1e-310), "step: must be zero or from 1e-100"),
         (lambda: lap(tick=1e-9),
          r"^times: must be at most 2\^31 - 1 ticks of 1e-09 s; got \S+ s\.$"),
         (lambda: lap(laps=[1, 2]), "laps: must be one whole number"),
@@ -338,12 +345,19 @@ def test_starved_plan_costs_time_and_no_count():
         (lambda: lap_volume(3, 0.3), "circuit: must be of class Circuit"),
         (lambda: scallop_height(0.2, -0.1), "pitch: must lie between"),
         (lambda: QUICK.profile(np.ones(3), np.zeros((4, 2)), np.ones(2)), "lengths: must be"),
-        (lambda: QUICK.profile(np.zeros(3), np.zeros((4, 2)), np.ones(3)), "above zero"),
+        (lambda: QUICK.profile(np.zeros(3), np.zeros((4, 2)), np.ones(3)), "lengths: must be ab"),
+        (lambda: QUICK.profile(np.ones(3), np.zeros((4, 2)), -np.ones(3)), "ground: must not be"),
         (lambda: QUICK.profile(np.ones(1), np.zeros((2, 2)), np.ones(1)), "m >= 2"),
         (lambda: Pose(y="a"), "y: must hold real numbers"),
         (lambda: Pose(y=np.nan), "y: must be one finite number"),
         (lambda: scallop_height(0.2, 0.5), "pitch: must lie between"),
         (lambda: cutting_circuit(replace(REFERENCE_MACHINE, height=0.3), EGG), "floor.*fails by"),
+        (lambda: simulate(lap(), Integrator(0.5), LOOP, tasks=[Task("line", 5000, 400)]),
+         "cost: needs tasks, and they need it"),
+        (lambda: starved(lap(), [], 5), "period 5000 us; got no task"),
+        (lambda: lap_volume(CIRCUIT, 9.0), "advance: must leave cusps below"),
+        (lambda: plan(round_pass(), QUICK, tolerance=9.0), "tolerance: must be so small that two"),
+        (lambda: standing(DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2, 2))), "must be on rays"),
         (lambda: standing(None), "wall: must be of class DexelGrid"),
         (lambda: overbreak(None, CIRCUIT), "wall: must be of class DexelGrid"),
     ],

@@ -318,6 +318,11 @@ def not_negative(name, value):
     return float(number)
 
 
+def coordinate(name, value):
+    """Return `value` as a float, which must be one number of at most 1e100 in size."""
+    return float(bounded_array(name, finite(name, value)))
+
+
 def size(name, value):
     """Return `value` as a float, which must be one number from 1e-100 to 1e100."""
     number = positive(name, value)
@@ -437,6 +442,7 @@ Positive = Annotated[float, Rule("float", positive)]
 NotNegative = Annotated[float, Rule("float", not_negative)]
 Length = Annotated[float, Rule("float", size, "m")]
 Length0 = Annotated[float, Rule("float", size_or_zero, "m")]
+Coordinate = Annotated[float, Rule("float", coordinate, "m")]
 Angle = Annotated[float, Rule("float", finite, "rad")]
 Duration = Annotated[float, Rule("float", positive, "s")]
 Sign = Annotated[int, Rule("{1, -1}", _sign)]

@@ -1,10 +1,21 @@
 """The whole job: plan a cut, run it through controller and axes, and look at the wall it leaves."""
 
-from .budget import Fault, budget
+from .cutting import Cut, carve, simulate, starved
+from .error_budget import budget
+from .faults import (
+    Fault,
+    count_fault,
+    encoder_fault,
+    following_fault,
+    knot_fault,
+    pose_fault,
+    setpoint_fault,
+    tangent_sphere_fault,
+)
 from .feed import Limits
-from .plan import Plan, Pose, plan
-from .simulate import Cut, carve, simulate, starved
-from .wall import overbreak, scallop_height, standing
+from .planning import Plan, Pose, plan
+from .sensitivity import trailing
+from .wall import lap_volume, overbreak, pass_distance, scallop_height, standing
 
 __all__ = [
     "Cut",
@@ -14,10 +25,20 @@ __all__ = [
     "Pose",
     "budget",
     "carve",
+    "count_fault",
+    "encoder_fault",
+    "following_fault",
+    "knot_fault",
+    "lap_volume",
     "overbreak",
+    "pass_distance",
     "plan",
+    "pose_fault",
     "scallop_height",
+    "setpoint_fault",
     "simulate",
     "standing",
     "starved",
+    "tangent_sphere_fault",
+    "trailing",
 ]

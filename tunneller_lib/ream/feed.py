@@ -1,15 +1,41 @@
-"""How fast the cutter may go along its path: constant, or as fast as the limits let it."""
+"""How fast the cutter may go along its path: as fast as the limits let it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import instance, positive, real
+from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
 from ..motion import Hydraulics
+from .pairs import Pair
+
+
+def _bound(name, value):
+    """Return `value` as a float, which must be `size` or infinite."""
+    number = real(name, value)
+    if number.ndim or not number > 0:
+        raise ValueError(f"{name}: must be one number above zero; got {shown(value)}.")
+    return np.inf if np.isinf(number) else size(name, value)
+
+
+def _row(name, value):
+    """Return `value` as a float array (m,)."""
+    row = bounded_array(name, value)
+    if row.ndim != 1:
+        raise ValueError(f"{name}: must be a list of numbers (m,); got shape {row.shape}.")
+    return row
+
+
+Size = Annotated[float, Rule("float", size)]
+Bound = Annotated[float, Rule("float", _bound)]
+Moves = Annotated[ArrayLike, Rule("(m,) float", _row, "m")]
+Areas = Annotated[ArrayLike, Rule("(m,) float", _row)]
+Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
 
 
 @dataclass(frozen=True)
+@checked
 class Limits:
     """What bounds the feed of the cutter; a number alone bounds nothing if it is infinite.
 
@@ -35,32 +61,21 @@ class Limits:
         If a number isn't above zero, or a limit needs axes that aren't given.
     """
 
-    feed: float
-    acceleration: float
-    volume: float = np.inf
-    flow: float = np.inf
-    valve: float = np.inf
-    axes: tuple | None = None
+    feed: Size
+    acceleration: Size
+    volume: Bound = np.inf
+    flow: Bound = np.inf
+    valve: Bound = np.inf
+    axes: Pair(Hydraulics) | None = None
 
     def __post_init__(self):
-        for field in fields(self)[:-1]:
-            value = getattr(self, field.name)
-            number = real(field.name, value)
-            if number.ndim or not number > 0:
-                raise ValueError(f"{field.name}: must be one number above zero; got {value!r}.")
-        for name in ("feed", "acceleration"):
-            positive(name, getattr(self, name))
         if 1 < self.valve < np.inf:
             raise ValueError(f"valve: must be at most 1, the open valve; got {self.valve!r}.")
-        if self.axes is None:
-            if min(self.flow, self.valve) < np.inf:
-                raise ValueError("axes: must be given for a limit of flow or of valves; got None.")
-        elif not isinstance(self.axes, Sequence) or len(self.axes) != 2:
-            raise ValueError(f"axes: must be two, theta and phi; got {self.axes!r}.")
-        for axis in self.axes or ():
-            instance("axes", axis, Hydraulics)
+        if self.axes is None and min(self.flow, self.valve) < np.inf:
+            raise ValueError("axes: must be given for a limit of flow or of valves; got None.")
 
-    def profile(self, lengths, positions, ground):
+    @checked
+    def profile(self, lengths: Moves, positions: Ends, ground: Areas):
         """Return the fastest feed from rest to rest.
 
         Parameters
@@ -84,32 +99,52 @@ class Limits:
         at most 2 a times the length, forwards from every place and backwards: two running minima.
         """
         bound = self.bounds(lengths, positions, ground)
+        # A place belongs to the moves before and after it; a lap begins and ends at rest.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         square[[0, -1]] = 0
         # A climb beyond the greatest feed says nothing, and its sum would take digits away.
-        climb = np.minimum(2 * self.acceleration * real("lengths", lengths), square.max())
+        climb = np.minimum(2 * self.acceleration * lengths, square.max())
         climb = np.concatenate([[0], np.cumsum(climb)])
+        # From every place before, and then from every one behind, no more than the climb: less the
+        # climb so far, that is a minimum which runs.
         square = np.minimum.accumulate(square - climb) + climb
         square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
-        return np.sqrt(np.maximum(square, 0))
+        return np.sqrt(np.maximum(square, 0))  # the sums leave a rounding below zero at rest
 
-    def bounds(self, lengths, positions, ground):
-        """Return the greatest steady feed (m,), in m/s, on each move of `profile`.
+    @checked
+    def bounds(self, lengths: Moves, positions: Ends, ground: Areas):
+        """Return the greatest steady feed on each move.
 
-        The arguments (lengths, positions, ground) are the same.
+        Parameters
+        ----------
+        lengths : (m,) float
+            Of the moves of the cutter's centre, in m.
+        positions : (m + 1, 2) float
+            Joint positions at their ends, in rad; straight in joint space between.
+        ground : (m,) float
+            Ground removed by each metre of a move, in m^2.
+
+        Returns
+        -------
+        feed : (m,) float
+            In m/s.
+
+        Raises
+        ------
+        ValueError
+            If the shapes don't fit each other, a length isn't above zero, or ground is below it.
         """
-        lengths, ground = real("lengths", lengths), real("ground", ground)
-        positions = real("positions", positions)
         m = lengths.size
-        if m < 2 or lengths.shape != (m,) or ground.shape != (m,) or positions.shape != (m + 1, 2):
+        if m < 2 or ground.shape != (m,) or positions.shape != (m + 1, 2):
             raise ValueError(
                 "lengths: must be (m,) with ground (m,) and positions (m + 1, 2), and "
                 f"m >= 2; got {lengths.shape}, {ground.shape}, {positions.shape}."
             )
-        sound = np.all(np.isfinite(lengths) & (lengths > 0)) and np.all(np.isfinite(positions))
-        if not sound or not np.all(np.isfinite(ground) & (ground >= 0)):
-            raise ValueError("lengths: must be above zero, ground not below, positions finite.")
-        with np.errstate(divide="ignore"):
+        if np.any(lengths < LEAST):
+            raise ValueError(f"lengths: must be above zero; got {lengths.min():g}.")
+        if np.any(ground < 0):
+            raise ValueError(f"ground: must not be below zero; got {ground.min():g}.")
+        with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
         if self.axes is None:
             return bound
@@ -121,6 +156,7 @@ class Limits:
             drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
             if self.valve < np.inf:
                 fastest = np.abs(axis.rate(angle, np.where(rate > 0, self.valve, -self.valve)))
-                with np.errstate(divide="ignore"):
+                with np.errstate(divide="ignore", over="ignore"):  # a joint that stands still
                     bound = np.minimum(bound, fastest / np.abs(rate))
-        return np.minimum(bound, self.flow / drawn)
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.minimum(bound, self.flow / drawn)

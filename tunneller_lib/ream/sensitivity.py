@@ -1,4 +1,4 @@
-"""First and second derivatives of the over-break: closed forms behind the error budget.
+"""First and second derivatives of the overbreak: closed forms behind the error budget.
 
 The cutter's centre at joint position q is f(q) outside the offset section. n is the section's
 outward normal and rho its radius of curvature at the place where f is zero.
@@ -6,8 +6,11 @@ outward normal and rho its radius of curvature at the place where f is zero.
 
 import numpy as np
 
+from ..arguments import checked
 from ..exact import dot, norm
 from ..motion import Compressible, Lag, Resonance, Rigid
+from .pairs import Loops, Plants, check_linear, check_ticks
+from .planning import Plan
 
 HARMONICS = 64  # of the encoder's rounding
 
@@ -57,15 +60,17 @@ def geodesic_bend(circuit, s, q, direction):
     return curvature * dot(direction, tangent) ** 2 - of_torus
 
 
-def lateness(plant):
+def _lateness(plant):
     """Return the time by which a plant's rate is late in slow motion, in s."""
     if isinstance(plant, Lag):
         return plant.lag
     if isinstance(plant, Resonance):
         return 2 * plant.damping / plant.frequency
     if isinstance(plant, Compressible):
-        return plant.axis.valve_lag + lateness(plant.axis.resonance(0.0))
-    return plant.axis.valve_lag if isinstance(plant, Rigid) else 0.0
+        return plant.axis.valve_lag + _lateness(plant.axis.resonance(0.0))
+    if isinstance(plant, Rigid):
+        return plant.axis.valve_lag
+    return 0.0
 
 
 def rounding_passed(plant, loop, rate):
@@ -81,7 +86,7 @@ def rounding_passed(plant, loop, rate):
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
-    linear = plant if hasattr(plant, "discrete") else Lag(1.0, lateness(plant))
+    linear = plant if hasattr(plant, "discrete") else Lag(1.0, _lateness(plant))
     Ad, Bd = linear.discrete(loop.tick)
     held = np.broadcast_to((Bd / linear.gain).astype(complex)[:, None], (*z.shape, len(Bd), 1))
     open_loop = np.linalg.solve(z[..., None, None] * np.eye(len(Bd)) - Ad, held)[..., 0, 0]
@@ -95,30 +100,48 @@ def planned_motion(plan):
 
     Without the feed's own changes, which move the joints along the circuit only.
     """
-    circuit, h = plan.circuit, 1e-4  # m, less than a move: a blend isn't straddled
+    circuit = plan.circuit
+    h = 1e-4  # m, less than a move: a blend isn't straddled
     middle = (plan.s[1:] + plan.s[:-1]) / 2
-    before, at, after = (circuit.position(middle + shift) for shift in (-h, 0.0, h))
+    before = circuit.position(middle - h)
+    at = circuit.position(middle)
+    after = circuit.position(middle + h)
     along = (after - before) / (2 * h)
     speed = np.where(np.diff(plan.s) > 0, (plan.feed[1:] + plan.feed[:-1]) / 2, 0.0)
     speed = speed / norm(circuit.machine.torus.velocity(at, along))
     return middle, along * speed[:, None], (after - 2 * at + before) / h**2 * speed[:, None] ** 2
 
 
-def trailing(plan, plants, loops):
-    """Return the deviation (2, m), in m, amid a plan's moves, as its loops' lag makes it.
+@checked
+def trailing(plan: Plan, plant: Plants, loop: Loops):
+    """Return the deviation amid a plan's moves as its loops' lag makes it, to second order.
 
-    Two terms of a series: where all gains are u times as high, the deviation is the first over u
-    and the second over u^2. For the axes (plants) of both joints; loops without encoder, integral
-    and dead band.
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band; encoders are
+        taken as ideal.
+
+    Returns
+    -------
+    deviation : (2, m) float
+        Two terms of a series, in m: where all gains are u times as high, the deviation is the
+        first over u and the second over u^2.
     """
-    circuit, tick = plan.circuit, plan.tick
+    check_ticks(plan, loop)
+    check_linear(loop)
+    circuit = plan.circuit
+    tick = plan.tick
     middle, rate, change = planned_motion(plan)
     at = circuit.position(middle)
-    share = np.array([loop.feedforward for loop in loops])
-    lag = 1 / np.array([loop.gain for loop in loops])
-    late = np.array(
-        [loop.delay * tick + lateness(plant) for loop, plant in zip(loops, plants, strict=True)]
-    )
+    share = np.array([one.feedforward for one in loop])
+    lag = 1 / np.array([one.gain for one in loop])
+    delay = np.array([one.delay * tick for one in loop])
+    late = delay + np.array([_lateness(axis) for axis in plant])
     behind = -(1 - share) * lag * rate
     slope = gradient(circuit, middle, at)
     first = dot(slope, behind - lag * ((1 - share) * tick / 2 + late) * change)

@@ -2,13 +2,23 @@
 
 import numpy as np
 
-from ..arguments import instance, positive
+from ..arguments import Coordinate, Length, Lengths, Positive, checked
 from ..exact import norm
 from ..paths import Circuit
 from ..removal import DexelGrid
+from ..removal.dexel import Shape
 
 
-def intact_wall(circuit, start, stop, shape, *, thickness=0.1, memory=None):
+@checked
+def intact_wall(
+    circuit: Circuit,
+    start: Coordinate,
+    stop: Coordinate,
+    shape: Shape,
+    *,
+    thickness: Length = 0.1,
+    memory: Positive | None = None,
+):
     """Return the ground behind a section before it is cut.
 
     Parameters
@@ -29,32 +39,42 @@ def intact_wall(circuit, start, stop, shape, *, thickness=0.1, memory=None):
     wall : DexelGrid
         The ground.
     """
-    section = instance("circuit", circuit, Circuit).section
     angle = (np.arange(shape[1]) + 0.5) * 2 * np.pi / shape[1]
-    inner = section.ray(angle)
-    outer = inner + positive("thickness", thickness)
-    return DexelGrid.radial(start, stop, inner, outer, shape, memory=memory)
+    inner = circuit.section.ray(angle)
+    return DexelGrid.radial(start, stop, inner, inner + thickness, shape, memory=memory)
 
 
-def standing(wall):
-    """Return the points (n, m, 3), in m, where the ground begins that stands after the cuts.
+@checked
+def standing(wall: DexelGrid):
+    """Return where the ground begins that stands after the cuts.
 
-    On each ray that of the outermost piece: what the cutter has undercut is counted as gone.
+    Parameters
+    ----------
+    wall : DexelGrid
+        The ground, on rays.
+
+    Returns
+    -------
+    points : (n, m, 3) float
+        In m, on each ray that of the outermost piece: what the cutter has undercut is counted as
+        gone.
 
     Raises
     ------
     ValueError
-        If a ray is cut through.
+        If a ray is cut through, or the grid's lines are no rays.
     """
-    low, high = instance("wall", wall, DexelGrid).low, wall.high
-    distance = np.where(high > low, low, -np.inf).max(axis=0)
+    if not wall.lines.rays:
+        raise ValueError("wall: must be on rays; got parallel lines.")
+    distance = np.where(wall.high > wall.low, wall.low, -np.inf).max(axis=0)
     if not np.all(np.isfinite(distance)):
         raise ValueError("wall: is cut through; the modelled ground must be thicker.")
     x = np.broadcast_to(wall.lines.x[:, None], distance.shape)
     return np.stack([x, distance * wall.lines.cos, distance * wall.lines.sin], axis=-1)
 
 
-def overbreak(wall, circuit):
+@checked
+def overbreak(wall: DexelGrid, circuit: Circuit):
     """Return how far (n, m) the standing ground is beyond the wanted wall, in m.
 
     Parameters
@@ -67,14 +87,20 @@ def overbreak(wall, circuit):
     Returns
     -------
     overbreak : (n, m) float
-        Along the section's normal: positive over-break, negative under-break; minus the depth
-        of cut where the section is as it was.
+        Along the section's normal, in m: negative underbreak; minus the depth of cut where the
+        section is as it was.
+
+    Raises
+    ------
+    ValueError
+        As by `standing`.
     """
-    points, circuit = standing(wall), instance("circuit", circuit, Circuit)
+    points = standing(wall)
     return -circuit.section.depth(points[..., 1], points[..., 2]) - circuit.machine.depth
 
 
-def scallop_height(radius, pitch):
+@checked
+def scallop_height(radius: Length, pitch: Lengths):
     """Return the height of the cusps between passes of a ball, in m.
 
     Parameters
@@ -94,14 +120,17 @@ def scallop_height(radius, pitch):
     >>> float(scallop_height(0.2, 0.04).round(6))
     0.001003
     """
-    radius, pitch = positive("radius", radius), np.asarray(pitch, dtype=float)
-    if not np.all((pitch >= 0) & (pitch <= 2 * radius)):
-        raise ValueError(f"pitch: must lie between 0 and twice the radius {radius:g} m; "
-                         f"got {pitch}.")  # fmt: skip
+    wrong = (pitch < 0) | (pitch > 2 * radius)
+    if np.any(wrong):
+        raise ValueError(
+            f"pitch: must lie between 0 and twice the radius {radius:g} m; "
+            f"got {pitch[wrong].flat[0]:g} m."
+        )
     return pitch**2 / 4 / (radius + np.sqrt(radius**2 - pitch**2 / 4))
 
 
-def pass_distance(circuit, s, advance):
+@checked
+def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
     """Return the distance (...) of passes across their direction, in m, that makes their cusps.
 
     Parameters
@@ -120,14 +149,17 @@ def pass_distance(circuit, s, advance):
         section's plane, the radius rho of the offset section and R of the cutter: on a straight
         wall advance cos(lean), but the ball also reaches round the bend.
     """
-    h = 1e-5 * circuit.profile.perimeter
+    profile = circuit.profile
+    h = 1e-5 * profile.perimeter
+    s = np.where(np.abs(s) > profile.perimeter, np.mod(s, profile.perimeter), s)  # lest h be lost
     move = circuit.in_tunnel(circuit.point(s + h)) - circuit.in_tunnel(circuit.point(s - h))
     tan = move[..., 0] / norm(move[..., 1:])
-    bent = circuit.profile.curvature(s) * circuit.machine.cutter_radius
-    return positive("advance", advance) / np.sqrt(1 + tan**2 / (1 + bent))
+    bent = profile.curvature(s) * circuit.machine.cutter_radius
+    return advance / np.sqrt(1 + tan**2 / (1 + bent))
 
 
-def lap_volume(circuit, advance):
+@checked
+def lap_volume(circuit: Circuit, advance: Length):
     """Return the ground that a lap removes behind earlier ones, in m^3.
 
     Parameters
@@ -148,18 +180,22 @@ def lap_volume(circuit, advance):
     ValueError
         If the cusps are as high as the cut is deep.
     """
-    machine, profile = instance("circuit", circuit, Circuit).machine, circuit.profile
-    radius, g = machine.cutter_radius, machine.depth
+    profile = circuit.profile
+    radius = circuit.machine.cutter_radius
+    g = circuit.machine.depth
     layer = circuit.section.perimeter * g + np.pi * g**2  # Steiner
     ends = np.linspace(0, profile.perimeter, 4001)
     s = (ends[1:] + ends[:-1]) / 2
     half = pass_distance(circuit, s, advance) / 2
-    tallest = np.max(scallop_height(radius, 2 * half))
+    tallest = np.max(scallop_height(radius, np.minimum(2 * half, 2 * radius)))
     if g <= tallest:
-        raise ValueError(f"advance: must leave cusps below the depth of cut {g:g} m, or ground "
-                         f"between them isn't touched; got cusps of {tallest:.3g} m.")  # fmt: skip
+        raise ValueError(
+            f"advance: must leave cusps below the depth of cut {g:g} m, or ground between them "
+            f"isn't touched; got {advance:g} m, which leaves {tallest:.3g} m."
+        )
     # The strip down to the bottoms less two sectors and the triangle that the passes take of it.
-    cusp = 2 * half * radius - radius**2 * np.arcsin(half / radius) - half * np.sqrt(
-        (radius - half) * (radius + half))  # fmt: skip
+    sectors = radius**2 * np.arcsin(half / radius)
+    triangle = half * np.sqrt((radius - half) * (radius + half))
+    cusp = 2 * half * radius - sectors - triangle
     bent = 1 + radius * profile.curvature(s)
     return float(advance * (layer - np.sum(cusp / (2 * half) * bent * np.diff(ends))))

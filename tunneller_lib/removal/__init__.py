@@ -1,10 +1,17 @@
 """What the cutter removes: volumes in closed form, grids of intervals, clearance of the arm."""
 
-from .clearance import circuit_clearance, rod_clearance
+from .arm_clearance import circuit_clearance, rod_clearance
 from .dexel import DexelGrid
 from .volume import advance_for_volume, bowl, groove_area, half_lens, removed_volume, ring
 
 __all__ = [
-    "DexelGrid", "advance_for_volume", "bowl", "circuit_clearance", "groove_area",
-    "half_lens", "removed_volume", "ring", "rod_clearance",
-]  # fmt: skip
+    "DexelGrid",
+    "advance_for_volume",
+    "bowl",
+    "circuit_clearance",
+    "groove_area",
+    "half_lens",
+    "removed_volume",
+    "ring",
+    "rod_clearance",
+]

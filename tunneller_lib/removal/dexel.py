@@ -1,15 +1,62 @@
 """Grids of intervals, dexels: what is left of a block or of a tunnel's wall after cuts."""
 
 import os
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import finite_points, instance, positive, real
+from ..arguments import (
+    Coordinate,
+    Length,
+    Lengths,
+    Point,
+    Positive,
+    Rule,
+    bounded_array,
+    checked,
+    near_points,
+    shown,
+    whole,
+)
 from ..surfaces import Rod
-from . import lines as grids
+from .grid import Lines, fan, parallel
 
 GROUP = 6  # moves of a path that are cut at once, as long as
 GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
+
+
+def _two_sizes(name, value):
+    """Return `value` as a tuple of two whole numbers above zero."""
+    try:
+        sizes = whole(name, value, 1, 2**53)
+    except ValueError:
+        sizes = np.empty(0)
+    if sizes.shape != (2,):
+        raise ValueError(f"{name}: must be two whole numbers above zero; got {shown(value)}.")
+    return tuple(sizes.tolist())
+
+
+def _centres(name, value):
+    """Return `value` as a float array (n, 3) of points."""
+    centres = near_points(name, value)
+    if centres.ndim != 2:
+        raise ValueError(f"{name}: must have the shape (n, 3); got {centres.shape}.")
+    return centres
+
+
+def _distances(name, value):
+    """Return `value` as a float array, () or (m,), of distances from the axis."""
+    distances = bounded_array(name, value)
+    if distances.ndim > 1 or not np.all(distances >= 0):
+        raise ValueError(f"{name}: must be one distance or one a ray, none below zero.")
+    return distances
+
+
+# What arguments may be, in this room and above it.
+Shape = Annotated[tuple[int, int], Rule("(int, int)", _two_sizes)]
+Centres = Annotated[ArrayLike, Rule("(n, 3) float", _centres, "m")]
+Distances = Annotated[ArrayLike, Rule("float or (m,) float", _distances, "m")]
 
 
 class DexelGrid:
@@ -18,16 +65,23 @@ class DexelGrid:
     Parameters
     ----------
     lines : Lines
-        The grid.
-    low, high : (n, m) float
-        Where the material begins and ends on each line, in m; nothing where low >= high.
+        The grid: n planes of m lines, as of another `DexelGrid`.
+    low, high : (...) float
+        Where the material begins and ends on each line, in m; nothing where low >= high. They
+        broadcast to (n, m).
     memory : float, optional
         Bytes that its intervals may take while they grow; half of the computer's unless told.
 
     Attributes
     ----------
     low, high : (k, n, m) float
-        Up to k intervals a line, in no order, in m.
+        Up to k intervals a line, in no order, in m; an empty slot has low >= high.
+
+    Raises
+    ------
+    ValueError
+        If the intervals don't fit the grid or the memory; cuts raise it, too, when those that
+        they split don't fit any more.
 
     Notes
     -----
@@ -38,17 +92,24 @@ class DexelGrid:
     where such a side runs along the grid the errors of its cells don't average out.
     """
 
-    def __init__(self, lines, low, high, *, memory=None):
+    @checked
+    def __init__(
+        self, lines: Lines, low: Lengths, high: Lengths, *, memory: Positive | None = None
+    ):
         shape = (len(lines.x), len(lines.cos))
         self.memory = _allowed(memory)
         _refuse(shape, 1, self.memory)
         self.lines = lines
-        low, high = np.broadcast_to(low, shape), np.broadcast_to(high, shape)
-        self.low, self.high = low.copy()[None], high.copy()[None]
+        low = _on_lines("low", low, shape)
+        high = _on_lines("high", high, shape)
+        self.low = low.copy()[None]
+        self.high = high.copy()[None]
+        # Where the material began at first on the rays of each angle: cuts only move it outwards.
         self._nearest = np.where(low < high, low, np.inf).min(axis=0, initial=np.inf)
 
     @classmethod
-    def cartesian(cls, low, high, shape, *, memory=None):
+    @checked
+    def cartesian(cls, low: Point, high: Point, shape: Shape, *, memory: Positive | None = None):
         """Return a block of material on lines along z.
 
         Parameters
@@ -72,15 +133,23 @@ class DexelGrid:
         >>> round(removed / (2 / 3 * np.pi * 0.5**3), 3)
         1.0
         """
-        low, high = (finite_points(n, p) for n, p in (("low", low), ("high", high)))
-        if low.shape != (3,) or high.shape != (3,) or not np.all(low < high):
-            raise ValueError(f"low: must be below high (3,) on each axis; got {low}, {high}.")
-        shape = _shape(shape)
+        if not np.all(np.less(low, high)):
+            raise ValueError(f"low: must be below high on each axis; got {low} and {high}.")
         _refuse(shape, 1, _allowed(memory))
-        return cls(grids.parallel(low[:2], high[:2], shape), low[2], high[2], memory=memory)
+        return cls(parallel(low[:2], high[:2], shape), low[2], high[2], memory=memory)
 
     @classmethod
-    def radial(cls, start, stop, inner, outer, shape, *, memory=None):
+    @checked
+    def radial(
+        cls,
+        start: Coordinate,
+        stop: Coordinate,
+        inner: Distances,
+        outer: Distances,
+        shape: Shape,
+        *,
+        memory: Positive | None = None,
+    ):
         """Return the wall of a tunnel along x on rays from its axis y = z = 0.
 
         Parameters
@@ -89,7 +158,7 @@ class DexelGrid:
             Its ends, in m.
         inner, outer : float or (m,) float
             Distances from the axis between which there is material, in m, one for each ray;
-            inner <= outer, both finite, and nothing is there where they are equal.
+            inner <= outer, and nothing is there where they are equal.
         shape : (int, int)
             n places along x times m angles from y (left) over z (up), each in its cell's middle.
         memory : float, optional
@@ -106,24 +175,18 @@ class DexelGrid:
         >>> bool(np.isclose(grid.volume, np.pi * (0.6**2 - 0.5**2)))
         True
         """
-        shape = _shape(shape)
         _refuse(shape, 1, _allowed(memory))
-        inner, outer, ends = (
-            real("inner", inner),
-            real("outer", outer),
-            real("start", [start, stop]),
-        )
-        if not (np.all(np.isfinite(ends)) and ends[0] < ends[1]):
-            raise ValueError(f"start: must be below stop, both finite; got {start} and {stop}.")
-        for name, radius in (("inner", inner), ("outer", outer)):
-            sound = np.isfinite(radius) & (radius >= 0)
-            if radius.shape not in ((), (shape[1],)) or not sound.all():
+        if not start < stop:
+            raise ValueError(f"start: must be below stop; got {start:g} and {stop:g} m.")
+        for name, distances in (("inner", inner), ("outer", outer)):
+            if distances.shape not in ((), (shape[1],)):
                 raise ValueError(
-                    f"{name}: must be one finite distance or one a ray, none below zero."
+                    f"{name}: must be one distance or one for each of {shape[1]} rays; "
+                    f"got {distances.size}."
                 )
         if np.any(inner > outer):
             raise ValueError("inner: must not be above outer on any ray.")
-        return cls(grids.fan(*ends, shape), inner, outer, memory=memory)
+        return cls(fan(start, stop, shape), inner, outer, memory=memory)
 
     @property
     def volume(self):
@@ -131,7 +194,8 @@ class DexelGrid:
         total = 0.0
         _, n, m = self.low.shape
         for block in self.lines.blocks((0, n, 0, m)):
-            low, high = (side[(slice(None), *block)] for side in (self.low, self.high))
+            low = self.low[(slice(None), *block)]
+            high = self.high[(slice(None), *block)]
             filled = high > low
             total += float(np.sum(self.lines.measure(low[filled], high[filled])))
         return total
@@ -148,15 +212,18 @@ class DexelGrid:
         other.__dict__.update(self.__dict__, low=self.low.copy(), high=self.high.copy())
         return other
 
-    def cut(self, rod):
+    @checked
+    def cut(self, rod: Rod):
         """Remove a rod, or a ball as a round rod without length, and return the volume, in m^3."""
         return sum(self._subtract(*touched) for touched in self._touched_by(rod))
 
-    def overlap(self, rod):
+    @checked
+    def overlap(self, rod: Rod):
         """Return the volume, in m^3, that a rod shares with the material: 0 without a collision."""
         return sum(self._shared(*touched)[0] for touched in self._touched_by(rod))
 
-    def cut_path(self, centres, radius):
+    @checked
+    def cut_path(self, centres: Centres, radius: Length):
         """Remove what a ball sweeps along a path.
 
         Parameters
@@ -171,42 +238,47 @@ class DexelGrid:
         removed : float
             The volume, in m^3.
         """
-        centres, radius = finite_points("centres", centres), positive("radius", radius)
-        if centres.ndim != 2:
-            raise ValueError(f"centres: must have the shape (n, 3); got {centres.shape}.")
-        a, b = centres[:-1], centres[1:]
-        if len(centres) == 1:
-            a = b = centres
+        a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
         windows = self.lines.windows(a, b, radius, self._nearest)
         removed = 0.0
         for here in range(0, len(a), GROUP):
             moves = slice(here, here + GROUP)
             window = self.lines.around(windows[moves])
-            if _lines(window) <= GREATER * _lines(windows[moves].T).max(initial=0):
+            if _count(window) <= GREATER * _count(windows[moves].T).max(initial=0):
                 removed += self._sweep(a[moves], b[moves], radius, window)
-            else:  # long moves, side by side: most lines of the window are met by none
+            else:
+                # Long moves one after the other: most lines of the window are met by none.
                 for start, end, one in zip(a[moves], b[moves], windows[moves], strict=True):
                     removed += self._sweep(start[None], end[None], radius, one)
         return removed
 
     def _sweep(self, a, b, radius, window):
         """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
-        # Most lines were cut as far as this before: a ball about all the moves leaves them out.
+        # Most lines of the window were cut as far as this by earlier moves. One ball about all
+        # these moves, larger by more than its rounding, tells which lines have material in reach,
+        # and only those are held against the moves one by one.
         middle = (a[0] + b[-1]) / 2
         away = np.linalg.norm(np.concatenate([a, b]) - middle, axis=-1).max()
         about = (radius + away) * (1 + 1e-9)
         removed = 0.0
         for rows, columns in self.lines.blocks(window):
             enter, leave = self.lines.meet_ball(middle, about, rows, columns)
-            low, high = self.low[:, rows, columns], self.high[:, rows, columns]
+            low = self.low[:, rows, columns]
+            high = self.high[:, rows, columns]
             i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
-            i, j = i + rows.start, j + columns.start
+            i = i + rows.start
+            j = j + columns.start
             enter, leave = self.lines.meet(a, b, radius, True, i, j[:, None])
-            enter, leave = enter[..., 0], leave[..., 0]
-            # What all moves so far take from a line; where that's one interval it goes at once.
-            first, last = np.minimum.accumulate(enter), np.maximum.accumulate(leave)
+            enter = enter[..., 0]
+            leave = leave[..., 0]
+            # What a move takes from a line nearly always overlaps with what the moves before it
+            # took, as they share a ball. While that holds on every line the moves together take
+            # one interval, which goes at once; one gap anywhere, and the moves go one by one.
+            first = np.minimum.accumulate(enter)
+            last = np.maximum.accumulate(leave)
             met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
-            if np.any(met & ((enter[1:] > last[:-1]) | (leave[1:] < first[:-1]))):
+            apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
+            if np.any(met & apart):
                 cuts = zip(enter, leave, strict=True)
             else:
                 cuts = [(first[-1], last[-1])]
@@ -216,15 +288,9 @@ class DexelGrid:
         return removed
 
     def _touched_by(self, rod):
-        """Return `_touched` for one rod of any length."""
-        instance("rod", rod, Rod)
-        ends = np.array([[rod.a], [rod.b]])
-        reach = rod.radius
-        if self.lines.rays:  # whose window is that of a ball
-            reach += rod.length / 2
-            ends[:] = ends.mean(axis=0)
-        window = self.lines.windows(*ends, reach, self._nearest)[0]
+        """Return `_touched` for one rod; that of its capsule has all lines that may meet it."""
         a, b = np.array([rod.a, rod.b])
+        window = self.lines.windows(a[None], b[None], rod.radius, self._nearest)[0]
         return self._touched(a, b, rod.radius, rod.ends == "round", window)
 
     def _touched(self, a, b, radius, round_ends, window):
@@ -236,25 +302,34 @@ class DexelGrid:
             yield from self._met(enter[hit], leave[hit], i + rows.start, j + columns.start)
 
     def _met(self, enter, leave, i, j):
-        """Yield slot, places, and where a cut enters and leaves, of the intervals that it meets."""
+        """Yield slot, places, and where a cut enters and leaves, of the intervals that it meets.
+
+        A piece that is split off meanwhile, into a later slot, isn't met again: it begins where
+        the cut leaves.
+        """
         for slot in range(len(self.low)):
-            low, high = self.low[slot, i, j], self.high[slot, i, j]
+            low = self.low[slot, i, j]
+            high = self.high[slot, i, j]
             met = (leave > low) & (enter < high) & (enter < leave) & (low < high)
             if np.any(met):
                 yield slot, (i[met], j[met]), enter[met], leave[met]
 
     def _shared(self, slot, place, enter, leave):
         """Return the volume that intervals share with a rod, and the intervals."""
-        low, high = self.low[slot][place], self.high[slot][place]
+        low = self.low[slot][place]
+        high = self.high[slot][place]
         shared = self.lines.measure(np.maximum(low, enter), np.minimum(high, leave))
         return float(np.sum(shared)), low, high
 
     def _subtract(self, slot, place, enter, leave):
         """Take a rod from intervals of one slot, and return the volume."""
         removed, low, high = self._shared(slot, place, enter, leave)
-        below, above = enter > low, leave < high
+        below = enter > low  # something stays on the line before the rod
+        above = leave < high  # and behind it
+        # The slot keeps what is before the rod, else what is behind it, else nothing: low = high.
         self.high[slot][place] = np.where(below, enter, high)
         self.low[slot][place] = np.where(below, low, np.where(above, leave, high))
+        # Where an interval is split its second piece needs a slot of its own.
         both = below & above
         if np.any(both):
             self._add(tuple(index[both] for index in place), leave[both], high[both])
@@ -266,29 +341,34 @@ class DexelGrid:
         if not np.all(free.any(axis=0)):
             _refuse(self.low.shape[1:], len(self.low) + 1, self.memory)
             empty = np.zeros((1, *self.low.shape[1:]))
-            self.low, self.high = (np.concatenate([side, empty]) for side in (self.low, self.high))
+            self.low = np.concatenate([self.low, empty])
+            self.high = np.concatenate([self.high, empty])
             free = np.concatenate([free, np.ones_like(free[:1])])
         slot = np.argmax(free, axis=0)
-        self.low[(slot, *place)], self.high[(slot, *place)] = low, high
+        self.low[(slot, *place)] = low
+        self.high[(slot, *place)] = high
 
 
-def _lines(window):
+def _count(window):
     """Return how many lines there are in windows (4, ...)."""
     first, last, start, stop = window
     return np.maximum(last - first, 0) * np.maximum(stop - start, 0)
 
 
-def _shape(shape):
-    sizes = np.asarray(shape)
-    if sizes.shape != (2,) or sizes.dtype.kind not in "iu" or not np.all(sizes > 0):
-        raise ValueError(f"shape: must be two whole numbers above zero; got {shape!r}.")
-    return tuple(int(size) for size in sizes)
+def _on_lines(name, sides, shape):
+    """Return ends of intervals, in m, one for each line of a grid of this shape (n, m)."""
+    try:
+        return np.broadcast_to(sides, shape)
+    except ValueError:
+        raise ValueError(
+            f"{name}: must broadcast to {shape[0]} x {shape[1]} lines; got shape {sides.shape}."
+        ) from None
 
 
 def _allowed(memory):
     """Return the bytes that a grid may take."""
     if memory is not None:
-        return positive("memory", memory)
+        return memory
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2
     return 2.0**32
@@ -300,6 +380,7 @@ def _refuse(shape, slots, memory):
     if need > memory:
         share = np.sqrt(memory / need)
         n, m = (max(int(size * share), 1) for size in shape)
-        raise ValueError(f"shape: {shape[0]} x {shape[1]} lines in {slots} slots need "
-                         f"{need / 1e9:.3g} GB of the {memory / 1e9:.3g} GB allowed; "
-                         f"{n} x {m} would fit.")  # fmt: skip
+        raise ValueError(
+            f"shape: {shape[0]} x {shape[1]} lines in {slots} slots need {need / 1e9:.3g} GB of "
+            f"the {memory / 1e9:.3g} GB allowed; {n} x {m} would fit."
+        )

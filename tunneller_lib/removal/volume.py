@@ -1,11 +1,29 @@
 """What a ball removes along its path: Tunnelling robot, section 3.3.2."""
 
+from typing import Annotated
+
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import positive, real
+from ..arguments import MOST, Length, Lengths, Reals, Rule, checked, real, shown
 
 
-def half_lens(radius, advance):
+def _walls(name, value):
+    """Return `value` as a float array (...) of radii above zero, which may be infinite."""
+    array = real(name, value)
+    if not np.all((array > 0) & ((array <= MOST) | np.isinf(array))):
+        raise ValueError(
+            f"{name}: must hold radii above zero, of at most {MOST:g} m or infinite; "
+            f"got {shown(value)}."
+        )
+    return array
+
+
+Walls = Annotated[ArrayLike, Rule("(...) float", _walls, "m")]
+
+
+@checked
+def half_lens(radius: Length, advance: Lengths):
     """Return V_D, half of the lens that a ball and its image share (Eq. 12), in m^3.
 
     Parameters
@@ -25,31 +43,55 @@ def half_lens(radius, advance):
     >>> bool(np.isclose(half_lens(1, 0), 2 * np.pi / 3))
     True
     """
-    R, c = positive("radius", radius), _between("advance", advance, 0, 2 * radius)
+    R = radius
+    c = _between("advance", advance, 2 * R)
     # As the cap of height R - c/2; the printed sum cancels where the balls hardly overlap.
     height = R - c / 2
     return np.pi * height**2 * (3 * R - height) / 3
 
 
-def bowl(radius, advance):
-    """Return V_C = V_S - 2 V_D, what the advanced ball has beyond its first place, in m^3.
+@checked
+def bowl(radius: Length, advance: Lengths):
+    """Return V_C = V_S - 2 V_D, what the advanced ball has beyond its first place.
 
-    `radius` and `advance` as for `half_lens`; written so that short advances keep their digits.
+    Parameters
+    ----------
+    radius : float
+        R of the ball, in m.
+    advance : (...) float
+        c, from one centre to the other, in m, from 0 to 2R.
+
+    Returns
+    -------
+    volume : (...) float
+        In m^3; the difference of V_S and 2 V_D would lose the digits of a short advance.
     """
-    R, c = positive("radius", radius), _between("advance", advance, 0, 2 * radius)
+    R = radius
+    c = _between("advance", advance, 2 * R)
     return np.pi * c * (R**2 - c**2 / 12)
 
 
-def ring(radius, advance):
-    """Return V_R = V_L + 2 V_D - V_S, the cusp between the two balls and their cylinder, in m^3.
+@checked
+def ring(radius: Length, advance: Lengths):
+    """Return V_R = V_L + 2 V_D - V_S, the cusp between the two balls and their cylinder.
 
-    `radius` and `advance` as for `half_lens`. It is pi c^3 / 12 whatever the radius.
+    Parameters
+    ----------
+    radius : float
+        R of the balls, in m.
+    advance : (...) float
+        c, from one centre to the other, in m, from 0 to 2R.
+
+    Returns
+    -------
+    volume : (...) float
+        In m^3; it is pi c^3 / 12 whatever the radius.
     """
-    positive("radius", radius)
-    return np.pi * _between("advance", advance, 0, 2 * radius) ** 3 / 12
+    return np.pi * _between("advance", advance, 2 * radius) ** 3 / 12
 
 
-def groove_area(radius, depth, *, pitch=None):
+@checked
+def groove_area(radius: Length, depth: Lengths, *, pitch: Lengths | None = None):
     """Return the section of a groove at a plane wall, in m^2.
 
     Parameters
@@ -81,7 +123,15 @@ def groove_area(radius, depth, *, pitch=None):
     return _area_and_moment(radius, depth, pitch)[0]
 
 
-def removed_volume(radius, advance, depth, *, wall=np.inf, pitch=None):
+@checked
+def removed_volume(
+    radius: Length,
+    advance: Lengths,
+    depth: Lengths,
+    *,
+    wall: Walls = np.inf,
+    pitch: Lengths | None = None,
+):
     """Return the volume that a ball removes while it cuts a groove (section 3.3.2), in m^3.
 
     Parameters
@@ -113,10 +163,19 @@ def removed_volume(radius, advance, depth, *, wall=np.inf, pitch=None):
     >>> round(1e6 * removed_volume(0.2, 0.01, 0.02))  # cm^3
     23
     """
-    return real("advance", _not_below("advance", advance)) * _rate(radius, depth, wall, pitch)
+    _not_below_zero("advance", advance)
+    return advance * _rate(radius, depth, wall, pitch)
 
 
-def advance_for_volume(radius, volume, depth, *, wall=np.inf, pitch=None):
+@checked
+def advance_for_volume(
+    radius: Length,
+    volume: Reals,
+    depth: Lengths,
+    *,
+    wall: Walls = np.inf,
+    pitch: Lengths | None = None,
+):
     """Return the advance, in m, that removes a volume, the inverse of `removed_volume`.
 
     Parameters
@@ -135,39 +194,57 @@ def advance_for_volume(radius, volume, depth, *, wall=np.inf, pitch=None):
     advance : (...) float
         Length of the centre's path, in m.
 
+    Raises
+    ------
+    ValueError
+        If a depth is 0, or so small that an advance would be longer than 1e100 m.
+
     Notes
     -----
     The volume is proportional to the advance, so that the document's "single change" of a step
     is enough; it holds for the arc of the path, and not for the parameter of the chord.
     """
-    volume, depth = _not_below("volume", volume), real("depth", depth)
+    _not_below_zero("volume", volume)
     if np.any(depth == 0):
         raise ValueError("depth: must be above 0, or no advance removes anything; got 0.")
-    return volume / _rate(radius, depth, wall, pitch)
+    rate = _rate(radius, depth, wall, pitch)
+    with np.errstate(all="ignore"):
+        advance = volume / rate
+    if not np.all(advance <= MOST):
+        raise ValueError(
+            f"volume: must be removed by an advance of at most {MOST:g} m; got one that needs more."
+        )
+    return advance
 
 
 def _rate(radius, depth, wall, pitch):
     """Return the volume per advance, in m^2."""
     area, moment = _area_and_moment(radius, depth, pitch)
-    path = real("wall", wall) - radius + depth
+    path = wall - radius + depth  # the centre's distance from the axis of the wall
     if not np.all(path > 0):
-        raise ValueError("wall: must be above the cutter's radius less its depth, or the cutter "
-                         f"doesn't fit; got {wall}.")  # fmt: skip
+        raise ValueError(
+            "wall: must be above the cutter's radius less its depth, or the cutter doesn't fit; "
+            f"got {np.min(wall):g} m."
+        )
     return area + moment / path
 
 
 def _area_and_moment(radius, depth, pitch):
     """Return the area of a groove's section, and its first moment about the cutter's centre."""
-    R = positive("radius", radius)
-    g = _between("depth", depth, 0, 2 * R)
+    R = radius
+    g = _between("depth", depth, 2 * R)
+    # Not acos((R - g)/R), which has half of its digits left where the groove is shallow.
     beta = 2 * np.arcsin(np.sqrt(np.minimum(g / (2 * R), 1)))
     gamma = beta
     if pitch is not None:
         if np.any(g > R):
-            raise ValueError(f"depth: must be at most the radius {R:g} m for passes that overlap.")
-        pitch = real("pitch", pitch)
+            raise ValueError(
+                f"depth: must be at most the radius {R:g} m for passes that overlap; "
+                f"got {np.max(g):g} m."
+            )
         if not np.all(pitch > 0):
-            raise ValueError(f"pitch: must be above 0; got {pitch}.")
+            raise ValueError(f"pitch: must be above 0; got {np.min(pitch):g}.")
+        # Passes farther apart than the groove is wide don't meet: then the whole groove is new.
         gamma = np.minimum(beta, np.arcsin(np.minimum(pitch / (2 * R), 1)))
     excess = 2 * np.sin((beta + gamma) / 2) * np.sin((beta - gamma) / 2)  # cos gamma - cos beta
     area = R**2 * (_less_sine(2 * gamma) / 2 + 2 * np.sin(gamma) * excess)
@@ -182,15 +259,16 @@ def _less_sine(x):
     return np.where(x < 1, x * series, x - np.sin(x))
 
 
-def _between(name, value, low, high):
-    array = real(name, value)
-    if not np.all((low <= array) & (array <= high)):
-        raise ValueError(f"{name}: must lie between {low:g} and {high:g} m; got {value}.")
+def _between(name, array, high):
+    """Return an array of lengths, in m, which must lie between 0 and the highest."""
+    wrong = (array < 0) | (array > high)
+    if np.any(wrong):
+        raise ValueError(
+            f"{name}: must lie between 0 and {high:g} m; got {array[wrong].flat[0]:g}."
+        )
     return array
 
 
-def _not_below(name, value):
-    array = real(name, value)
-    if not np.all(np.isfinite(array) & (array >= 0)):
-        raise ValueError(f"{name}: must be finite and not negative; got {value}.")
-    return array
+def _not_below_zero(name, array):
+    if np.any(array < 0):
+        raise ValueError(f"{name}: must not be negative; got {np.min(array):g}.")

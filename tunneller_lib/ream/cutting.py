@@ -1,22 +1,26 @@
 """The planned cut run through controller and axes, and the wall that the cutter leaves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 
-from ..arguments import instance, positions, whole
-from ..motion import Loop
+from ..arguments import Each, Length, Rule, Whole, checked, size
 from ..motion import simulate as follow
 from ..motion.servo import Track
-from ..motion.tasks import hand_over, load
+from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid
-from .plan import Plan, Pose
+from ..removal.dexel import Shape
+from .pairs import Loops, Plants, check_ticks
+from .planning import Plan, Pose, Run
 from .wall import intact_wall, overbreak, standing
 
 CHUNK = 50  # ticks after which the removed volume is noted
+Cost = Whole(1, 2**31 - 1)
+Energy = Annotated[float, Rule("float", size)]
 
 
 @dataclass(frozen=True)
@@ -55,27 +59,30 @@ class Cut:
     def deviation(self):
         """Return how far (ticks + 1,) the cutter's centre is outside the offset section, in m.
 
-        The over-break, if positive, that it leaves where it is; in the pose that it really has.
+        The overbreak, if positive, that it leaves where it is; in the pose that it really has.
         """
         return -self.plan.circuit.profile.depth(*self.centres[:, 1:].T)
 
     @cached_property
     def overbreak(self):
-        """Return the over-break of the wall (n, m), in m, see `wall.overbreak`."""
+        """Return the overbreak of the wall (n, m), in m, see `wall.overbreak`."""
         return overbreak(self.wall, self.plan.circuit)
 
     @property
     def around(self):
-        """Return the greatest over-break (m,) on each ray's angle, in m: the groove's bottom."""
+        """Return the greatest overbreak (m,) on each ray's angle, in m: the groove's bottom."""
         return self.overbreak.max(axis=0)
 
     @property
     def reamed(self):
         """Return which rays (n, m) are between the bottoms of the first and of the last lap."""
-        circuit, lines = self.plan.circuit, self.wall.lines
+        circuit = self.plan.circuit
+        lines = self.wall.lines
+        # Where the cutter's lowest point touches the wanted wall in the first lap, by the angle.
         s = np.linspace(0, circuit.profile.perimeter, 2000)
         touch = circuit.profile.point(s) + circuit.machine.cutter_radius * circuit.profile.normal(s)
-        angle, x = np.arctan2(touch[:, 1], touch[:, 0]), circuit.in_tunnel(circuit.point(s))[:, 0]
+        angle = np.arctan2(touch[:, 1], touch[:, 0])
+        x = circuit.in_tunnel(circuit.point(s))[:, 0]
         first = np.interp(np.arctan2(lines.sin, lines.cos), angle, x, period=2 * np.pi)
         last = first - self.plan.advance * (self.plan.laps - 1)
         return (last <= lines.x[:, None]) & (lines.x[:, None] <= first)
@@ -91,27 +98,41 @@ class Cut:
         first = self.noted[:-1] % int(self.plan.ticks.sum()) == 0
         return np.add.reduceat(self.removed, np.flatnonzero(first))
 
-    def power(self, energy):
+    @checked
+    def power(self, energy: Energy):
         """Return the power at the cutter (k,), in W, for a specific `energy` in J/m^3."""
         return energy * self.rate
 
 
-def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400, 720),
-             thickness=0.1, say=None):  # fmt: skip
+@checked
+def simulate(
+    plan: Plan,
+    plant: Plants,
+    loop: Loops,
+    *,
+    pose: Pose | None = None,
+    tasks: Each(Task) | None = None,
+    cost: Cost | None = None,
+    shape: Shape = (400, 720),
+    thickness: Length = 0.1,
+    say: Callable | None = None,
+):
     """Run a plan and cut the wall.
 
     Parameters
     ----------
     plan : Plan
         What is to be done.
-    plant, loop
-        The axes theta and phi and their position loops, as for `motion.simulate`.
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick.
     pose : Pose, optional
         Where the machine stands instead of where it should.
-    tasks : sequence of Task, optional
+    tasks : list of Task, optional
         The controller's tasks in microseconds, the interpolation first, with the plan's tick.
     cost : int, optional
-        What the slow preparation of a set-point costs, in microseconds; needs `tasks`.
+        What the slow preparation of a setpoint costs, in microseconds; needs `tasks`.
     shape : (int, int)
         Rays of the wall along the tunnel and round.
     thickness : float
@@ -129,17 +150,14 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     ValueError
         If a loop is unstable or the tasks starve; if the cutter leaves the modelled ground.
     """
-    instance("plan", plan, Plan)
-    if pose is not None:
-        instance("pose", pose, Pose)
-    laps = np.tile(plan.setvalues[1:], (plan.laps, 1))
-    setvalues = np.concatenate([plan.setvalues[:1], laps])
-    slopes = np.tile(plan.slopes, (plan.laps, 1))
-    loop = matching_loops(plan, loop)
+    check_ticks(plan, loop)
+    if (tasks is None) != (cost is None):
+        raise ValueError("cost: needs tasks, and they need it; got only one of both.")
     if tasks is not None:
-        check_tasks(plan, tasks, cost)
-    elif cost is not None:
-        raise ValueError(f"cost: needs tasks; got {cost!r} without any.")
+        _check_tasks(plan, tasks, cost)
+    lap = plan.setvalues
+    setvalues = np.concatenate([lap[:1], np.tile(lap[1:], (plan.laps, 1))])
+    slopes = np.tile(plan.slopes, (plan.laps, 1))
     track = follow(plant, loop, setvalues, slopes=slopes)
     for name, stable in zip(("theta", "phi"), track.stable, strict=True):
         if stable is False:
@@ -148,25 +166,39 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     return replace(cut, track=track)
 
 
-def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1, say=None):
+@checked
+def carve(
+    plan: Plan,
+    position: Run,
+    *,
+    pose: Pose | None = None,
+    shape: Shape = (400, 720),
+    thickness: Length = 0.1,
+    say: Callable | None = None,
+):
     """Cut the wall with joints that are where they are said to be.
 
     Parameters
     ----------
     plan : Plan
         Machine, section, laps and advance.
-    position : (ticks + 1, 2) float
+    position : (n, 2) float
         Joint positions at every tick of all laps, or of one that all repeat, in rad.
     pose, shape, thickness, say
-        As for `simulate`.
+        As for `simulate`: a `Pose`, the numbers of rays, in m, told after each lap.
 
     Returns
     -------
     cut : Cut
         Without a ``track``.
+
+    Raises
+    ------
+    ValueError
+        If the positions aren't those of one lap or of all, or the cutter leaves the modelled
+        ground.
     """
-    ticks = int(instance("plan", plan, Plan).ticks.sum())
-    position = positions("position", position)
+    ticks = int(plan.ticks.sum())
     if position.shape == (ticks + 1, 2):
         position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
     if position.shape != (ticks * plan.laps + 1, 2):
@@ -176,8 +208,9 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1, say=Non
         )
     centres = plan.centres(position, pose=pose)
     reach = plan.circuit.machine.cutter_radius
-    ends = _ends(centres, reach)
-    wall = intact_wall(plan.circuit, *ends, shape, thickness=thickness)
+    start, stop = _ends(centres, reach)
+    wall = intact_wall(plan.circuit, start, stop, shape, thickness=thickness)
+    # Whatever their ticks, laps end where something is noted.
     laps = ticks * np.arange(plan.laps)
     noted = np.append(np.add.outer(laps, np.arange(0, ticks, CHUNK)).ravel(), ticks * plan.laps)
     removed = []
@@ -190,54 +223,69 @@ def carve(plan, position, *, pose=None, shape=(400, 720), thickness=0.1, say=Non
 
 
 def _ends(centres, reach):
+    """Return how far, in m, a cutter of this reach gets along the tunnel."""
     x = centres[:, 0]
     return float(x.min()) - reach, float(x.max()) + reach
 
 
-def starved(plan, tasks, cost):
-    """Return the plan as it runs if the slow task is late: the last set-value is held.
+@checked
+def starved(plan: Plan, tasks: Each(Task), cost: Cost):
+    """Return the `Plan` as it runs if the slow task is late: the last set-value is held.
 
-    The arguments (tasks, cost) are those of `simulate`. A set-point for which the line waits is
-    there twice, the second after the ticks that were lost; what is lost between laps isn't.
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    tasks : list of Task
+        The controller's tasks in microseconds, the interpolation first, with the plan's tick.
+    cost : int
+        What the slow preparation of a setpoint costs, in microseconds.
+
+    Returns
+    -------
+    plan : Plan
+        A setpoint for which the line waits is there twice, the second after the ticks that were
+        lost; what is lost between laps isn't.
+
+    Raises
+    ------
+    ValueError
+        If the first task hasn't the plan's tick, or the tasks leave no time for the preparation.
     """
     held = _held(plan, tasks, cost, 1)
     twice = np.repeat(np.arange(len(plan.s)), 1 + np.append(held > 0, False))
     ticks = np.stack([held, plan.ticks], axis=-1).ravel()
-    return replace(plan, s=plan.s[twice], setpoints=plan.setpoints[twice], feed=plan.feed[twice],
-                   counts=plan.counts[twice], ticks=ticks[ticks > 0])  # fmt: skip
+    return replace(
+        plan,
+        s=plan.s[twice],
+        setpoints=plan.setpoints[twice],
+        feed=plan.feed[twice],
+        counts=plan.counts[twice],
+        ticks=ticks[ticks > 0],
+    )
 
 
-def matching_loops(plan, loop):
-    """Return the loops of both joints, refused if their tick isn't the plan's."""
-    loops = list(loop) if isinstance(loop, Sequence) else [loop] * 2
-    for one in loops:
-        if instance("loop", one, Loop).tick != plan.tick:
-            raise ValueError(f"loop: must have the plan's tick of {plan.tick:g} s; "
-                             f"got {one.tick:g} s.")  # fmt: skip
-    return loops
-
-
-def check_tasks(plan, tasks, cost):
-    """Raise ValueError if the slow task can't prepare set-points of a `cost` in time.
+def _check_tasks(plan, tasks, cost):
+    """Raise ValueError if the slow task can't prepare setpoints of a `cost` in time.
 
     The tasks' unit is the microsecond; the first is the interpolation, with the plan's tick.
     """
     held = _held(plan, tasks, cost, min(plan.laps, 2))
     if np.any(held):
         first = int(np.flatnonzero(held)[0]) % len(plan.ticks)
-        raise ValueError(f"tasks: the slow task starves the line at {np.count_nonzero(held)} of "
-                         f"{len(held)} set-points, first {plan.s[first]:.3f} m along the circuit; "
-                         f"{held.sum() * plan.tick:.2f} s are lost.")  # fmt: skip
+        raise ValueError(
+            f"tasks: the slow task starves the line at {np.count_nonzero(held)} of "
+            f"{len(held)} setpoints, first {plan.s[first]:.3f} m along the circuit; "
+            f"{held.sum() * plan.tick:.2f} s are lost."
+        )
 
 
 def _held(plan, tasks, cost, laps):
     """Return how many ticks (laps m,) the line waits before each move but the first."""
-    load(tasks)  # refuses what aren't tasks
     period = round(1e6 * plan.tick)
-    if tasks[0].period != period:
-        raise ValueError(f"tasks: the first must have the tick's period {period} us; "
-                         f"got {tasks[0].period}.")  # fmt: skip
-    cost = int(whole("cost", cost, 1, 2**31 - 1))
+    if not tasks or tasks[0].period != period:
+        came = f"{tasks[0].period} us" if tasks else "no task"
+        raise ValueError(f"tasks: the first must have the tick's period {period} us; got {came}.")
     ticks = plan.ticks.tolist() * laps
     run = hand_over(tasks, [cost] * len(ticks), ticks)
     return np.array([0, *run.starved[1:]])

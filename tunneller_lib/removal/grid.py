@@ -10,10 +10,20 @@ BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of 
 
 
 class Lines(NamedTuple):
-    """Lines in planes x = const, the same (m,) in each of n planes, none of them along x.
+    """Lines in planes x = const, the same m in each of n planes, none of them along x.
 
-    `x` (n,) in m. A line runs along (0, `cos`, `sin`) and passes the axis at `aside` (m,) to its
-    right, in m. `cell` is what each stands for: an area, or for rays a length times an angle.
+    Parameters
+    ----------
+    x : (n,) float
+        The planes, in m, ascending.
+    cos, sin : (m,) float
+        A line runs along (0, `cos`, `sin`).
+    aside : (m,) float
+        How far to its right a line passes the axis y = z = 0, in m.
+    cell : float
+        What each line stands for: an area, in m^2, or for rays a length times an angle, in m.
+    rays : bool
+        Whether the lines begin at the axis.
     """
 
     x: np.ndarray
@@ -28,7 +38,7 @@ class Lines(NamedTuple):
         return self.cell * (high - low) * ((high + low) / 2 if self.rays else 1)
 
     def windows(self, a, b, radius, nearest):
-        """Return which lines may meet sweeps of balls, as first and last indices.
+        """Return which lines may meet sweeps of balls, as first and past-the-last indices.
 
         Parameters
         ----------
@@ -44,32 +54,44 @@ class Lines(NamedTuple):
         windows : (k, 4) int
             From and to in x, from and to among the lines, which on rays may go round.
         """
-        if not self.rays:
-            low, high = np.minimum(a, b) - radius, np.maximum(a, b) + radius
-            y = self.aside
-            return np.stack([*_range(self.x, low[:, 0], high[:, 0]),
-                             *_range(y, low[:, 1], high[:, 1])], axis=-1)  # fmt: skip
-        # A ball about the sweep; steps of a path are short.
+        if self.rays:
+            return self._windows_of_rays(a, b, radius, nearest)
+        low = np.minimum(a, b) - radius
+        high = np.maximum(a, b) + radius
+        rows = _range(self.x, low[:, 0], high[:, 0])
+        columns = _range(self.aside, low[:, 1], high[:, 1])
+        return np.stack([*rows, *columns], axis=-1)
+
+    def _windows_of_rays(self, a, b, radius, nearest):
+        # A ball about each sweep stands for it, since the steps of a path are short.
         centre = (a + b) / 2
         reach = radius + np.linalg.norm(b - a, axis=-1) / 2
-        off, angle = np.hypot(*centre.T[1:]), np.arctan2(centre[:, 2], centre[:, 1])
-        half = np.where(
-            off > reach, np.arcsin(np.minimum(reach / np.maximum(off, reach), 1)), np.pi
+        off = np.hypot(*centre.T[1:])
+        angle = np.arctan2(centre[:, 2], centre[:, 1])
+        # Rays that touch a ball beside the axis; one that holds the axis is met all round.
+        beside = off > reach
+        sine = np.where(beside, reach, 0) / np.where(beside, off, 1)
+        half = np.where(beside, np.arcsin(sine), np.pi)
+        # Up to the nearest material on these rays there is nothing to cut, so that only the part
+        # of the ball beyond counts.
+        inner = np.array(
+            [
+                np.take(nearest, np.arange(first, last), mode="wrap").min(initial=np.inf)
+                for first, last in zip(*self._turn(angle, half), strict=True)
+            ]
         )
-        start, stop = self._turn(angle, half)
-        inner = np.array([np.take(nearest, np.arange(i, j), mode="wrap").min(initial=np.inf)
-                          for i, j in zip(start, stop, strict=True)])  # fmt: skip
-        # Only where the ball is beyond that: a smaller angle, and a shorter piece of x.
+        # Its angle is where the ball's surface is as far from the axis as the material, by the
+        # law of cosines; nearer than where the rays touch the ball they stay its bounds.
         chord = inner**2 + off**2 - reach**2
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             cos = np.clip(chord / (2 * off * inner), -1, 1)
         narrow = (inner**2 > off**2 - reach**2) & (off > 0) & (inner > 0) & np.isfinite(inner)
         half = np.where(narrow, np.arccos(np.where(narrow, cos, 1)), half)
+        # Along x the ball is narrower there, too, or isn't there at all: then an empty range.
         width = np.sqrt(np.maximum(reach**2 - np.maximum(inner - off, 0) ** 2, 0))
         width = np.where(inner - off > reach, -1.0, width)
-        columns = self._turn(angle, half)
-        return np.stack([*_range(self.x, centre[:, 0] - width, centre[:, 0] + width), *columns],
-                        axis=-1)  # fmt: skip
+        rows = _range(self.x, centre[:, 0] - width, centre[:, 0] + width)
+        return np.stack([*rows, *self._turn(angle, half)], axis=-1)
 
     def blocks(self, window):
         """Yield slices of rows and columns that cover a window, of at most `BLOCK` lines each."""
@@ -77,6 +99,7 @@ class Lines(NamedTuple):
         count = len(self.cos)
         stop += start % count - start
         start %= count
+        # On rays a window may go on past the last one: then there are two parts.
         for left, end in ((start, min(stop, count)), (0, stop - count)):
             for here in range(left, end, BLOCK):
                 columns = slice(here, min(here + BLOCK, end))
@@ -85,8 +108,12 @@ class Lines(NamedTuple):
                     yield slice(top, min(top + height, last)), columns
 
     def _turn(self, angle, half):
-        """Return the first and past-the-last indices of the rays within angle -+ half."""
+        """Return the first and past-the-last indices of the rays within angle -+ half.
+
+        They go on below 0 and past the last ray, but never more than once round.
+        """
         step = 2 * np.pi / len(self.cos)
+        # The rays are in the middles of their cells, and rounding must lose none at the ends.
         start = np.ceil((angle - half) / step - 0.5 - 1e-9).astype(int)
         stop = np.floor((angle + half) / step - 0.5 + 1e-9).astype(int) + 1
         return start, np.minimum(stop, start + len(self.cos))
@@ -105,22 +132,30 @@ class Lines(NamedTuple):
         rows, columns : slice, or (i,) and (i, 1) int
             The lines: a window, or some of them. A line that misses gets an empty interval.
         """
-        cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
-        # In the plane across a line: x, and to its right.
+        cos = self.cos[columns]
+        sin = self.sin[columns]
+        aside = self.aside[columns]
         ax, ay, az = np.moveaxis(a, -1, 0)[..., None, None]
         bx, by, bz = np.moveaxis(b, -1, 0)[..., None, None]
+        # The axis starts at the end that a line passes first, so that it rises along the line.
         turned = cos * (by - ay) + sin * (bz - az) < 0
         sx, sy, sz = (np.where(turned, q, p) for p, q in ((ax, bx), (ay, by), (az, bz)))
         vx, vy, vz = (np.where(turned, p - q, q - p) for p, q in ((ax, bx), (ay, by), (az, bz)))
-        across, rise = sin * vy - cos * vz, cos * vy + sin * vz
+        # The plane across a line has the coordinates x and, to its right, sin y - cos z.
+        across = sin * vy - cos * vz
+        rise = cos * vy + sin * vz
         run = np.hypot(vx, across)
+        # An axis along the line has no direction in that plane: any will do.
         pace = np.where(run > 0, run, 1)
-        fx, fy = np.where(run > 0, vx / pace, 1.0), across / pace
-        qx, qy = self.x[rows, None] - sx, aside - (sin * sy - cos * sz)
-        s, m = qx * fy - fx * qy, qx * fx + qy * fy
+        fx = np.where(run > 0, vx / pace, 1.0)
+        fy = across / pace
+        qx = self.x[rows, None] - sx
+        qy = aside - (sin * sy - cos * sz)
+        s = qx * fy - fx * qy
+        m = qx * fx + qy * fy
         length = np.linalg.norm(b - a, axis=-1)[..., None, None]
         if round_ends:
-            length = np.where(length > 0, length, 1.0)
+            length = np.where(length > 0, length, 1.0)  # a ball: its rise is zero, over any length
             enter, leave, room = ball_sweep(run, rise, length, radius, s, m)
             hit = room > 0
         else:
@@ -140,7 +175,9 @@ class Lines(NamedTuple):
         rows, columns : slice
             The window. A line that misses gets an empty interval where it is nearest.
         """
-        cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
+        cos = self.cos[columns]
+        sin = self.sin[columns]
+        aside = self.aside[columns]
         x, y, z = centre
         room = radius**2 - (self.x[rows, None] - x) ** 2 - (aside - (sin * y - cos * z)) ** 2
         half = np.sqrt(np.maximum(room, 0))
@@ -149,23 +186,23 @@ class Lines(NamedTuple):
 
     def around(self, windows):
         """Return the smallest window (4,) around others (k, 4), as `windows` gives them."""
-        first, last, start, stop = windows[np.all(windows[:, ::2] < windows[:, 1::2], axis=1)].T
+        filled = np.all(windows[:, ::2] < windows[:, 1::2], axis=1)
+        first, last, start, stop = windows[filled].T
         if not len(first):
             return np.zeros(4, dtype=int)
         if self.rays:  # all on the same round
             count = len(self.cos)
             shift = (start - start[0] + count // 2) % count - count // 2 + start[0] - start
-            start, stop = start + shift, stop + shift
+            start = start + shift
+            stop = stop + shift
             stop = np.minimum(stop, start.min() + count)
         return np.array([first.min(), last.max(), start.min(), stop.max()])
 
 
 def parallel(low, high, shape):
     """Return lines along z at the middles of shape = (n, m) cells from low to high (2,), in m."""
-    x, y = (
-        lo + (np.arange(n) + 0.5) * (hi - lo) / n
-        for lo, hi, n in zip(low, high, shape, strict=True)
-    )
+    x = _middles(low[0], high[0], shape[0])
+    y = _middles(low[1], high[1], shape[1])
     cell = (high[0] - low[0]) * (high[1] - low[1]) / (shape[0] * shape[1])
     return Lines(x, np.zeros(len(y)), np.ones(len(y)), y, cell, False)
 
@@ -173,11 +210,16 @@ def parallel(low, high, shape):
 def fan(start, stop, shape):
     """Return n x m = shape rays from the x axis, in the middles of cells from start to stop."""
     n, m = shape
-    x = start + (np.arange(n) + 0.5) * (stop - start) / n
+    x = _middles(start, stop, n)
     angle = (np.arange(m) + 0.5) * 2 * np.pi / m
     cell = (stop - start) / n * 2 * np.pi / m
     return Lines(x, np.cos(angle), np.sin(angle), np.zeros(m), cell, True)
 
 
+def _middles(low, high, n):
+    return low + (np.arange(n) + 0.5) * (high - low) / n
+
+
 def _range(values, low, high):
+    """Return the first and past-the-last indices of ascending values from low to high."""
     return np.searchsorted(values, low), np.searchsorted(values, high, side="right")

@@ -1,17 +1,86 @@
-"""From machine, section and tolerance to knots, set-points, feed and set-values."""
+"""From machine, section and tolerance to knots, setpoints, feed and set-values."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import finite, instance, not_negative, points, positions, positive, whole
+from ..arguments import (
+    Coordinate,
+    Length,
+    Length0,
+    NotNegative,
+    Point,
+    Points,
+    Rule,
+    Whole,
+    checked,
+    coordinate,
+    positions,
+    size,
+)
 from ..motion import polyline, polyline_slopes, tick_counts
 from ..paths import Circuit, project_chord, projected_length
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
 
 LONGEST_REST = 1e4  # s
-MOST_SETPOINTS, MOST_TICKS = 1_000_000, 5_000_000  # of a lap; of all laps
+MOST_SETPOINTS = 1_000_000  # of a lap
+MOST_TICKS = 5_000_000  # of all laps
+
+
+def _run_of_positions(name, value):
+    """Return `value` as a float array (n, 2) of joint positions."""
+    run = positions(name, value)
+    if run.ndim != 2:
+        raise ValueError(f"{name}: must have the shape (n, 2); got {run.shape}.")
+    return run
+
+
+Run = Annotated[ArrayLike, Rule("(n, 2) float", _run_of_positions, "rad")]
+Turn = Annotated[float, Rule("float", coordinate, "rad")]
+Tick = Annotated[float, Rule("float", size, "s")]
+
+
+@dataclass(frozen=True)
+@checked
+class Pose:
+    """By how much a machine stands elsewhere than planned, small: in m and rad.
+
+    Parameters
+    ----------
+    y, z : float
+        To the left and up, in m.
+    roll, pitch, yaw : float
+        About the tunnel's x, y, z through the torus' centre, right-handed, in this order, in rad.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't finite, or above 1e100 in size.
+    """
+
+    y: Coordinate = 0.0
+    z: Coordinate = 0.0
+    roll: Turn = 0.0
+    pitch: Turn = 0.0
+    yaw: Turn = 0.0
+
+    @checked
+    def moved(self, point: Points, centre: Point):
+        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
+        turn = np.eye(3)
+        for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
+            i, j = [k for k in range(3) if k != axis]
+            c = np.cos(angle)
+            s = np.sin(angle)
+            one = np.eye(3)
+            one[[i, j], [i, j]] = c
+            # About x and z the first of the other two axes turns to the second, about y back.
+            one[i, j], one[j, i] = (s, -s) if axis == 1 else (-s, s)
+            turn = one @ turn
+        return (point - np.array(centre)) @ turn.T + centre + [0.0, self.y, self.z]
 
 
 @dataclass(frozen=True)
@@ -27,13 +96,13 @@ class Plan:
     knots : (n,) float
         Arc lengths of the knots along the offset section, in m.
     s : (m + 1,) float
-        Arc lengths of the set-points, in m.
+        Arc lengths of the setpoints, in m.
     setpoints : (m + 1, 2) float
         Joint positions (theta, phi) on the tangent-sphere paths between knots, in rad.
     feed : (m + 1,) float
-        Of the cutter's centre at the set-points, in m/s.
+        Of the cutter's centre at the setpoints, in m/s.
     counts : (m + 1, 2) int
-        The set-points in whole counts; the last is the first.
+        The setpoints in whole counts; the last is the first.
     ticks : (m,) int
         Of each move.
     tick : float
@@ -80,20 +149,25 @@ class Plan:
         """Return the time of a lap, in s, its rest at the end included."""
         return self.tick * int(self.ticks.sum())
 
-    def centres(self, position, *, pose=None):
-        """Return the cutter's centres (ticks + 1, 3), in m, in the frame of the tunnel.
+    @checked
+    def centres(self, position: Run, *, pose: Pose | None = None):
+        """Return the cutter's centres in the frame of the tunnel.
 
         Parameters
         ----------
-        position : (ticks + 1, 2) float
+        position : (n, 2) float
             Joint positions at every tick of one lap or of all, in rad.
         pose : Pose, optional
             Where the machine stands instead of where it should.
+
+        Returns
+        -------
+        centres : (n, 3) float
+            In m.
         """
-        torus, position = self.circuit.machine.torus, positions("position", position)
-        centre = self.circuit.in_tunnel(torus.point(position[..., 0], position[..., 1]))
+        torus = self.circuit.machine.torus
+        centre = self.circuit.in_tunnel(torus.point(position[:, 0], position[:, 1]))
         if pose is not None:
-            pose = instance("pose", pose, Pose)
             centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
         # The machine steps in the first tick of the next lap.
         lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
@@ -101,47 +175,20 @@ class Plan:
         return centre
 
 
-@dataclass(frozen=True)
-class Pose:
-    """By how much a machine stands elsewhere than planned, small: in m and rad.
-
-    Parameters
-    ----------
-    y, z : float
-        To the left and up.
-    roll, pitch, yaw : float
-        About the tunnel's x, y, z through the torus' centre, right-handed, in this order.
-
-    Raises
-    ------
-    ValueError
-        If a number isn't finite.
-    """
-
-    y: float = 0.0
-    z: float = 0.0
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw: float = 0.0
-
-    def __post_init__(self):
-        for name in ("y", "z", "roll", "pitch", "yaw"):
-            object.__setattr__(self, name, finite(name, getattr(self, name)))
-
-    def moved(self, point, centre):
-        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
-        turn = np.eye(3)
-        for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
-            i, j = [k for k in range(3) if k != axis]
-            one, (c, s) = np.eye(3), (np.cos(angle), np.sin(angle))
-            one[[i, j], [i, j]] = c
-            one[i, j], one[j, i] = (-s, s) if axis != 1 else (s, -s)
-            turn = one @ turn
-        return (points("point", point) - centre) @ turn.T + centre + [0.0, self.y, self.z]
-
-
-def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 2**16, rest=1.0,
-         laps=1, advance=0.0, arm_radius=0.0):  # fmt: skip
+@checked
+def plan(
+    circuit: Circuit,
+    limits: Limits,
+    *,
+    tolerance: Length,
+    step: Length = 5e-3,
+    tick: Tick = 5e-3,
+    count: Turn = 2 * np.pi / 2**16,
+    rest: NotNegative = 1.0,
+    laps: Whole(1, 10_000) = 1,
+    advance: Length0 = 0.0,
+    arm_radius: Length0 = 0.0,
+):
     """Return how a machine is to cut a section, refused where it can't.
 
     Parameters
@@ -151,10 +198,10 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     limits : Limits
         Of the feed.
     tolerance : float
-        Largest over- or under-break of the tangent-sphere paths between knots, in m, that decides
+        Largest over- or underbreak of the tangent-sphere paths between knots, in m, that decides
         their number. Moves and counts add theirs, see `budget`.
     step : float
-        Greatest distance of the set-points N on the tangent-sphere paths, in m: what the slow
+        Greatest distance of the setpoints N on the tangent-sphere paths, in m: what the slow
         task prepares and the fast one joins by integer lines.
     tick : float
         Period of the fast task, in s.
@@ -172,13 +219,13 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     Returns
     -------
     plan : Plan
-        Knots, set-points, their ticks and feed.
+        Knots, setpoints, their ticks and feed.
 
     Raises
     ------
     ValueError
-        If an argument is beyond its range, the arm touches the wall (with the place), or the feed
-        is too fast for the ticks.
+        If an argument is beyond its range, the arm touches the wall (with the place), the feed
+        is too fast for the ticks, or there would be too many setpoints or ticks.
 
     Examples
     --------
@@ -189,54 +236,68 @@ def plan(circuit, limits, *, tolerance, step=5e-3, tick=5e-3, count=2 * np.pi / 
     >>> len(lap.knots), round(lap.lap_time)
     (36, 31)
     """
-    instance("circuit", circuit, Circuit)
-    instance("limits", limits, Limits)
-    step, tick, count = positive("step", step), positive("tick", tick), positive("count", count)
-    laps, advance = whole("laps", laps, 1, 10_000), not_negative("advance", advance)
-    if laps.ndim:
-        raise ValueError(f"laps: must be one whole number; got {laps!r}.")
     if not 1e-9 <= count <= 0.1:
         raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
-    if not_negative("rest", rest) > LONGEST_REST:
+    if rest > LONGEST_REST:
         raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
     knots = circuit.knots(tolerance)
+    if len(knots) < 2:
+        raise ValueError(
+            f"tolerance: must be so small that two knots are needed; got {tolerance:g} m."
+        )
     _keep_clear(circuit, arm_radius)
     s, setpoints, lengths = _setpoints(circuit, knots, step)
     ground = _ground(circuit, s, lengths, advance if laps > 1 else 0.0)
     feed = limits.profile(lengths, setpoints, ground)
+    # The feed changes evenly over a move, so that its mean is that of both ends.
     times = np.concatenate([[0], np.cumsum(2 * lengths / (feed[1:] + feed[:-1]))])
     ticks = tick_counts(times, tick)
     held = max(round(rest / tick), 1)
     total = int(ticks.sum()) + held
-    if total * int(laps) > MOST_TICKS:
-        raise ValueError(f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
-                         f"{total} ticks of {tick:g} s.")  # fmt: skip
-    s, feed = np.append(s, s[-1]), np.append(feed, 0.0)
+    if total * laps > MOST_TICKS:
+        raise ValueError(
+            f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
+            f"{total:.12g} ticks of {tick:g} s."
+        )
+    # The rest is a move that doesn't move.
     setpoints = np.concatenate([setpoints, setpoints[-1:]])
-    counts = np.rint(setpoints / count).astype(np.int64)
-    ticks = np.append(ticks, held)
-    return Plan(circuit, limits, knots, s, setpoints, feed, counts, ticks, tick, count, int(laps),
-                advance)  # fmt: skip
+    return Plan(
+        circuit=circuit,
+        limits=limits,
+        knots=knots,
+        s=np.append(s, s[-1]),
+        setpoints=setpoints,
+        feed=np.append(feed, 0.0),
+        counts=np.rint(setpoints / count).astype(np.int64),
+        ticks=np.append(ticks, held),
+        tick=tick,
+        count=count,
+        laps=laps,
+        advance=advance,
+    )
 
 
 def _setpoints(circuit, knots, step):
     """Return arc lengths (m + 1,), positions (m + 1, 2) and moves (m,) of the points N."""
-    torus, ends = circuit.machine.torus, np.append(knots, circuit.profile.perimeter)
+    torus = circuit.machine.torus
+    ends = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(ends)
-    at[-1] = at[0]
+    at[-1] = at[0]  # not off by a rounding
     length = projected_length(torus, at[:-1], at[1:])
-    with np.errstate(over="ignore"):
-        moves = np.ceil(length / step)
+    moves = np.ceil(length / step)
     if not moves.sum() <= MOST_SETPOINTS:
-        raise ValueError(f"step: must leave at most {MOST_SETPOINTS} set-points; got {step:g} m, "
-                         f"which needs {moves.sum():.3g}.")  # fmt: skip
+        raise ValueError(
+            f"step: must leave at most {MOST_SETPOINTS} setpoints; got {step:g} m, "
+            f"which needs {moves.sum():.3g}."
+        )
     moves = moves.astype(int)
     s = [
         np.linspace(a, b, n, endpoint=False)
         for a, b, n in zip(ends[:-1], ends[1:], moves, strict=True)
     ]
-    setpoints = join_knots(at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n,
-                                                                       spacing="arc"))  # fmt: skip
+    setpoints = join_knots(
+        at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
+    )
     return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)
 
 
@@ -245,12 +306,12 @@ def join_knots(knots, moves, way):
 
     The `way` from p to q (k, 2) in points is a function (p, q, points) -> (k, points, 2).
     """
-    following = np.roll(knots, -1, axis=0)
+    after = np.roll(knots, -1, axis=0)
     path = np.empty((moves.sum() + 1, 2))
     first = np.cumsum(moves) - moves
-    for n in np.unique(moves):
+    for n in np.unique(moves):  # those of as many moves at once
         rows = np.flatnonzero(moves == n)
-        path[first[rows, None] + np.arange(n)] = way(knots[rows], following[rows], n + 1)[:, :-1]
+        path[first[rows, None] + np.arange(n)] = way(knots[rows], after[rows], n + 1)[:, :-1]
     path[-1] = knots[0]
     return path
 
@@ -260,19 +321,20 @@ def _ground(circuit, s, lengths, advance):
 
     Moves are longer than what they cover of the section where the circuit leans out of its plane.
     """
-    machine, profile = circuit.machine, circuit.profile
+    machine = circuit.machine
     with np.errstate(divide="ignore"):
-        wall = 1 / profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
+        wall = 1 / circuit.profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
     across = np.diff(s) / lengths
-    return across * removed_volume(machine.cutter_radius, 1.0, machine.depth, wall=wall,
-                                   pitch=advance or None)  # fmt: skip
+    return across * removed_volume(
+        machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
+    )
 
 
 def _keep_clear(circuit, arm_radius):
     """Raise ValueError if a round-ended rod about the arm touches the intact wall."""
     s = np.linspace(0, circuit.profile.perimeter, 721)
     ends = circuit.arm(circuit.position(s))
-    clear = rod_clearance(circuit.section, *ends, not_negative("arm_radius", arm_radius))
+    clear = rod_clearance(circuit.section, *ends, arm_radius)
     worst = int(np.argmin(clear))
     if clear[worst] < 0:
         raise ValueError(

@@ -1,0 +1,68 @@
+"""Whose fault is which part of the wall's error: each source switched on alone."""
+
+from collections.abc import Callable
+
+from ..arguments import checked
+from .faults import (
+    check_unheld,
+    count_fault,
+    encoder_fault,
+    following_fault,
+    knot_fault,
+    pose_fault,
+    setpoint_fault,
+    tangent_sphere_fault,
+)
+from .pairs import Loops, Plants
+from .planning import Plan, Pose
+
+OF_PLAN = knot_fault, tangent_sphere_fault, setpoint_fault, count_fault
+OF_AXES = following_fault, encoder_fault
+
+
+@checked
+def budget(
+    plan: Plan, plant: Plants, loop: Loops, *, pose: Pose | None = None, say: Callable | None = None
+):
+    """Return the faults of a planned lap, each switched on alone.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops.
+    pose : Pose, optional
+        Where the machine stands instead of where it should.
+    say : function, optional
+        Told which source is next.
+
+    Returns
+    -------
+    faults : list of Fault
+        Knots, tangent spheres, setpoints, counts, following, encoder and, if asked for, pose.
+        Their deviations add up to that of all together, but for corners: at a knot the path turns
+        at once and a trailing axis cuts the corner, by more than its fault alone.
+
+    Raises
+    ------
+    ValueError
+        If the plan waits, or the loops have another tick, an integral or a dead band.
+
+    Notes
+    -----
+    The ideal lap has the cutter's centre on the circuit at every tick of the plan.
+    """
+    check_unheld(plan)
+    sources = [(source, ()) for source in OF_PLAN]
+    sources += [(source, (plant, loop)) for source in OF_AXES]
+    if pose is not None:
+        sources.append((pose_fault, (pose,)))
+    faults = []
+    for number, (source, given) in enumerate(sources, start=1):
+        if say is not None:
+            say(f"budget: source {number} of {len(sources)}")
+        faults.append(source(plan, *given))
+    return faults

@@ -1,0 +1,319 @@
+"""The sources of the wall's error, each switched on alone, and the closed form of each."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arguments import checked
+from ..exact import dot, norm
+from ..motion import polyline
+from ..motion import simulate as follow
+from ..paths import geodesic_inverse, project_chord
+from .pairs import Loops, Plants, check_linear, check_ticks
+from .planning import Plan, Pose, join_knots
+from .sensitivity import (
+    geodesic_bend,
+    gradient,
+    joint_bend,
+    planned_motion,
+    rounding_passed,
+    trailing,
+    wall_frame,
+)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One source of error, alone.
+
+    Parameters
+    ----------
+    source : str
+        What is switched on; everything else is ideal.
+    deviation : (ticks + 1,) float
+        Overbreak that it leaves at each tick of a lap, in m; negative underbreak.
+    measure : {"largest", "rms"}
+        What the closed form says.
+    closed : float
+        The closed form, in m.
+    halved_by : str
+        What must change for half of it.
+    factor : float
+        By how much: the error goes with a power of it.
+    """
+
+    source: str
+    deviation: np.ndarray
+    measure: str
+    closed: float
+    halved_by: str
+    factor: float
+
+    @property
+    def over(self):
+        """Return the greatest overbreak, in m, at least 0."""
+        return max(0.0, float(self.deviation.max()))
+
+    @property
+    def under(self):
+        """Return the greatest underbreak, in m, at least 0."""
+        return max(0.0, float(-self.deviation.min()))
+
+    @property
+    def rms(self):
+        """Return the root mean square over the lap, in m."""
+        return float(np.sqrt(np.mean(self.deviation**2)))
+
+    @property
+    def measured(self):
+        """Return what `closed` is to be held against, in m."""
+        return self.rms if self.measure == "rms" else max(self.over, self.under)
+
+
+@checked
+def knot_fault(plan: Plan):
+    """Return the `Fault` of joining knots by true geodesics instead of following the circuit."""
+    check_unheld(plan)
+    between = _segments(plan)
+    bend = geodesic_bend(plan.circuit, between.middle, between.position, between.direction)
+    sagitta = bend * between.length**2 / 8
+    return Fault(
+        source="knots",
+        deviation=_overbreak(plan, _geodesics(plan)),
+        measure="largest",
+        closed=float(np.abs(sagitta).max()),
+        halved_by="knots",
+        factor=np.sqrt(2),
+    )
+
+
+@checked
+def tangent_sphere_fault(plan: Plan):
+    """Return the `Fault` of tangent-sphere paths in place of geodesics between the same knots."""
+    check_unheld(plan)
+    circuit = plan.circuit
+    torus = circuit.machine.torus
+    between = _segments(plan)
+    q = between.position
+    bend = torus.normal_curvature(q, between.direction)
+    torsion = torus.geodesic_torsion(q, between.direction)
+    across = np.cross(torus.normal(q[:, 0], q[:, 1]), between.direction)
+    law = np.abs(bend * torsion) * between.length**3 / (36 * np.sqrt(3))
+    closed = law * np.abs(dot(across, wall_frame(circuit, between.middle)[0]))
+    apart = _overbreak(plan, _projected_chords(plan)) - _overbreak(plan, _geodesics(plan))
+    return Fault(
+        source="tangent spheres",
+        deviation=apart,
+        measure="largest",
+        closed=float(closed.max()),
+        halved_by="knots",
+        factor=2 ** (1 / 3),
+    )
+
+
+@checked
+def setpoint_fault(plan: Plan):
+    """Return the `Fault` of straight lines in joint space between setpoints on the circuit."""
+    circuit = plan.circuit
+    at = circuit.position(plan.s)
+    middle = (plan.s[1:] + plan.s[:-1]) / 2
+    move = np.diff(at, axis=0)
+    sagitta = joint_bend(circuit, middle, circuit.position(middle), move) / 8
+    return Fault(
+        source="set-points",
+        deviation=circuit.overcut(_between(plan, at)),
+        measure="largest",
+        closed=float(np.abs(sagitta).max()),
+        halved_by="set-points",
+        factor=np.sqrt(2),
+    )
+
+
+@checked
+def count_fault(plan: Plan):
+    """Return the `Fault` of whole counts, of setpoints and of each tick of their integer lines."""
+    circuit = plan.circuit
+    at = circuit.position(plan.s)
+    rounded = plan.count * polyline(np.rint(at / plan.count).astype(np.int64), plan.ticks)
+    apart = circuit.overcut(rounded) - circuit.overcut(_between(plan, at))
+    slope = gradient(circuit, plan.places, circuit.position(plan.places))
+    # A setpoint is off by a uniform half count, their mix on a line by 2/3 of its square, and
+    # the line's own rounding adds one more.
+    square = plan.count**2 / 12 * (1 + 2 / 3) * np.mean(np.sum(slope**2, axis=-1))
+    return Fault(
+        source="counts",
+        deviation=apart,
+        measure="rms",
+        closed=float(np.sqrt(square)),
+        halved_by="count",
+        factor=2.0,
+    )
+
+
+@checked
+def following_fault(plan: Plan, plant: Plants, loop: Loops):
+    """Return the `Fault` of axes that trail their exact set-values, with ideal encoders.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done; here it may wait.
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band.
+
+    Returns
+    -------
+    fault : Fault
+        Its closed form is the series to second order, for slow motion and without waits.
+    """
+    check_ticks(plan, loop)
+    check_linear(loop)
+    circuit = plan.circuit
+    wanted = circuit.position(plan.places)
+    deviation = _followed(plan, plant, _ideal(loop), wanted)
+    first, second = trailing(plan, plant, loop)
+    closed = np.abs(first + second).max()
+    # The gain that leaves half, which with delays isn't a power's: looked for among factors.
+    factors = np.geomspace(1, 10, 200)
+    left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
+    halving = (factor for factor, worst in zip(factors, left, strict=True) if worst <= closed / 2)
+    return Fault(
+        source="following",
+        deviation=deviation,
+        measure="largest",
+        closed=float(closed),
+        halved_by="gain",
+        factor=float(next(halving, np.inf)),
+    )
+
+
+@checked
+def encoder_fault(plan: Plan, plant: Plants, loop: Loops):
+    """Return the `Fault` of encoders with whole counts, beyond that of ideal ones.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band.
+
+    Returns
+    -------
+    fault : Fault
+        Up to the rest at the lap's end, where one rounding stays for good.
+    """
+    check_ticks(plan, loop)
+    check_linear(loop)
+    circuit = plan.circuit
+    wanted = circuit.position(plan.places[: -plan.ticks[-1]])
+    with_counts = _followed(plan, plant, loop, wanted)
+    without = _followed(plan, plant, _ideal(loop), wanted)
+    middle, rates, _ = planned_motion(plan)
+    slope = gradient(circuit, middle, circuit.position(middle))
+    square = 0.0
+    for axis, control, f, rate in zip(plant, loop, slope.T, rates.T, strict=True):
+        passed = (f * control.count) ** 2 * rounding_passed(axis, control, rate)
+        square += np.average(passed[:-1], weights=plan.ticks[:-1])
+    return Fault(
+        source="encoder",
+        deviation=with_counts - without,
+        measure="rms",
+        closed=float(np.sqrt(square)),
+        halved_by="count",
+        factor=2.0,
+    )
+
+
+@checked
+def pose_fault(plan: Plan, pose: Pose):
+    """Return the `Fault` of a machine that stands elsewhere, in a `Pose`, and doesn't know."""
+    circuit = plan.circuit
+    wanted = circuit.position(plan.places)
+    centre = plan.centres(wanted, pose=pose)
+    off = -circuit.profile.depth(centre[:, 1], centre[:, 2])
+    # A small turn moves a point by its cross product with the arm from the centre of the turn.
+    arm = plan.centres(wanted) - circuit.in_tunnel(np.zeros(3))
+    moved = np.cross([pose.roll, pose.pitch, pose.yaw], arm) + np.array([0.0, pose.y, pose.z])
+    normal = circuit.profile.normal(plan.places)
+    closed = float(np.abs(dot(moved[:, 1:], normal)).max())
+    return Fault(
+        source="pose", deviation=off, measure="largest", closed=closed, halved_by="pose", factor=2.0
+    )
+
+
+def check_unheld(plan):
+    """Raise ValueError if the plan waits between setpoints."""
+    if np.any(np.diff(plan.s[:-1]) <= 0):
+        raise ValueError(
+            "plan: must not wait between setpoints, but for its `following_fault` alone; "
+            "got one that does."
+        )
+
+
+class _Segments(NamedTuple):
+    """The moves between knots: arc lengths and positions amid them, chords and their directions."""
+
+    middle: np.ndarray
+    length: np.ndarray
+    direction: np.ndarray
+    position: np.ndarray
+
+
+def _segments(plan):
+    circuit = plan.circuit
+    ends = np.append(plan.knots, circuit.profile.perimeter)
+    at = circuit.position(ends)
+    middle = (ends[1:] + ends[:-1]) / 2
+    points = circuit.machine.torus.point(at[:, 0], at[:, 1])
+    chord = np.diff(points, axis=0)
+    length = norm(chord)
+    return _Segments(middle, length, chord / length[:, None], circuit.position(middle))
+
+
+def _geodesics(plan):
+    """Return setpoints (m + 1, 2) at equal arcs on the geodesics between knots."""
+    torus = plan.circuit.machine.torus
+    return _ways(plan, lambda p, q, n: geodesic_inverse(torus, p, q).points(n).position)
+
+
+def _projected_chords(plan):
+    """Return setpoints (m + 1, 2) at equal arcs on the tangent-sphere paths between knots."""
+    torus = plan.circuit.machine.torus
+    return _ways(plan, lambda p, q, n: project_chord(torus, p, q, n, spacing="arc"))
+
+
+def _ways(plan, way):
+    """Return as many setpoints as the plan has, on other ways between its knots."""
+    first = np.searchsorted(plan.s[:-1], [*plan.knots, plan.circuit.profile.perimeter])
+    at = plan.circuit.position(plan.knots)
+    return np.concatenate([join_knots(at, np.diff(first), way), at[:1]])
+
+
+def _between(plan, at):
+    """Return positions (ticks + 1, 2) of straight lines in joint space between setpoints."""
+    ends = np.concatenate([[0], np.cumsum(plan.ticks)])
+    ticks = np.arange(ends[-1] + 1)
+    return np.stack([np.interp(ticks, ends, axis) for axis in at.T], axis=-1)
+
+
+def _overbreak(plan, at):
+    """Return the overbreak (ticks + 1,), in m, of setpoints, interpolated in time."""
+    ends = np.concatenate([[0], np.cumsum(plan.ticks)])
+    return np.interp(np.arange(ends[-1] + 1), ends, plan.circuit.overcut(at))
+
+
+def _followed(plan, plants, loops, wanted):
+    """Return the overbreak (n,), in m, of axes that follow positions (n, 2), one a tick."""
+    rates = np.diff(wanted, axis=0) / plan.tick
+    return plan.circuit.overcut(follow(plants, loops, wanted, slopes=rates).position)
+
+
+def _ideal(loops):
+    """Return the loops with encoders that don't round."""
+    return [replace(loop, count=0.0) for loop in loops]
