@@ -184,7 +184,7 @@ class Places(ast.NodeVisitor):
             self.generic_visit(node)
 
     def visit_Name(self, node):
-        if re.fullmatch(r"_?(EPS|eps|EPSILON)", node.id) and isinstance(node.ctx, ast.Load):
+        if re.fullmatch(r"_?(EPS|EPSILON)", node.id) and isinstance(node.ctx, ast.Load):
             self.rounding(node)
 
     def rounding(self, node):

@@ -48,7 +48,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script
 from report.reach import steps
 from report.sources import code
-from tests.mutant_kinds import KINDS, LOGIC, Places, draws, rules_in
+from tests.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "mutants"
@@ -134,6 +134,10 @@ def draw(file, seed=SEED):
         found = [place for place in found if place[2] in LOGIC]
     kinds = sorted({place[2] for place in found})
     choice.shuffle(kinds)
+    # What holds around formulas has its turn as often as they.
+    turns = [kind for kind in kinds if kind in FORMULAS], [k for k in kinds if k not in FORMULAS]
+    kinds = [kind for turn in itertools.zip_longest(*turns[::choice.choice((1, -1))])
+             for kind in turn if kind]  # fmt: skip
     chosen = []
     for kind in itertools.cycle(kinds):
         if not found or len(chosen) == wanted:
