@@ -65,7 +65,7 @@ bench: ## time the library against others, in an environment of its own
 	@$(PYTHON) -m report.environment bench
 	@$(HEADLESS) build/bench/bin/python -m pytest tests/bench --benchmark-only
 
-mutants: environment ## plant faults in the library and see that the tests notice (an hour or more)
+mutants: environment ## plant faults in the library and see that the tests notice (hours)
 	@$(HEADLESS) $(BIN)/python tests/mutants.py
 
 format: environment ## put the sources into the common form

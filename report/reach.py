@@ -58,11 +58,17 @@ def needed(text, root, package=()):
     files : set of pathlib.Path
         Modules of the checkout, without those that only pass names on.
     """
-    found, waiting = set(), set(_imported(parsed(text), root, package))
-    while waiting:
-        file = waiting.pop()
-        found.add(file)
-        waiting |= _imported_by(file, root) - found
+    return set(steps(text, root, package))
+
+
+def steps(text, root, package=()):
+    """Return the files that `needed` returns, each with how many imports away it is: from 1."""
+    found, away = {}, 1
+    reached = set(_imported(parsed(text), root, package))
+    while reached:
+        found |= dict.fromkeys(reached, away)
+        reached = {file for near in reached for file in _imported_by(near, root)} - found.keys()
+        away += 1
     return found
 
 

@@ -1,12 +1,19 @@
 """Plant faults in the library, one at a time, and see whether the tests notice: `make mutants`.
 
-A mutant is the library with one token changed: a sign, an exponent, a factor, an index, a
-comparison or a constant. Which ones is drawn from the syntax trees with a fixed seed, for each
-module by itself, so that an edit of one module leaves the others' draw alone. Each is judged in a
-copy of the checkout under build/mutants: by the tests that speak of its module, then by all others,
-then by the notebooks. What was judged before is not judged again. The result is tests/mutants.csv.
+A mutant is the library with one thing changed, of a kind of tests/mutant_kinds.py. Which ones is
+drawn from the syntax trees with a seed, for each module by itself, so that an edit of one module
+leaves the others' draw alone. Each is judged in a copy of the checkout under build/mutants, by the
+tests whose imports lead to its module, the nearest first, and by the notebooks that need it. A test
+that fails is run again, so that what failed by chance doesn't count. What was judged before isn't
+judged again. The result is tests/mutants.csv, with the score of each room in its head.
+
 Mutants that can't be noticed stand in tests/mutants.toml with the reason, count as survivors, and
 meet the nearest tests only.
+
+In parts: `--shard 1/4` judges every fourth fault and keeps what it found in
+build/mutants/judged-1-of-4.json. Such files of other machines, copied there, count as one's own.
+Tests that can't run for want of a package are left out; what survives the others is judged where
+they can.
 """
 
 import argparse
@@ -15,6 +22,7 @@ import csv
 import fcntl
 import hashlib
 import importlib
+import importlib.util
 import io
 import itertools
 import json
@@ -28,12 +36,19 @@ import signal
 import subprocess
 import sys
 import time
-import tokenize
 import tomllib
-from dataclasses import dataclass
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script
+from report.reach import steps
+from report.sources import code
+from tests.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "mutants"
@@ -42,28 +57,22 @@ TABLE = ROOT / "tests" / "mutants.csv"
 REASONS = ROOT / "tests" / "mutants.toml"
 COLUMNS = ["file", "line", "kind", "before", "after", "killed by"]
 SEED = "tunneller"
-EACH, SHORT = 2, 130  # mutants of a module; only one where it has fewer lines
-LIMITS = 300, 3000, 3000  # s of processor time for each lot; what doesn't end is noticed too
+LENGTHS = 40, 100, 200  # lines from which on a module has a second fault, a third, a fourth
+
+NEAR, CHUNK = 3, 8  # files of tests that run together: the nearest, then the others
+NEAREST, TESTS, NOTEBOOKS = range(3)  # how far a fault has got
+PATIENCE = 60, 10  # s of processor time, and more by the time that tests take on what is unaltered
+MEMORY = 12 * 2**30  # bytes a run may ask for, lest a fault fill the machine
 
 HEAVY = (
     "scipy.optimize scipy.integrate scipy.linalg sympy mpmath hypothesis matplotlib.pyplot pyvista "
     "IPython.display nbval"
 ).split()
-# Pictures, pages and files are looked at or compared, and hold no formula; of that room only the
-# way of the numbers into the report is altered.
-LEFT_OUT = re.compile(r".*/__\w+__\.py|.*/reporting/(?!digits|record|sweep).*")
-# Tests of the study's form, of its build and of this script: none runs a formula.
-FORM = {
-    f"tests/test_{name}.py"
-    for name in "build layout ledger mutants planted report site style".split()
-}
-OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "==", "and": "or",
-            "or": "and", "+": "-", "-": "+", "+=": "-=", "-=": "+="}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """One token of a module changed; `line` and `column` say where it stands."""
+    """One place of a module changed; `line` and `column` say where it stands."""
 
     file: str
     line: int
@@ -74,9 +83,11 @@ class Mutant:
 
     def lines(self):
         """Return the module's lines, unchanged and changed."""
-        before = (COPY / self.file).read_text().splitlines(keepends=True)
+        before = (COPY / self.file).read_text(encoding="utf-8").splitlines(keepends=True)
         line, after = before[self.line - 1], list(before)
         head, tail = line[: self.column], line[self.column :]
+        if not tail.startswith(self.old):
+            raise LookupError(f"{self.file}:{self.line} doesn't say {self.old!r}.")
         after[self.line - 1] = head + self.new + tail.removeprefix(self.old)
         return before, after
 
@@ -85,228 +96,247 @@ class Mutant:
         before, after = (lines[self.line - 1].strip() for lines in self.lines())
         return dict(zip(COLUMNS, [self.file, self.line, self.kind, before, after, by], strict=True))
 
+    def key(self):
+        """Return a digest of the module as the fault makes it."""
+        return hashlib.sha256("".join([self.file, *self.lines()[1]]).encode()).hexdigest()
 
-def more(number):
-    """Return a constant with its last printed digit one greater."""
-    digits = int(number.replace(".", "")) + 1
-    decimals = len(number.partition(".")[2])
-    text = str(digits).zfill(decimals + 1)
-    return f"{text[:-decimals]}.{text[-decimals:]}" if decimals else text
-
-
-class Places(ast.NodeVisitor):
-    """Collect the mutants of a module: `found` as (line, column, kind, old, new)."""
-
-    def __init__(self, source):
-        tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-        words = tokenize.OP, tokenize.NAME, tokenize.NUMBER
-        self.tokens = [(token.start, token.string) for token in tokens if token.type in words]
-        self.found, self.idle = [], []
-        self.visit(ast.parse(source))
-
-    def add(self, kind, start, end, change):
-        """Take the one token between two places of the source that `change` has a word for."""
-        for place, old in self.tokens:
-            if start <= place < end and (new := change(old)) is not None:
-                self.found.append((*place, kind, old, new))
-                return
-
-    def leave_out(self, start, end):
-        """Note places whose change isn't a fault in a formula."""
-        self.idle += [place for place in self.found if start <= place[:2] < end]
-
-    def between(self, kind, left, right, change):
-        self.add(kind, end_of(left), start_of(right), change)
-
-    def number(self, kind, node, change):
-        if isinstance(node, ast.UnaryOp):
-            node, change = node.operand, more  # -1 becomes -2, and not 0
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            self.add(kind, start_of(node), end_of(node), change)
-
-    def visit_BinOp(self, node):
-        kinds = {ast.Add: "sign", ast.Sub: "sign", ast.Mult: "factor", ast.Div: "factor"}
-        kind = kinds.get(type(node.op))
-        if kind == "sign" and not (joins(node.left) or joins(node.right)):
-            self.between(kind, node.left, node.right, OPPOSITE.get)
-        if kind == "factor" and not (joins(node.left) or joins(node.right)):
-            twice = {"*": "* 2 *", "/": "/ 2 /"}
-            self.between("factor", node.left, node.right, twice.get)
-            self.between("exponent", node.left, node.right, {"*": "/", "/": "*"}.get)
-        if isinstance(node.op, ast.Pow):
-            self.number("exponent", node.right, lambda n: str(int(n) + 1) if n.isdigit() else None)
-            self.visit(node.left)
-        else:
-            self.generic_visit(node)
-        if guards(node.left) or guards(node.right):  # what is added to a divisor that may be 0
-            self.leave_out(end_of(node.left), end_of(node))
-
-    def visit_AugAssign(self, node):
-        self.between("sign", node.target, node.value, {"+=": "-=", "-=": "+="}.get)
-        self.visit(node.value)
-
-    def visit_UnaryOp(self, node):
-        if isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
-            self.add("sign", start_of(node), end_of(node), {"-": "+"}.get)
-        self.generic_visit(node)
-
-    def visit_Compare(self, node):
-        if len(node.ops) == 1:
-            self.between("branch", node.left, node.comparators[0], OPPOSITE.get)
-        self.generic_visit(node)
-
-    def visit_BoolOp(self, node):
-        self.between("branch", *node.values[:2], OPPOSITE.get)
-        self.generic_visit(node)
-
-    def visit_Subscript(self, node):
-        inside = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        for index in inside:
-            ends = [index.lower, index.upper] if isinstance(index, ast.Slice) else [index]
-            for end in ends:
-                self.number("index", end, lambda n: str(int(n) - 1) if n > "0" else "1")
-        self.visit(node.value)
-
-    def visit_Constant(self, node):
-        # Tolerances are written with an exponent; they are no one's formula.
-        self.number("constant", node, lambda n: None if "e" in n.lower() else more(n))
-
-    def visit_keyword(self, node):
-        if node.arg not in ("axis", "ndim", "shape", "stacklevel", "decimals", "initial"):
-            self.visit(node.value)
-
-    def visit_Call(self, node):
-        name = ast.unparse(node.func).rpartition(".")[2]
-        if name in ("reshape", "moveaxis", "expand_dims", "swapaxes", "range", "lru_cache"):
-            return  # how arrays lie and how often a loop may run
-        self.generic_visit(node)
-
-    def visit_Raise(self, node):
-        """Messages stay."""
-
-    visit_JoinedStr = visit_Raise
-
-    def visit_FunctionDef(self, node):
-        for default in [*node.args.defaults, *filter(None, node.args.kw_defaults)]:
-            self.visit(default)
-            self.leave_out(start_of(default), end_of(default))  # how finely, how often
-        for statement in node.body:
-            self.visit(statement)
-
-    def visit_AnnAssign(self, node):
-        if node.value:
-            self.visit(node.value)
+    def __str__(self):
+        return f"{self.file}:{self.line} {self.kind}"
 
 
-def start_of(node):
-    return node.lineno, node.col_offset
-
-
-def end_of(node):
-    return node.end_lineno, node.end_col_offset
-
-
-def joins(node):
-    """Tell whether + and * join or repeat it, as with text, lists and shapes."""
-    if isinstance(node, ast.Constant):
-        return isinstance(node.value, str)
-    if isinstance(node, (ast.JoinedStr, ast.List, ast.Tuple, ast.ListComp)):
-        return True
-    return bool(re.search(r"\bshape\b|Path|folder|root\b.*\bname|suffix", ast.unparse(node)))
-
-
-def guards(node):
-    return isinstance(node, ast.Compare) or "finfo" in ast.unparse(node)
+# ---- what is drawn --------------------------------------------------------------------------
 
 
 def modules():
+    """Return the names of the library's modules, but for those that pass names on."""
     every = sorted(str(path.relative_to(COPY)) for path in COPY.glob("tunneller_lib/**/*.py"))
-    return [file for file in every if not LEFT_OUT.fullmatch(file)]
+    return [file for file in every if not file.endswith("__init__.py")]
 
 
-def draw(file):
+@cache
+def rules():
+    """Return the rules of arguments that the library has."""
+    for file in modules():
+        text = (COPY / file).read_text(encoding="utf-8")
+        if re.search(r"^def checked\(", text, re.M):
+            return rules_in(text)
+    return {}
+
+
+def draw(file, seed=SEED):
     """Return a module's mutants: at random, of as many kinds as there are."""
-    draws = random.Random(f"{SEED} {file}")
-    source = (COPY / file).read_text()
-    each = EACH if source.count("\n") >= SHORT else 1
-    # Columns of the syntax tree count bytes, those of tokens characters.
-    if not source.isascii():
-        source = re.sub(r"[^\x00-\x7f]", "?", source)
-    places = Places(source)
-    found = sorted(set(places.found))
+    choice = random.Random(f"{seed} {file}")
+    source = (COPY / file).read_text(encoding="utf-8")
+    wanted = 1 + sum(source.count("\n") >= length for length in LENGTHS)
+    places = Places(source, rules())
+    found = sorted(set(places.found) - set(places.idle))
+    if draws(source):
+        found = [place for place in found if place[2] in LOGIC]
     kinds = sorted({place[2] for place in found})
-    draws.shuffle(kinds)
+    choice.shuffle(kinds)
+    # What holds around formulas has its turn as often as they.
+    turns = [kind for kind in kinds if kind in FORMULAS], [k for k in kinds if k not in FORMULAS]
+    kinds = [kind for turn in itertools.zip_longest(*turns[::choice.choice((1, -1))])
+             for kind in turn if kind]  # fmt: skip
     chosen = []
-    while found and len(chosen) < each:
-        kind = kinds[len(chosen) % len(kinds)]
-        place = draws.choice([p for p in found if p[2] == kind] or found)
-        if place in places.idle:
+    for kind in itertools.cycle(kinds):
+        if not found or len(chosen) == wanted:
+            return chosen
+        place = choice.choice([p for p in found if p[2] == kind] or found)
+        mutant = Mutant(file, *place)
+        if compiles("".join(mutant.lines()[1])):
+            chosen.append(mutant)
+            found = [p for p in found if p[0] != place[0]]  # another line next
+        else:
             found.remove(place)
-            continue
-        found = [p for p in found if p[0] != place[0]]  # another line next
-        chosen.append(Mutant(file, *place))
     return chosen
 
 
+def compiles(source):
+    try:
+        ast.parse(source)
+    except SyntaxError:
+        return False
+    return True
+
+
+# ---- who judges -----------------------------------------------------------------------------
+
+
+def library_in(text):
+    """Yield the modules that a text names in quotes, as what it imports or runs: "tunneller_lib.x".
+
+    A name of a package, or one that goes on, stands for all modules of it.
+    """
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if re.fullmatch(r"(tunneller_lib|tests)(\.\w+)*\.?", node.value):
+                place = COPY.joinpath(*node.value.strip(".").split("."))
+                yield from place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
+
+
+def reads(text):
+    """Return the patterns of the files that a test says it reads."""
+    said = re.search(r"^READS = (\[.*?\])", text, re.M | re.S)
+    return ast.literal_eval(said[1]) if said else []
+
+
+@cache
+def reach():
+    """Return how far each test's imports are from modules: {test: {module: steps}}.
+
+    Tests that read the library's sources look at its form, and those that need the report's own
+    programs at the study's build: they judge no fault.
+    """
+    known = {f"{function.__module__.replace('.', '/')}.py" for function in (steps, code)}
+    found = {}
+    for path in sorted((COPY / "tests").glob("test_*.py")):
+        text = path.read_text(encoding="utf-8")
+        if any(pattern.startswith("tunneller_lib") for pattern in reads(text)):
+            continue
+        away = steps(text, COPY, ("tests",))
+        for file in library_in(text):
+            if file.is_file() and not file.name.startswith("test_"):
+                inside = file.relative_to(COPY).parts[:-1]
+                further = steps(file.read_text(encoding="utf-8"), COPY, inside)
+                for there, more in {file: 0, **further}.items():
+                    away[there] = min(away.get(there, 99), more + 2)
+        away = by_name(away)
+        if not any(file.startswith("report/") and file not in known for file in away):
+            found[f"tests/{path.name}"] = away
+    return found
+
+
+@cache
+def reach_of_notebooks():
+    found = {}
+    for path in sorted((COPY / "notebooks").glob("[0-9]*.ipynb")):
+        found[f"notebooks/{path.name}"] = by_name(steps(code(path), COPY))
+    return found
+
+
+def by_name(away):
+    return {str(file.relative_to(COPY)): many for file, many in away.items()}
+
+
+@cache
 def public(file):
     """Return the names that a module gives to others."""
-    tree = ast.parse((COPY / file).read_text())
+    tree = ast.parse((COPY / file).read_text(encoding="utf-8"))
     defined = [n for n in ast.walk(tree) if isinstance(n, (ast.FunctionDef, ast.ClassDef))]
     return {node.name for node in defined if not node.name.startswith("_")}
 
 
-def tests_of(file):
-    """Return the tests in three lots: those nearest to a module, the others, the notebooks."""
+@cache
+def tests_of(file, kind=""):
+    """Return the files of tests whose imports lead to a module, the nearest first.
+
+    A test of the module's name comes first; where as many imports lead there, the one that speaks
+    of the module's functions more often. What arguments may be is judged early by those that know
+    the rules themselves.
+    """
     words = re.compile(rf"\b({'|'.join(sorted(public(file)) or ['-'])})\b")
-    stem, room = Path(file).stem, ".".join(Path(file).parts[:2]).removesuffix(".py")
-    near = {}
-    for path in sorted((COPY / "tests").glob("test_*.py")):
-        if (name := f"tests/{path.name}") not in FORM:
-            text = path.read_text()
-            near[name] = len(words.findall(text)) + 5 * (room in text) + 1000 * (stem in path.stem)
-    names = sorted(near, key=lambda name: -near[name])
-    rest = [other for other in modules() if other != file]
-    return [file, *names[:4]], [*names[4:], *rest], ["notebooks"]
+    about = [other for other in modules() if rules() and "checked" in public(other)]
+
+    def nearness(test):
+        away = reach()[test]
+        named = re.search(rf"(_|\b){Path(file).stem.strip('_')}(_|\b)", Path(test).stem)
+        knows = kind in ("rule", "guard", "range") and any(away.get(o) == 1 for o in about)
+        spoken = len(words.findall((COPY / test).read_text(encoding="utf-8")))
+        return away[file] - 3 * bool(named) - knows, -spoken, test
+
+    return sorted((test for test in reach() if file in reach()[test]), key=nearness)
+
+
+def notebooks_of(file):
+    found = reach_of_notebooks()
+    return sorted((n for n in found if file in found[n]), key=lambda n: (found[n][file], n))
+
+
+def chunks(file, kind):
+    """Return a module's tests as lists that run together, the doctests with the nearest."""
+    tests = tests_of(file, kind)
+    rest = tests[NEAR:]
+    return [[file, *tests[:NEAR]], *(rest[i : i + CHUNK] for i in range(0, len(rest), CHUNK))]
+
+
+def tests_in(lot, mutant):
+    """Return what judges a fault in one of three lots."""
+    if lot == NOTEBOOKS:
+        return [notebooks_of(mutant.file)]
+    every = chunks(mutant.file, mutant.kind)
+    return every[:1] if lot == NEAREST else every[1:]
+
+
+# ---- how tests run --------------------------------------------------------------------------
 
 
 class First:
-    """Notes the first test that fails."""
+    """Notes the first test that fails, and what was said."""
 
-    name = ""
+    name = why = ""
 
     def pytest_runtest_logreport(self, report):
-        if report.failed:
-            self.name = self.name or report.nodeid
+        if report.failed and not self.name:
+            self.name, self.why = report.nodeid, str(report.longrepr)[-2000:]
 
     pytest_collectreport = pytest_runtest_logreport
 
 
-def run(tests, limit):
-    """Return what failed first in the copy: a test, nothing, or that there was no end."""
-    verdict = BUILD / "verdict"
+def run(tree, tests, limit, *, bare, passing=()):
+    """Return what failed first in a copy of the checkout, and what was said: or nothing.
+
+    Parameters
+    ----------
+    tree : pathlib.Path
+        The copy.
+    tests : list of str
+        What pytest is to run.
+    limit : float
+        Most seconds of processor time.
+    bare : bool
+        Whether notebooks, and with them the packages that they need, are left out.
+    passing : iterable of str
+        Tests that are left out.
+    """
+    verdict = tree.with_suffix(".verdict")
     verdict.unlink(missing_ok=True)
-    child = multiprocessing.get_context("fork").Process(target=report, args=(tests, limit, verdict))
+    fork = multiprocessing.get_context("fork")
+    child = fork.Process(target=report, args=(tree, tests, limit, verdict, bare, passing))
     child.start()
-    child.join()
+    child.join(timeout=600 + 10 * limit)  # for what waits, and takes no processor time
+    if child.is_alive():
+        child.kill()
+        child.join()
+        return "(no end)", ""
     if verdict.exists():
-        return verdict.read_text()
+        return json.loads(verdict.read_text())
     if child.exitcode < 0:
-        return "(no end)" if child.exitcode == -signal.SIGXCPU else "(crash)"
+        return "(no end)" if child.exitcode == -signal.SIGXCPU else "(crash)", ""
     sys.exit("pytest could not be run at all.")
 
 
-def report(tests, limit, verdict):
-    """Run tests in the copy, in a process of its own, and write down what failed first."""
+def report(tree, tests, limit, verdict, bare, passing):
+    """Run tests in a copy, in a process of its own, and write down what failed first."""
     # Not by the clock, which also counts what others do on the machine, and its pauses.
-    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 10))
-    os.chdir(COPY)
-    sys.path[0] = str(COPY)
+    resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 10))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    os.chdir(tree)
+    os.environ["PYTHONPATH"] = str(tree)  # what tests start, and notebooks, import
+    sys.path[:] = [str(tree), *(place for place in sys.path if Path(place) != ROOT)]
+    for name in list(sys.modules):  # ours are those of the copy
+        if name.split(".")[0] in ("tunneller_lib", "tests", "report"):
+            del sys.modules[name]
     sys.stdout = sys.stderr = open(os.devnull, "w")
     first = First()
-    options = ["-x", "-q", "--tb=no", "-p", "no:cacheprovider"]
+    options = ["-x", "-q", "--tb=short", "-p", "no:cacheprovider"]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # for what is warm
-    code = pytest.main([*options, *tests], plugins=[first])
-    replace(verdict, first.name or ("(no test ran)" if code else ""))
+    if bare:
+        options += ["-o", "addopts=--doctest-modules --strict-markers"]
+    options += [word for test in passing for word in ("--deselect", test)]
+    exit_code = pytest.main([*options, *tests], plugins=[first])
+    none = exit_code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED)
+    replace(verdict, json.dumps([first.name or ("(no test ran)" if none else ""), first.why]))
 
 
 def warm_up():
@@ -315,134 +345,318 @@ def warm_up():
     settings |= {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
     # Compiled files are told apart by time and size, which a mutant may share with the next.
     settings |= {"PYVISTA_JUPYTER_BACKEND": "static", "PYTHONDONTWRITEBYTECODE": "1"}
-    settings |= {"PYTHONPATH": str(COPY)}  # what the notebooks import
     os.environ.update(settings)
     sys.dont_write_bytecode = True
     for name in HEAVY:
-        importlib.import_module(name)
+        if importlib.util.find_spec(name.split(".")[0]):
+            importlib.import_module(name)
 
 
-def judge(mutant, lot):
-    """Return the test of one of a module's lots that notices a mutant, or nothing."""
-    target = COPY / mutant.file
+_tree = None
+
+
+def own_tree():
+    """Give a worker a copy of its own."""
+    global _tree
+    _tree = BUILD / f"copy-{os.getpid()}"
+    shutil.copytree(COPY, _tree)
+
+
+def time_of(test, bare):
+    """Return how long a file of tests takes on what is unaltered, what fails, and why."""
+    begun = time.process_time() + sum(os.times()[2:4])
+    failed, why = run(_tree, [test], 3000, bare=bare)
+    return test, time.process_time() + sum(os.times()[2:4]) - begun, failed, why
+
+
+def judge(mutant, lots, bare):
+    """Return the test that notices a fault, or nothing.
+
+    Parameters
+    ----------
+    mutant : Mutant
+    lots : list of (list of str, float)
+        Tests that run together, and the processor time that they take on what is unaltered.
+    bare : bool
+        Whether these are tests for which a bare Python is enough.
+    """
+    target = _tree / mutant.file
     before, after = mutant.lines()
     try:
-        target.write_text("".join(after))
-        return run(tests_of(mutant.file)[lot], LIMITS[lot])
+        target.write_text("".join(after), encoding="utf-8")
+        for tests, seconds in lots:
+            if by := notice(tests, PATIENCE[0] + PATIENCE[1] * seconds, bare):
+                return by
+        return ""
     finally:
-        target.write_text("".join(before))
+        target.write_text("".join(before), encoding="utf-8")
+
+
+def notice(tests, limit, bare):
+    """Return the test that fails, and does so again, or nothing."""
+    passing = []
+    while True:
+        by, _ = run(_tree, tests, limit, bare=bare, passing=passing)
+        if not by or by.startswith("("):
+            return by
+        again = by.partition("::")[0] if ".ipynb" in by else by
+        if run(_tree, [again], limit, bare=bare)[0]:
+            return by
+        if len(passing) > 2:
+            return ""
+        passing.append(by)  # by chance
+
+
+# ---- what is known --------------------------------------------------------------------------
 
 
 def copy():
     """Make the copy of the checkout anew."""
-    shutil.rmtree(COPY, ignore_errors=True)
+    for old in BUILD.glob("copy*"):
+        shutil.rmtree(old) if old.is_dir() else old.unlink()
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, text=True,
-                            capture_output=True, check=True).stdout  # fmt: skip
-    for name in listed.splitlines():
+                            capture_output=True)  # fmt: skip
+    names = listed.stdout.splitlines()
+    if listed.returncode:  # the files alone, without git
+        aside = re.compile(r"(\.|build/|.*/?__pycache__/)")
+        every = (str(path.relative_to(ROOT)) for path in ROOT.rglob("*"))
+        names = [name for name in every if not aside.match(name)]
+    for name in names:
         if (ROOT / name).is_file():
             (COPY / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, COPY / name)
 
 
-def digest(paths):
+def everything():
+    """Return one digest of the library and its tests."""
+    paths = sorted([*COPY.glob("tunneller_lib/**/*.py"), *COPY.glob("tests/**/*.py")])
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
-def everything():
-    """Return one digest of the library and its tests."""
-    return digest(sorted([*COPY.glob("tunneller_lib/**/*.py"), *COPY.glob("tests/*.py")]))
+@dataclass
+class Verdict:
+    """What is known of a fault: the test that noticed it, or how far it got.
+
+    `of` is the digest of what it survived, `left` the tests that couldn't run.
+    """
+
+    by: str = ""
+    of: str = ""
+    lot: int = -1
+    left: tuple = ()
+
+    def final(self, everything, lot):
+        """Return whether there is nothing left to try. After any change survivors are."""
+        return bool(self.by) or (self.of == everything and self.lot >= lot and not self.left)
 
 
 class Known:
-    """What was judged before. After any change only those which survived are judged again."""
+    """What was judged before, here and on other machines."""
 
-    def __init__(self):
-        self.file, self.all = BUILD / "judged.json", everything()
-        self.entries = json.loads(self.file.read_text()) if self.file.exists() else {}
+    def __init__(self, own):
+        self.file = BUILD / own
+        self.entries = {}
+        for file in sorted(BUILD.glob("judged*.json"), key=lambda file: file == self.file):
+            for key, entry in json.loads(file.read_text()).items():
+                if not self.get(key).by:
+                    self.entries[key] = Verdict(**entry)
 
-    def judge(self, name, key, lot, action):
-        """Return the test that notices it, found before or now."""
-        by, seen, done = self.entries.get(key, ("", "", -1))
-        if by or (seen == self.all and done >= lot):
-            return by
-        start = time.monotonic()
-        by = action()
-        self.entries[key] = by, self.all, lot
-        self.save()
-        say(f"{name}: {by or 'not noticed'} ({time.monotonic() - start:.0f} s)")
-        return by
+    def get(self, key):
+        return self.entries.get(key, Verdict())
 
-    def forget(self, key):
-        del self.entries[key]
-        self.save()
-
-    def save(self):
-        replace(self.file, json.dumps(self.entries, indent=0))
+    def put(self, key, verdict):
+        self.entries[key] = verdict
+        entries = {key: asdict(verdict) for key, verdict in self.entries.items()}
+        replace(self.file, json.dumps(entries, indent=0))
 
 
 def replace(path, text):
     beside = path.with_name(f".{path.name}.new")
-    beside.write_text(text)
+    beside.write_text(text, encoding="utf-8")
     os.replace(beside, path)
 
 
-def table(rows):
+# ---- the table ------------------------------------------------------------------------------
+
+
+def room(file):
+    """Return the room that a module is in."""
+    return file.split("/")[1].removesuffix(".py")
+
+
+def head(rows, seed):
+    """Return what stands above the table: the seed, and the score of all, of rooms and kinds."""
+
+    def score(rows):
+        noticed = sum(bool(row["killed by"]) for row in rows)
+        return f"{noticed} of {len(rows)}, {100 * noticed / len(rows):.1f} %"
+
+    lines = [f"seed {seed}", f"all: {score(rows)}"]
+    for name in sorted({room(row["file"]) for row in rows}):
+        lines.append(f"room {name}: {score([row for row in rows if room(row['file']) == name])}")
+    for kind in sorted({row["kind"] for row in rows}):
+        lines.append(f"kind {kind}: {score([row for row in rows if row['kind'] == kind])}")
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def table(rows, seed):
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    return text.getvalue()
+    return head(rows, seed) + text.getvalue()
+
+
+def read_table(text):
+    """Return the lines above a table, without their mark, and its rows."""
+    lines = text.splitlines(keepends=True)
+    above = [line[2:].rstrip("\n") for line in lines if line.startswith("# ")]
+    return above, list(csv.DictReader(line for line in lines if not line.startswith("# ")))
+
+
+# ---- a run ----------------------------------------------------------------------------------
 
 
 def say(text):
     print(text, file=sys.stderr, flush=True)
 
 
-def main():
+def options():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="only show what would be planted")
     parser.add_argument("--of", default="", help="only modules with this in their path")
+    parser.add_argument("--kind", choices=sorted(KINDS), help="only faults of this kind")
+    parser.add_argument("--seed", default=SEED, help=f"of the draw, {SEED!r} unless told")
     parser.add_argument("--near", action="store_true", help="only the tests nearest to a module")
-    options = parser.parse_args()
-    BUILD.mkdir(parents=True, exist_ok=True)
-    alone = (BUILD / "lock").open("w")  # until we end
-    try:
-        fcntl.flock(alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        sys.exit("Another run is using build/mutants.")
-    copy()
-    drawn = [draw(file) for file in modules() if options.of in file]
-    mutants = [
-        m for turn in itertools.zip_longest(*drawn) for m in turn if m
-    ]  # each module's first
-    if options.list:
-        print(table(mutant.row("") for mutant in mutants), end="")
+    parser.add_argument("--no-notebooks", action="store_true", help="only tests and doctests")
+    parser.add_argument("--without", action="append", default=[], metavar="TEST",
+                        help="a file of tests that judges nothing")  # fmt: skip
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes at a time")
+    parser.add_argument("--shard", default="1/1", help="I/N: the I-th part of N of the faults")
+    given = parser.parse_args()
+    part = re.fullmatch(r"(\d+)/(\d+)", given.shard)
+    if not part or not 1 <= int(part[1]) <= int(part[2]):
+        parser.error("--shard: must be I/N with I from 1 to N")
+    given.part = int(part[1]), int(part[2])
+    return given
+
+
+def times(pool, wanted, known, bare):
+    """Return how long tests take on what is unaltered: {test: seconds}.
+
+    Those that can't run for want of a package aren't there.
+    """
+    file = BUILD / ("times.json" if bare else "times-notebooks.json")
+    kept = json.loads(file.read_text()) if file.exists() else {}
+    found = kept.get(known, {})
+    jobs = [pool.submit(time_of, test, bare) for test in wanted if test not in found]
+    if jobs:
+        say(f"{len(jobs)} files of tests run on what is unaltered.")
+    wrong = []
+    for done in as_completed(jobs):
+        test, seconds, failed, why = done.result()
+        missing = re.search(r"No module named '\w+|could not import '\w+", why)
+        if failed and not missing:
+            wrong.append(f"{failed}\n{why}")
+            continue
+        found[test] = None if failed else seconds
+        if failed:
+            say(f"left out: {test}, {missing[0]}'")
+        replace(file, json.dumps({known: found}, indent=0))
+    if wrong:
+        rule = "Tests must pass before a fault is planted, or be left out by --without:"
+        sys.exit("\n".join([rule, *wrong]))
+    return {test: found[test] for test in wanted if found[test] is not None}
+
+
+def try_all(mutants, known, given, explained):
+    """Judge the mutants that aren't yet, and keep what came out."""
+    last = NEAREST if given.near else TESTS if given.no_notebooks else NOTEBOOKS
+    now = everything()
+
+    def lot_of(mutant):
+        return NEAREST if (mutant.file, mutant.row("")["after"]) in explained else last
+
+    waiting = [m for m in mutants if not known.get(m.key()).final(now, lot_of(m))]
+    if not waiting:
         return
     warm_up()
-    known, killers = Known(), [""] * len(mutants)
-    reasons = tomllib.loads(REASONS.read_text()) if REASONS.exists() else {}
+    fork = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(given.workers, mp_context=fork, initializer=own_tree) as pool:
+        for lot in range(last + 1):
+            bare = lot < NOTEBOOKS
+            plans = {}
+            for mutant in waiting:
+                was = known.get(mutant.key())
+                if was.by or lot > lot_of(mutant):
+                    continue
+                if was.of != now:
+                    was = Verdict(of=now)
+                wanted = tests_in(lot, mutant)
+                if was.lot >= lot:  # what couldn't run where it was judged
+                    wanted = [[test for test in tests if test in was.left] for tests in wanted]
+                wanted = [[t for t in tests if t not in given.without] for tests in wanted]
+                plans[mutant] = was, [tests for tests in wanted if tests]
+            every = sorted({t for _, lots in plans.values() for tests in lots for t in tests})
+            seconds = times(pool, every, now, bare)
+            jobs = {}
+            for mutant, (was, wanted) in plans.items():
+                lots = [[test for test in tests if test in seconds] for tests in wanted]
+                lots = [(tests, sum(seconds[t] for t in tests)) for tests in lots if tests]
+                tried = {test for tests in wanted for test in tests}
+                left = (set(was.left) - tried) | (tried - seconds.keys())
+                job = pool.submit(judge, mutant, lots, bare)
+                jobs[job] = mutant, max(lot, was.lot), tuple(sorted(left))
+            for count, done in enumerate(as_completed(jobs), start=1):
+                mutant, reached, left = jobs[done]
+                by = done.result()
+                known.put(mutant.key(), Verdict(by, now, reached, () if by else left))
+                say(f"{lot + 1}: {count}/{len(jobs)} {mutant}: {by or 'not noticed'}")
+
+
+def main():
+    given = options()
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with (BUILD / "lock").open("w") as alone:
+        try:
+            fcntl.flock(alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sys.exit("Another run is using build/mutants.")
+        plant(given)
+
+
+def plant(given):
+    """Draw faults, have them judged, and say what came out."""
+    copy()
+    drawn = [draw(file, given.seed) for file in modules()]
+    # Each module's first, then the second ones.
+    every = [mutant for turn in itertools.zip_longest(*drawn) for mutant in turn if mutant]
+    part, parts = given.part
+    mutants = [m for m in every if given.of in m.file and given.kind in (None, m.kind)]
+    mutants = mutants[part - 1 :: parts]
+    if given.list:
+        print(table([mutant.row("") for mutant in mutants], given.seed), end="")
+        return
+    known = Known("judged.json" if parts == 1 else f"judged-{part}-of-{parts}.json")
+    reasons = tomllib.loads(REASONS.read_text(encoding="utf-8")) if REASONS.exists() else {}
     explained = {(entry["file"], entry["after"]) for entry in reasons.values()}
-    passes = list(itertools.chain(*tests_of(modules()[0])))
-    if run(["tests/test_arguments_and_exact.py"], LIMITS[0]):
-        sys.exit("Tests fail in the copy although nothing was altered.")
-    if not options.near and known.judge("unchanged", known.all, 2, lambda: run(passes, LIMITS[2])):
-        known.forget(known.all)
-        sys.exit("The tests must pass before a fault is planted.")
-    for lot in range(1 if options.near else 3):
-        for i, mutant in enumerate(mutants):
-            if lot and (mutant.file, mutant.row("")["after"]) in explained:
-                continue
-            name = f"{lot + 1}: {i + 1}/{len(mutants)} {mutant.file}:{mutant.line} {mutant.kind}"
-            key = hashlib.sha256("".join([mutant.file, *mutant.lines()[1]]).encode()).hexdigest()
-            killers[i] = known.judge(name, key, lot, lambda m=mutant, lot=lot: judge(m, lot))
-    rows = [mutant.row(by) for mutant, by in zip(mutants, killers, strict=True)]
-    if not options.of and not options.near:
-        replace(TABLE, table(sorted(rows, key=lambda row: (row["file"], row["line"]))))
-    alive = [row for row in rows if not row["killed by"]]
-    say(f"{len(rows) - len(alive)} of {len(rows)} noticed.")
-    for row in alive:
-        why = "" if (row["file"], row["after"]) in explained else ", unexplained"
-        say(f"survived{why}: {row['file']}:{row['line']} {row['before']}  ->  {row['after']}")
+    try_all(mutants, known, given, explained)
+
+    verdicts = {mutant: known.get(mutant.key()) for mutant in mutants}
+    rows = [mutant.row(verdict.by) for mutant, verdict in verdicts.items()]
+    say(head(rows, given.seed))
+    for mutant, verdict in verdicts.items():
+        if not verdict.by:
+            row = mutant.row("")
+            why = "" if (row["file"], row["after"]) in explained else ", unexplained"
+            why += f", {len(verdict.left)} files of tests couldn't run" if verdict.left else ""
+            say(f"survived{why}: {row['file']}:{row['line']} {row['before']}  ->  {row['after']}")
+    if mutants == every and not given.near:
+        left = Counter(test for verdict in verdicts.values() for test in verdict.left)
+        if left:
+            sys.exit("No table: some survivors wait for tests that need other packages.")
+        rows = sorted(rows, key=lambda row: (row["file"], row["line"]))
+        replace(TABLE, table(rows, given.seed))
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import sympy as sp
 
 from tests import matlab_listing
 from tests.basic_listing import PRINTED, REPAIRS, run
+from tests.symbols_tunneller import R, phi, r, theta
 from tunneller_lib.paths import (
     ConeChord,
     competing_geodesics,
@@ -23,7 +24,6 @@ from tunneller_lib.reporting.machine_model import BODY, machine_model
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
 
 MACHINE, EGG = REFERENCE_MACHINE, Egg(0.5)
-r, R, theta, phi = sp.symbols("r R theta phi", positive=True)
 
 
 def test_geodesic_isn_t_always_shortest():

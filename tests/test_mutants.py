@@ -1,32 +1,38 @@
 """The planted faults of `make mutants`: drawn as said, nearly all noticed, the rest explained."""
 
-import csv
+import sys
 import tomllib
 from collections import Counter
 
 import pytest
 
 from tests import mutants
-from tests.mutants import REASONS, TABLE, Mutant, Places, more
+from tests.mutant_kinds import KINDS, Places, draws, more, rules_in
+from tests.mutants import REASONS, TABLE, Mutant, Verdict
 
 READS = ["tests/mutants.*"]
 
-ROOMS = {"arrays.py", "envelopes", "motion", "paths", "ream", "removal", "reporting", "surfaces"}
-KINDS = {"branch", "constant", "exponent", "factor", "index", "sign"}
-ROWS = list(csv.DictReader(TABLE.read_text().splitlines()))
+ROOMS = {"envelopes", "job", "motion", "paths", "ream", "removal", "replica", "reporting",
+         "surfaces"}  # fmt: skip
+HEAD, ROWS = mutants.read_table(TABLE.read_text(encoding="utf-8"))
 
 
 def test_all_rooms_and_kinds_are_altered():
-    assert len(ROWS) >= 60
-    assert {row["file"].split("/")[1] for row in ROWS} == ROOMS
-    assert min(Counter(row["kind"] for row in ROWS).values()) >= 6
+    assert len(ROWS) >= 200
+    assert {mutants.room(row["file"]) for row in ROWS} >= ROOMS
     assert {row["kind"] for row in ROWS} == KINDS
+    assert min(Counter(row["kind"] for row in ROWS).values()) >= 4
+
+
+def test_head_has_the_seed_and_the_scores():
+    assert HEAD[0] == f"seed {mutants.SEED}"
+    assert mutants.head(ROWS, mutants.SEED).splitlines() == [f"# {line}" for line in HEAD]
 
 
 def test_of_planted_faults_at_most_a_twentieth_survives():
     alive = [row for row in ROWS if not row["killed by"]]
     assert len(alive) <= 0.05 * len(ROWS)
-    reasons = tomllib.loads(REASONS.read_text()).values()
+    reasons = tomllib.loads(REASONS.read_text(encoding="utf-8")).values()
     explained = {(entry["file"], entry["after"]) for entry in reasons}
     assert explained == {(row["file"], row["after"]) for row in alive}
     assert all(entry["why"].endswith(".") for entry in reasons)
@@ -48,29 +54,91 @@ def test_of_planted_faults_at_most_a_twentieth_survives():
         ("a and b and c", "branch", "a or b and c"),
         ("a = 0.99", "constant", "a = 1.00"),
         ("a = 3", "constant", "a = 4"),
+        ("a = 1e-9", "tolerance", "a = 1e-6"),
+        ("a = 1e-9", "tolerance", "a = 1e-12"),
+        ("A = 8 * np.finfo(float).eps", "tolerance", "A = 8 * (1e3 * np.finfo(float).eps)"),
+        ("A = 8 * np.finfo(float).eps", "tolerance", "A = 8 * (1e-3 * np.finfo(float).eps)"),
+        ("a < 4 * EPS", "tolerance", "a < 4 * (1e3 * EPS)"),
+        ("a = 2.0**-26", "tolerance", "a = 2.0**-16"),
+        ("def f(a, *, tol=1e-8): pass", "tolerance", "def f(a, *, tol=1e-5): pass"),
+        ("def f(a, n=48): pass", "default", "def f(a, n=2 * 48): pass"),
+        ("def f(a, *, up=True): pass", "default", "def f(a, *, up=False): pass"),
+        ("def f(*, w: Literal['u', 'd'] = 'u'): pass", "default",
+         "def f(*, w: Literal['u', 'd'] = \"d\"): pass"),
+        ("class A:\n    n: int = 3", "default", "    n: int = 2 * 3"),
+        ("if a <= 0: raise E", "range", "if a < 0: raise E"),
+        ("if not 0 < a < 9: raise E", "range", "if not 0 < a <= 9: raise E"),
+        ("if not 0 < a < 9: raise E", "range", "if not 0 < a < 10: raise E"),
+        ("if a == 0 or b: raise E", "range", "if a == 0 and b: raise E"),
+        ("if a: raise E(b)", "guard", "if a: E(b)"),
+        ("rods.check_differ(a, b)", "guard", "0 and rods.check_differ(a, b)"),
+        ('raise E("a, b: must differ.")', "message", 'raise E("a, b: need not differ.")'),
+        ('raise E(f"it: no {a}; got {b}.")', "message", 'raise E(f"it: no {a}; wanted {b}.")'),
+        ('raise E("size: above 0.")', "message", 'raise E("argument: above 0.")'),
     ],
-)
-def test_one_token_is_changed(source, kind, after):
-    found = {source[:c] + new + source[c + len(old) :] for _, c, k, old, new in Places(source).found
-             if k == kind}  # fmt: skip
+)  # fmt: skip
+def test_one_place_is_changed(source, kind, after):
+    lines = source.split("\n")
+    found = [lines[n - 1][:c] + new + lines[n - 1][c:].removeprefix(old)
+             for n, c, k, old, new in Places(source).found if k == kind]  # fmt: skip
     assert after in found
 
 
-MESSAGE = "raise ValueError(f'{a + 1}')"
+TYPES = """
+Finite = Annotated[float, Rule("float", finite)]
+Length = Annotated[float, Rule("float", size, "m")]
+Angle = Annotated[float, Rule("float", finite, "rad")]
+Points = Annotated[ArrayLike, Rule("(..., 3) float", near_points, "m")]
+"""
+ROD = """
+from .arguments import Angle, Finite, Length, Points, Whole, checked
+@checked
+def f({}): pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("rule", "others"),
+    [
+        ("a: Length", {"a: Finite", "a: Angle", "a: object"}),
+        ("a: Finite", {"a: Length", "a: object"}),  # an angle is as finite
+        ("a: Points", {"a: object"}),
+        ("a: Points | None", {"a: Points", "a: object | None"}),
+        ("a: Rod", {"a: object"}),
+        ('a: Literal["u", "d"]', {'a: Literal["u"]'}),
+        ("a: Whole(1, MOST)", {"a: Whole(1 - 1, MOST)", "a: Whole(1 + 1, MOST)",
+                               "a: Whole(1, 2 * MOST)"}),
+    ],
+)  # fmt: skip
+def test_rule_gives_way_to_another_that_is_at_hand(rule, others):
+    source = ROD.format(rule)
+    line = source.splitlines()[3]
+    places = [place for place in Places(source, rules_in(TYPES)).found if place[2] == "rule"]
+    found = {line[:c] + new + line[c:].removeprefix(old) for _, c, _, old, new in places}
+    assert found == {f"def f({other}): pass" for other in others}
+    assert Places(source.replace("@checked", ""), rules_in(TYPES)).found == []
+
+
+PRINTED = "print(f'{a + 1}')"
 LOOP = "for i in range(9): pass"
 
 
 @pytest.mark.parametrize(
-    "source", [MESSAGE, LOOP, "'a' + b", "[a] * len(b) + [a]", "a = 1e-9", "f(x, axis=-1)"]
+    "source",
+    [PRINTED, LOOP, "'a' + b", "[a] * len(b) + [a]", "f(x, axis=-1)", "def f(a=None): pass"],
 )
-def test_messages_lists_and_tolerances_stay(source):
+def test_lists_and_what_is_printed_stay(source):
     assert Places(source).found == []
 
 
-def test_settings_and_guards_are_never_drawn():
-    places = Places("def f(a, n=48):\n    return a / (n + (n == 0)) - 2\n")
+def test_guards_against_zero_are_never_drawn():
+    places = Places("def f(a, n):\n    return a / (n + (n == 0)) - 2\n")
     drawn = {(kind, old) for *_, kind, old, _ in set(places.found) - set(places.idle)}
     assert drawn == {("factor", "/"), ("exponent", "/"), ("sign", "-"), ("constant", "2")}
+
+
+def test_pictures_have_logic_and_tastes():
+    assert draws("import matplotlib.pyplot as plt") and not draws("import numpy as np")
 
 
 def test_last_digit_of_a_constant():
@@ -78,12 +146,134 @@ def test_last_digit_of_a_constant():
         "2", "0.6", "1.10", "10.0", "0.051"]  # fmt: skip
 
 
-def test_draw_is_the_same_each_time_and_changes_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(mutants, "COPY", tmp_path)
-    (tmp_path / "it.py").write_text("def f(x, y):\n    return x**2 - 3 * y\n" + "\n" * 200)
-    first, second = mutants.draw("it.py"), mutants.draw("it.py")
-    assert first == second and len(first) == 1  # one line has formulas
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    """Return a checkout of a library of two modules, with a test of each, and a build for it."""
+    build = tmp_path / "build"
+    monkeypatch.setattr(mutants, "ROOT", tmp_path)
+    monkeypatch.setattr(mutants, "BUILD", build)
+    monkeypatch.setattr(mutants, "COPY", build / "copy")
+    monkeypatch.setattr(mutants, "TABLE", tmp_path / "mutants.csv")
+    monkeypatch.setattr(mutants, "REASONS", tmp_path / "mutants.toml")
+    for name, text in STUDY.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    caches = (mutants.rules, mutants.reach, mutants.reach_of_notebooks, mutants.public,
+              mutants.tests_of)  # fmt: skip
+    for cached in caches:
+        cached.cache_clear()
+    yield tmp_path
+    for cached in caches:
+        cached.cache_clear()
+
+
+FAR = "from tunneller_lib.two import g\n\n\ndef test_g():\n    assert g(2) == 4\n"
+ONE = "from tunneller_lib.one import f\n\n\ndef test_f():\n    assert f(3, 1) == 6\n"
+STUDY = {
+    "tunneller_lib/__init__.py": "",
+    "tunneller_lib/one.py": "def f(x, y):\n    return x**2 - 3 * y\n",
+    "tunneller_lib/two.py": "from .one import f\n\n\ndef g(x):\n    return f(x, 0)\n",
+    "tests/__init__.py": "",
+    "tests/test_far.py": FAR,
+    "tests/test_one.py": ONE,
+    "tests/test_form.py": 'READS = ["tunneller_lib/*"]\n\n\ndef test_form():\n    assert False\n',
+    "tests/test_none.py": "def test_none():\n    assert False\n",
+    "pytest.ini": "[pytest]\n",
+}
+
+
+def plant(monkeypatch, capsys, *words):
+    monkeypatch.setattr(sys, "argv", ["mutants", "--no-notebooks", "--workers", "2", *words])
+    mutants.main()
+    return capsys.readouterr()
+
+
+def test_draw_is_the_same_each_time_and_changes_one_line(study):
+    mutants.copy()
+    file = "tunneller_lib/one.py"
+    first, second = mutants.draw(file), mutants.draw(file)
+    assert first == second and len(first) == 1
+    assert any(mutants.draw(file, str(seed)) != first for seed in range(5))
     mutant = first[0]
     before, after = mutant.lines()
-    assert [a != b for a, b in zip(before, after, strict=True)] == [False, True] + [False] * 200
+    assert [a != b for a, b in zip(before, after, strict=True)] == [False, True]
     assert isinstance(mutant, Mutant) and mutant.row("t")["killed by"] == "t"
+
+
+def test_long_modules_have_more_faults(study):
+    (study / "tunneller_lib" / "one.py").write_text("a = b + 1\n" * 250)
+    mutants.copy()
+    assert len(mutants.draw("tunneller_lib/one.py")) == 1 + len(mutants.LENGTHS)
+    assert len({mutant.line for mutant in mutants.draw("tunneller_lib/one.py")}) == 4
+
+
+def test_tests_are_those_that_lead_to_a_module_the_nearest_first(study):
+    mutants.copy()
+    assert mutants.tests_of("tunneller_lib/one.py") == ["tests/test_one.py", "tests/test_far.py"]
+    assert mutants.tests_of("tunneller_lib/two.py") == ["tests/test_far.py"]
+
+
+def test_what_runs_a_module_by_its_name_leads_to_it(study):
+    for number, text in enumerate(("import_module('tunneller_lib.one')", "f'tunneller_lib.{a}'")):
+        (study / "tests" / f"test_names{number}.py").write_text(text)
+    mutants.copy()
+    found = mutants.tests_of("tunneller_lib/one.py")
+    assert {"tests/test_names0.py", "tests/test_names1.py"} <= set(found)
+    assert "tests/test_names0.py" not in mutants.tests_of("tunneller_lib/two.py")
+
+
+def test_faults_are_noticed_and_the_table_says_by_whom(study, monkeypatch, capsys):
+    plant(monkeypatch, capsys)
+    head, rows = mutants.read_table((study / "mutants.csv").read_text())
+    assert head[:2] == [f"seed {mutants.SEED}", f"all: {len(rows)} of {len(rows)}, 100.0 %"]
+    assert {row["file"]: row["killed by"] for row in rows}["tunneller_lib/one.py"] == (
+        "tests/test_one.py::test_f"
+    )
+    # Again, it's known; a change leaves what was noticed.
+    assert "not noticed" not in plant(monkeypatch, capsys).err
+
+
+def test_parts_make_a_whole(study, monkeypatch, capsys):
+    for part in ("1/2", "2/2"):
+        plant(monkeypatch, capsys, "--shard", part)
+    assert not (study / "mutants.csv").exists()
+    monkeypatch.setattr(mutants, "try_all", lambda mutants, known, given, explained: None)
+    plant(monkeypatch, capsys)
+    _, rows = mutants.read_table((study / "mutants.csv").read_text())
+    assert len(rows) == 2 and all(row["killed by"] for row in rows)
+
+
+def test_tests_that_fail_by_themselves_are_named(study, monkeypatch, capsys):
+    (study / "tests" / "test_one.py").write_text(ONE.replace("6", "7"))
+    with pytest.raises(SystemExit, match=r"must pass before.*\ntests/test_one.py::test_f\n"):
+        plant(monkeypatch, capsys)
+
+
+def test_survivors_wait_for_tests_that_need_other_packages(study, monkeypatch, capsys):
+    (study / "tests" / "test_one.py").write_text("import no_such_package\n" + ONE)
+    (study / "tests" / "test_far.py").write_text(FAR.replace(" == 4", " is not None"))
+    with pytest.raises(SystemExit, match=r"wait for tests that need other packages"):
+        plant(monkeypatch, capsys)
+    assert not (study / "mutants.csv").exists()
+
+
+def test_what_fails_by_chance_does_not_count(study, monkeypatch):
+    said = iter([("tests/a.py::test_a", ""), ("", ""), ("", "")])
+    asked = []
+
+    def run(tree, tests, limit, *, bare, passing=()):
+        asked.append((tests, list(passing)))
+        return next(said)
+
+    monkeypatch.setattr(mutants, "run", run)
+    assert mutants.notice(["tests/a.py"], 9, True) == ""
+    name = "tests/a.py::test_a"
+    assert asked == [(["tests/a.py"], []), ([name], []), (["tests/a.py"], [name])]
+
+
+def test_verdicts_are_final_until_something_changes():
+    assert Verdict(by="it").final("x", mutants.NOTEBOOKS)
+    survived = Verdict(of="x", lot=mutants.TESTS)
+    assert survived.final("x", mutants.TESTS) and not survived.final("y", mutants.TESTS)
+    assert not survived.final("x", mutants.NOTEBOOKS)
+    assert not Verdict(of="x", lot=mutants.TESTS, left=("a",)).final("x", mutants.TESTS)

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from report.reach import meaning, needed
+from report.reach import meaning, needed, steps
 from report.sources import ROOT
 
 LIBRARY = {
@@ -48,6 +48,15 @@ def root(tmp_path):
 def test_imports_are_followed_by_name(root, text, files):
     found = {str(f.relative_to(root / "tunneller_lib"))[:-3] for f in needed(text, root)}
     assert found == set(files.split())
+
+
+def test_steps_count_imports_on_the_shortest_way(root):
+    (root / "tunneller_lib" / "far.py").write_text(
+        "from .base import x\nfrom .a import f, h\ny = x"
+    )
+    found = steps("from tunneller_lib.far import y\nfrom tunneller_lib.a import f", root)
+    names = {str(f.relative_to(root / "tunneller_lib"))[:-3]: away for f, away in found.items()}
+    assert names == {"far": 1, "a/one": 1, "base": 2, "a/two": 2, "b/__init__": 3}
 
 
 def test_broken_module_is_named(root):

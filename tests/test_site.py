@@ -107,7 +107,7 @@ def test_search_finds_tests_and_equations_by_name(site, index):
     assert "\u200b" not in (site / "report.html").read_text()
     assert not any("&#" in text for _, _, text in index["sections"])
     places = {index["sections"][n][1] for n in index["words"]["test_eq05_quartic"]}
-    assert "tests/test_equations.html#test_eq05_quartic" in places
+    assert "tests/test_equations_line.html#test_eq05_quartic" in places
     assert any(place.startswith("report.html#judged") for place in places)
     numbered = [title for title, _, _ in index["sections"] if title.endswith(" · Eq. 5")]
     assert numbered[0].startswith("Report · ") and "ruling" in numbered[0]

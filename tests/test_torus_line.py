@@ -10,26 +10,28 @@ from tunneller_lib.replica import quartics
 from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40
+FINE = 2.0**-60  # a few roundings are told apart on it
 RATIOS = np.geomspace(0.2, 1e4, 20)
 
 
-def on_grid(values):
-    return np.round(np.asarray(values) / GRID) * GRID
+def on_grid(values, grid=GRID):
+    return np.round(np.asarray(values) / grid) * grid
 
 
-def whole(values):
+def whole(values, grid=GRID):
     """Return floats on the grid as Python integers, which hold any product of them."""
-    return np.vectorize(int, otypes=[object])(np.asarray(values) / GRID)
+    return np.vectorize(int, otypes=[object])(np.asarray(values) / grid)
 
 
-def gridded(ratio):
+def gridded(ratio, grid=GRID):
     """Return a torus of R/r = ratio and r + R near 1 whose radii are on the grid."""
-    return Torus(*on_grid([1 / (1 + ratio), ratio / (1 + ratio)]))
+    return Torus(*on_grid([1 / (1 + ratio), ratio / (1 + ratio)], grid))
 
 
-def quartic(torus, a, b):
+def quartic(torus, a, b, grid=GRID):
     """Return the coefficients of Eq. 5, T2 and T0 corrected, highest first, in whole numbers."""
-    (r, R), a, u = whole([torus.r, torus.R]), whole(a), whole(b) - whole(a)
+    (r, R), a, b = (whole(values, grid) for values in ([torus.r, torus.R], a, b))
+    u = b - a
     t4, t3 = np.sum(u * u, -1), np.sum(a * u, -1)
     t2, ring = np.sum(a * a, -1) - r * r - R * R, 4 * r * r
     a2, u2 = a[..., 1], u[..., 1]
@@ -156,6 +158,46 @@ def test_meet_line_finds_tangents_that_almost_osculate_twice(torus, turn):
     assert np.all(np.sum(near, axis=-1) >= 2)
 
 
+def beside_tangents(torus, seed, n, roundings):
+    """Return points a and b of lines that pass n tangents at so many roundings of r + R, and where.
+
+    Lines outside come first, then as many inside; where is the share of the way from a to b.
+    Tangents that almost osculate are left out: beside those three meetings lie close together.
+    """
+    rng = np.random.default_rng(seed)
+    theta, phi = rng.uniform(-np.pi, np.pi, (2, n))
+    normal = torus.normal(theta, phi)
+    u = np.cross(normal, directions(rng, n))
+    u = u / np.linalg.norm(u, axis=-1, keepdims=True)
+    along = np.sum(u * np.stack([-np.sin(theta), 0 * theta, -np.cos(theta)], axis=-1), axis=-1)
+    meridian, parallel = torus.curvatures(theta, phi)
+    bent = np.abs(meridian * (1 - along**2) + parallel * along**2) > 0.01
+    away = roundings * EPS * normal[bent]
+    point = torus.point(theta, phi)[bent] + np.stack([away, -away])
+    before, after = rng.uniform(0.1, 1, (2, bent.sum(), 1))
+    a, b = (on_grid(end, FINE) for end in (point - before * u[bent], point + after * u[bent]))
+    return a, b, (before / (before + after))[:, 0]
+
+
+@pytest.mark.parametrize("roundings", [14, 30, 1e3, 1e6])
+@pytest.mark.parametrize("ratio", [0.2, 0.7, 1.5, 10, 1e4])
+def test_meet_line_tells_lines_that_pass_from_lines_that_cut(ratio, roundings):
+    torus = gridded(ratio, FINE)
+    a, b, _ = beside_tangents(torus, 6, 400, roundings)
+    outside, inside = exact = count_real_roots(*quartic(torus, a, b, FINE))
+    assert np.all(np.abs(outside - inside) == 2) and len(outside) > 350
+    np.testing.assert_array_equal(np.sum(~np.isnan(torus.meet_line(a, b)), axis=-1), exact)
+
+
+@pytest.mark.parametrize("roundings", [0.5, 2, 4])
+@pytest.mark.parametrize("ratio", [0.2, 0.7, 1.5, 10, 1e4])
+def test_meet_line_counts_what_passes_within_roundings_as_contact(ratio, roundings):
+    torus = gridded(ratio, FINE)
+    a, b, where = beside_tangents(torus, 7, 400, roundings)
+    near = np.abs(torus.meet_line(a, b) - where[:, None]) <= 1e-5
+    assert np.all(np.sum(near, axis=-1) >= 2)
+
+
 # Radii, a point and a direction in whole numbers, tangent there.
 TANGENTS = {
     "outer equator, along the axis": (3, 5, (8, 0, 0), (0, 1, 0)),
@@ -193,6 +235,32 @@ def test_meet_line_finds_exact_tangents_twice(name, steps):
     assert np.sum(~np.isnan(t)) == (4 if q1**2 >= 4 * T4 * q0 else 2)
     apart = np.sort(np.abs(t[~np.isnan(t)] - start))[:2] * np.linalg.norm(u)
     assert np.all(apart <= 4 * EPS**0.5 * (r + R) + 8 * EPS * abs(start) * np.linalg.norm(u))
+
+
+# The way out of the torus where it is along an axis.
+OUTWARDS = {
+    "outer equator, along the axis": (1, 0, 0),
+    "outer equator, round": (1, 0, 0),
+    "outer equator, oblique": (0, 0, 1),
+    "hole, along the axis": (-1, 0, 0),
+    "hole, from inside the tube": (-1, 0, 0),
+    "top": (0, 1, 0),
+    "nearly a sphere": (1, 0, 0),
+    "thin tube": (1, 0, 0),
+    "thin tube, from inside": (-1, 0, 0),
+}
+
+
+@pytest.mark.parametrize("roundings", [-1e6, -1e3, -16, 16, 1e3, 1e6])
+@pytest.mark.parametrize("steps", [0, 1000, 10**6])
+@pytest.mark.parametrize("name", OUTWARDS)
+def test_meet_line_given_from_afar_tells_near_misses(name, steps, roundings):
+    r, R, point, u = TANGENTS[name]
+    away = roundings * EPS * 2 ** np.ceil(np.log2(r + R))  # a power of two, lest it be rounded
+    a = np.array(point) + away * np.array(OUTWARDS[name]) - steps * np.array(u)
+    t = Torus(r, R).meet_line(a, a + u)
+    expected = count_real_roots(*quartic(Torus(r, R), a, a + u, FINE))
+    assert np.sum(~np.isnan(t)) == expected
 
 
 @pytest.mark.parametrize("r, R, point, u", [

@@ -325,6 +325,7 @@ class Torus:
         >>> Torus(r=1, R=2).meet_line((-10, 0, 0), (-9, 0, 0))
         array([ 7.,  9., 11., 13.])
         """
+        torus_line.check_differ(a, b)
         return torus_line.meet(self, a, b)
 
 

@@ -9,7 +9,7 @@ CONTACT = 8 * np.finfo(float).eps
 
 
 def check_differ(a, b):
-    """Return the two points (..., 3) of each line, or raise ValueError where they coincide."""
+    """Raise ValueError where the two points (..., 3) of a line coincide."""
     if np.any(np.all(a == b, axis=-1)):
         raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
 

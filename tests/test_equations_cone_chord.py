@@ -1,0 +1,262 @@
+"""Tunnelling robot, appendix: the cone's development, geodesic and chord, Eqs 17 to 19, Fig. 9.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import numpy as np
+import sympy as sp
+from mpmath import mp
+
+from tests.symbols_tunneller import (
+    CHORDS,
+    EQ13,
+    EQ16,
+    EXAMPLE_CONE,
+    H,
+    R,
+    at,
+    close,
+    development,
+    f,
+    h,
+    k,
+    m1,
+    m2,
+    m3,
+    n,
+    n1,
+    phi,
+    t,
+    theta,
+    u,
+    zero,
+)
+from tunneller_lib.paths import ConeChord
+
+
+def test_fig9_development():
+    alpha, sigma = sp.symbols("alpha sigma", positive=True)
+    S = sp.sqrt(H**2 + R**2)
+    assert zero(sp.tan(sp.asin(R / S)) - R / H)  # tan(alpha) = R/H goes with S
+    assert zero(sigma.subs(sigma, h * S / H) ** 2 - (h**2 + (h * R / H) ** 2))  # sigma = hS/H
+    # Unrolled, theta sin(alpha) is the angle: lengths on the cone are kept.
+    cone = sp.Matrix([sigma * sp.sin(alpha) * sp.cos(theta), sigma * sp.sin(alpha) * sp.sin(theta),
+                      -sigma * sp.cos(alpha)])  # fmt: skip
+    turn = theta * sp.sin(alpha)
+    plane = sp.Matrix([sigma * sp.cos(turn), sigma * sp.sin(turn)])
+    rates = [surface.jacobian([sigma, theta]) for surface in (cone, plane)]
+    assert zero(rates[0].T * rates[0] - rates[1].T * rates[1])
+    printed = 2 * sp.pi * R / S  # Phi, the whole development
+    assert zero(turn.subs({theta: 2 * sp.pi, alpha: sp.asin(R / S)}) - printed)
+    chord = ConeChord(3, 4, 1, 0.25)
+    assert close(chord.ends, [5, 1.25])
+    assert close(chord.cone.development(1, 1.5), [np.cos(1.5 * 0.6), np.sin(1.5 * 0.6)])
+
+
+def test_eq17_geodesic():
+    S, sigma, Phi_f, point = development()
+    printed = sp.Matrix([S, 0]) + u * sp.Matrix([sigma * sp.cos(Phi_f) - S, sigma * sp.sin(Phi_f)])
+    assert zero(printed - point)
+    us = np.linspace(0, 1, 11)
+    for values in CHORDS:
+        expected = [at(c, (R, H, h, f, u), (*values, us)) for c in printed]
+        assert close(ConeChord(*values).geodesic(us), np.transpose(expected), 10)
+
+
+def test_eq17_labels():
+    # Its left side begins with d_d1; the lines below use n_d1 for the same: tan(phi) = n_d2/n_d1.
+    *_, point = development()
+    chord = {R: 1, H: 1, h: sp.Rational(1, 2), f: sp.Rational(1, 4), u: sp.Rational(1, 2)}
+    length = sp.sqrt(point.dot(point))
+    polar = sp.Matrix([sp.cos(phi), sp.sin(phi)]) * length
+    printed = 2 * sp.pi * R / sp.sqrt(H**2 + R**2)  # Phi, by its definition beside Fig. 9
+    corrected = sp.atan2(point[1], point[0])  # phi
+    off = [(polar.subs(phi, angle) - point).subs(chord).norm() for angle in (printed, corrected)]
+    assert sp.N(off[0]) > 1 and abs(sp.N(off[1])) < 1e-12
+    # A second way, in numbers: the library's point of the development has that angle.
+    for values in CHORDS:
+        chord = ConeChord(*values)
+        for share in (0.1, 0.5, 0.9):
+            here = chord.geodesic(share)
+            angle, whole = chord.table(share)[1], 2 * np.pi * np.sin(chord.cone.half_angle)
+            polar = np.hypot(*here) * np.array([np.cos(angle), np.sin(angle)])
+            assert close(polar, here, 10) and abs(angle - whole) > 1
+
+
+def test_tan_phi():
+    S, sigma, Phi_f, point = development()
+    printed = (sigma * sp.sin(Phi_f)) * u / (S + (sigma * sp.cos(Phi_f) - S) * u)
+    assert zero(printed - point[1] / point[0])
+    us = np.linspace(0, 1, 11)
+    for values in CHORDS:
+        expected = at(printed, (R, H, h, f, u), (*values, us))
+        assert close(np.tan(ConeChord(*values).table(us)[:, 1]), expected, 1e2)
+
+
+def test_eq18_theta():
+    S, _, Phi_f, point = development()
+    printed = S / R * sp.atan(point[1] / point[0])
+    # u = 0 and 1 give 0 and Theta_f = 2 pi f, while Phi_f stays below a right angle.
+    assert printed.subs(u, 0) == 0
+    assert zero(S / R * Phi_f - 2 * sp.pi * f)
+    assert zero(sp.tan(R / S * printed).subs(u, 1) - sp.tan(Phi_f))
+    us = np.linspace(0, 1, 11)
+    for values in CHORDS[:3]:
+        expected = at(printed, (R, H, h, f, u), (*values, us))
+        assert close(ConeChord(*values).azimuth(us), expected, 10)
+
+
+def test_eq18_chain():
+    # "theta = (Theta_f/Phi_f) phi = 2 pi/(2 pi R/S) = S/R": the last two lack phi.
+    S, _, Phi_f, _ = development()
+    ratio = 2 * sp.pi * f / Phi_f
+    assert zero([ratio - S / R, 2 * sp.pi / (2 * sp.pi * R / S) - S / R])
+    printed, corrected = S / R, S / R * phi
+    assert zero(corrected - ratio * phi) and not zero(printed - ratio * phi)
+    # A second way, in numbers: the azimuth and the development's point, which share no formula.
+    for values in CHORDS:
+        chord, share = ConeChord(*values), np.linspace(0, 1, 11)
+        ratio = np.hypot(*values[:2]) / values[0]
+        angle = np.arctan2(*chord.geodesic(share).T[::-1])
+        assert close(chord.azimuth(share), ratio * angle)
+        assert np.ptp(chord.azimuth(share)) > 0.6  # no constant
+        assert close(chord.azimuth(1.0), 2 * np.pi * values[3])  # Theta_f
+
+
+def test_eq18_branch():
+    # R = 4, H = 3, f = 2/5: Phi_f = 115.2 degrees, past which tan^-1 changes its branch.
+    S, _, Phi_f, point = development()
+    wide = {R: 4, H: 3, h: 1, f: sp.Rational(2, 5), u: 1}
+    printed = S / R * sp.atan(point[1] / point[0])
+    corrected = S / R * sp.atan2(point[1], point[0])
+    assert sp.N(Phi_f.subs(wide)) > sp.pi.evalf() / 2
+    assert sp.N(printed.subs(wide)) < 0 and abs(sp.N(corrected.subs(wide) - 4 * sp.pi / 5)) < 1e-12
+    assert close(ConeChord(4, 3, 1, 0.4).azimuth(1.0), 0.8 * np.pi)
+
+
+def plane_meets_line(p, q, plane, sign):
+    """Return the point of Eq. 19, with the sign of m23 M2 in its last row."""
+    m01, m02, m03, m23, m31, m12 = (
+        p[0] * q[1] - p[1] * q[0], p[0] * q[2] - p[2] * q[0], p[0] * q[3] - p[3] * q[0],
+        p[2] * q[3] - p[3] * q[2], p[3] * q[1] - p[1] * q[3], p[1] * q[2] - p[2] * q[1],
+    )  # fmt: skip
+    M0, M1, M2, M3 = plane
+    return sp.Matrix([
+        m01 * M1 + m02 * M2 + m03 * M3,
+        -m01 * M0 + m12 * M2 - m31 * M3,
+        -m02 * M0 - m12 * M1 + m23 * M3,
+        -m03 * M0 + m31 * M1 + sign * m23 * M2,
+    ])  # fmt: skip
+
+
+def test_eq19_row_m3():
+    p, q, plane = (sp.Matrix(sp.symbols(f"{letter}0:4")) for letter in "pqM")
+    printed = plane_meets_line(p, q, plane, +1)
+    corrected = plane_meets_line(p, q, plane, -1)
+    assert zero(corrected - (p * q.dot(plane) - q * p.dot(plane)))  # on the line
+    assert zero(corrected.dot(plane))  # and in the plane
+    assert zero((printed - corrected)[:3, 0]) and not zero(printed.dot(plane))
+    # A second way: with the document's own P, Q and plane only the corrected row gives its M.
+    appendix = [(1, R, 0, -H), (1, 0, h * R / H, -h), (0, -sp.sin(theta), sp.cos(theta), 0)]
+    shown = -h * H * (sp.tan(theta) + 1) / (H * sp.tan(theta) + h)
+    for sign, right in ((+1, False), (-1, True)):
+        point = plane_meets_line(*map(sp.Matrix, appendix), sign)
+        assert zero(point[3] / point[0] - shown) is right
+    chord = ConeChord(1, 1, 0.5, 0.25)
+    depth = at(shown, (R, H, h, theta), (1, 1, 0.5, 0.3))
+    assert close(chord.chord_point(0.3)[2], depth)
+
+
+def test_eq19_rows_m0_to_m2():
+    p, q, plane = (sp.Matrix(sp.symbols(f"{letter}0:4")) for letter in "pqM")
+    printed = plane_meets_line(p, q, plane, +1)[:3, 0]
+    assert zero(printed - (p * q.dot(plane) - q * p.dot(plane))[:3, 0])
+
+
+def test_M_formula():
+    tan = sp.tan(theta)
+    divisor = H * tan + h
+    printed = sp.Matrix([h * R / divisor, h * R * tan / divisor, -h * H * (tan + 1) / divisor])
+    # For any fraction f: t = H sin(theta)/(H sin(theta) + h sin(Theta_f - theta)) from P to Q.
+    end = sp.symbols("Theta_f", positive=True)
+    P = sp.Matrix([R, 0, -H])
+    Q = sp.Matrix([h * R / H * sp.cos(end), h * R / H * sp.sin(end), -h])
+    share = H * sp.sin(theta) / (H * sp.sin(theta) + h * sp.sin(end - theta))
+    corrected = P + share * (Q - P)
+    assert zero(corrected[0] * sp.sin(theta) - corrected[1] * sp.cos(theta))  # in the plane
+    quarter, third = {end: sp.pi / 2}, {end: 2 * sp.pi / 3, theta: sp.pi / 3, R: 1, H: 1, h: 1}
+    assert zero(corrected.subs(quarter) - printed)
+    assert not zero(corrected.subs(third) - printed.subs(third))
+    for values in CHORDS:
+        azimuth = np.linspace(0, 2 * np.pi * values[3], 9)
+        numbers = (*values[:3], 2 * np.pi * values[3], azimuth)
+        expected = [at(c, (R, H, h, end, theta), numbers) for c in corrected]
+        assert close(ConeChord(*values).chord_point(azimuth), np.transpose(expected), 10)
+
+
+def test_planes_normal_to_surface():
+    # A plane on the axis holds the cone's normals along its ruling, and isn't normal to PQ.
+    plane = sp.Matrix([-sp.sin(theta), sp.cos(theta), 0])
+    ruling = dict(zip(n, (sp.cos(theta), sp.sin(theta), -1 / sp.sqrt(k)), strict=True))
+    gradient = sp.Matrix([EQ13.diff(v) for v in n]).subs(ruling)
+    assert zero(gradient.dot(plane))
+    chord = sp.Matrix([0, h * R / H, -h]) - sp.Matrix([R, 0, -H])
+    assert zero(chord.cross(plane)[0] + (H - h) * sp.cos(theta))  # 0 at h = H only
+    ends = ConeChord(1, 1, 0.5, 0.25).chord_point([0.0, np.pi / 2])
+    assert abs(np.diff(ends[:, 2])[0]) > 0.4
+
+
+def test_LN_closed_form():
+    # The foot's distance from the apex from Eqs 16 and back-substitution: no root is needed.
+    S, reach = sp.sqrt(H**2 + R**2), sp.symbols("rho", positive=True)
+    LN = (reach * R + h * H) / S  # M at (reach, azimuth theta, -h)
+    centre = {m1: reach * sp.cos(theta), m2: reach * sp.sin(theta), m3: -h, k: R**2 / H**2}
+    first = LN * R / S * sp.cos(theta)
+    assert zero(EQ16.subs(centre).subs(n1, first))
+    back = (m3 * n1 / (k * (n1 - m1) + n1)).subs(centre).subs(n1, first)
+    assert zero(back + LN * H / S)
+    for values in CHORDS:
+        chord = ConeChord(*values)
+        azimuth = np.linspace(0, chord.turn, 9)
+        point = chord.chord_point(azimuth)
+        foot = chord.cone.feet(point)[:, 0]
+        found = at(LN, (reach, R, H, h), (np.hypot(*point.T[:2]), *values[:2], -point[:, 2]))
+        assert close(np.linalg.norm(foot, axis=-1), found, 10)
+        assert close(chord.tangent_sphere(azimuth), found, 10)
+
+
+def test_good_approximation():
+    # Length along the cone of both paths, each by the definition.
+    P, Q = sp.Matrix([1, 0, -1]), sp.Matrix([0, sp.Rational(1, 2), -sp.Rational(1, 2)])
+    centre = P + t * (Q - P)
+    distance = (sp.sqrt(centre[0] ** 2 + centre[1] ** 2) - centre[2]) / sp.sqrt(2)
+    unrolled = sp.atan2(centre[1], centre[0]) / sp.sqrt(2)
+    speed = sp.sqrt(distance.diff(t) ** 2 + (distance * unrolled.diff(t)) ** 2)
+    geodesic = sp.sqrt(sp.Rational(5, 2) - 2 * sp.cos(sp.pi / (2 * sp.sqrt(2))))
+    with mp.workdps(20):
+        path = mp.quad(sp.lambdify(t, speed, "mpmath"), [0, 0.25, 0.5, 0.75, 1])
+        assert abs(geodesic.evalf(20) - mp.mpf("1.26963314")) < 5e-9
+        assert abs(path - mp.mpf("1.27092977")) < 5e-9
+        assert 0.00102 < path / geodesic.evalf(20) - 1 < 0.00103
+    chord = ConeChord(*EXAMPLE_CONE)
+    assert close([chord.geodesic_length, chord.path_length], [float(geodesic), float(path)])
+    # The table's last column, at equal azimuth, is more than the distance across.
+    us = np.linspace(0, 1, 201)
+    across, last = chord.deviation(us), chord.table(us)[:, 4]
+    assert np.max(np.abs(across)) < 0.9 * np.max(np.abs(last))
+
+
+def test_equal_steps_along_chord():
+    # "Obviously will not produce equally spaced points N": nor does the path's own rule exactly.
+    chord, step = ConeChord(*EXAMPLE_CONE), np.linspace(0, 1, 11)
+    P, Q = chord.chord_point([0.0, chord.turn])
+    feet = chord.cone.feet(P + step[:, None] * (Q - P))[:, 0]
+    plane = chord.cone.development(
+        np.linalg.norm(feet, axis=-1), np.arctan2(feet[:, 1], feet[:, 0])
+    )
+    plain = np.linalg.norm(np.diff(plane, axis=0), axis=-1)
+    by_azimuth = np.linalg.norm(np.diff(chord.path(step), axis=0), axis=-1)
+    spread = plain.max() / plain.min(), by_azimuth.max() / by_azimuth.min()
+    assert spread[0] > 1.2 and spread[1] < spread[0]

@@ -1,0 +1,110 @@
+"""Envelopes of moving cones, section 6: envelopes of cones, Eqs 17 to 22.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
+"""
+
+import numpy as np
+import sympy as sp
+
+from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
+from tests.shapes import directions
+from tests.symbols_envelopes import (
+    ANGLE,
+    SMALL,
+    circle_centre,
+    cone_points,
+    eq22,
+    example,
+    u,
+    v,
+    x,
+    y,
+)
+from tunneller_lib.envelopes import hyperosculating_cones, recognise
+from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.isotropic import contact_point, isotropic_derivatives, normal
+from tunneller_lib.envelopes.jet import differentiated, jet_variables
+
+
+def test_theorem16_envelopes_of_cones():
+    for motion in MOTIONS.values():
+        surface = moving_cone(motion, SMALL)
+        assert recognise(surface, *GRID, "cone", half_angle=SMALL, model="space").residual < 1e-10
+        wrong = recognise(surface, *GRID, "cone", half_angle=SMALL + 0.1, model="space")
+        assert wrong.residual > 1e-3
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "cone", model="space").residual > 1e-3
+
+
+def test_prop17_positive_curvature():
+    vertex, angle = np.array([0, 0, -2.0]), np.arcsin(0.5)
+    sphere = directions(np.random.default_rng(5), 4000)
+    distance = cone_distance(sphere, vertex, (0, 0, 1), angle, 0.1, 10.0)
+    assert np.mean(distance < -1e-3) > 0.9
+    cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
+    assert cones.gouges.all()
+
+
+def test_eq17_to_eq20_prop18_surface_and_graph():
+    a, b = 0.5, 0.3
+    jet = example(*jet_variables(a, b))
+    r = np.array(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)))
+    fx, fy, value = jet.derivative(1, 0), jet.derivative(0, 1), jet.value
+    square = a**2 + b**2 + 1
+    printed = np.array([
+        (a**2 - b**2 - 1) * fx + 2 * a * b * fy - 2 * a * value,
+        (b**2 - a**2 - 1) * fy + 2 * a * b * fx - 2 * b * value,
+        2 * a * fx + 2 * b * fy - 2 * value,
+    ]) / square  # fmt: skip
+    assert np.allclose(r, printed, atol=1e-13)
+    back = isotropic_derivatives(r, normal(a, b))
+    assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
+    n = np.array(normal(a, b))  # (17) to (19) as printed
+    printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
+    assert np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
+    # The surface has these normals: derivatives of its points are across them.
+    s, w = jet_variables(a, b)
+    f4 = example(s, w)
+    moving = contact_point(s, w, f4, differentiated(f4, 0), differentiated(f4, 1))
+    for order in ((1, 0), (0, 1)):
+        step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b), strict=True))
+        assert abs(step) < 1e-12
+
+
+def test_eq21_normal():
+    n = np.stack(normal(0.4, -1.3), axis=-1)
+    assert np.isclose(np.linalg.norm(n), 1) and np.allclose(n[:2] / (n[2] + 1), (0.4, -1.3))
+
+
+def test_eq22_prop19_vertex():
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        vertex, axis, angle = rng.normal(size=3), directions(rng, 1)[0], rng.uniform(0.2, 1.3)
+        points = cone_points(vertex, axis, angle)
+        U, V = circle_centre(points) - points[0, :2]
+        slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
+        found = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V])
+        assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
+        here = dict(zip((x, y, u, v), (*points[0, :2], U, V), strict=True))
+        printed = sp.Matrix(eq22(points[0, 2], slope @ [V, -U], slope @ [U, V])).subs(here)
+        assert np.allclose(np.array(printed.T, float)[0], found, rtol=1e-9, atol=1e-9)
+
+
+def test_prop20_side():
+    x0, y0 = np.random.default_rng(7).uniform(0.3, 1.2, (2, 30))
+    cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
+    for k in range(len(cones.vertex)):
+        i = cones.index[k]
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        opposite = 2 * circle_centre(points) - (x0[i], y0[i])
+        side = np.sign(np.array(normal(*opposite)) @ (cones.contact[k] - cones.vertex[k]))
+        assert side == cones.side[k]
+
+
+def test_remark21_distance():
+    cones = hyperosculating_cones(example, *GRID, half_angle=ANGLE)
+    measured = np.linalg.norm(cones.vertex - cones.contact, axis=1)
+    assert np.allclose(measured, cones.distance, atol=1e-9)

@@ -1,0 +1,340 @@
+"""Envelopes of moving cones, section 4: planes as points, contact, Eqs 5 to 7.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.optimize import brentq
+
+from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
+from tests.shapes import directions
+from tests.symbols_envelopes import (
+    ANGLE,
+    EQ9,
+    EQ10,
+    EQ11,
+    EQ12,
+    EX31,
+    NAMES,
+    F,
+    circle_centre,
+    cone_points,
+    eq22,
+    example,
+    g,
+    intrinsic_radius,
+    p,
+    t,
+    tan,
+    u,
+    v,
+    x,
+    y,
+    zero,
+)
+from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
+from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.isotropic import (
+    cone_planes,
+    contact_point,
+    plane_to_point,
+    point_to_plane,
+    sphere_point,
+)
+from tunneller_lib.envelopes.jet import jet_variables
+
+
+def test_eq05_envelope_of_moving_planes():
+    """The library's moving cone is Eq. 5: its point lies on the cone and is touched there."""
+    for name, motion in MOTIONS.items():
+        surface = moving_cone(motion, ANGLE)
+        found = adapted_frames(surface, *GRID, "space")
+        vertex, _, axes, _ = motion(GRID[1])
+        sine, cosine = np.sin(ANGLE), np.cos(ANGLE)
+        a, b, c = (np.stack([w + 0 * GRID[0] for w in axis], -1) for axis in axes)
+        n = sine * a + cosine * (np.cos(GRID[0])[:, None] * b + np.sin(GRID[0])[:, None] * c)
+        m = np.stack([w + 0 * GRID[0] for w in vertex], -1)
+        assert np.abs(((found.contact - m) * n).sum(-1)).max() < 1e-10, name
+        assert np.abs(np.abs((found.axes[:, 2] * n).sum(-1)) - 1).max() < 1e-10, name
+        # The three planes themselves: T and its derivatives hold the point.
+        turn, time = jet_variables(*GRID)
+        vertex, _, (a, b, c), _ = motion(time)
+        plane = [sine * i + cosine * (np.cos(turn) * j + np.sin(turn) * k)
+                 for i, j, k in zip(a, b, c, strict=True)]  # fmt: skip
+        plane.append(-sum(i * j for i, j in zip(plane, vertex, strict=True)))
+        for order in ((0, 0), (1, 0), (0, 1)):
+            T = [part.derivative(*order) for part in plane]
+            assert (
+                np.abs(sum(i * j for i, j in zip(T[:3], found.contact.T, strict=True)) + T[3]).max()
+                < 1e-10
+            )
+
+
+def test_eq06_planes_to_points():
+    n, h = directions(np.random.default_rng(0), 20), np.linspace(-3, 3, 20)
+    expected = np.column_stack([n[:, :2], h]) / (n[:, 2:] + 1)
+    assert np.allclose(plane_to_point(n, h), expected, rtol=1e-12)
+    back = point_to_plane(expected)  # no two planes have one point
+    assert np.allclose(back[0], n) and np.allclose(back[1], h)
+    with pytest.raises(ValueError, match=r"nor have the direction \(0, 0, -1\)"):
+        plane_to_point((0, 0, -1), 1)
+
+
+def test_eq07_spheres_to_paraboloids():
+    n = directions(np.random.default_rng(1), 50)
+    m, radius = np.array([0.3, -0.7, 0.5]), 0.8
+    a, b, c = plane_to_point(n, radius - n @ m).T  # inward normals
+    assert np.allclose(sphere_point(m, radius, a, b) / c, 1, rtol=1e-9)
+    printed = (radius + m[2]) / 2 * (a**2 + b**2) - m[0] * a - m[1] * b + (radius - m[2]) / 2
+    assert np.allclose(printed / c, 1, rtol=1e-9)
+
+
+def test_top_view_is_the_stereographic_projection():
+    n = directions(np.random.default_rng(2), 50)
+    a, b, _ = plane_to_point(n, 0.0).T
+    south = np.array([0, 0, -1.0])
+    picture = south + (n - south) / (n[:, 2:] + 1)  # meets z = 0
+    assert np.allclose(np.column_stack([a, b]), picture[:, :2], rtol=1e-10)
+
+
+def test_prop6_cones_to_special_conics():
+    rng = np.random.default_rng(3)
+    for angle in (0.2, ANGLE, 1.2):
+        points = cone_points(rng.normal(size=3), directions(rng, 1)[0], angle)
+        assert abs(intrinsic_radius(points) - (np.pi / 2 - angle)) < 1e-9
+        flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        assert flat[2] < 1e-10 * flat[0]  # a planar curve
+        centre = circle_centre(points)
+        assert np.ptp(np.linalg.norm(points[:, :2] - centre, axis=1)) < 1e-9 * flat[0]
+
+
+def test_prop7_tangent_cones_are_conics_in_the_surface():
+    surface = moving_cone(MOTIONS["screw"], ANGLE)
+    s, w = np.linspace(0.2, 0.7, 9), np.full(9, 0.3)
+    found = adapted_frames(surface, s, w, "space")
+    n = found.axes[:, 2]
+    points = plane_to_point(n, -(n * found.contact).sum(-1))
+    flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    assert flat[2] < 1e-10 * flat[0]
+    assert abs(intrinsic_radius(points) - (np.pi / 2 - ANGLE)) < 1e-9
+
+
+def test_osculating_circles_between_vertices():
+    # By a curve's support function p: the radius is p + p'', the centre moves by as much as the
+    # radius grows and turns as it does so, so that circles between vertices are nested.
+    support = sp.Function("support")(t)
+    n = sp.Matrix([sp.cos(t), sp.sin(t)])
+    radius = support + support.diff(t, 2)
+    middle = support * n + support.diff(t) * n.diff(t) - radius * n
+    assert all(zero(e) for e in middle.diff(t) + radius.diff(t) * n)
+    rng = np.random.default_rng(6)
+    for a, b, c, e in rng.uniform(-0.04, 0.04, (4, 4)):
+        waves = a * sp.cos(2 * t) + b * sp.sin(2 * t) + c * sp.cos(3 * t) + e * sp.sin(3 * t)
+        size, rate, centre = (
+            sp.lambdify(t, thing.subs(support, 1 + waves).doit())
+            for thing in (radius, radius.diff(t), middle)
+        )
+        turns = np.linspace(0, 2 * np.pi, 721)
+        signs = np.sign(rate(turns))
+        changes = np.flatnonzero(signs[1:] != signs[:-1])
+        vertices = [brentq(rate, turns[i], turns[i + 1]) for i in changes]
+        assert len(vertices) >= 4 and size(turns).min() > 0
+        for first, last in pairwise(vertices):
+            between = np.linspace(first, last, 12)
+            places, sizes = np.array([centre(s).ravel() for s in between]), size(between)
+            apart = np.linalg.norm(places[:, None] - places, axis=-1)
+            assert np.all((apart < np.abs(sizes[:, None] - sizes)) | np.eye(12, dtype=bool))
+        # Two circles of one size, on both sides of a vertex, cross.
+        for before, vertex, after in zip(vertices[:-2], vertices[1:-1], vertices[2:], strict=True):
+            sizes = [size(place) for place in (before, vertex, after)]
+            least = max(sizes[::2]) if sizes[1] > sizes[0] else min(sizes[::2])
+            level = (sizes[1] + least) / 2
+            one, two = (
+                brentq(lambda at, size=size, level=level: size(at) - level, *side)
+                for side in ((before, vertex), (vertex, after))
+            )
+            assert 1e-9 < np.linalg.norm(centre(one) - centre(two)) < 2 * level
+
+
+def test_definition8_contact_of_a_curve_and_a_graph():
+    def graph(a, b):
+        return a**2 - 3 * a * b + b**3 + 2 * a
+
+    def orders(gap, s):
+        """Return up to which power the gap vanishes, by the quotient and by its derivatives."""
+        powers = [n for n in range(6) if sp.limit(gap / s**n, s, 0) == 0]
+        still = [n for n in range(6) if all(gap.diff(s, k).subs(s, 0) == 0 for k in range(n + 1))]
+        assert powers == still == list(range(len(powers)))
+        return len(powers) - 1
+
+    across, up = t + t**2, 1 - 2 * t + t**3
+    for n in range(5):
+        curve = sp.Matrix([across, up, graph(across, up) + 7 * t ** (n + 1)])
+        assert orders(sp.expand(curve[2] - graph(curve[0], curve[1])), t) == n
+        # Another parameter, with a rate of its own.
+        other = curve.subs(t, 3 * g - g**2)
+        assert orders(sp.expand(other[2] - graph(other[0], other[1])), g) == n
+        # Curves in the graph that agree with it so far: its shadow, and as many more as one likes.
+        for aside in (0, 1, -4):
+            held = across + aside * t ** (n + 1)
+            within = sp.Matrix([held, up, graph(held, up)])
+            assert min(orders(sp.expand(e), t) for e in curve - within) == n
+    # A tangent has order 1, a curve in the graph every one.
+    slope = [graph(x, y).diff(e).subs({x: 0, y: 1}) for e in (x, y)]
+    line = sp.Matrix([t, 1 - t, graph(0, 1) + (slope[0] - slope[1]) * t])
+    assert orders(sp.expand(line[2] - graph(line[0], line[1])), t) == 1
+    assert orders(sp.expand(graph(t, t) - graph(t, t)), t) == 5
+
+
+def test_planes_through_a_tangent():
+    # An elliptic point, 2 z = a x^2 + 2 b x y + c y^2 with a, c, a c - b^2 > 0; planes through x.
+    a, c, rest = sp.symbols("a c rest", positive=True)
+    b = sp.sqrt(a * c - rest)
+    form = (a * x**2 + 2 * b * x * y + c * y**2) / 2
+    # Inclined by its tangent m against the normal, y = m z, the curve is z = a x^2/2 + ...
+    m = sp.Symbol("m", real=True)
+    height = sp.Function("height")(x)
+    cut = height - form.subs(y, m * height)
+    at_rest = {height: 0, x: 0}
+    first = sp.solve(cut.diff(x).subs(height.diff(x), g).subs(at_rest), g)
+    assert first == [0] and cut.subs(at_rest) == 0
+    second = cut.diff(x, 2).subs(height.diff(x, 2), t).subs(height.diff(x), 0).subs(at_rest)
+    assert zero(sp.solve(second, t)[0] - a)  # of order 1 and no more
+    # The tangent plane, z = 0: a sum of squares, zero in the point alone.
+    assert zero(form - ((a * x + b * y) ** 2 + rest * y**2) / (2 * a))
+
+
+def test_sphere_and_cone_touch_to_first_order_only():
+    """All planes of a circumscribed cone touch the sphere; its rulings leave it at second order."""
+    radius, vertex = 1.0, np.array([0, 0, -2.0])
+    n, h = cone_planes(vertex, (0, 0, 1), np.arcsin(0.5), np.linspace(0, 6, 7))
+    assert np.allclose(h, radius)  # the distance of the sphere's centre
+    touch = -n
+    away = touch + 1e-3 * (touch - vertex) / np.sqrt(3)
+    assert np.allclose(np.linalg.norm(away, axis=1) - radius, 0.5e-6, rtol=1e-3)
+
+
+def test_osculating_cones_touch_mannheims_sphere():
+    """For one ruling the osculating cones of all angles have a common inscribed sphere."""
+    found = adapted_frames(GENERAL["quartic graph"], np.array([0.3]), np.array([0.2]), "space")
+    jet = isotropic_jet(found, slice(None))
+    first, second, n = found.axes[0]
+    a = 0.7
+    e, w = (np.cos(a), np.sin(a)), np.cos(a) * second - np.sin(a) * first
+    fee = e[0] ** 2 * jet.derivative(2, 0) + 2 * e[0] * e[1] * jet.derivative(1, 1)
+    fee = (fee + e[1] ** 2 * jet.derivative(0, 2))[0]
+    centre = found.contact[0] + fee / 2 * n
+    for angle in (0.2, 0.5, 1.0):
+        rho = 0.5 / np.tan(angle)
+        point = cone_vertex((0, 0, 0), (-e[1] * rho, e[0] * rho), 0, fee * rho**2)
+        vertex = found.contact[0] + point[0] * first + point[1] * second
+        axis = np.cos(angle) * w + np.sin(angle) * n
+        assert np.allclose(np.cross(centre - vertex, axis), 0, atol=1e-12)
+        assert np.isclose(np.linalg.norm(centre - vertex) * np.sin(angle), abs(fee) / 2)
+
+
+def test_appropriate_direction_is_not_conjugate_to_the_ruling():
+    """The characteristic's tangent is conjugate to the cone's ruling."""
+    surface = moving_cone(MOTIONS["wave"], ANGLE)
+    r = surface(*jet_variables(*GRID))
+    found = adapted_frames(surface, *GRID, "space")
+    along = np.stack([c.derivative(1, 0) for c in r], axis=-1)
+    vertex = np.stack([c + 0 * GRID[0] for c in MOTIONS["wave"](GRID[1])[0]], axis=-1)
+    ruling = found.contact - vertex
+    graph = tangent_graph(found, found.smooth)
+    e, w = (np.einsum("nij,nj->ni", found.axes[:, :2], vector) for vector in (along, ruling))
+    bend = (graph.derivative(2, 0) * e[:, 0] * w[:, 0] + graph.derivative(0, 2) * e[:, 1] * w[:, 1]
+            + graph.derivative(1, 1) * (e[:, 0] * w[:, 1] + e[:, 1] * w[:, 0]))  # fmt: skip
+    scale = np.linalg.norm(e, axis=1) * np.linalg.norm(w, axis=1)
+    assert np.abs(bend / scale).max() < 1e-10
+
+
+def test_third_order_contact_is_not_always_free():
+    """Four of the six cones of Example 31 hold points of the surface next to the contact."""
+    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    near = np.linspace(-0.04, 0.04, 121)
+    a, b = np.meshgrid(0.5 + near, 0.3 + near)
+    jet = example(*jet_variables(a, b))
+    r = np.stack(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
+    depths = [
+        cone_distance(r, cones.vertex[k], cones.axis[k], ANGLE, cones.distance[k] / 2,
+                      2 * cones.distance[k]).min() for k in range(6)
+    ]  # fmt: skip
+    assert np.sum(np.less(depths, -1e-9)) == 4
+    # And what decides: the sign of the fourth order against that of f_ee.
+    assert np.array_equal(np.less(depths, -1e-9), cones.gouges)
+    assert np.all(cones.gouges == (cones.side * cones.order4 < -1e-9))
+    # A second way, in fractions: over the cone's own circle, however near the contact, the
+    # surface lies within four cones by the fourth power of the step, and on both generators.
+    a, b = place = sp.Rational(99, 65), sp.Rational(27, 65)
+    square, half = a**2 + b**2, sp.Rational(1, 2)
+    for generator in ((-3, -4, 5), (-12, 5, 13)):
+        centre = tuple(sp.Rational(c, generator[2]) for c in generator[:2])
+        assert _within_the_cone(EX31, place, centre) == (0, [0] * 6)
+    for along, shift in (((2 * a * b, b**2 - a**2), b), ((a**2 - b**2, 2 * a * b), a)):
+        for cot in (half, -half):
+            size = (square + 1) / 2 / (cot - shift) / square
+            residual, inside = _within_the_cone(EX31, place, [size * c for c in along])
+            assert residual < 0 and min(inside[2:]) > 0
+            assert all(abs(deep / inside[-1] - 1) < 0.02 for deep in inside[3:])
+    # With K < 0 both signs occur, and that of f_ee keeps the surface out, whatever the direction.
+    for fourth, sign in ((4, -1), (8, 1)):
+        graph = 12 * x**2 - 12 * y**2 + fourth * x**4
+        residual, inside = _within_the_cone(graph, (0, 0), (0, 1))
+        assert sp.sign(residual) == sign and all(sp.sign(deep) == -sign for deep in inside[2:])
+        found = hyperosculating_cones(sp.lambdify((x, y), graph), 0.0, 0.0,
+                                      half_angle=np.arctan(0.5))  # fmt: skip
+        k = np.argmax(np.abs(found.axis @ _axis_over((0, 0), (0, 1), float)))
+        assert found.gouges[k] == (sign < 0)
+        if sign > 0:
+            around = [(i, j) for i in (-2, 0, 1) for j in (-1, 0, 2) if (i, j) != (0, 0)]
+            _, inside = _within_the_cone(graph, (0, 0), (0, 1), around)
+            assert max(inside) < 0
+
+
+def _axis_over(place, centre, number=sp.Rational):
+    """Return the axis of the cone over a circle through a place: its three normals' plane."""
+    (a, b), (c, e) = place, centre
+    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2]) / p
+    one, two, three = (n.subs({x: a + i, y: b + j}) for i, j in
+                       ((0, 0), (2 * c, 2 * e), (c + e, e - c)))  # fmt: skip
+    axis = (two - one).cross(three - one)
+    return axis if number is sp.Rational else np.array(axis.T / axis.norm(), float)[0]
+
+
+def _within_the_cone(graph, place, centre, around=None):
+    """Return Eq. 12 on the cone's side, and how deep surface points lie within the cone.
+
+    Exactly, for tan(theta) = 1/2: the points over the circle by steps t of 0.1 to 1e-9, depths in
+    powers t^4; or those next to the place in given directions.
+    """
+    here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
+    jet = {s: (graph.diff(*[x] * i, *[y] * j) if i + j else graph).subs(here)
+           for (i, j), s in NAMES.items()}  # fmt: skip
+    a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
+    assert nine == eleven == 0
+    contact = sp.Matrix(contact_point.unchecked(x, y, graph, graph.diff(x), graph.diff(y)))
+    vertex = sp.Matrix(eq22(jet[F("")], a, b)).subs(here)
+    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
+    opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
+    side = sp.sign(opposite.dot(contact.subs(here) - vertex))  # Proposition 20
+    axis = _axis_over(place, centre)
+    depths = []
+    for step in [sp.Rational(1, 10**k) for k in (1, 2, 3, 5, 7, 9)]:
+        turn, rise = 2 * step / (1 + step**2), 2 * step**2 / (1 + step**2)  # sin, 1 - cos
+        moves = [(v * turn + u * rise, v * rise - u * turn)] if around is None else [
+            (step * i, step * j) for i, j in around]  # fmt: skip
+        for move in moves:
+            there = {x: x + move[0], y: y + move[1]}
+            out = contact.subs(there, simultaneous=True).subs(here) - vertex
+            deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
+            depths.append(deep / step**4)
+    return twelve * side, depths

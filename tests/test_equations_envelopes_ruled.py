@@ -1,0 +1,132 @@
+"""Envelopes of moving cones, section 3: ruled surfaces, Eqs 3 and 4.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
+"""
+
+import numpy as np
+import sympy as sp
+
+from tests.envelopes_zoo import GENERAL, GRID, RULED, ruled
+from tests.symbols_envelopes import CUBIC, F, at, f, plain, u, v, values, x, y, zero
+from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.jet import Jet, jet_variables
+
+QUADRATIC = F("xx") * u**2 + 2 * F("xy") * u * v + F("yy") * v**2
+_a, _b, _c = F("xx"), F("xy"), F("yy")
+_k, _l, _m, _n = F("xxx"), F("xxy"), F("xyy"), F("yyy")
+EQ4 = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _m * _a
+       - 6 * _n * _m * _a**2 * _b + 9 * _c * _m**2 * _a**2 - 6 * _b * _c**2 * _l * _k
+       + 12 * _b**2 * _l * _n * _a - 18 * _b * _c * _l * _m * _a + 12 * _c * _m * _b**2 * _k
+       - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _l**2 - 6 * _c * _l * _n * _a**2
+       + _n**2 * _a**3)  # fmt: skip
+EQ4_PRINTED = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _b * _a
+               - 6 * _n * _b * _a**2 * _b + 9 * _c * _b**2 * _a**2 - 6 * _b * _c**2 * _b * _k
+               + 12 * _b**2 * _b * _n * _a - 18 * _b * _c * _b * _n * _a
+               + 12 * _c * _b * _b**2 * _k - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _b**2
+               - 6 * _c * _k * _n * _a**2 + _n**2 * _a**3)  # fmt: skip
+
+
+def test_ruled_surfaces_as_limits():
+    for lines in RULED.values():
+
+        def motion(s, lines=lines):
+            """Carry a cone with its vertex on the line's own point and its axis along it."""
+            point, velocity, along, rate = (np.array(c, float) for c in lines(s))
+            size = np.linalg.norm(along)
+            axis = along / size
+            turn = np.cross(axis, rate / size)
+            second = np.cross(turn, axis) / np.linalg.norm(turn)
+            return point, velocity, [axis, second, np.cross(axis, second)], turn
+
+        for s, far in ((0.3, 0.4), (0.6, -0.7)):
+            vertex, velocity, (axis, second, third), turn = motion(s)
+            move = velocity + far * np.cross(turn, axis)  # of the ruling's point beside it
+            u = np.arctan2(-move @ second, move @ third)  # the azimuth of its tangent plane
+            gaps = [np.linalg.norm(moving_cone(motion, angle)(u, s) - vertex - far * axis)
+                    for angle in (1e-3, 1e-4, 1e-5)]  # fmt: skip
+            np.testing.assert_allclose(np.divide(gaps[:2], gaps[1:]), 10, rtol=0.02)
+            # The plane is the ruled surface's, turned by the angle.
+            n = np.cos(u) * second + np.sin(u) * third
+            assert abs(n @ axis) < 1e-12 and abs(n @ move) < 1e-12
+
+
+def test_eq03_line_contact():
+    derivative = f
+    for order in (1, 2, 3):
+        derivative = sp.expand(derivative.diff(x) * u + derivative.diff(y) * v)
+        form = {1: F("x") * u + F("y") * v, 2: QUADRATIC, 3: CUBIC}[order]
+        assert zero(plain(derivative) - form)
+
+
+def test_eq04_resultant():
+    resultant = sp.resultant(QUADRATIC.subs(v, 1), CUBIC.subs(v, 1), u)
+    assert sp.expand(resultant - EQ4) == 0
+    assert sp.expand(resultant - EQ4_PRINTED) != 0
+    assert len(EQ4.args) == 13 and len({*EQ4.args} - {*EQ4_PRINTED.args}) == 9  # nine terms
+    # The printed terms aren't of one degree in third derivatives, and fail on a ruled surface.
+    third = sp.Symbol("lambda")
+    graded = sp.Poly(EQ4_PRINTED.subs({s: third * s for s in (_k, _l, _m, _n)}), third)
+    assert len(graded.monoms()) > 1
+    jet = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*jet_variables(0.3, 0.4))
+    assert abs(at(EQ4, jet)) < 1e-10 < 1e-3 < abs(at(EQ4_PRINTED, jet))
+    # A second way, whole numbers: over two lines (p, q), (r, s) it's the cubic at the one times
+    # the cubic at the other.
+    wrong = 0
+    for p1, q1, p2, q2, *cubic in np.random.default_rng(4).integers(-9, 10, (30, 8)).tolist():
+        here = dict(zip((_k, _l, _m, _n), cubic, strict=True))
+        here |= {_a: p1 * p2, _b: sp.Rational(p1 * q2 + p2 * q1, 2), _c: q1 * q2}
+        both = CUBIC.subs(here).subs({u: q1, v: -p1}) * CUBIC.subs(here).subs({u: q2, v: -p2})
+        assert EQ4.subs(here) == both
+        wrong += EQ4_PRINTED.subs(here) != both
+    assert wrong > 25
+
+
+def test_solutions_that_jump():
+    for place, lines in ((2, {(1, 1)}), (-2, {(1, -1)}), (0, {(1, 1), (1, -1)})):
+        second = x * u**3 - sp.Abs(x) * v**3
+        system = [e.subs({x: place, u: 1}) for e in (u**2 - v**2, second)]  # u = 0 gives v = 0
+        roots = [root for root in sp.roots(system[0], v) if system[1].subs(v, root) == 0]
+        assert {(1, root) for root in roots} == lines
+
+
+def test_discriminant_of_the_asymptotic_directions():
+    discriminant = sp.discriminant(QUADRATIC.subs(v, 1), u)
+    assert sp.expand(discriminant + 4 * (_a * _c - _b**2)) == 0
+
+
+def test_theorem4_ruled_surfaces():
+    for name in RULED:
+        assert recognise(ruled(name), *GRID, "ruled", model="space").residual < 1e-10
+        found = adapted_frames(ruled(name), *GRID, "space")
+        graph = tangent_graph(found, found.smooth)
+        for k in range(0, 20, 5):
+            jet = Jet(graph.c[:, k : k + 1])
+            scale = 1e-9 * (1 + max(abs(value) for value in values(jet).values())) ** 5
+            assert abs(at(EQ4, jet)) < scale
+    for surface in GENERAL.values():
+        assert recognise(surface, *GRID, "ruled", model="space").residual > 1e-3
+    # K <= 0 is needed: x^2 + y^2 divides both forms here, and no real line does.
+    jet = (lambda a, b: (a * a + b * b) * (0.5 + a))(*jet_variables(0.0, 0.0))
+    assert at(EQ4, jet) == 0 and at(_a * _c - _b**2, jet) > 0
+
+
+def test_remark5_rulings_depend_analytically_on_the_point():
+    # b^2 - ac > 0 keeps the two asymptotic directions apart, so that each is a formula in the
+    # second derivatives without a branch; the one that is a ruling's stays straight.
+    b2 = F("xy") ** 2 - F("xx") * F("yy")
+    for sign in (1, -1):
+        slope = (-F("xy") + sign * sp.sqrt(b2)) / F("yy")
+        assert sp.simplify(QUADRATIC.subs({u: 1, v: slope})) == 0
+    for graph, ruling in ((y / x, (x, y)), (sp.atan2(y, x), (x, y)), (y / x, (sp.S(0), sp.S(1)))):
+        forms = {symbol: graph.diff(*pair) for symbol, pair in
+                 ((F("xx"), (x, x)), (F("xy"), (x, y)), (F("yy"), (y, y)), (F("xxx"), (x, x, x)),
+                  (F("xxy"), (x, x, y)), (F("xyy"), (x, y, y)), (F("yyy"), (y, y, y)))}  # fmt: skip
+        assert sp.simplify(b2.subs(forms).subs({x: 2, y: 3})) > 0
+        along = {u: ruling[0], v: ruling[1]}
+        assert zero(QUADRATIC.subs(forms).subs(along)) and zero(CUBIC.subs(forms).subs(along))
+        # Straight: its direction changes along itself by a multiple of itself.
+        change = [ruling[0] * w.diff(x) + ruling[1] * w.diff(y) for w in ruling]
+        assert zero(change[0] * ruling[1] - change[1] * ruling[0])

@@ -1,0 +1,154 @@
+"""Envelopes of moving cones, section 1: what tools do.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
+"""
+
+import numpy as np
+import sympy as sp
+from scipy.optimize import minimize
+
+from tests.envelopes_zoo import GRID, RULED, ruled
+from tests.symbols_envelopes import (
+    ANGLE,
+    CUBIC,
+    EQ9,
+    EQ11,
+    at,
+    example,
+    g,
+    t,
+    tan,
+    u,
+    v,
+    x,
+    y,
+    zero,
+)
+from tunneller_lib.envelopes import hyperosculating_cones, recognise
+from tunneller_lib.envelopes.adapted import adapted_frames
+from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
+from tunneller_lib.envelopes.isotropic import contact_point, point_to_plane
+from tunneller_lib.envelopes.jet import jet_variables
+
+
+def test_point_contact_of_second_order():
+    # A cone's graph has a Hessian of determinant 0, and contact of order 2 shares the Hessian.
+    cone = tan * sp.sqrt(x**2 + y**2)
+    assert zero(cone.diff(x, 2) * cone.diff(y, 2) - cone.diff(x, y) ** 2)
+    # A cone of 45 degrees that leaves a surface of revolution by the third power of the height,
+    # all along a circle: K is 0 on that circle, and not beside it.
+    height = sp.Symbol("height")
+    away = sp.expand((1 + height + height**3) ** 2 - (1 + height) ** 2)
+    assert sp.Poly(away, height).terms()[-1] == ((3,), 2)
+
+    def surface(s, t):
+        return [(1 + t + t**3) * np.cos(s), (1 + t + t**3) * np.sin(s), t]
+
+    around, heights = np.meshgrid(np.linspace(0, 6, 7), [-0.1, 0.0, 0.1])
+    state = hyperosculating_cones(surface, around, heights, half_angle=ANGLE, model="space").state
+    assert np.all((state == "flat") == (heights == 0)) and np.all(state[::2] == "regular")
+    assert recognise(surface, around, heights, "developable", model="space").verdict == "is not"
+
+
+def test_osculation_penetrates():
+    # Surfaces: the first form by which graphs of exact order 2 differ takes both signs.
+    assert zero(CUBIC.subs({u: -u, v: -v}, simultaneous=True) + CUBIC)
+    # Cones of 30 degrees, as sets of planes: points of the surface of Example 31 over the cone's
+    # circle are within the cone on one side of the contact, outside on the other.
+    here = 0.5, 0.3
+    jet = example(*jet_variables(*here))
+    steps = np.array([2e-4, -2e-4, 4e-4])
+    for turn in np.linspace(0.1, 6.1, 13):
+        way = np.array([np.cos(turn), np.sin(turn)])
+        centre = way * (1 + np.dot(here, here)) / (2 * np.tan(ANGLE) - 2 * np.dot(here, way))
+        names = dict(zip("xyuv", (*here, *centre), strict=True))
+        assert abs(at(EQ9.subs(tan, np.tan(ANGLE)), jet, **names)) < 1e-9
+        assert abs(at(EQ11, jet, **names)) > 1e-3  # of no higher order
+        contact = np.array([*here, jet.value])
+        _, a, b = osculating_conic(centre, example(*jet_variables(*here)))
+        n, _ = point_to_plane(conic(contact, centre, a, b, np.array([0.0, 2.0, 4.0])))
+        axis = np.linalg.solve(n, np.full(3, np.sin(ANGLE)))
+        px, py, _ = conic(contact, centre, a, b, steps / np.hypot(*centre)).T
+        near = example(*jet_variables(px, py))
+        r = contact_point(px, py, near.value, near.derivative(1, 0), near.derivative(0, 1))
+        out = np.stack(r, axis=-1) - cone_vertex(contact, centre, a, b)
+        deep = (out @ axis) ** 2 - np.cos(ANGLE) ** 2 * np.sum(out**2, axis=-1)
+        assert deep[0] * deep[1] < 0 and abs(np.log2(deep[2] / deep[0]) - 3) < 0.1
+
+
+def test_cylinders_mill_what_has_a_ruled_offset():
+    # A surface whose offset is ruled touches the cylinders about the rulings.
+    s, t = GRID
+    for name, lines in RULED.items():
+        r = np.stack(np.broadcast_arrays(*ruled(name, 0.1)(s, t)), axis=-1)
+        found = adapted_frames(ruled(name, 0.1), s, t, "space")
+        point, _, along, _ = (np.stack(np.broadcast_arrays(*c), axis=-1) for c in lines(s))
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        out = r - point
+        out = out - np.sum(out * along, axis=-1, keepdims=True) * along
+        np.testing.assert_allclose(np.linalg.norm(out, axis=-1), 0.1, rtol=1e-12)
+        across = np.linalg.norm(np.cross(out, found.axes[:, 2]), axis=-1)
+        assert np.max(across) < 1e-12
+
+    # One tolerance: where a ruled surface errs by so much from the offset, so does the cylinder.
+    def offset(a, b):
+        return np.array([a, b, a * b + 0.01 * np.cos(3 * a) * np.cos(2 * b)])
+
+    def away(place, start):
+        best = minimize(lambda at: np.sum((offset(*at) - place) ** 2), start, tol=1e-14)
+        return np.sqrt(best.fun)
+
+    places = [(a, b) for a in np.linspace(-0.5, 0.5, 5) for b in np.linspace(-0.5, 0.5, 5)]
+    axes, milled = (
+        np.array([np.stack(ruled("saddle", radius)(*place)) for place in places])
+        for radius in (0.0, 0.1)
+    )
+    starts = [axis[:2] for axis in axes]
+    erring = np.array([away(*both) for both in zip(axes, starts, strict=True)])
+    errors = np.array([abs(away(*both) - 0.1) for both in zip(milled, starts, strict=True)])
+    assert 0.007 < np.max(erring) <= 0.01
+    np.testing.assert_allclose(errors, erring, atol=2e-4)
+
+
+def test_cones_mill_a_hyperboloid():
+    a, c, z = sp.symbols("a c z", positive=True)
+    focal = sp.sqrt(a**2 + c**2)
+    outside = (x**2 + y**2) / a**2 - z**2 / c**2 - 1
+    # Vertex (focal, 0, 0), axis along y, tan(theta) = c/a: its points have y^2 >= wall.
+    wall = ((x - focal) ** 2 + z**2) * (a / c) ** 2
+    left = sp.expand(outside.subs(y, sp.sqrt(wall)))
+    assert zero(left - (focal * x - a**2) ** 2 / (a * c) ** 2)  # a square: touches, never enters
+    assert outside.diff(y) == 2 * y / a**2  # and deeper in the cone it's farther outside
+    # The conic of contact meets every parallel circle, so that turning covers the surface.
+    assert zero((x**2 + wall).subs(x, a**2 / focal) - a**2 * (1 + z**2 / c**2))
+    # Contact along the surface's own rulings is another matter: along a cone's ruling the
+    # tangent plane stays, and so would the surface's.
+    ruling = sp.Matrix([sp.cos(t), sp.sin(t), tan])
+    n = (g * ruling).diff(g).cross((g * ruling).diff(t))
+    assert all(zero(e) for e in n - g * ruling.cross(ruling.diff(t)))
+    # A second way: the library finds these cones from the surface's derivatives alone, and none
+    # of the surface's points lies within them.
+    around, heights = np.meshgrid(np.linspace(-np.pi, np.pi, 361), np.linspace(-2, 2, 161))
+    for radius, height in ((1, 1), (2, 1)):
+
+        def surface(s, t, radius=radius, height=height):
+            size = radius * np.sqrt(1 + t * t / height**2)
+            return [size * np.cos(s), size * np.sin(s), t]
+
+        assert recognise(surface, *GRID, "ruled", model="space").verdict == "is"
+        assert recognise(surface, *GRID, "developable", model="space").verdict == "is not"
+        angle = np.arctan(height / radius)
+        cones = hyperosculating_cones(surface, *GRID, half_angle=angle, model="space")
+        which = np.flatnonzero(cones.undecided)  # those with contact of order 4
+        assert set(cones.index[which]) == set(range(GRID[0].size))
+        vertex, axis = cones.vertex[which], cones.axis[which]
+        circle = np.hypot(vertex[:, 0], vertex[:, 1])
+        np.testing.assert_allclose(circle, np.hypot(radius, height), rtol=1e-9)
+        assert np.max(np.abs(vertex[:, 2])) < 1e-9 and np.max(np.abs(axis[:, 2])) < 1e-9
+        assert np.max(np.abs(np.sum(vertex * axis, axis=-1))) < 1e-9
+        points = np.stack(surface(around, heights), axis=-1)
+        for k in range(0, len(which), 9):
+            distance = cone_distance(points, vertex[k], axis[k], angle, 0.0, 4.0)
+            assert -1e-12 < distance.min() < 1e-3

@@ -1,0 +1,277 @@
+"""Tunnelling robot, section 3.3.1: the four feet of a sphere's centre, Eqs 10 and 11.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import itertools
+
+import numpy as np
+import sympy as sp
+
+from tests.symbols_tunneller import (
+    EXAMPLE,
+    SIGNS,
+    THIRD,
+    TORI,
+    R,
+    at,
+    close,
+    draw,
+    eq11_corrected,
+    eq11_corrected_nu,
+    eq11_printed,
+    m,
+    m1,
+    m2,
+    m3,
+    n1,
+    r,
+    t,
+    u,
+    vanishes_at_feet,
+    zero,
+)
+from tunneller_lib.paths import project_chord
+from tunneller_lib.replica.quartics import foot_quartic
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+DEGREES = sp.pi / 180
+
+
+def positions(seed, count):
+    """Return joint positions within the machine's limits."""
+    low = REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min
+    high = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
+    return np.random.default_rng(seed).uniform(low, high, (count, 2))
+
+
+def feet_product():
+    """Return the polynomial in n1 whose roots are the four feet's, by circles of both signs.
+
+    (rho n1 - sigma r m1)^2 d^2 = R^2 m1^2 (rho - sigma r)^2 holds for both eps; the product
+    over sigma is even in rho, and m1^2 + m3^2 replaces rho^2.
+    """
+    rho = sp.symbols("rho")
+    product = sp.prod(
+        (rho * n1 - s * r * m1) ** 2 * ((rho - s * r) ** 2 + m2**2) - (R * m1 * (rho - s * r)) ** 2
+        for s in (1, -1)
+    )
+    even = sp.Poly(product, rho)
+    assert all(power % 2 == 0 for (power,), _ in even.terms())
+    return sp.Poly(sum(c * (m1**2 + m3**2) ** (p // 2) for (p,), c in even.terms()), n1)
+
+
+def test_eq10_no_cubic():
+    truth = feet_product()
+    assert truth.degree() == 4 and zero(truth.coeff_monomial(n1**3))
+    # The roots (m1/rho)(sigma r +- ...) sum to zero: r + r - r - r.
+    rho, p, q = sp.symbols("rho p q")
+    roots = [m1 / rho * (sigma * r + eps * (p if sigma > 0 else q)) for sigma, eps in SIGNS]
+    assert zero(sum(roots))
+    for torus in TORI:
+        points = torus.R * draw(11, 40, 3)
+        first = torus.feet(points)[..., 0]
+        assert close(np.sum(first, axis=-1), 0, torus.R)
+        coefficients = foot_quartic(torus, points)
+        assert np.all(coefficients[:, 1] == 0)
+        for i in range(3):  # a few, exactly: the feet's n1 are the roots
+            values = dict(
+                zip((r, R, *m), map(sp.Rational, (torus.r, torus.R, *points[i])), strict=True)
+            )
+            exact = sp.Poly(truth.as_expr().subs(values), n1).nroots(n=15)
+            assert close(np.sort(first[i]), np.array(sorted(map(float, exact))), 1e2 * torus.R)
+
+
+def test_eq10_back_substitution():
+    # Not given for N: n3 = m3 n1 / m1 and, on one of the two circles, n2 = m2 (W - sigma r)/(...).
+    rho, d = sp.symbols("rho d")
+    for sigma, eps in SIGNS:
+        W = sigma * r + eps * R * (rho - sigma * r) / d
+        assert zero(m2 * (W - sigma * r) / (rho - sigma * r) - eps * R * m2 / d)
+    assert vanishes_at_feet(THIRD)
+    torus, centre = Torus(1, 4), (2.0, 1.0, 3.0)
+    reach = np.hypot(centre[0], centre[2])
+    for foot in torus.feet(centre):
+        W, third = foot[0] * reach / centre[0], centre[2] * foot[0] / centre[0]
+        both = [(foot[0], centre[1] * (W - s) / (reach - s), third) for s in (1, -1)]
+        on_torus = np.abs(torus.implicit(both)) < 1e-9
+        assert on_torus.sum() == 1 and close(np.array(both)[on_torus][0], foot, 10)
+
+
+def coefficient(power, m1_power=4):
+    return m1**m1_power * feet_product().coeff_monomial(n1**power)
+
+
+def test_eq11_N4():
+    s, (nu4, _) = m1**2 + m3**2, eq11_corrected_nu()
+    printed, corrected = m1**4 * s * nu4, m1**4 * s**2 * nu4
+    assert zero(corrected - coefficient(4)) and not zero(printed - coefficient(4))
+    # A second way, by degrees: every coefficient's must fall by one as n1's rises.
+    whole = {p: eq11_corrected(4).coeff(n1, p) for p in (2, 1, 0)} | {4: corrected}
+    lengths = (r, R, *m)
+    assert {sp.Poly(c, *lengths).total_degree() + p for p, c in whole.items()} == {16}
+    assert sp.Poly(printed, *lengths).total_degree() + 4 == 14
+
+
+def test_eq11_nu4():
+    printed, (corrected, _) = eq11_printed()["nu4"], eq11_corrected_nu()
+    s = m1**2 + m3**2
+    assert zero(s**2 * corrected - coefficient(4, 0))
+    assert not zero(s**2 * printed - coefficient(4, 0))
+    assert zero(corrected - ((s + r**2 + m2**2) ** 2 - 4 * r**2 * s))
+    assert (printed - corrected).subs(EXAMPLE) == 64  # 2 (m3^2 - m2^2) m1^2
+    # A second way, in numbers: N1, which holds, is minus N4 times the sum of the feet's triple
+    # products.
+    feet, values = Torus(1, 4).feet((2, 1, 3))[:, 0], {**EXAMPLE}
+    triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
+    wanted = -float(coefficient(1, 0).subs(values)) / triples
+    for form, right in ((corrected, True), (printed, False)):
+        assert bool(abs(float((s**2 * form).subs(values)) / wanted - 1) < 1e-9) is right
+
+
+def test_eq11_nu2_N2():
+    printed = eq11_printed()
+    assert zero(printed["N2"] - coefficient(2))
+    s = m1**2 + m3**2
+    short = (r**2 + R**2) * (s - r**2) ** 2 + (2 * r**2 + R**2) * (s + r**2) * m2**2 + r**2 * m2**4
+    assert zero(printed["nu2"] - short)
+
+
+def test_eq11_N1():
+    assert zero(eq11_printed()["N1"] - coefficient(1))
+
+
+def test_eq11_nu0():
+    printed, (_, corrected) = eq11_printed()["nu0"], eq11_corrected_nu()
+    assert zero(m1**4 * corrected - coefficient(0, 0))
+    s, e = m1**2 + m3**2, r**2 - R**2
+    short = e**2 * (s - r**2) ** 2 + 2 * r**2 * e * (s + r**2) * m2**2 + r**4 * m2**4
+    assert zero(corrected - short)
+    # Each of the two faults alone spoils it: the head, and the bracket of m1^2.
+    head = e * (r**2 + R**2) * (r**4 + (m3**2 - 2 * r**2) * m3**2) * m3**2
+    mended_head = printed - head + e**2 * (r**4 + (m3**2 - 2 * r**2) * m3**2)
+    mended_bracket = printed - 2 * e * R**2 * (-2 * r**2 + 2 * m3**2 + m1**2) * m1**2
+    for wrong in (printed, mended_head, mended_bracket):
+        assert not zero(wrong - corrected)
+    assert zero(mended_head + mended_bracket - printed - corrected)
+    assert sp.Poly(head, r, R, *m).total_degree() == 10  # among terms of degree 8
+    # A second way, in numbers: N0 is N4 times the product of the feet's n1.
+    wanted = float(coefficient(4, 0).subs(EXAMPLE)) * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
+    for form, right in ((corrected, True), (printed, False)):
+        assert bool(abs(float((m1**4 * form).subs(EXAMPLE)) / wanted - 1) < 1e-9) is right
+
+
+def test_eq11_quartic():
+    # Corrected, Eqs 10 and 11 have exactly the n1 of the four feet as roots; printed, they don't.
+    assert zero(eq11_corrected(0) - feet_product().as_expr())
+    printed = eq11_printed()
+    quartic = sum(printed[f"N{p}"] * n1**p for p in range(5))
+    # A second way, in numbers: the library's feet, by no polynomial.
+    foot = Torus(1, 4).feet((2, 1, 3))[:, 0]
+    wrong, right = (
+        sp.lambdify(n1, e.subs(EXAMPLE) / abs(e.subs(EXAMPLE).subs(n1, 0)))
+        for e in (quartic, eq11_corrected())
+    )
+    assert np.min(np.abs(wrong(foot))) > 0.1 and close(right(foot), 0, 100)
+    for torus in TORI:
+        points = draw(12, 3, 40)
+        expected = [
+            at(eq11_corrected(0).coeff(n1, p), (r, R, *m), (torus.r, torus.R, *points))
+            * np.ones(40)
+            for p in (4, 3, 2, 1, 0)
+        ]
+        scale = (1 + torus.r + torus.R) ** 8
+        assert close(foot_quartic(torus, points.T), np.transpose(expected), scale)
+
+
+def test_eq11_common_factor():
+    printed = eq11_printed()
+    coefficients = [printed[name] for name in ("N4", "N2", "N1", "N0")]
+    assert all(sp.rem(c, m1**4, m1) == 0 for c in coefficients)
+    assert not all(sp.rem(sp.expand(c), m1**5, m1) == 0 for c in coefficients)
+    # At m1 = 0 all vanish and the printed quartic says nothing; the feet exist all the same.
+    assert all(c.subs(m1, 0) == 0 for c in coefficients)
+    feet = Torus(1, 4).feet((0, 1, 3))
+    assert close(Torus(1, 4).implicit(feet), 0, 1e3) and close(feet[:, 0], 0)
+    assert np.ptp(feet[:, 2]) > 1
+
+
+def test_nearest_foot():
+    # |MN| = |R - d+|, R + d+, |R - d-|, R + d-, with d- >= d+: the distances of M from the
+    # meridian circles' centres. The first is least where d+ + d- > 2R, and nowhere else.
+    near, far = sp.symbols("near far", positive=True)
+    assert zero((R - near) ** 2 - (R - far) ** 2 - (far - near) * (2 * R - near - far))
+    assert zero((R + near) ** 2 - (R - near) ** 2 - 4 * R * near)
+    # A second way, measured on the library's feet.
+    for torus in TORI[:3]:
+        centres = 2 * torus.R * draw(13, 500, 3)
+        rho = np.hypot(centres[:, 0], centres[:, 2])
+        plus, minus = (np.hypot(rho - s * torus.r, centres[:, 1]) for s in (1, -1))
+        away = np.linalg.norm(torus.feet(centres) - centres[:, None], axis=-1)
+        lengths = [abs(torus.R - plus), torus.R + plus, abs(torus.R - minus), torus.R + minus]
+        assert close(away, np.transpose(lengths), 10 * torus.R)
+        first = np.argmin(away, axis=-1) == 0
+        assert np.array_equal(first, plus + minus > 2 * torus.R)
+        assert 0 < np.sum(first) < len(first)
+    # On the working sheet alone the nearest point is the working foot.
+    for torus in TORI[:3]:
+        sheet = np.arccos(-torus.r / torus.R) * np.linspace(-1, 1, 4001)
+        turns = np.pi * np.linspace(-1, 1, 101)[:, None]
+        for centre in torus.point(*draw(17, 8, 2).T) * 0.6:
+            least = np.linalg.norm(torus.point(turns, sheet) - centre, axis=-1).min()
+            away = np.linalg.norm(torus.foot(centre) - centre)
+            assert away <= least < 1.01 * away + 0.01 * torus.R
+    # A chord within the joint limits whose middle has another foot nearest: R/r = 10.
+    ends = Torus(1, 10).point(np.arcsin([-0.8, 8 / 17]), 0.0)
+    middle = np.mean(ends, axis=0)
+    away = np.linalg.norm(Torus(1, 10).feet(middle) - middle, axis=-1)
+    assert np.argmin(away) == 2 and away[0] - away[2] > 1.9
+    assert close(np.linalg.norm(Torus(1, 10).foot(middle) - middle), away[0], 10)
+
+
+def test_greatest_n1_foot():
+    # Between the joint limits the working foot has the greatest n1. W = n1 rho / m1, so that
+    # W(+,+) - W(+,-) = 2R(rho - r)/d+ > 0 beyond the ring, and
+    # W(+,+) - W(-,+) = 2r - R (g(rho + r) - g(rho - r)), g(s) = s/sqrt(s^2 + m2^2), whose slope
+    # m2^2/(s^2 + m2^2)^(3/2) falls: it is enough that d+^3 > R m2^2.
+    s, d = sp.symbols("s d", positive=True)
+    slope = (s / sp.sqrt(s**2 + m2**2)).diff(s)
+    assert zero(slope - m2**2 / (s**2 + m2**2) ** sp.Rational(3, 2))
+    assert sp.simplify(slope.diff(s) / s / m2**2).subs({s: 1, m2: 1}) < 0
+    margin = d**3 - R * (d**2 - s**2)  # d = d+, s = rho - r: least at d = 2R/3
+    (least,) = sp.solve(margin.diff(d), d)
+    assert least == 2 * R / 3
+    assert zero(margin.subs(d, least) - R * (s**2 - 4 * R**2 / 27))  # so s > 2R/sqrt(27) will do
+    # Within the limits s >= (r + R cos 40) cos(95/2) - r, enough for all R > 5r/2.
+    reach = (r + R * sp.cos(40 * DEGREES)) * sp.cos(sp.Rational(95, 2) * DEGREES) - r
+    excess = sp.expand(reach - 2 * R / sp.sqrt(27))
+    assert excess.coeff(r) < 0 and sp.N(excess.subs({r: 2, R: 5})) > 0
+    for torus in (Torus(1, 2.5), Torus(1, 8), Torus(1, 10)):
+        ends = torus.point(*positions(14, 4000).T).reshape(2, 2000, 3)
+        share = np.random.default_rng(15).uniform(size=(2000, 1))
+        centres = ends[0] + share * (ends[1] - ends[0])
+        assert np.all(np.argmax(torus.feet(centres)[..., 0], axis=-1) == 0)
+    # Deep inside, m1 > 0 alone isn't enough.
+    assert np.argmax(Torus(1, 10).feet((1.05, 0.5, 0))[:, 0]) == 2
+
+
+def test_fairly_equal_separation():
+    # "Parameterizing in equal increments from P to Q": on a meridian, seen from the tube's centre,
+    # tan(phi) = (2t - 1) tan(half), where half is half the angle between the end normals.
+    half = sp.symbols("half", positive=True)
+    printed = sp.atan((2 * t - 1) * sp.tan(half))
+    middle, end = printed.diff(t).subs(t, sp.Rational(1, 2)), printed.diff(t).subs(t, 1)
+    assert zero(middle / end - 1 / sp.cos(half) ** 2)
+    even = (1 + sp.tan(half * (2 * u - 1)) / sp.tan(half)) / 2
+    assert zero(((2 * t - 1) * sp.tan(half)).subs(t, even) - sp.tan(half * (2 * u - 1)))
+    limits = np.radians([(10, -40), (10, 40)])
+    for spacing in ("chord", "tangent", "arc"):
+        path = project_chord(Torus(1, 10), *limits, 101, spacing=spacing)[:, 1]
+        steps = np.diff(path)
+        if spacing == "chord":
+            expected = np.arctan(np.linspace(-1, 1, 101) * np.tan(limits[1, 1]))
+            assert close(path, expected) and abs(steps.max() / steps.min() - 1.7) < 0.02
+        else:
+            assert np.ptp(steps) < 1e-9

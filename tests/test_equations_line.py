@@ -1,0 +1,153 @@
+"""Tunnelling robot, section 3.2: a line meets the torus, Eqs 4 and 5.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import itertools
+
+import numpy as np
+import sympy as sp
+
+from tests.symbols_tunneller import TORI, TORUS, R, at, close, draw, r, t, x, y, z, zero
+from tunneller_lib.replica import quartics
+from tunneller_lib.replica.quartics import line_quartic
+from tunneller_lib.surfaces import Torus
+
+a = a1, a2, a3 = sp.symbols("a1:4")
+b = b1, b2, b3 = sp.symbols("b1:4")
+
+
+def line_polynomial():
+    """Return Eq. 4 with q put in, as a polynomial in t."""
+    q = [ai + (bi - ai) * t for ai, bi in zip(a, b, strict=True)]
+    return sp.Poly(TORUS.subs(dict(zip((x, y, z), q, strict=True))), t)
+
+
+def test_eq04_line():
+    q = sp.symbols("q1:4")
+    printed = (q[0] ** 2 + q[1] ** 2 + q[2] ** 2 - r**2 - R**2) ** 2 - 4 * r**2 * (R**2 - q[1] ** 2)
+    assert zero(printed.subs(dict(zip(q, (x, y, z), strict=True))) - TORUS)
+    assert line_polynomial().degree() == 4
+    ends = draw(4, 2, 40, 3)
+    for torus in TORI:
+        start, stop = ends[:, :, :] * torus.R
+        ts = torus.meet_line(start, stop)
+        points = start[:, None] + ts[..., None] * (stop - start)[:, None]
+        residual = torus.implicit(points[~np.isnan(ts)]) / (torus.r + torus.R) ** 4
+        assert residual.size > 40 and np.max(np.abs(residual)) < 1e-11
+
+
+def test_four_points():
+    # "A line intersects a torus on four points": counted with complex ones.
+    torus, shape = Torus(1, 2), {r: 1, R: 2}
+    lines = {4: ((-10, 0, 0), (-9, 0, 0)), 2: ((-9, 0, 2), (-8, 0, 2)), 0: ((9, 5, 0), (8, 5, 0))}
+    for count, (start, stop) in lines.items():
+        values = shape | dict(zip(a + b, start + stop, strict=True))
+        quartic = sp.Poly(line_polynomial().as_expr().subs(values), t)
+        assert quartic.degree() == 4 and quartic.count_roots() == count
+        assert np.sum(~np.isnan(torus.meet_line(start, stop))) == count
+
+
+def test_no_straight_lines():
+    leading = line_polynomial().coeff_monomial(t**4)
+    assert zero(
+        leading - sum((bi - ai) ** 2 for ai, bi in zip(a, b, strict=True)) ** 2
+    )  # never 0 for a != b
+    start, stop = draw(5, 2, 20, 3)
+    assert np.all(line_quartic(Torus(1, 2), start, stop)[:, 0] > 0)
+
+
+def printed_eq05():
+    d1, d2, d3 = b1 - a1, b2 - a2, b3 - a3
+    t4 = d1**2 + d2**2 + d3**2
+    t3 = a1 * d1 + a2 * d2 + a3 * d3
+    t2 = a1**2 + a2**2 + a3**2 - r**2 - R**2
+    printed = {
+        4: t4**2,
+        3: 4 * t3 * t4,
+        2: 4 * r**2 * d2**2 + 2 * t2 * t4 + 2 * t3**2,
+        1: 8 * r**2 * a2 * d2 + 4 * t2 * t3,
+        0: t2 - 4 * r**2 * (R**2 - a2**2),
+    }
+    return printed, t2, t3
+
+
+def test_eq05_T4_T3_T1():
+    printed, _, _ = printed_eq05()
+    for power in (4, 3, 1):
+        assert zero(line_polynomial().coeff_monomial(t**power) - printed[power])
+
+
+def test_eq05_T2():
+    printed, _, t3 = printed_eq05()
+    corrected = printed[2] + 2 * t3**2  # 4 t3^2 for 2 t3^2
+    truth = line_polynomial().coeff_monomial(t**2)
+    assert zero(corrected - truth) and not zero(printed[2] - truth)
+    # A second way, from roots that are known.
+    pairs = itertools.combinations([7, 9, 11, 13], 2)
+    assert by_known_roots(corrected, printed[4]) == sum(p * q for p, q in pairs) == 590
+    assert by_known_roots(printed[2], printed[4]) == 390
+
+
+def by_known_roots(coefficient, leading):
+    """Return a coefficient over the leading one, where the x axis meets the torus (1, 2).
+
+    From x = -10 in steps of 1 it does so at t = 7, 9, 11, 13: at x = -3, -1, 1, 3.
+    """
+    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0), strict=True))}
+    return coefficient.subs(line) / leading.subs(line)
+
+
+def test_eq05_T0():
+    printed, t2, _ = printed_eq05()
+    corrected = t2**2 - 4 * r**2 * (R**2 - a2**2)  # t2^2 for t2
+    truth = line_polynomial().coeff_monomial(1)
+    assert zero(corrected - truth) and not zero(printed[0] - truth)
+    # A second way, from roots that are known.
+    assert by_known_roots(corrected, printed[4]) == 7 * 9 * 11 * 13
+    assert by_known_roots(printed[0], printed[4]) == 79
+    assert close(Torus(1, 2).meet_line((-10, 0, 0), (-9, 0, 0)), [7, 9, 11, 13], 10)
+
+
+def test_eq05_quartic():
+    printed, t2, t3 = printed_eq05()
+    corrected = printed | {2: printed[2] + 2 * t3**2, 0: printed[0] - t2 + t2**2}
+    # The x axis meets the torus r = 1, R = 2 in -3, -1, 1, 3.
+    line = {r: 1, R: 2, **dict(zip(a + b, (-10, 0, 0, -9, 0, 0), strict=True))}
+    for form, found in ((printed, False), (corrected, True)):
+        quartic = sp.Poly(sum(c * t**p for p, c in form.items()).subs(line), t)
+        assert (quartic.real_roots() == [7, 9, 11, 13]) is found
+    # A second way, in numbers: the library's coefficients, and its roots by no polynomial.
+    ends = draw(6, 6, 40)
+    for torus in TORI:
+        values = (torus.r, torus.R, *ends)
+        expected = [at(corrected[p], (r, R, *a, *b), values) for p in (4, 3, 2, 1, 0)]
+        coefficients = line_quartic(torus, ends[:3].T, ends[3:].T)
+        assert close(coefficients, np.transpose(expected), (torus.r + torus.R) ** 4)
+        exact = torus.meet_line(ends[:3].T, ends[3:].T)
+        quartic = quartics.meet_line(torus, ends[:3].T, ends[3:].T)
+        assert np.nanmax(np.abs(exact - quartic) / (1 + np.abs(exact))) < 1e-5
+
+
+def test_greatest_x_root():
+    # At each height y the working sheet's circle lies outside the other's: bodies one in another,
+    # so that a line's first and last points are on the working sheet.
+    half = sp.symbols("half", positive=True)  # sqrt(R^2 - y^2)
+    outer, inner = r + half, half - r
+    assert zero(outer**2 - inner**2 - 4 * r * half)
+    for torus in TORI[:3]:
+        ends = draw(7, 2, 400, 3) * torus.R
+        ts = torus.meet_line(*ends)
+        hit = ~np.isnan(ts[:, 1])
+        ts, start, along = ts[hit], ends[0][hit], (ends[1] - ends[0])[hit]
+        points = start[:, None] + ts[..., None] * along[:, None]
+        greatest = np.nanargmax(points[..., 0], axis=1)
+        chosen = points[np.arange(len(points)), greatest]
+        back = torus.point(*torus.angles(chosen))
+        assert np.max(np.abs(back - chosen)) < 1e-9 * torus.R
+        lemon = points[~np.isnan(ts[:, 3])][:, 1]  # of four the second, but for polar hollows
+        back = torus.point(*torus.angles(lemon))
+        apart = np.linalg.norm(back - lemon, axis=-1)
+        assert len(lemon) > 5 and np.sum(apart > 1e-3 * torus.R) > 5

@@ -1,0 +1,177 @@
+"""Tunnelling robot, appendix: the listing and its table.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import numpy as np
+import pytest
+import sympy as sp
+from mpmath import mp
+
+from tests.basic_listing import PRINTED, REPAIRS, run
+from tests.symbols_tunneller import CHORDS, EXAMPLE_CONE, H, R, close, development, f, h, u, zero
+from tunneller_lib.paths import ConeChord
+
+TABLE = np.array([
+    [0.0, 0.0, 1.4142, 1.4142, 0.0],
+    [0.1, 2.7813, 1.2875, 1.3057, 0.0183],
+    [0.2, 6.0572, 1.1748, 1.2009, 0.0261],
+    [0.3, 9.9442, 1.0747, 1.1007, 0.0259],
+    [0.4, 14.5832, 0.9863, 1.0065, 0.0204],
+    [0.5, 20.1338, 0.9090, 0.9203, 0.0113],
+    [0.6, 26.7542, 0.8427, 0.8445, 0.0018],
+    [0.7, 34.5525, 0.7878, 0.7820, -0.0057],
+    [0.8, 43.5058, 0.7454, 0.7363, -0.0091],
+    [0.9, 53.3672, 0.7174, 0.7106, -0.0069],
+    [1.0, 63.6396, 0.7071, 0.7071, 0.0],
+])  # fmt: skip
+MISPRINTS = {(4, 4): 0.0202, (6, 1): 26.7541, (7, 4): -0.0058}
+ALL = tuple(REPAIRS)
+
+
+def exact_table():
+    """Return the table at 30 digits from Eqs 16 to 19: u, phi in degrees, LN, NN, NN - LN."""
+    S, _, _, point = development()
+    angle = sp.atan2(point[1], point[0])
+    turn = S / R * angle
+    divisor = H * sp.sin(turn) + h * sp.cos(turn)  # f = 1/4, without the tangent's pole
+    centre = [h * R * sp.cos(turn) / divisor, h * R * sp.sin(turn) / divisor,
+              -h * H * (sp.sin(turn) + sp.cos(turn)) / divisor]  # fmt: skip
+    LN = (sp.sqrt(centre[0] ** 2 + centre[1] ** 2) * R - centre[2] * H) / S
+    NN = sp.sqrt(point.dot(point))
+    form = sp.lambdify((u, R, H, h, f), [u, angle * 180 / sp.pi, LN, NN, NN - LN], "mpmath")
+    with mp.workdps(30):
+        half, quarter = mp.mpf(1) / 2, mp.mpf(1) / 4
+        rows = [form(mp.mpf(i) / 10, mp.mpf(1), mp.mpf(1), half, quarter) for i in range(11)]
+    return np.array(rows, dtype=float)
+
+
+def differing(rows):
+    """Return the cells whose four digits aren't the printed ones."""
+    return {tuple(cell) for cell in np.argwhere(np.abs(np.round(rows, 4) - TABLE) > 1e-9).tolist()}
+
+
+def test_table():
+    truth = exact_table()
+    assert TABLE.size == 55 and differing(truth) == set(MISPRINTS)
+    for cell, digits in MISPRINTS.items():
+        assert round(truth[cell], 4) == digits
+    # A second way, in floats: the library's table, by feet and development.
+    table = ConeChord(*EXAMPLE_CONE).table(np.arange(11) / 10)
+    table[:, 1] = np.degrees(table[:, 1])
+    assert close(table, truth, 100)
+
+
+@pytest.mark.parametrize("row", [4, 7])
+def test_table_difference_misprint(row):
+    _, _, LN, NN, printed = TABLE[row]
+    corrected = MISPRINTS[row, 4]
+    assert round(NN - LN, 4) == corrected != printed  # against the printed row's own columns
+    # A second way: to thirty digits.
+    assert round(exact_table()[row, 4], 4) == corrected
+
+
+def test_table_angle_misprint():
+    *_, point = development()
+    chord = {R: 1, H: 1, h: sp.Rational(1, 2), f: sp.Rational(1, 4), u: sp.Rational(3, 5)}
+    angle = sp.N(sp.atan2(point[1], point[0]).subs(chord) * 180 / sp.pi, 30)
+    printed, corrected = sp.Rational(267542, 10000), sp.Rational(267541, 10000)
+    unit = sp.Rational(1, 10000)
+    assert abs(angle - corrected) < unit / 2 < abs(angle - printed)
+    # A second way, in floats: the library's table.
+    table = ConeChord(*EXAMPLE_CONE).table(0.6)
+    assert round(np.degrees(table[1]), 4) == float(corrected)
+
+
+def test_table_columns():
+    # "The radii ... to the geodesic line and to the approximating data points, respectively."
+    truth = exact_table()
+    geodesic, approximation = truth[:, 3], truth[:, 2]
+    assert np.max(np.abs(TABLE[:, 2] - geodesic)) > 0.02  # as the text orders them
+    assert np.max(np.abs(TABLE[:, [2, 3]].T - [approximation, geodesic])) < 6e-5
+    # A second way: the order in which the listing prints them; its NN is the development's.
+    assert PRINTED[240].endswith("LN, NN, NN-LN")
+    assert "NN=SQR(ND1^2+ND2^2)" in PRINTED[160]
+    run_rows = np.array(run(*EXAMPLE_CONE, 10, repaired=ALL))
+    radii = np.linalg.norm(ConeChord(*EXAMPLE_CONE).geodesic(np.arange(11) / 10), axis=-1)
+    assert close(run_rows[:, 3], radii, 1e4) and np.max(np.abs(run_rows[:, 2] - radii)) > 0.02
+
+
+def listing_error(values, repaired):
+    """Return how far the listing, run with some lines repaired, is off the library's table."""
+    rows = np.array(run(*values, repaired=repaired))
+    table = ConeChord(*values[:4]).table(np.arange(len(rows)) / values[4])
+    table[:, 1] = np.degrees(table[:, 1])
+    return np.max(np.abs(rows - table))
+
+
+def test_listing_as_printed():
+    with pytest.raises(ZeroDivisionError):  # at u = 0, in line 200
+        run(*EXAMPLE_CONE, 10)
+    rows = np.array(run(*EXAMPLE_CONE, 10, repaired=ALL))
+    assert differing(rows) == set(MISPRINTS)
+    # A second way, on other cones: the library's table.
+    for values in ((2, 1, 0.5, 0.3, 10), (4, 3, 1, 0.4, 5), (1, 2, 0.5, 0.1, 20)):
+        assert listing_error(values, ALL) < 1e-8
+
+
+def test_listing_180():
+    # The roots of A n^2 + B n + C are divided by 2A, not by A A.
+    printed, corrected = "A2=A*A", "A2=2*A"
+    assert printed in PRINTED[180] and corrected in REPAIRS[180]
+    assert differing(np.array(run(*EXAMPLE_CONE, 10, repaired=[180]))) == set(MISPRINTS)
+    # A second way, on another cone: P lies at S from the apex.
+    others = [line for line in ALL if line != 180]
+    start = run(1, 2, 0.5, 0.25, 10, repaired=others)[0]
+    assert abs(start[2] - 5**0.5) > 0.05  # S = sqrt(5)
+    assert abs(run(1, 2, 0.5, 0.25, 10, repaired=ALL)[0][2] - 5**0.5) < 1e-9
+
+
+def test_listing_120():
+    # PH is 2 pi R/S; without R it is right on the table's cone alone.
+    others = [line for line in ALL if line != 120]
+    assert listing_error((*EXAMPLE_CONE, 10), others) < 1e-8
+    assert listing_error((2, 1, 0.5, 0.25, 10), others) > 1
+    assert listing_error((2, 1, 0.5, 0.25, 10), ALL) < 1e-8
+    # A second way: the whole development, f = 1, has the base circle 2 pi R for its arc.
+    for repaired, whole in ((others, False), (ALL, True)):
+        *_, (_, degrees, *_) = run(0.5, 3, 1, 0.25, 10, repaired=repaired)
+        arc = 4 * np.radians(degrees) * np.hypot(0.5, 3)
+        assert bool(abs(arc - 2 * np.pi * 0.5) < 1e-8) is whole
+
+
+def test_listing_100():
+    with pytest.raises(NameError):
+        run(*EXAMPLE_CONE, 10, repaired=[180], fold_case=False)
+    folded = run(*EXAMPLE_CONE, 10, repaired=[180])
+    assert run(*EXAMPLE_CONE, 10, repaired=[100, 180], fold_case=False) == folded
+
+
+def test_listing_130():
+    others = [line for line in ALL if line != 130]
+    assert len(run(*EXAMPLE_CONE, 5, repaired=others)) == 11  # runs past u = 1, to u = 2
+    assert run(*EXAMPLE_CONE, 5, repaired=others)[-1][0] == 2
+    assert [row[0] for row in run(*EXAMPLE_CONE, 5, repaired=ALL)] == [0, 0.2, 0.4, 0.6, 0.8, 1]
+
+
+def test_listing_150_160():
+    # TTH = TAN(TH) puts Q a quarter turn from P; ATN has the wrong branch past 90 degrees.
+    others = [line for line in ALL if line not in (150, 160)]
+    for values, off in (((*EXAMPLE_CONE, 10), False), ((1, 1, 0.5, 0.3, 10), True),
+                        ((4, 3, 1, 0.4, 10), True)):  # fmt: skip
+        assert bool(listing_error(values, others) > 0.01) is off
+        assert listing_error(values, ALL) < 1e-8
+
+
+def test_listing_230():
+    # On the cone the nearer of the two feet is always the one on M's side of the axis.
+    reach, alpha = sp.symbols("reach alpha", positive=True)
+    side = [(s * reach * sp.cos(alpha) - h * sp.sin(alpha)) ** 2 for s in (1, -1)]
+    assert zero(side[1] - side[0] - 4 * reach * h * sp.sin(alpha) * sp.cos(alpha))
+    for values in CHORDS:
+        chord = ConeChord(*values)
+        centres = chord.chord_point(np.linspace(0, chord.turn, 50))
+        away = np.linalg.norm(chord.cone.feet(centres) - centres[:, None], axis=-1)
+        assert np.all(away[:, 0] < away[:, 1])

@@ -1,0 +1,159 @@
+"""Tunnelling robot, section 3.3.1: spheres that touch the torus, their normals, Eqs 6 to 9.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import itertools
+
+import numpy as np
+import sympy as sp
+
+from tests.symbols_tunneller import (
+    EXAMPLE,
+    THIRD,
+    TORI,
+    TORUS,
+    R,
+    at,
+    close,
+    draw,
+    eq11_corrected,
+    m,
+    m1,
+    m2,
+    m3,
+    n,
+    n1,
+    n2,
+    n3,
+    r,
+    vanishes_at_feet,
+    x,
+    y,
+    z,
+    zero,
+)
+from tunneller_lib.replica.quartics import foot_quartic, real_roots
+from tunneller_lib.surfaces import Torus
+
+SQUARE = n1**2 + n2**2 + n3**2
+PLUS, MINUS = SQUARE + r**2 - R**2, SQUARE - r**2 - R**2
+EQ6 = MINUS**2 - 4 * r**2 * (R**2 - n2**2)
+EQ8 = PLUS * (n3 - m3) * n2 - MINUS * (n2 - m2) * n3
+EQ9 = PLUS * (n1 - m1) * n2 - MINUS * (n2 - m2) * n1
+
+
+def test_eq06_on_torus():
+    printed = EQ6
+    assert zero(printed.subs(dict(zip(n, (x, y, z), strict=True))) - TORUS)
+    assert vanishes_at_feet(printed)
+    points = 3 * draw(8, 50, 3)
+    for torus in TORI:
+        scale = np.linalg.norm(points, axis=-1)[:, None] + torus.r + torus.R
+        assert np.max(np.abs(torus.implicit(torus.feet(points))) / scale**4) < 1e-12
+
+
+def test_eq07_gradient():
+    printed = sp.Matrix([MINUS * n1, PLUS * n2, MINUS * n3])
+    gradient = sp.Matrix([EQ6.diff(v) for v in n])
+    assert not zero(gradient - printed)
+    assert zero(gradient - 4 * printed)  # so the direction numbers are right
+    for torus in TORI:
+        angles = draw(9, 2, 30)
+        values = (torus.r, torus.R, *torus.point(*angles).T)
+        direction = np.reshape(at(printed, (r, R, *n), values), (3, -1)).T
+        outward = direction / np.linalg.norm(direction, axis=1)[:, None]
+        assert close(np.abs(np.sum(outward * torus.normal(*angles), axis=-1)), 1)
+
+
+def test_eq08_eq09_normal():
+    normal = sp.Matrix([MINUS * n1, PLUS * n2, MINUS * n3])
+    cross = normal.cross(sp.Matrix(n) - sp.Matrix(m))
+    assert zero([cross[0] - EQ8, cross[2] + EQ9, cross[1] + MINUS * THIRD])
+    assert vanishes_at_feet(EQ8) and vanishes_at_feet(EQ9) and vanishes_at_feet(THIRD)
+    for torus in TORI:
+        points = 2 * torus.R * draw(10, 40, 3)
+        feet = np.moveaxis(torus.feet(points), -1, 0)
+        for equation in (EQ8, EQ9):
+            values = (torus.r, torus.R, *points.T[..., None], *feet)
+            assert close(at(equation, (r, R, *m, *n), values), 0, 1e3 * torus.R**4)
+
+
+def test_eq08_eq09_common_zeros():
+    # Off the plane m2 = 0: four feet and the two nodes, which have no normal.
+    ideal = [e.subs(EXAMPLE) for e in (EQ6, EQ8, EQ9)]
+    basis = sp.groebner(ideal, n3, n2, n1, order="lex")
+    assert basis.contains(THIRD.subs(EXAMPLE))
+    shape = sp.Poly(basis.exprs[-1], n1).factor_list()[1]
+    assert [(p.degree(), e) for p, e in shape] == [(1, 2), (4, 1)]
+    # Each of the four n1 has one n2, from a member of the ideal that is linear in it.
+    linear = [sp.quo(e, n1**2, n1) for e in basis.exprs if sp.rem(e, n1**2, n1) == 0]
+    assert any(sp.degree(e, n2) == 1 and not e.has(n3) for e in linear)
+    at_nodes = sp.groebner([*ideal, n1], n3, n2, n1, order="lex")
+    assert at_nodes.contains(n1) and at_nodes.contains(n3)
+    nodes = sp.Poly(at_nodes.exprs[1], n2)
+    assert set(nodes.real_roots()) == {sp.sqrt(15), -sp.sqrt(15)}  # +-sqrt(R^2 - r^2)
+    # In the plane m2 = 0 the printed two hold on whole circles; the third component is needed.
+    circle = {m2: 0, n2: 0}
+    assert zero([EQ8.subs(circle), EQ9.subs(circle)])
+    stray = {**EXAMPLE, m2: 0, n1: 5, n2: 0, n3: 0}
+    assert zero([e.subs(stray) for e in (EQ6, EQ8, EQ9)])
+    assert THIRD.subs(stray) != 0 and not np.any(np.all(
+        np.isclose(Torus(1, 4).feet((2, 0, 3)), (5, 0, 0)), axis=-1))  # fmt: skip
+
+
+def eliminate(first, numbers, twice=EQ9):
+    """Return the factors {polynomial in n1: multiplicity} left by eliminating n2 and n3.
+
+    The one named `first` goes from the two pairs that one equation makes with the other two.
+    """
+    second = {n2: n3, n3: n2}[first]
+    others = [e for e in (EQ6, EQ8, EQ9) if e is not twice]
+    *others, twice = (sp.Poly(e.subs(numbers), first, second, n1) for e in (*others, twice))
+    pair = [p.resultant(twice).factor_list()[1] for p in others]
+    factors = {}
+    for (p, i), (q, j) in itertools.product(*pair):
+        p, q = (sp.Poly(e.as_expr(), second, n1) for e in (p, q))
+        for factor, power in p.resultant(q).factor_list()[1]:
+            factors[factor] = factors.get(factor, 0) + i * j * power
+    return factors
+
+
+def test_degree_64():
+    # 64 = 4 * 4 * 4 counts (8) and (9) as quartics; their leading terms cancel: 4 * 3 * 3 = 36.
+    degrees = [sp.Poly(e, *n).total_degree() for e in (EQ6, EQ8, EQ9)]
+    assert degrees == [4, 3, 3] and sp.prod(degrees) == 36
+    another = {r: sp.Rational(2, 3), R: 5, m1: sp.Rational(7, 2), m2: -2, m3: sp.Rational(1, 5)}
+    for numbers in (EXAMPLE, another):
+        found = []  # every order of resultants
+        for first, twice in itertools.product((n2, n3), (EQ6, EQ8, EQ9)):
+            factors = eliminate(first, numbers, twice)
+            found.append(sum(p.degree() * power for p, power in factors.items()))
+        assert found == [44, 40, 40, 40, 40, 40]
+        # What the three equations really imply for n1 has degree 6: n1^2 times the quartic.
+        ideal = [e.subs(numbers) for e in (EQ6, EQ8, EQ9)]
+        implied = sp.groebner(ideal, n3, n2, n1, order="lex").exprs[-1]
+        valid = n1**2 * eq11_corrected(0).subs(numbers)
+        assert sp.Poly(implied, n1).monic() == sp.Poly(valid, n1).monic()
+    roots = real_roots(foot_quartic(Torus(1, 4), (2, 1, 3)))
+    assert close(np.sort(Torus(1, 4).feet((2, 1, 3))[:, 0]), roots, 100)
+
+
+def test_triple_product():
+    numbers = [{**EXAMPLE, r: sp.Rational(3, 2), m3: third} for third in (3, 5)]
+    here, there = (eliminate(n2, values) for values in numbers)
+    for factors in (here, there):
+        shape = sorted((p.degree(), power) for p, power in factors.items())
+        assert shape == [(1, 12), (4, 2), (4, 2), (4, 3)]  # n1^12 q^3 a^2 b^2
+    shared = set(here) & set(there)  # free of m3: n1, a and b
+    assert sorted(p.degree() for p in shared) == [1, 4, 4]
+    for factors, values in ((here, numbers[0]), (there, numbers[1])):
+        (q,) = (p for p, power in factors.items() if power == 3)
+        assert q not in shared
+        valid = sp.Poly(eq11_corrected(0).subs(values), n1)
+        assert zero(q.monic().as_expr() - valid.monic().as_expr())
+    # In the other order the strangers are no quartics: n1^20 (n1 - m1)^12 q^2.
+    other = eliminate(n3, numbers[0])
+    assert sorted((p.degree(), power) for p, power in other.items()) == [(1, 12), (1, 20), (4, 2)]

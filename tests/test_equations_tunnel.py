@@ -1,0 +1,35 @@
+"""Tunnelling robot, section 2: the tunnel, Fig. 4.
+
+`printed` is always the form that the document prints. Where it is wrong, a counterexample shows
+it, the corrected form is proved, and the library is held against what was proved. The verdicts
+stand in report/ledger/tunneller.toml.
+"""
+
+import numpy as np
+import sympy as sp
+
+from tests.symbols_tunneller import close
+from tunneller_lib.surfaces import Egg
+
+
+def test_fig4_section():
+    size = sp.symbols("a", positive=True)
+    roof, wall, floor = size, 3 * size, size / 2
+    # C1: the centres of two blended arcs lie on one line with their common point.
+    offset, drop = sp.symbols("offset drop", positive=True)
+    centres = sp.solve(
+        [offset - (wall - roof), offset**2 + drop**2 - (wall - floor) ** 2], [offset, drop]
+    )
+    assert centres == [(2 * size, 3 * size / 2)]  # with 5a/2: a triangle 3-4-5
+    blend = sp.Matrix([2 * size, 0]) + wall * sp.Matrix([-4, -3]) / 5
+    assert blend == sp.Matrix([-2 * size / 5, -9 * size / 5])
+    assert (blend - sp.Matrix([0, -3 * size / 2])).norm() == floor
+    assert (2 * roof, roof + 3 * size / 2 + floor) == (2 * size, 3 * size)  # the box as printed
+
+    egg = Egg(0.5)
+    assert [arc.radius for arc in egg.arcs] == [0.5, 1.5, 0.25, 1.5]
+    before, after = egg.normal(egg.blends - 1e-9), egg.normal(egg.blends + 1e-9)
+    assert np.max(np.abs(before - after)) < 1e-8  # no corner anywhere
+    assert close(egg.point(egg.blends[2]), [-0.2, -0.9])
+    outline = egg.point(np.linspace(0, egg.perimeter, 20001))
+    assert np.max(np.abs(np.ptp(outline, axis=0) - [1, 1.5])) < 1e-7
