@@ -30,11 +30,11 @@ def crossings(
     Parameters
     ----------
     a, b : (..., 3) float
-        Ends of the axes.
+        Ends of the axes, in m.
     radius : (...) float
-        Of the rods, whose ends are flat.
+        Of the rods, whose ends are flat, in m.
     point, direction : (..., 3) float
-        The lines.
+        One point of each line, in m, and its direction.
     epsilon : float
         By how much the three surfaces are extended.
 
