@@ -13,7 +13,7 @@ import pytest
 from tunneller_lib.__main__ import main, parser
 from tunneller_lib.job import WrongJob, read_job
 from tunneller_lib.job.atomic_write import check_writable
-from tunneller_lib.job.tables import read_csv
+from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 

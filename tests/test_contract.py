@@ -25,7 +25,7 @@ from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 
-ROOMS = ("surfaces", "replica")  # rooms join as they are done
+ROOMS = ("surfaces", "replica", "job")  # rooms join as they are done
 SOON = 5.0  # seconds
 EXAMPLES = {room: importlib.import_module(f"tests.examples.{room}") for room in ROOMS}
 INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTANCES.items()}

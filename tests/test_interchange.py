@@ -10,9 +10,9 @@ import pyvista
 from matplotlib import colormaps
 
 from tunneller_lib.job.atomic_write import write
+from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
 from tunneller_lib.job.mesh import MM, SCALAR, STL, stl, vtp, wall_solid, wall_surface
-from tunneller_lib.job.tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan, standing

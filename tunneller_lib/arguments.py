@@ -195,7 +195,7 @@ def _truth(name, value):
 
 
 def _callable(name, value):
-    if not callable(value):
+    if not callable(value) or isinstance(value, type):
         raise ValueError(f"{name}: must be a function; got {shown(value)}.")
     return value
 
