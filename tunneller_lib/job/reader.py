@@ -225,7 +225,7 @@ def _check_leaves(tables):
 
 def _brief(text):
     """Return a text for a message, in 200 characters that no terminal obeys."""
-    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:200])
+    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:201])
     return printable if len(printable) <= 200 else f"{printable[:197]}..."
 
 
