@@ -106,8 +106,12 @@ def parser():
     )
     for added, out in ((job, ""), (scene, ".html"), (film, ".gif")):
         added.add_argument("job", type=Path, help="the TOML file")
-        added.add_argument("--out", type=ending(out), metavar=f"FILE{out}" if out else "FOLDER",
-                           help="under build/ unless told")  # fmt: skip
+        added.add_argument(
+            "--out",
+            type=ending(out),
+            metavar=f"FILE{out}" if out else "FOLDER",
+            help="under build/ unless told",
+        )
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
     film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 unless told")
@@ -116,10 +120,12 @@ def parser():
     )
 
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
-    added.add_argument("--folder", type=Path, default=Path("build/atlas"),
-                       help="where blocks are kept")  # fmt: skip
-    added.add_argument("--table", type=table, default=Path("notebooks/atlas.csv"),
-                       help="the summary")  # fmt: skip
+    added.add_argument(
+        "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
+    )
+    added.add_argument(
+        "--table", type=table, default=Path("notebooks/atlas.csv"), help="the summary"
+    )
     added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
     added.add_argument(
         "--jobs", type=between(1, 10_000), help="local processes, one a core unless told"
@@ -188,8 +194,10 @@ def read(options, out, *, budget=False):
     rays = f"{job.wall['along']} x {job.wall['around']} rays"
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays} ...")
     cut = job.simulated(say)
-    say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
-        f"{1e3 * np.abs(cut.deviation).max():.2f} mm")  # fmt: skip
+    say(
+        f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
+        f"{1e3 * np.abs(cut.deviation).max():.2f} mm"
+    )
     return job, cut
 
 
@@ -281,9 +289,8 @@ def run_atlas(options):
     from .reporting.sweep import sweep
 
     files = sweep(
-        atlas.survey, atlas.blocks(), options.folder,
-        scheduler=options.scheduler, jobs=options.jobs,
-    )  # fmt: skip
+        atlas.survey, atlas.blocks(), options.folder, scheduler=options.scheduler, jobs=options.jobs
+    )
     rows = atlas.summary(map(np.load, files))
     with replacement(options.table) as new, new.open("w", newline="") as file:
         table = csv.DictWriter(file, rows[0], lineterminator="\n")

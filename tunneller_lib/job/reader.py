@@ -217,8 +217,9 @@ def _check_leaves(tables):
         elif isinstance(value, list):
             left += [(where, inner) for inner in value]
         elif isinstance(value, str) and not value.isprintable():
-            raise WrongJob(f"{where[1:]}: must be a text of printable characters; "
-                           f"got {shown(value)}.")  # fmt: skip
+            raise WrongJob(
+                f"{where[1:]}: must be a text of printable characters; got {shown(value)}."
+            )
         elif isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER:
             raise WrongJob(f"{where[1:]}: must be a number of at most 64 bits.")
 
@@ -245,8 +246,8 @@ def _read(table, given, units, needed=()):
         kinds = {TEXT: str, WHOLE: int}.get(unit, (int, float))
         if isinstance(value, bool) or not isinstance(value, kinds):
             wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
-            raise WrongJob(f"{where}: must be {wanted.get(unit, f'a number in {unit}')}; "
-                           f"got {shown(value)}.")  # fmt: skip
+            kind = wanted.get(unit, f"a number in {unit}")
+            raise WrongJob(f"{where}: must be {kind}; got {shown(value)}.")
         values[key] = float(np.radians(value)) if key != name else value
     for key in needed:
         if key not in values:

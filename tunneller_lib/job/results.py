@@ -20,9 +20,17 @@ from .reader import Job
 WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
 SUMMARY = (
-    "knots", "setpoints", "ticks", "laps", "lap_time_s", "removed_m3", "overbreak_m",
-    "underbreak_m", "faults", "warnings",
-)  # fmt: skip
+    "knots",
+    "setpoints",
+    "ticks",
+    "laps",
+    "lap_time_s",
+    "removed_m3",
+    "overbreak_m",
+    "underbreak_m",
+    "faults",
+    "warnings",
+)
 
 
 def _summary(name, value):
@@ -82,12 +90,16 @@ def _warnings(job, over, under):
     tolerance = job.plan["tolerance"]
     found = []
     if tolerance >= depth:
-        found.append(f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
-                     "are all sizes in metres?")  # fmt: skip
+        found.append(
+            f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
+            "are all sizes in metres?"
+        )
     for name, worst in (("over", over), ("under", under)):
         if worst > WORSE * tolerance:
-            found.append(f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} "
-                         f"times the tolerance of {1e3 * tolerance:g} mm.")  # fmt: skip
+            found.append(
+                f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
+                f"tolerance of {1e3 * tolerance:g} mm."
+            )
     return found
 
 

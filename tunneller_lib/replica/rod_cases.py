@@ -230,7 +230,19 @@ def degenerate(rng: np.random.Generator, n: Count):
 
 
 GENERATORS = (
-    whole_rims, far_rims, tangents, rulings, end_planes, rim_tangents, along_an_axis, float_rims,
-    vertical_lines, nearly_parallel, nearly_vertical, nearly_level, very_short, from_far,
+    whole_rims,
+    far_rims,
+    tangents,
+    rulings,
+    end_planes,
+    rim_tangents,
+    along_an_axis,
+    float_rims,
+    vertical_lines,
+    nearly_parallel,
+    nearly_vertical,
+    nearly_level,
+    very_short,
+    from_far,
     degenerate,
-)  # fmt: skip
+)
