@@ -195,6 +195,10 @@ def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
 def test_job_without_a_readable_file(tmp_path):
     with pytest.raises(WrongJob, match=r"none\.toml: can't be read; No such file"):
         read_job(tmp_path / "none.toml")
+    with pytest.raises(WrongJob, match=r"^a\\x00b: can't be read; it isn't the name of a file\.$"):
+        read_job("a\0b")
+    with pytest.raises(ValueError, match=r"^path: must be of class str or Path; got 7\.$"):
+        read_job(7)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(WrongJob, match=r"bytes\.toml: is no text in UTF-8\.$"):
         read_job(tmp_path / "bytes.toml")

@@ -136,7 +136,7 @@ class Job:
 
 
 @checked
-def read_job(path: Path):
+def read_job(path: str | Path):
     """Return the `Job` that a TOML file asks for, checked for names, types and units.
 
     A job names no other file, so that nothing that it says can be read or written elsewhere.
@@ -177,10 +177,12 @@ def _parsed(path):
     """Return what a file says in TOML, or raise WrongJob."""
     name = _brief(str(path))
     try:
-        with path.open("rb") as file:
+        with open(path, "rb") as file:
             content = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
+    except ValueError:  # of a zero byte, or of half a pair of UTF-16
+        raise WrongJob(f"{name}: can't be read; it isn't the name of a file.") from None
     if len(content) > MOST_BYTES:
         raise WrongJob(f"{name}: is larger than a job may be, {MOST_BYTES} bytes.")
     try:
