@@ -10,10 +10,10 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from tunneller_lib.__main__ import main, parser
+from tunneller_lib.__main__ import main, own_name, parser
 from tunneller_lib.job import WrongJob, read_job
 from tunneller_lib.job.atomic_write import check_writable
-from tunneller_lib.job.tables import read_csv
+from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 
@@ -142,6 +142,51 @@ def test_job_that_cannot_be_understood_is_told_in_a_sentence(job, changes, sente
         read_job(job(changes))
 
 
+ODD_FILES = [
+    (b"a = " + b"[" * 3000, "is nested too deeply for a job."),
+    (b"a = 1" + b"0" * 3990, "a: must be a number of at most 64 bits."),
+    (b"a = 1" + b"0" * 200 + b"_0" * 3000, "has a line of more than 4000 characters."),
+    (b"# " + b"a" * 4000, "has a line of more than 4000 characters."),
+    (b"# a\n" * 25_001, "is larger than a job may be, 100000 bytes."),
+    (b"[machine]\nr = 0x" + b"f" * 3900, "machine.r: must be a number of at most 64 bits."),
+    (b"[machine]\nr = 18446744073709551616", "machine.r: must be a number of at most 64 bits."),
+    (b"[wall]\nalong = -9223372036854775809", "wall.along: must be a number of at most 64 bits."),
+    (b"[section]\npieces = [{y = 1e3}, {y = 99999999999999999999}]",
+     "section.pieces.y: must be a number of at most 64 bits."),
+    (b'["a\\u001b[31mb"]', r"a\x1b[31mb: must be a name of printable characters."),
+    (b'[machine]\n"r\\n" = 1', r"r\n: must be a name of printable characters."),
+    (b'[section]\nshape = "\\u202egge"', "section.shape: must be a text of printable characters; "),
+    (b'[controller]\nplant = "T0\\u0007"', "controller.plant: must be a text of printable "),
+    (b".".join([b"a"] * 1900) + b" = 1", "[a]: is no table of a job; known are machine, "),
+    (b'["' + b"a" * 3000 + b'"]', "[" + "a" * 197 + "...]: is no table of a job; known are"),
+    (b"machine = " + b"[" * 90 + b"]" * 90, "machine: must be a table, [machine]; got [[[[[[[...]"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("content", "sentence"), ODD_FILES)
+def test_file_that_nobody_would_write_is_told_in_a_short_sentence(tmp_path, content, sentence):
+    (tmp_path / "job.toml").write_bytes(content)
+    with pytest.raises(WrongJob) as wrong:
+        read_job(tmp_path / "job.toml")
+    told = str(wrong.value)
+    assert sentence in told and told.isprintable() and len(told) < 600
+
+
+def test_file_whose_name_a_terminal_would_obey_is_told_legibly(tmp_path):
+    with pytest.raises(
+        WrongJob, match=r"a\\x1b\[2J\\n\.toml: can't be read; No such file"
+    ) as wrong:
+        read_job(tmp_path / "a\x1b[2J\n.toml")
+    assert str(wrong.value).isprintable()
+
+
+def test_piece_that_is_refused_is_told_by_its_number(job):
+    pieces = '[{kind = "line", y = 0, z = 0, heading = 0, length = nan}]'
+    path = job({EGG: 'shape = "pieces"', "a = 0.5 ": f"pieces = {pieces}\n#"})
+    with pytest.raises(ValueError, match=r"^\[section\.pieces 1\] length: must be"):
+        read_job(path)
+
+
 def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
     (tmp_path / "job.toml").write_bytes(b"\xef\xbb\xbf" + REFERENCE.read_bytes())
     assert read_job(tmp_path / "job.toml") == read_job(REFERENCE)
@@ -150,6 +195,10 @@ def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
 def test_job_without_a_readable_file(tmp_path):
     with pytest.raises(WrongJob, match=r"none\.toml: can't be read; No such file"):
         read_job(tmp_path / "none.toml")
+    with pytest.raises(WrongJob, match=r"^a\\x00b: can't be read; it isn't the name of a file\.$"):
+        read_job("a\0b")
+    with pytest.raises(ValueError, match=r"^path: must be of class str or Path; got 7\.$"):
+        read_job(7)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(WrongJob, match=r"bytes\.toml: is no text in UTF-8\.$"):
         read_job(tmp_path / "bytes.toml")
@@ -231,6 +280,30 @@ def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
     ):
         code, said, told = run(capsys, command, job(), "--out", tmp_path / out, "--json")
         assert code == 2 and json.loads(said)["wrong"].endswith(why) and "simulat" not in told
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [("...toml", "job"), ("....toml", "job"), ("..", "job"), ("a/../...toml", "job"),
+     (".toml", ".toml"), ("tunnel.v2.toml", "tunnel.v2"), ("a/b.toml", "b"), ("..a.toml", "..a")],
+)  # fmt: skip
+def test_job_writes_inside_a_folder_of_its_own(file, name):
+    assert own_name(Path(file)) == name
+    for out in (
+        Path("build") / own_name(Path(file)),
+        Path("build") / f"{own_name(Path(file))}.gif",
+    ):
+        assert (ROOT / out).resolve().parent == (ROOT / "build").resolve()
+
+
+def test_job_called_by_dots_alone_is_cut_into_a_folder_of_its_own(
+    capsys, job, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    job().rename(tmp_path / "...toml")
+    code, _, _ = run(capsys, "cut", "...toml", "--json")
+    assert code == 0 and {path.name for path in (tmp_path / "build" / "job").iterdir()} == FILES
+    assert {path.name for path in tmp_path.iterdir()} == {"build", "...toml"}
 
 
 def test_folder_that_is_read_only_is_told(monkeypatch, tmp_path):

@@ -2,6 +2,9 @@
 
 import io
 import re
+from dataclasses import replace
+from functools import partial
+from xml.etree import ElementTree
 
 import numpy as np
 import PIL.Image
@@ -9,13 +12,14 @@ import pytest
 import pyvista
 from matplotlib import colormaps
 
-from tunneller_lib.job.atomic_write import write
+from tunneller_lib.job.atomic_write import replacement, write
+from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
 from tunneller_lib.job.mesh import MM, SCALAR, STL, stl, vtp, wall_solid, wall_surface
-from tunneller_lib.job.tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan, standing
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting.pictures import write as write_picture
 from tunneller_lib.reporting.style import ERROR_MAP
 from tunneller_lib.reporting.tunnel_scene import tunnel_scene, wall_mesh
@@ -71,9 +75,17 @@ def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
     with pytest.raises(ValueError, match=r"^text: row 2 has 2 numbers under 3 names\.$"):
         read_csv(text)
     with pytest.raises(
-        ValueError, match=r"^text: column theta must hold numbers; got \['left'\]\.$"
+        ValueError, match=r"^text: column 'theta' must hold numbers; got \['left'\]\.$"
     ):
         read_csv("tick,theta\n0,left\n")
+    for text, sentence in (
+        ("", r"^text: must have a heading; got none\.$"),
+        ("tick,tick\n0,1\n", r"^text: must name each column once; got \['tick', 'tick'\]\.$"),
+        ("# tick_s = soon\ntick\n0\n", r"^text: 'tick_s' must be a number; got 'soon'\.$"),
+        ("a\x1b[2J\nleft\n", r"^text: column 'a\\x1b\[2J' must hold numbers"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            read_csv(text)
 
 
 # The wall
@@ -95,6 +107,22 @@ def test_wall_solid_is_closed_and_has_the_grids_volume(cut):
     wedges = facet * np.sum((areas[1:] + areas[:-1]) / 2 * length)
     assert solid.volume == pytest.approx(wedges, rel=2e-3)
     assert np.allclose(np.reshape(solid.bounds, (3, 2))[0], cut.wall.lines.x[[0, -1]])
+
+
+def test_meshes_refuse_a_block_and_quadrilaterals(cut):
+    block = DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (4, 4))
+    for make in (wall_solid, partial(wall_surface, circuit=JOB.circuit)):
+        with pytest.raises(ValueError, match=r"^wall: must be on .* rays; got 4 by 4 parallel"):
+            make(wall=block)
+    with pytest.raises(ValueError, match=r"^mesh: must be of triangles; got 4 corners a face\.$"):
+        stl(wall_surface(cut.wall, JOB.circuit))
+
+
+def test_vtp_escapes_the_names_of_values(cut):
+    mesh = wall_surface(cut.wall, JOB.circuit)
+    named = replace(mesh, values={'a"<b> & c': mesh.values[SCALAR]})
+    (array,) = ElementTree.fromstring(vtp(named)).findall(".//PointData/DataArray")
+    assert array.get("Name") == 'a"<b> & c'
 
 
 def test_wall_solid_faces_outwards(cut):
@@ -187,13 +215,26 @@ def test_dxf_keeps_layers_apart_and_refuses_other_things():
         dxf({"SECTION": [1, 2]})
 
 
+@pytest.mark.parametrize(
+    "layer", ["", "A" * 32, "WALL\n0\nEOF", "\x1b[31mWALL", "TÜR", "A B", "A/B", None, 8]
+)
+def test_dxf_refuses_names_of_layers_that_are_none(layer):
+    with pytest.raises(ValueError, match=r"^curves: a layer's name must be 1 to 31 letters") as no:
+        dxf({layer: EGG})
+    assert str(no.value).isprintable()
+
+
 # Files
 
 
 def test_write_leaves_the_old_file_if_the_new_one_fails(tmp_path):
     path = write(tmp_path / "a" / "table.csv", "old\n")
-    with pytest.raises(TypeError):
-        write(path, 7)
+    for wrong in (7, "\ud800"):
+        with pytest.raises(ValueError, match=r"^content: must be"):
+            write(path, wrong)
+    with pytest.raises(KeyError), replacement(path) as new:
+        new.write_text("half")
+        raise KeyError
     assert path.read_bytes() == b"old\n" and list(path.parent.iterdir()) == [path]
     write(path, "new\n")
     assert path.read_bytes() == b"new\n" and list(path.parent.iterdir()) == [path]

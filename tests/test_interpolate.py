@@ -367,7 +367,13 @@ def test_truncated_fixed_point_refuses_to_drift_out_of_its_range():
         INTERPOLATORS["Q16.16, truncated"](0, -32767, 2**20 - 40)
 
 
-@pytest.mark.parametrize("call", [time_bresenham, rest_to_rest, *INTERPOLATORS.values()])
+@pytest.mark.parametrize("name", [name for name in INTERPOLATORS if name != "integer line"])
+def test_moves_of_other_interpolators_that_do_not_broadcast_are_refused(name):
+    with pytest.raises(ValueError, match=r"^start, stop: their leading axes must broadcast; got"):
+        INTERPOLATORS[name]([0, 1], [1, 2, 3], 10)
+
+
+@pytest.mark.parametrize("call", [time_bresenham, rest_to_rest])
 def test_moves_that_do_not_broadcast_are_refused(call):
     with pytest.raises(ValueError, match=r"^\w+: must broadcast with \w+ of shape \(2,\)"):
         call([0, 1], [1, 2, 3], 10)

@@ -44,7 +44,7 @@ def test_meet_rods_of_many_hard_lines(lines_of, ends):
     hit = enter <= leave
     assert hit.all() or lines_of.__name__ not in TOUCHING
     assert np.all((enter == np.inf) & (leave == -np.inf) | hit)
-    slack = rounding(lines, (enter, leave)) * np.linalg.norm(u, axis=-1) + margin(*lines)
+    slack = rounding((enter, leave), lines) * np.linalg.norm(u, axis=-1) + margin(*lines)
     for t in (enter, leave):
         off = distance_outside(a, b, radius, p + np.where(hit, t, 0)[:, None] * u, ends)
         # The point itself is rounded at the size of its coordinates.

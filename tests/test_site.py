@@ -1,18 +1,23 @@
 """The web pages: nothing dead, nothing from elsewhere, every formula set, everything found."""
 
+import base64
 import json
 import re
+from html import unescape
 from itertools import pairwise
 
 import nbformat
 import pytest
 
+from report.site import build as pages
 from report.site.build import build
-from report.site.chapter import page_name
+from report.site.chapter import Chapter, page_name, title
 from report.site.library import Reference, inline, modules
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
 from report.site.paper import captions
+from report.site.policy import digest
+from report.site.scenes import viewer_style
 from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
 
@@ -190,6 +195,88 @@ def test_inline_links_what_it_knows_only():
 def test_captions_lead_into_the_report():
     body = '<figure id="f"><img src="figures/a.svg"><figcaption>Figure\xa03: b</figcaption>'
     assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the report: b'}
+
+
+def policy(text):
+    """Return the policy of a page: its directives, each with its words."""
+    said = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1])
+    return {name: words for name, *words in (part.split() for part in said.split("; "))}
+
+
+def test_pages_have_a_policy_that_lets_run_what_they_need_alone(site):
+    for path in site.rglob("*.html"):
+        text = path.read_text()
+        allowed = policy(text)
+        assert allowed["default-src"] == ["'none'"] and allowed["base-uri"] == ["'none'"]
+        # Opened as files, too; no script of a page's own, and none made of a text.
+        assert allowed["script-src"] == ["'self'", "file:", "'wasm-unsafe-eval'"]
+        assert allowed["worker-src"] == ["blob:"] and "'unsafe-inline'" not in allowed["style-src"]
+        assert text.index("Content-Security-Policy") < text.index("<link")
+        scripts = re.findall(r"<script\b([^>]*)>(.*?)</script>", text, re.S)
+        assert all("src=" in attributes and not inside for attributes, inside in scripts)
+        for style in re.findall(r"<style>(.*?)</style>", text, re.S):
+            assert digest(style) in allowed["style-src"], path.name
+        tags = re.findall(r"<[a-z][^>]*>", re.sub(r"<pre.*?</pre>", "", text, flags=re.S))
+        assert not [tag for tag in tags if re.search(r"\son\w+=|=\"javascript:", tag)], path.name
+
+
+def test_policy_knows_the_style_that_the_viewer_makes(site):
+    viewer = (site / "scenes" / "viewer.js").read_text()
+    assert viewer.count("createElement('style')") == 1 and "_bigFileDrop" in viewer_style()
+    assert digest(viewer_style()) in policy((site / "index.html").read_text())["style-src"]
+    for never in ("new Function", "importScripts", "document.write("):
+        assert never not in viewer
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<script>alert(1)</script>",
+        "a <img src=x onerror=alert(1)> b",
+        "# <b onclick=alert(1)>a</b>",
+        "```mermaid\n</pre><script>alert(1)</script>\n```",
+        "```\n</pre><script>alert(1)</script>\n```",
+        "| <script>a | b |\n|---|---|\n| <i>1 | 2 |",
+        "$\\text{<script>alert(1)</script>}$",
+        '![a"><script>](b.png "c"><script>")',
+        '[a<script>](b"><script>)',
+    ],
+)
+def test_markdown_shows_html_and_does_not_run_it(text):
+    html = markdown(text)
+    assert not re.findall(r"<(?:script|b\b|i\b)", html)
+    assert not re.search(r"<[^>]*\son\w+=", html)
+
+
+def test_markdown_follows_no_link_that_is_a_script():
+    html = markdown("[a](javascript:alert(1)), ![b](javascript:alert(1)), <javascript:alert(1)>")
+    assert not re.search(r'(?:href|src)="javascript:', html)
+
+
+def test_chapter_escapes_what_cells_say_and_print(tmp_path):
+    evil = "</pre><script>alert(1)</script>"
+    book = nbformat.v4.new_notebook()
+    stream = nbformat.v4.new_output("stream", text=evil)
+    value = nbformat.v4.new_output("execute_result", data={"text/plain": evil, "text/html": evil})
+    said = nbformat.v4.new_output("display_data", data={"text/markdown": evil})
+    png = {"image/png": base64.b64encode(b"png").decode()}
+    drawn = nbformat.v4.new_output("display_data", data=png,
+                                   metadata={"image/png": {"alt": f'"{evil}'}})  # fmt: skip
+    book.cells = [
+        nbformat.v4.new_markdown_cell(f"# What is `{evil}`?\n{evil}"),
+        nbformat.v4.new_code_cell(evil, outputs=[stream, value, said, drawn]),
+    ]
+    path = tmp_path / "notebooks" / "99_evil.ipynb"
+    path.parent.mkdir()
+    nbformat.write(book, path)
+    html = Chapter(path, str, "", ["99_evil-01-0"], {}, {}).html()
+    assert "<script" not in html and html.count("&lt;script") >= 7
+    found = pages.Site(tmp_path / "site")
+    link = pages.entry(evil, f'"{evil}')
+    found.page("a.html", title(path), html, kind="chapter", contents=[link], contents_name=evil,
+               before=link)  # fmt: skip
+    page = (tmp_path / "site" / "a.html").read_text()
+    assert re.findall(r"<script[^>]*>", page) == ['<script src="site.js">']
 
 
 def test_sections_are_cut_at_headings():

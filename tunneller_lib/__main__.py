@@ -100,11 +100,18 @@ def parser():
 
     job = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
     scene = command("scene", run_scene, "write the machine in the tunnel as a web page, offline")
-    film = command("animate", run_animate, "write an animation of the cut as a GIF")
+    film = command("animate", run_animate, "write an animation of the cut as a GIF (minutes)")
+    film.description += (
+        "; without a graphics card each picture takes one to several seconds, 60 of them minutes"
+    )
     for added, out in ((job, ""), (scene, ".html"), (film, ".gif")):
         added.add_argument("job", type=Path, help="the TOML file")
-        added.add_argument("--out", type=ending(out), metavar=f"FILE{out}" if out else "FOLDER",
-                           help="under build/ unless told")  # fmt: skip
+        added.add_argument(
+            "--out",
+            type=ending(out),
+            metavar=f"FILE{out}" if out else "FOLDER",
+            help="under build/ unless told",
+        )
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
     film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 unless told")
@@ -113,10 +120,12 @@ def parser():
     )
 
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
-    added.add_argument("--folder", type=Path, default=Path("build/atlas"),
-                       help="where blocks are kept")  # fmt: skip
-    added.add_argument("--table", type=table, default=Path("notebooks/atlas.csv"),
-                       help="the summary")  # fmt: skip
+    added.add_argument(
+        "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
+    )
+    added.add_argument(
+        "--table", type=table, default=Path("notebooks/atlas.csv"), help="the summary"
+    )
     added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
     added.add_argument(
         "--jobs", type=between(1, 10_000), help="local processes, one a core unless told"
@@ -168,36 +177,47 @@ def read(options, out, *, budget=False):
     """
     import numpy as np
 
-    from .job import read_job
+    from .job import read_job, say
     from .job.atomic_write import check_writable
-    from .job.progress import say
 
     job = read_job(options.job)
     if budget and (integral := job.controller.get("integral")):
-        raise ValueError("[controller] integral: must be 0 for cut, whose budget has no closed "
-                         f"form with it; scene and animate take it; got {integral:g}.")  # fmt: skip
+        raise ValueError(
+            "[controller] integral: must be 0 for cut, whose budget has no closed form with it; "
+            f"scene and animate take it; got {integral:g}."
+        )
     say("planning ...")
-    plan, start = job.planned, time.monotonic()
+    plan = job.planned
+    start = time.monotonic()
     check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
-    n, m = job.wall["along"], job.wall["around"]
-    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
+    rays = f"{job.wall['along']} x {job.wall['around']} rays"
+    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays} ...")
     cut = job.simulated(say)
-    say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
-        f"{1e3 * np.abs(cut.deviation).max():.2f} mm")  # fmt: skip
+    say(
+        f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
+        f"{1e3 * np.abs(cut.deviation).max():.2f} mm"
+    )
     return job, cut
+
+
+def own_name(path):
+    """Return what the files of a job are called by: its file's name, never dots alone.
+
+    Those would name another folder: a job may be called ``...toml``.
+    """
+    return path.stem if path.stem.strip(".") else "job"
 
 
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
-    from .job import summarise, told, write_all
-    from .job.progress import say
+    from .job import say, summarise, summary_text, write_all
 
-    folder = options.out or Path("build") / options.job.stem
+    folder = options.out or Path("build") / own_name(options.job)
     job, cut = read(options, folder / "budget.csv", budget=True)
     numbers = summarise(job, cut, say)
     if not options.json:
-        tell(told(numbers) + "\n")
+        tell(summary_text(numbers) + "\n")
     files = write_all(job, cut, folder, numbers, say)
     files += draw_wall(job, cut, folder / "wall.png", say)
     for warning in numbers["warnings"]:
@@ -226,10 +246,10 @@ def draw_wall(job, cut, path, say):
 def run_scene(options):
     """Write the scene at a share of the run."""
     import_module("trame")  # else first asked for when the page is written, after the simulation
-    from .job.progress import say
+    from .job import say
     from .reporting import pictures, tunnel_scene
 
-    out = options.out or Path("build") / f"{options.job.stem}.html"
+    out = options.out or Path("build") / f"{own_name(options.job)}.html"
     job, cut = read(options, out)
     tick = round(options.share * (len(cut.centres) - 1))
     if options.share < 1:
@@ -242,16 +262,16 @@ def run_animate(options):
     """Write the pictures of the run."""
     from .reporting import pictures, tunnel_scene
 
-    out = options.out or Path("build") / f"{options.job.stem}.gif"
+    out = options.out or Path("build") / f"{own_name(options.job)}.gif"
     job, cut = read(options, out)
-    count, width = options.frames, options.width
-    frames = tunnel_scene.frames(cut, count, width=width, limit=job.limit)
+    count = options.frames
+    frames = tunnel_scene.frames(cut, count, width=options.width, limit=job.limit)
     return {"files": [str(pictures.write(out, counted(frames, count)))]}
 
 
 def counted(pictures, count):
     """Yield pictures and say how many are done."""
-    from .job.progress import say
+    from .job import say
 
     start = time.monotonic()
     for number, picture in enumerate(pictures, start=1):
@@ -264,16 +284,15 @@ def run_atlas(options):
     """Sweep the blocks that are missing, then write the summary."""
     import numpy as np
 
-    from .job.atomic_write import beside
+    from .job.atomic_write import replacement
     from .paths import atlas
     from .reporting.sweep import sweep
 
     files = sweep(
-        atlas.survey, atlas.blocks(), options.folder,
-        scheduler=options.scheduler, jobs=options.jobs,
-    )  # fmt: skip
+        atlas.survey, atlas.blocks(), options.folder, scheduler=options.scheduler, jobs=options.jobs
+    )
     rows = atlas.summary(map(np.load, files))
-    with beside(options.table) as new, new.open("w", newline="") as file:
+    with replacement(options.table) as new, new.open("w", newline="") as file:
         table = csv.DictWriter(file, rows[0], lineterminator="\n")
         table.writeheader()
         table.writerows({name: plain(value) for name, value in row.items()} for row in rows)

@@ -171,7 +171,7 @@ def _any_of(kinds):
         if value is None and optional:
             return None
         for kind in kinds:
-            if isinstance(kind, type) and isinstance(value, kind):
+            if isinstance(kind, type) and kind is not Callable and isinstance(value, kind):
                 return value
         if len(rules) > 1:
             wanted = " or ".join(rule.says for rule in rules)
@@ -195,7 +195,7 @@ def _truth(name, value):
 
 
 def _callable(name, value):
-    if not callable(value):
+    if not callable(value) or isinstance(value, type):
         raise ValueError(f"{name}: must be a function; got {shown(value)}.")
     return value
 

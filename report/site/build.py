@@ -8,6 +8,7 @@ import jinja2
 import nbformat
 from pygments.formatters import HtmlFormatter
 
+from report.site import policy
 from report.site.chapter import Chapter, page_name, title
 from report.site.library import Reference, modules, room
 from report.site.markup import plain
@@ -20,7 +21,7 @@ from report.sources import ROOT, notebooks, results_digest, scene_files
 SITE = ROOT / "build" / "site"
 HERE = Path(__file__).parent
 PAGES = jinja2.Environment(
-    loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True
+    loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True, autoescape=True
 )
 PLACES = [
     ("Chapters", "index.html"),
@@ -38,11 +39,15 @@ class Site:
         self.found = []
         self.origin = f"Shows results with the digest {results_digest()[:16]}."
 
-    def page(self, address, title, body, *, kind, here=None, **more):
-        """Write a page; `here` names the place in the header that it belongs to."""
+    def page(self, address, title, body, *, kind, here=None, style="", **more):
+        """Write a page; `here` names the place in the header that it belongs to.
+
+        `body` and `style` are HTML and CSS as they are; everything else is text.
+        """
         root = "../" * address.count("/")
         html = PAGES.get_template("page.html").render(
-            root=root, title=plain(title), body=body, kind=kind, places=PLACES,
+            root=root, title=plain(title), body=body, style=style, kind=kind,
+            policy=policy.content_policy(style), places=PLACES,
             address=address, here=here or address, footer=self.origin, **more,
         )  # fmt: skip
         self.write(address, html)

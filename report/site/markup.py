@@ -2,8 +2,9 @@
 
 import re
 from html import escape, unescape
+from xml.etree.ElementTree import tostring
 
-from latex2mathml.converter import convert
+from latex2mathml.converter import convert_to_element
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from pygments import highlight
 from pygments.formatters import HtmlFormatter
@@ -16,16 +17,21 @@ OPERATOR = re.compile(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}<mn>\d</mn></msu
 
 def formula(latex, display="inline"):
     """Return a formula as MathML, which browsers set and screen readers speak by themselves."""
-    mathml = convert(latex.strip(), display=display)
+    made = tostring(convert_to_element(latex.strip(), display=display), encoding="unicode")
+    # Its signs are character references already; a text's < must stay escaped.
+    mathml = re.sub(r"&amp;(#x[0-9A-Fa-f]+;)", r"&\1", made)
     return OPERATOR.sub(r'\1<mspace width="0.17em"/>', mathml)
 
 
 class Renderer(IPythonRenderer):
-    """Markdown as Jupyter reads it; links lead to the pages of the site."""
+    """Markdown as Jupyter reads it, but HTML in it is shown; links lead to pages of the site."""
 
     def __init__(self, link):
-        super().__init__(escape=False, exclude_anchor_links=True)
+        super().__init__(escape=True, allow_harmful_protocols=False, exclude_anchor_links=True)
         self.follow = link
+
+    def block_mermaidjs(self, code):
+        return f"<pre>{escape(code)}</pre>\n"  # else it would be let through as it is
 
     def heading(self, text, level, **attrs):
         return f'<h{level} id="{anchor(text)}">{text}</h{level}>\n'

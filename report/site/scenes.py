@@ -3,11 +3,13 @@
 import base64
 import json
 import re
+from functools import cache
 from pathlib import Path
 
 import trame_vtk.tools
 
 ICON = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
+STYLE = re.compile(r"__vtkStyle\.textContent = (\"(?:[^\"\\]|\\.)*\");")
 VIEWER = re.compile(r'<script type="module">(.*?)</script>', re.S)
 
 
@@ -22,9 +24,22 @@ def name(path):
     return f"{path.parent.name}-{path.stem}"
 
 
+@cache
+def viewer_page():
+    """Return the viewer's page, vtk.js in one piece, that comes with the packages."""
+    return Path(trame_vtk.tools.__file__).with_name("static_viewer.html").read_text()
+
+
+@cache
+def viewer_style():
+    """Return what the viewer puts into an element <style> of the page that it is in."""
+    [style] = STYLE.findall(VIEWER.search(viewer_page())[1])
+    return json.loads(style)
+
+
 def add_viewer(site):
-    """Write the viewer, vtk.js in one piece, that comes with the packages."""
-    page = Path(trame_vtk.tools.__file__).with_name("static_viewer.html").read_text()
+    """Write the viewer as a script."""
+    page = viewer_page()
     if ICON not in page:
         raise LookupError("The viewer isn't the one whose only address from elsewhere is known.")
     viewer = VIEWER.search(page)[1].replace(ICON, "data:,")

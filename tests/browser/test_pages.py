@@ -74,6 +74,29 @@ def test_scene_that_cannot_be_loaded_says_so(browser):
     assert browser.run("document.activeElement.textContent") == "Turn it in 3-D"
 
 
+def test_policy_lets_workers_and_wasm_run_but_nothing_inline(browser):
+    browser.open((SITE / "index.html").as_uri())
+    assert browser.run(
+        "new Promise((done) => { const worker = new Worker(URL.createObjectURL(new Blob("
+        "['postMessage(7)']))); worker.onmessage = (told) => done(told.data); })"
+    ) == 7  # fmt: skip
+    empty = "new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0])"
+    assert browser.run(f"WebAssembly.compile({empty}).then((made) => !!made)")
+    assert browser.errors == []
+    for inline in (
+        "document.body.insertAdjacentHTML('beforeend', '<img src=data:, onerror=\"ran = 1\">')",
+        "(() => { const made = document.createElement('script'); made.textContent = 'ran = 1';"
+        "document.head.append(made); })()",
+        "document.head.insertAdjacentHTML('beforeend', '<style>body { color: red }</style>')",
+    ):
+        browser.errors.clear()
+        browser.run(f"{inline}; true")
+        wait(lambda: browser.run("true") and browser.errors, said=inline)
+        assert "Content Security Policy" in browser.errors[0]
+    assert browser.run("typeof ran") == "undefined"
+    assert browser.run("getComputedStyle(document.body).color") != "rgb(255, 0, 0)"
+
+
 def test_code_stays_hidden_but_where_a_link_leads(browser):
     first, second = [page for page in PAGES if page.parent.name == "chapters"][:2]
     browser.open(first.as_uri())

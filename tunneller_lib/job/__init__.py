@@ -3,7 +3,21 @@
 Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
+from . import atomic_write, csv_tables, drawing, mesh
+from .progress import say
 from .reader import Job, WrongJob, read_job
-from .results import summarise, told, write_all
+from .results import summarise, summary_text, write_all
 
-__all__ = ["Job", "WrongJob", "read_job", "summarise", "told", "write_all"]
+__all__ = [
+    "Job",
+    "WrongJob",
+    "atomic_write",
+    "csv_tables",
+    "drawing",
+    "mesh",
+    "read_job",
+    "say",
+    "summarise",
+    "summary_text",
+    "write_all",
+]

@@ -5,41 +5,51 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..arguments import checked, shown
 
-def check_writable(path):
+
+@checked
+def check_writable(path: Path):
     """Raise OSError if a file can't be made or replaced; nothing is made yet.
 
     Examples
     --------
-    >>> check_writable("build/wall.stl")
-    >>> check_writable("/")
+    >>> check_writable(Path("build/wall.stl"))
+    >>> check_writable(Path("/"))
     Traceback (most recent call last):
     IsADirectoryError: [Errno 21] is a folder, not a file: '/'
     """
-    path = Path(path)
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder, not a file", str(path))
     there = next(folder for folder in path.absolute().parents if folder.exists())
     if not there.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, f"can't be written; {there} is no folder",
-                                 str(path))  # fmt: skip
+        why = f"can't be written; {there} is no folder"
+        raise NotADirectoryError(errno.ENOTDIR, why, str(path))
     if not os.access(there, os.W_OK | os.X_OK):
         raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
 
 
-def write(path, content):
+@checked
+def write(path: Path, content: str | bytes):
     """Write a text or bytes, whole or not at all; return the path where it is now.
 
-    A path-like; a text ends its lines as it says, on every system.
+    A text is written in UTF-8, and ends its lines as it says, on every system.
     """
-    with beside(path) as new:
-        new.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
-    return Path(path)
+    if isinstance(content, str):
+        try:
+            content = content.encode("utf-8")
+        except UnicodeEncodeError:
+            what = shown(content)
+            raise ValueError(f"content: must be a text that UTF-8 has; got {what}.") from None
+    with replacement(path) as new:
+        new.write_bytes(content)
+    return path
 
 
+@checked
 @contextmanager
-def beside(path):
-    """Give a path beside the wanted one to write to, with its suffix; rename it at the end.
+def replacement(path: Path):
+    """Give a path to write to, with the suffix of the wanted one, whose place it takes at the end.
 
     The folder is made where it is missing; what an error left half-written is removed.
 
@@ -47,12 +57,11 @@ def beside(path):
     --------
     >>> import tempfile
     >>> wanted = Path(tempfile.mkdtemp(), "new", "wall.stl")
-    >>> with beside(wanted) as path:
+    >>> with replacement(wanted) as path:
     ...     _ = path.write_text("solid")
     >>> [file.name for file in wanted.parent.iterdir()]
     ['wall.stl']
     """
-    path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     new = path.with_name(f".new-{os.getpid()}-{path.name}")
     try:

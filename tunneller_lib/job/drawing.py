@@ -1,15 +1,36 @@
 """The section as a drawing in DXF, in millimetres, as most programs take it."""
 
+import re
+from typing import Annotated
+
 import numpy as np
 
-from ..arguments import instance
+from ..arguments import Rule, checked, instance, shown
 from ..surfaces import Arc, Section
 
 MM = 1000.0
 WHOLE_TURN = 2 * np.pi - 1e-9  # from here on an arc is a circle, in rad
+LAYER = re.compile(r"[A-Za-z0-9$_-]{1,31}")  # what R12 allows; a line's end would be a command
 
 
-def dxf(curves):
+def _by_layer(name, value):
+    """Return `value`, a dict of sections by the names of layers."""
+    instance(name, value, dict)
+    for layer, section in value.items():
+        if not isinstance(layer, str) or not LAYER.fullmatch(layer):
+            raise ValueError(
+                f"{name}: a layer's name must be 1 to 31 letters without accents, digits, $, - "
+                f"or _; got {shown(layer)}."
+            )
+        instance(name, section, Section)
+    return value
+
+
+Curves = Annotated[dict, Rule("dict of str to Section", _by_layer)]
+
+
+@checked
+def dxf(curves: Curves):
     """Return sections as a drawing in DXF (R12), arcs as arcs and lines as lines.
 
     Parameters
@@ -26,11 +47,11 @@ def dxf(curves):
     Raises
     ------
     ValueError
-        If a curve is no Section.
+        If a curve is no Section, or a layer's name isn't one that DXF R12 allows.
     """
     pairs = [(999, "by tunneller_lib, in millimetres"), (0, "SECTION"), (2, "ENTITIES")]
     for layer, section in curves.items():
-        for piece in instance("curves", section, Section).arcs:
+        for piece in section.arcs:
             pairs += _entity(piece, layer)
     pairs += [(0, "ENDSEC"), (0, "EOF")]
     return "".join(f"{code:3d}\n{value}\n" for code, value in pairs)

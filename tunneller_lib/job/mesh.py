@@ -2,10 +2,14 @@
 
 import base64
 from dataclasses import dataclass, field
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from ..arguments import checked
+from ..paths.circuit import Circuit
 from ..ream import overbreak, standing
+from ..removal import DexelGrid
 
 MM = 1000.0
 SCALAR = "over-break / mm"
@@ -31,7 +35,8 @@ class Mesh:
     values: dict = field(default_factory=dict)
 
 
-def wall_surface(wall, circuit):
+@checked
+def wall_surface(wall: DexelGrid, circuit: Circuit):
     """Return the standing wall with its over-break.
 
     Parameters
@@ -47,6 +52,7 @@ def wall_surface(wall, circuit):
         One point a ray, in quadrilaterals, with the values `SCALAR`; minus the depth of cut where
         nothing is cut.
     """
+    _check_rays(wall)
     n, m = wall.low.shape[1:]
     corners = np.arange(n * m).reshape(n, m)
     faces = np.stack(_around(corners), axis=-1).reshape(-1, 4)
@@ -54,7 +60,8 @@ def wall_surface(wall, circuit):
     return Mesh(standing(wall).reshape(-1, 3), faces, {SCALAR: over.ravel()})
 
 
-def wall_solid(wall):
+@checked
+def wall_solid(wall: DexelGrid):
     """Return the ground that stands as a closed body, for a printer or a CAD program.
 
     Parameters
@@ -68,7 +75,9 @@ def wall_solid(wall):
         Triangles facing outwards: wall, back of the modelled ground, ends at the first and the
         last rays. Ground that the cutter has undercut is left out.
     """
-    inner, (n, m) = standing(wall), wall.low.shape[1:]
+    _check_rays(wall)
+    n, m = wall.low.shape[1:]
+    inner = standing(wall)
     back = wall.high.max(axis=0)
     outer = np.stack([inner[..., 0], back * wall.lines.cos, back * wall.lines.sin], axis=-1)
     k = np.arange(2 * n * m).reshape(2, n, m)
@@ -84,12 +93,24 @@ def wall_solid(wall):
 
 def _around(sheet):
     """Return the corners of a sheet's quadrilaterals, whose rows close to rings."""
-    near, far = sheet[:-1], sheet[1:]
+    near = sheet[:-1]
+    far = sheet[1:]
     return near, np.roll(near, -1, axis=1), np.roll(far, -1, axis=1), far
 
 
-def stl(mesh):
+def _check_rays(wall):
+    """Raise ValueError where a grid isn't one of rays, at least two places by three angles."""
+    n, m = wall.low.shape[1:]
+    if not wall.lines.rays or n < 2 or m < 3:
+        kind = "rays" if wall.lines.rays else "parallel lines"
+        raise ValueError(f"wall: must be on at least 2 by 3 rays; got {n} by {m} {kind}.")
+
+
+@checked
+def stl(mesh: Mesh):
     """Return a Mesh of triangles as binary STL, in mm."""
+    if mesh.faces.shape[1] != 3:
+        raise ValueError(f"mesh: must be of triangles; got {mesh.faces.shape[1]} corners a face.")
     corners = MM * mesh.points[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -100,7 +121,8 @@ def stl(mesh):
     return head + np.uint32(len(faces)).tobytes() + faces.tobytes()
 
 
-def vtp(mesh):
+@checked
+def vtp(mesh: Mesh):
     """Return a Mesh as VTK's polygonal data in XML, in m."""
     count, corners = mesh.faces.shape
     values = "".join(_data_array(name, of) for name, of in mesh.values.items())
@@ -122,5 +144,5 @@ def _data_array(name, numbers):
     content = numbers.astype(dtype).tobytes()
     text = base64.b64encode(np.uint64(len(content)).astype("<u8").tobytes() + content).decode()
     columns = numbers.shape[1] if numbers.ndim > 1 else 1
-    about = f'type="{kind}" Name="{name}" NumberOfComponents="{columns}" format="binary"'
+    about = f'type="{kind}" Name={quoteattr(name)} NumberOfComponents="{columns}" format="binary"'
     return f"<DataArray {about}>{text}</DataArray>"

@@ -2,7 +2,10 @@
 
 import sys
 
+from ..arguments import checked
 
-def say(text):
+
+@checked
+def say(text: str):
     """Print `text` where progress belongs, at once."""
     print(text, file=sys.stderr, flush=True)

@@ -5,6 +5,7 @@ its value is then in degrees. Names and types are checked here; sizes by what th
 """
 
 import tomllib
+from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import positive, whole
+from ..arguments import checked, positive, shown, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, plan, simulate
@@ -38,6 +39,9 @@ POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
 WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
 MOST_RAYS = 100_000  # each way; memory bounds both together
 PLANTS = "T0", "T1", "T2", "T3"
+# The time that TOML's keys of many dots take grows with the square of their number.
+MOST_BYTES, MOST_IN_A_LINE = 100_000, 4_000
+LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # as TOML has them
 
 
 class WrongJob(ValueError):
@@ -99,7 +103,8 @@ class Job:
     def axes(self):
         """Return the plants and the loops of theta and phi, each a list of two."""
         about = dict(self.controller)
-        tier, count = about.pop("plant"), about.pop("encoder", self.planned.count)
+        tier = about.pop("plant")
+        count = about.pop("encoder", self.planned.count)
         plants = []
         for axis in reference_axes(self.planned.circuit.machine):
             rate = axis.resonance((axis.low + axis.high) / 2).gain
@@ -119,7 +124,8 @@ class Job:
         """Return the over-break at which the colours of pictures end, in m."""
         return 1.5 * self.plan["tolerance"]
 
-    def simulated(self, say=None):
+    @checked
+    def simulated(self, say: Callable | None = None):
         """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
@@ -129,8 +135,11 @@ class Job:
         return simulate(self.planned, *self.axes, pose=self.error, shape=shape, say=say, **about)
 
 
-def read_job(path):
+@checked
+def read_job(path: str | Path):
     """Return the `Job` that a TOML file asks for, checked for names, types and units.
+
+    A job names no other file, so that nothing that it says can be read or written elsewhere.
 
     Raises
     ------
@@ -138,20 +147,14 @@ def read_job(path):
         If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
         have or lacks one.
     """
-    try:
-        tables = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
-    except UnicodeDecodeError:
-        raise WrongJob(f"{path}: is no text in UTF-8.") from None
-    except tomllib.TOMLDecodeError as error:
-        raise WrongJob(f"{path}: isn't TOML; {str(error).rstrip('.')}.") from None
+    tables = _parsed(path)
+    _check_leaves(tables)
     known = [field.name for field in fields(Job)]
     for name, table in tables.items():
         if name not in known:
-            raise WrongJob(f"[{name}]: is no table of a job{_hint(name, known)}.")
+            raise WrongJob(f"[{_brief(name)}]: is no table of a job{_hint(name, known)}.")
         if not isinstance(table, dict):
-            raise WrongJob(f"{name}: must be a table, [{name}]; got {table!r}.")
+            raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
     for name in ("machine", "section", "limits", "plan", "controller"):
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
@@ -170,11 +173,71 @@ def read_job(path):
     )
 
 
+def _parsed(path):
+    """Return what a file says in TOML, or raise WrongJob."""
+    name = _brief(str(path))
+    try:
+        with open(path, "rb") as file:
+            content = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
+    except ValueError:  # of a zero byte, or of half a pair of UTF-16
+        raise WrongJob(f"{name}: can't be read; it isn't the name of a file.") from None
+    if len(content) > MOST_BYTES:
+        raise WrongJob(f"{name}: is larger than a job may be, {MOST_BYTES} bytes.")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise WrongJob(f"{name}: is no text in UTF-8.") from None
+    if max(map(len, text.split("\n"))) > MOST_IN_A_LINE:
+        raise WrongJob(f"{name}: has a line of more than {MOST_IN_A_LINE} characters.")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise WrongJob(f"{name}: isn't TOML; {_brief(str(error).rstrip('.'))}.") from None
+    except RecursionError:
+        raise WrongJob(f"{name}: is nested too deeply for a job.") from None
+    except ValueError:  # Python's own limit, of thousands of digits
+        raise WrongJob(f"{name}: has a number with too many digits.") from None
+
+
+def _check_leaves(tables):
+    """Raise WrongJob for characters that a terminal might obey, and for integers beyond 64 bits.
+
+    Whatever a job says may be repeated in a message. Without recursion, for dotted keys nest as
+    deeply as one likes.
+    """
+    left = [("", tables)]
+    while left:
+        where, value = left.pop()
+        if isinstance(value, dict):
+            for name in value:
+                if not name.isprintable():
+                    raise WrongJob(f"{_brief(name)}: must be a name of printable characters.")
+            # Where it is deep in a table that no job has, the beginning will do.
+            left += [(f"{where}.{name}"[:100], inner) for name, inner in value.items()]
+        elif isinstance(value, list):
+            left += [(where, inner) for inner in value]
+        elif isinstance(value, str) and not value.isprintable():
+            raise WrongJob(
+                f"{where[1:]}: must be a text of printable characters; got {shown(value)}."
+            )
+        elif isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER:
+            raise WrongJob(f"{where[1:]}: must be a number of at most 64 bits.")
+
+
+def _brief(text):
+    """Return a text for a message, in 200 characters that no terminal obeys."""
+    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:201])
+    return printable if len(printable) <= 200 else f"{printable[:197]}..."
+
+
 def _read(table, given, units, needed=()):
     """Return a table's values by their names, in SI units."""
     values = {}
     for name, value in given.items():
-        key, where = name, f"[{table}] {name}"
+        key = name
+        where = f"[{table}] {_brief(name)}"
         if name.endswith("_deg") and units.get(name[:-4]) == "rad":
             key = name[:-4]
         if key not in units:
@@ -185,8 +248,8 @@ def _read(table, given, units, needed=()):
         kinds = {TEXT: str, WHOLE: int}.get(unit, (int, float))
         if isinstance(value, bool) or not isinstance(value, kinds):
             wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
-            raise WrongJob(f"{where}: must be {wanted.get(unit, f'a number in {unit}')}; "
-                           f"got {value!r}.")  # fmt: skip
+            kind = wanted.get(unit, f"a number in {unit}")
+            raise WrongJob(f"{where}: must be {kind}; got {shown(value)}.")
         values[key] = float(np.radians(value)) if key != name else value
     for key in needed:
         if key not in values:
@@ -212,7 +275,9 @@ def _read_section(given):
         kind = row.pop("kind", None)
         _one_of(f"[{where}] kind", kind, PIECES)
         make, units = PIECES[kind]
-        pieces.append(make(**_read(where, row, units, units)))
+        sizes = _read(where, row, units, units)
+        with _said_of(where):
+            pieces.append(make(**sizes))
     return {"shape": shape, "pieces": tuple(pieces)}
 
 
@@ -238,7 +303,7 @@ def _one_of(where, word, words):
     """Refuse a word that isn't one of those known."""
     if not isinstance(word, str) or word not in words:
         *others, last = (f'"{each}"' for each in words)
-        raise WrongJob(f"{where}: must be {', '.join(others)} or {last}; got {word!r}.")
+        raise WrongJob(f"{where}: must be {', '.join(others)} or {last}; got {shown(word)}.")
 
 
 def _hint(name, known):

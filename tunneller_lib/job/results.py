@@ -2,22 +2,49 @@
 
 import csv
 import io
+from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
-from ..ream import budget
+from ..ream import Cut, budget
 from .atomic_write import write
+from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl, vtp, wall_solid, wall_surface
-from .tables import knots_csv, setpoints_csv, setvalues_csv
+from .reader import Job
 
 WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
+SUMMARY = (
+    "knots",
+    "setpoints",
+    "ticks",
+    "laps",
+    "lap_time_s",
+    "removed_m3",
+    "overbreak_m",
+    "underbreak_m",
+    "faults",
+    "warnings",
+)
 
 
-def summarise(job, cut, say=None):
+def _summary(name, value):
+    """Return `value`, which must be a dict as `summarise` makes it."""
+    if not isinstance(value, dict) or tuple(value) != SUMMARY:
+        raise ValueError(f"{name}: must be a dict from summarise; got {shown(value)}.")
+    return value
+
+
+Summary = Annotated[dict, Rule("dict", _summary)]
+
+
+@checked
+def summarise(job: Job, cut: Cut, say: Callable | None = None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
@@ -41,7 +68,8 @@ def summarise(job, cut, say=None):
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.halved_by, float(f.factor))
         for f in budget(plan, *job.axes, pose=job.error, say=say)
     ]
-    over, under = max(float(cut.deviation.max()), 0.0), max(float(-cut.deviation.min()), 0.0)
+    over = max(float(cut.deviation.max()), 0.0)
+    under = max(float(-cut.deviation.min()), 0.0)
     return {
         "knots": len(plan.knots),
         "setpoints": len(plan.s) - 1,
@@ -58,21 +86,27 @@ def summarise(job, cut, say=None):
 
 def _warnings(job, over, under):
     """Return sentences about a cut that is hardly what was meant; sizes in mm, perhaps."""
-    depth, tolerance = job.machine["depth"], job.plan["tolerance"]
+    depth = job.machine["depth"]
+    tolerance = job.plan["tolerance"]
     found = []
     if tolerance >= depth:
-        found.append(f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
-                     "are all sizes in metres?")  # fmt: skip
+        found.append(
+            f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
+            "are all sizes in metres?"
+        )
     for name, worst in (("over", over), ("under", under)):
         if worst > WORSE * tolerance:
-            found.append(f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} "
-                         f"times the tolerance of {1e3 * tolerance:g} mm.")  # fmt: skip
+            found.append(
+                f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
+                f"tolerance of {1e3 * tolerance:g} mm."
+            )
     return found
 
 
 def _coarse(job, cut):
     """Return sentences about rays so far apart that a groove may meet one alone."""
-    radius, depth = job.machine["cutter_radius"], job.machine["depth"]
+    radius = job.machine["cutter_radius"]
+    depth = job.machine["depth"]
     half = np.sqrt(depth * (2 * radius - depth))
     sizes = {
         "along": np.ptp(cut.centres[:, 0]) + 2 * radius,
@@ -86,7 +120,8 @@ def _coarse(job, cut):
     ]
 
 
-def told(numbers):
+@checked
+def summary_text(numbers: Summary):
     """Return what `summarise` found as lines for people, lengths in mm."""
     lines = [
         f"{numbers['knots']} knots, {numbers['setpoints']} set-points, {numbers['ticks']} ticks",
@@ -109,7 +144,8 @@ def told(numbers):
     return "\n".join(lines)
 
 
-def write_all(job, cut, folder, numbers, say):
+@checked
+def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable):
     """Write the files of a job into a folder, but pictures.
 
     Parameters
@@ -118,7 +154,7 @@ def write_all(job, cut, folder, numbers, say):
         What was asked for.
     cut : Cut
         The simulated job.
-    folder : path-like
+    folder : pathlib.Path
         Made where it is missing; files of these names are replaced.
     numbers : dict
         From `summarise`, for the table of the error budget.
@@ -130,7 +166,7 @@ def write_all(job, cut, folder, numbers, say):
     files : list of str
         Their paths.
     """
-    plan, folder = job.planned, Path(folder)
+    plan = job.planned
     curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
     makers = {
         "budget.csv": lambda: _table(numbers["faults"]),

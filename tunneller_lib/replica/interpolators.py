@@ -5,16 +5,35 @@ for `time_bresenham`. They return the set-values (..., ticks + 1) that a control
 some of them no whole counts.
 """
 
+from typing import Literal
+
 import numpy as np
 
-from ..arguments import finite, positive, whole
-from ..motion.interpolate import checked_ends, checked_move, time_bresenham
+from ..arguments import Duration, Finite, Whole, Wholes, checked, whole
+from ..motion.interpolate import HIGH, LOW, time_bresenham
 
 ONE = 1 << 16  # of a fixed-point number with 16 fractional bits
 FIXED_RANGE = (1 << 15) - 1  # its largest whole part
+MOST_STEPS = 100_000  # ticks, where they are taken one by one
+MOST_VALUES = 50_000_000  # of all moves together
+SHORTEST, LONGEST = 1e-15, 1e15  # s of the listing: its slope is a number in single precision
+
+Counts = Wholes("(...) int", LOW, HIGH)
+Ticks = Whole(1, HIGH)
+Steps = Whole(1, MOST_STEPS)
 
 
-def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
+@checked
+def listing(
+    t1: Finite,
+    t2: Finite,
+    y1: Counts,
+    y2: Counts,
+    T: Duration,
+    *,
+    division: Literal["floor", "truncate"] = "floor",
+    precision: Literal["double", "single"] = "double",
+):
     """Return what the document's listing stores: times and set-values.
 
     Parameters
@@ -28,7 +47,7 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
     division : {"floor", "truncate"}
         What stands for ``floor``: the listing's comment, "simulate int division command of modern
         CPUs", suggests the truncating division of most processors.
-    precision : numpy dtype
+    precision : {"double", "single"}
         Of slope and error term.
 
     Returns
@@ -41,7 +60,7 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
     Raises
     ------
     ValueError
-        If times or sampling time can't be used, or `division` is another word.
+        If times or sampling time can't be used, or there are more than 100 000 samples.
 
     Notes
     -----
@@ -55,74 +74,75 @@ def listing(t1, t2, y1, y2, T, *, division="floor", precision=np.float64):
     >>> listing(0, 10, 5, 30, 0.5)[1][-1]
     np.float64(55.0)
     """
-    t1, t2, T = finite("t1", t1), finite("t2", t2), positive("T", T)
     if t2 <= t1:
         raise ValueError(f"t2: must be later than t1 = {t1:g} s; got {t2!r}.")
-    if division not in ("floor", "truncate"):
-        raise ValueError(f'division: must be "floor" or "truncate"; got {division!r}.')
-    t = t1 + T * np.arange(int((t2 - t1) / T * (1 + 1e-12)) + 1)
-    chop = np.floor if division == "floor" else np.trunc
-    y1, k = checked_ends(y1, y2, ("y1", "y2"))
-    nx = (np.asarray(k, precision) / precision(t2 - t1)).astype(precision)
-    nxi = chop(nx)
-    y = np.broadcast_to(y1, nx.shape).astype(float)
-    e = np.zeros_like(nx)
-    stored = []
-    for _ in t:
-        carry = e > 0.5
-        y = y + carry
-        e = e - carry.astype(precision)
-        stored.append(y)
-        y = y + nxi
-        e = e + nx - nxi  # in the listing's order: e + (nx - nxi) rounds otherwise
-    return t, np.stack(stored, axis=-1)
+    if not SHORTEST <= t2 - t1 <= LONGEST:
+        raise ValueError(
+            f"t2: must be later than t1 by {SHORTEST:g} to {LONGEST:g} s; got {t2 - t1:g} s."
+        )
+    samples = (t2 - t1) / T * (1 + 1e-12)  # a last one that rounding would put off is meant
+    if not samples <= MOST_STEPS:
+        raise ValueError(
+            f"T: must part {t2 - t1:g} s into at most {MOST_STEPS} ticks; got {T:g} s."
+        )
+    t = t1 + T * np.arange(int(samples) + 1)
+    difference = _difference(y1, y2, t.size, "y2 - y1")
+    return t, _listed(t.size, t2 - t1, y1, difference, division, precision)
 
 
-def printed_listing(start, stop, ticks):
+@checked
+def printed_listing(start: Counts, stop: Counts, ticks: Steps):
     """Return the set-values of the listing with a second a tick, in double precision."""
-    return listing(0, ticks, start, stop, 1)[1]
+    return _listed(ticks + 1, ticks, start, _difference(start, stop, ticks), "floor", "double")
 
 
-def single_listing(start, stop, ticks):
+@checked
+def single_listing(start: Counts, stop: Counts, ticks: Steps):
     """Return the set-values of the listing with a second a tick, in single precision."""
-    return listing(0, ticks, start, stop, 1, precision=np.float32)[1]
+    return _listed(ticks + 1, ticks, start, _difference(start, stop, ticks), "floor", "single")
 
 
-def single_dda(start, stop, ticks):
+@checked
+def single_dda(start: Counts, stop: Counts, ticks: Steps):
     """Return the set-values of a digital differential analyser in single precision.
 
     Section 4.1: "consecutively adding a value to y", so that rounding errors add up; what is sent
     for (start, stop, ticks) is the sum rounded to the nearest count.
     """
-    start, difference, ticks = checked_move(start, stop, ticks)
+    difference = _difference(start, stop, ticks)
     step = (difference / ticks).astype(np.float32)
-    value, sums = np.broadcast_to(start, difference.shape).astype(np.float32), []
+    value = np.broadcast_to(start, difference.shape).astype(np.float32)
+    sums = []
     for _ in range(ticks + 1):
         sums.append(value)
         value = value + step
     return np.floor(np.stack(sums, axis=-1).astype(float) + 0.5)
 
 
-def fixed_rounded(start, stop, ticks):
+@checked
+def fixed_rounded(start: Counts, stop: Counts, ticks: Ticks):
     """Return the set-values in fixed point, 16 bits each side, slope and value rounded."""
     return _fixed(start, stop, ticks, ONE // 2)
 
 
-def fixed_truncated(start, stop, ticks):
+@checked
+def fixed_truncated(start: Counts, stop: Counts, ticks: Ticks):
     """Return the set-values in fixed point, 16 bits each side, slope and value cut off."""
     return _fixed(start, stop, ticks, 0)
 
 
-def naive_floor(start, stop, ticks):
+@checked
+def naive_floor(start: Counts, stop: Counts, ticks: Ticks):
     """Return the set-values start + floor(n D / N), with a product and a quotient a tick."""
-    start, difference, ticks = checked_move(start, stop, ticks)
+    difference = _difference(start, stop, ticks)
     n = np.arange(ticks + 1)
     return start[..., None] + np.floor_divide(n * difference[..., None], ticks)
 
 
-def integer_slope(start, stop, ticks):
+@checked
+def integer_slope(start: Counts, stop: Counts, ticks: Ticks):
     """Return the set-values with the slope's whole part alone, its fraction forgotten."""
-    start, difference, ticks = checked_move(start, stop, ticks)
+    difference = _difference(start, stop, ticks)
     return start[..., None] + np.arange(ticks + 1) * (difference // ticks)[..., None]
 
 
@@ -138,8 +158,37 @@ INTERPOLATORS = {
 }
 
 
+def _difference(start, stop, ticks, name="stop - start"):
+    """Return stop - start of moves, which fits 32 bits, as it does in a controller."""
+    difference = whole(name, stop - start, LOW, HIGH)
+    if difference.size * ticks > MOST_VALUES:
+        raise ValueError(
+            f"{name}: {difference.size} moves of {ticks} ticks are more than {MOST_VALUES} values."
+        )
+    return difference
+
+
+def _listed(count, duration, start, difference, division, precision):
+    """Return the listing's set-values (..., count)."""
+    real = {"double": np.float64, "single": np.float32}[precision]
+    chop = {"floor": np.floor, "truncate": np.trunc}[division]
+    nx = (np.asarray(difference, real) / real(duration)).astype(real)
+    nxi = chop(nx)
+    y = np.broadcast_to(start, nx.shape).astype(float)
+    e = np.zeros_like(nx)
+    stored = []
+    for _ in range(count):
+        carry = e > 0.5
+        y = y + carry
+        e = e - carry.astype(real)
+        stored.append(y)
+        y = y + nxi
+        e = e + nx - nxi  # in the listing's order: e + (nx - nxi) rounds otherwise
+    return np.stack(stored, axis=-1)
+
+
 def _fixed(start, stop, ticks, half):
-    start, difference, ticks = checked_move(start, stop, ticks)
+    difference = _difference(start, stop, ticks)
     whole("start", start, -FIXED_RANGE, FIXED_RANGE)
     whole("stop", start + difference, -FIXED_RANGE, FIXED_RANGE)
     whole("stop - start", difference, -FIXED_RANGE, FIXED_RANGE)

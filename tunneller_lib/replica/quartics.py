@@ -10,6 +10,16 @@ from ..exact import dot
 from ..surfaces import Torus
 from ..surfaces.torus_line import check_differ
 
+FARTHEST = 1e30  # m, whose eighth power is a number
+MOST_ROOTS = 100
+
+
+def _check_reach(torus, *points):
+    """Raise ValueError where a torus or a point is too large for products of eight lengths."""
+    size = max(torus.r, torus.R, *(np.abs(p).max(initial=0.0) for p in points))
+    if size > FARTHEST:
+        raise ValueError(f"torus, points: must be at most {FARTHEST:g} m in size; got {size:g} m.")
+
 
 @checked
 def line_quartic(torus: Torus, a: Points, b: Points):
@@ -31,10 +41,15 @@ def line_quartic(torus: Torus, a: Points, b: Points):
     -----
     Corrected: T2 has 4 t3^2 (printed 2 t3^2) and T0 has t2^2 (printed t2).
     """
+    _check_reach(torus, a, b)
+    a, b = np.broadcast_arrays(a, b)
     u = b - a
-    t4, t3 = dot(u, u), dot(a, u)
+    t4 = dot(u, u)
+    t3 = dot(a, u)
     t2 = dot(a, a) - torus.r**2 - torus.R**2
-    ring, a2, u2 = 4 * torus.r**2, a[..., 1], u[..., 1]
+    ring = 4 * torus.r**2
+    a2 = a[..., 1]
+    u2 = u[..., 1]
     return np.stack(
         [
             t4**2,
@@ -80,9 +95,13 @@ def foot_quartic(torus: Torus, m: Points):
     (r^2 - R^2)^2 before its first bracket, no m3^2 behind it, and (r^2 - R^2) within its last.
     Written in s = m1^2 + m3^2, in which all three are polynomials.
     """
+    _check_reach(torus, m)
     m1, m2, m3 = np.moveaxis(m, -1, 0)
-    rr, RR = torus.r**2, torus.R**2
-    s, m11, m22 = m1**2 + m3**2, m1**2, m2**2
+    rr = torus.r**2
+    RR = torus.R**2
+    s = m1**2 + m3**2
+    m11 = m1**2
+    m22 = m2**2
     nu4 = (s - rr) ** 2 + 2 * (s + rr) * m22 + m22**2
     nu2 = (rr + RR) * (s - rr) ** 2 + (2 * rr + RR) * (s + rr) * m22 + rr * m22**2
     nu0 = ((rr - RR) * (s - rr)) ** 2 + 2 * rr * (rr - RR) * (s + rr) * m22 + (rr * m22) ** 2
@@ -116,11 +135,15 @@ def real_roots(coefficients: Polynomials, *, threshold: NotNegative = 2.0**-26):
     roots : (..., n) float
         Real parts of eigenvalues of the companion matrix.
     """
+    n = coefficients.shape[-1] - 1
+    if not 1 <= n <= MOST_ROOTS:
+        raise ValueError(
+            f"coefficients: must be of a degree from 1 to {MOST_ROOTS}; got degree {n}."
+        )
     with np.errstate(all="ignore"):
         monic = coefficients[..., 1:] / coefficients[..., :1]
     finite = np.all(np.isfinite(monic), axis=-1, keepdims=True)
     monic = np.where(finite, monic, 0)
-    n = monic.shape[-1]
     companion = np.zeros((*monic.shape[:-1], n, n))
     companion[..., np.arange(1, n), np.arange(n - 1)] = 1
     companion[..., :, -1] = -monic[..., ::-1]

@@ -9,6 +9,9 @@ other processors, and hard lines are hard in their last bits.
 
 import numpy as np
 
+from ..arguments import Whole, checked
+
+Count = Whole(1, 1_000_000)
 TRIPLES = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # x^2 + y^2 = 65^2
 
 
@@ -17,6 +20,7 @@ def _rotations(rng, n):
     w, x, y, z = rng.integers(-9, 10, (4, n))
     w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
     N = w * w + x * x + y * y + z * z
+    # The quaternion (w, x, y, z) as a rotation, its rows times N.
     rows = [[N - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
             [2 * (x * y + w * z), N - 2 * (x * x + z * z), 2 * (y * z - w * x)],
             [2 * (x * z - w * y), 2 * (y * z + w * x), N - 2 * (x * x + y * y)]]  # fmt: skip
@@ -46,23 +50,26 @@ def _some(rng, n):
     return u
 
 
-def whole_rims(rng, n):
+@checked
+def whole_rims(rng: np.random.Generator, n: Count):
     """Lines of any direction through points that are exactly on a rim."""
     a, b, radius, _, rim, _ = _whole_rods(rng, n)
     upper = rng.random(n)[:, None] < 0.5
     return _as_lines(a, b, radius, rim + np.where(upper, b - a, 0), _some(rng, n))
 
 
-def far_rims(rng, n):
+@checked
+def far_rims(rng: np.random.Generator, n: Count):
     """The same far from the origin, at any scale."""
     a, b, radius, p, u = whole_rims(rng, n)
     away = rng.integers(-(2**30), 2**30, (n, 3))
     scale = 2.0 ** rng.integers(-60, 60, n)
-    return (a + away) * scale[:, None], (b + away) * scale[:, None], radius * scale, \
-        (p + away) * scale[:, None], u  # fmt: skip
+    a, b, p = ((point + away) * scale[:, None] for point in (a, b, p))
+    return a, b, radius * scale, p, u
 
 
-def tangents(rng, n):
+@checked
+def tangents(rng: np.random.Generator, n: Count):
     """Lines that touch the wall in one point."""
     a, b, radius, matrix, rim, normal = _whole_rods(rng, n)
     side = np.cross(matrix[..., 2], normal)
@@ -71,7 +78,8 @@ def tangents(rng, n):
     return _as_lines(a, b, radius, rim + matrix[..., 2] * rng.integers(0, 2, n)[:, None], u)
 
 
-def rulings(rng, n):
+@checked
+def rulings(rng: np.random.Generator, n: Count):
     """Lines along the wall: in it, and beside it by what a float can tell."""
     a, b, radius, matrix, rim, _ = _whole_rods(rng, n)
     lines = list(_as_lines(a, b, radius, rim, matrix[..., 2] * rng.choice([-3, 1], n)[:, None]))
@@ -79,7 +87,8 @@ def rulings(rng, n):
     return tuple(lines)
 
 
-def end_planes(rng, n):
+@checked
+def end_planes(rng: np.random.Generator, n: Count):
     """Lines in an end's plane, through a point of its rim."""
     a, b, radius, matrix, rim, _ = _whole_rods(rng, n)
     turn = rng.integers(-9, 10, (2, n, 1))
@@ -88,21 +97,22 @@ def end_planes(rng, n):
     return _as_lines(a, b, radius, rim + np.where(rng.random(n)[:, None] < 0.5, b - a, 0), u)
 
 
-def rim_tangents(rng, n):
+@checked
+def rim_tangents(rng: np.random.Generator, n: Count):
     """Lines that touch a rim in one point, in the end's plane."""
     a, b, radius, matrix, rim, normal = _whole_rods(rng, n)
     return _as_lines(a, b, radius, rim, np.cross(matrix[..., 2], normal))
 
 
-def along_an_axis(rng, n):
+@checked
+def along_an_axis(rng: np.random.Generator, n: Count):
     """Rods along x, y or z, lines along another or the same, at whole distances."""
     reach = rng.integers(1, 9, n) * 65
     axes = rng.integers(0, 3, (2, n))
     unit = np.eye(3, dtype=int)
     a = rng.integers(-99, 100, (n, 3))
     b = a + unit[axes[0]] * rng.integers(1, 400, n)[:, None]
-    off = np.roll(np.pad(TRIPLES[rng.integers(0, 5, n)] * (reach // 65)[:, None],
-                         ((0, 0), (1, 0))), 0, axis=1)  # fmt: skip
+    off = np.pad(TRIPLES[rng.integers(0, 5, n)] * (reach // 65)[:, None], ((0, 0), (1, 0)))
     off = np.stack([np.roll(row, k) for row, k in zip(off, axes[0], strict=True)])
     return _as_lines(a, b, reach, a + off, unit[axes[1]] * rng.choice([-2, 1], n)[:, None])
 
@@ -134,21 +144,24 @@ def _float_rods(rng, n):
     return a, a + v, radius, side * radius[:, None]
 
 
-def float_rims(rng, n):
+@checked
+def float_rims(rng: np.random.Generator, n: Count):
     """Lines through a rim as near as floats come to it, axes and directions of full mantissa."""
     a, b, radius, side = _float_rods(rng, n)
-    return a, b, radius, np.where(rng.random(n)[:, None] < 0.5, a, b) + side, \
-        rng.normal(size=(n, 3))  # fmt: skip
+    p = np.where(rng.random(n)[:, None] < 0.5, a, b) + side
+    return a, b, radius, p, rng.normal(size=(n, 3))
 
 
-def vertical_lines(rng, n):
+@checked
+def vertical_lines(rng: np.random.Generator, n: Count):
     """The document's setting: lines along z, through the upper rim of a leaning rod."""
     a, b, radius, side = _float_rods(rng, n)
     up = np.where((b - a)[:, 2:] > 0, b, a)
     return a, b, radius, up + side, np.broadcast_to([0.0, 0.0, 1.0], (n, 3)).copy()
 
 
-def nearly_parallel(rng, n):
+@checked
+def nearly_parallel(rng: np.random.Generator, n: Count):
     """Lines through a rim that lean against the axis by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
     lean = _sizes(rng, -16, -3, n)[:, None] * rng.normal(size=(n, 3))
@@ -156,22 +169,26 @@ def nearly_parallel(rng, n):
     return a, b, radius, a + side, v + lean * _lengths(v)[:, None]
 
 
-def nearly_vertical(rng, n):
+@checked
+def nearly_vertical(rng: np.random.Generator, n: Count):
     """Lines along z through the rims of rods whose axes run 1e-14 to 1e-9 of the radius."""
-    radius, upright = _sizes(rng, -6, 6, n), np.array([0.0, 0.0, 1.0])
-    towards, across = _on_circle(rng, n), _on_circle(rng, n)
-    run, rise = _sizes(rng, -14, -9, n), rng.choice([-1, 1], n) * _sizes(rng, -1, 4, n)
+    radius = _sizes(rng, -6, 6, n)
+    towards = _on_circle(rng, n)
+    across = _on_circle(rng, n)
+    run = _sizes(rng, -14, -9, n)
+    rise = rng.choice([-1, 1], n) * _sizes(rng, -1, 4, n)
     v = radius[:, None] * np.concatenate([run[:, None] * towards, rise[:, None]], axis=-1)
     # About the origin no digit of the tilt is lost; the other half is anywhere.
     a = radius[:, None] * rng.normal(size=(n, 3)) * rng.integers(0, 2, n)[:, None]
     b = a + v
     side = np.cross(b - a, np.pad(across, ((0, 0), (0, 1))))
     side *= (radius / _lengths(side))[:, None]
-    return a, b, radius, np.where(rng.random(n)[:, None] < 0.5, a, b) + side, \
-        np.broadcast_to(upright, (n, 3)).copy()  # fmt: skip
+    p = np.where(rng.random(n)[:, None] < 0.5, a, b) + side
+    return a, b, radius, p, np.broadcast_to([0.0, 0.0, 1.0], (n, 3)).copy()
 
 
-def very_short(rng, n):
+@checked
+def very_short(rng: np.random.Generator, n: Count):
     """Lines of any direction through the rims of rods 1e-16 to 1e-9 of their radius long."""
     radius = _sizes(rng, -6, 6, n)
     v = rng.normal(size=(n, 3))
@@ -183,7 +200,8 @@ def very_short(rng, n):
     return a, a + v, radius, np.where(rng.random(n)[:, None] < 0.5, a, a + v) + side, u
 
 
-def nearly_level(rng, n):
+@checked
+def nearly_level(rng: np.random.Generator, n: Count):
     """Lines through a rim that lean against the end's plane by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
     v = b - a
@@ -192,7 +210,8 @@ def nearly_level(rng, n):
     return a, b, radius, b + side, across + lean
 
 
-def from_far(rng, n):
+@checked
+def from_far(rng: np.random.Generator, n: Count):
     """Lines through a rim, given by a point up to 1e9 sizes away."""
     a, b, radius, p, u = float_rims(rng, n)
     u /= _lengths(u)[:, None]
@@ -200,7 +219,8 @@ def from_far(rng, n):
     return a, b, radius, p + u * (size * _sizes(rng, 0, 9, n))[:, None], u
 
 
-def degenerate(rng, n):
+@checked
+def degenerate(rng: np.random.Generator, n: Count):
     """Rods without length or radius, met by lines through their ends."""
     a, b, radius, p, u = whole_rims(rng, n)
     which = rng.integers(0, 3, n)
@@ -210,7 +230,19 @@ def degenerate(rng, n):
 
 
 GENERATORS = (
-    whole_rims, far_rims, tangents, rulings, end_planes, rim_tangents, along_an_axis, float_rims,
-    vertical_lines, nearly_parallel, nearly_vertical, nearly_level, very_short, from_far,
+    whole_rims,
+    far_rims,
+    tangents,
+    rulings,
+    end_planes,
+    rim_tangents,
+    along_an_axis,
+    float_rims,
+    vertical_lines,
+    nearly_parallel,
+    nearly_vertical,
+    nearly_level,
+    very_short,
+    from_far,
     degenerate,
-)  # fmt: skip
+)

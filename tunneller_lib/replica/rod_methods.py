@@ -30,11 +30,11 @@ def crossings(
     Parameters
     ----------
     a, b : (..., 3) float
-        Ends of the axes.
+        Ends of the axes, in m.
     radius : (...) float
-        Of the rods, whose ends are flat.
+        Of the rods, whose ends are flat, in m.
     point, direction : (..., 3) float
-        The lines.
+        One point of each line, in m, and its direction.
     epsilon : float
         By how much the three surfaces are extended.
 
@@ -47,10 +47,14 @@ def crossings(
     """
     check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
-    vsq, vz, vq, wide = dot(v, v), dot(along, v), dot(q, v), radius + epsilon
+    vsq = dot(v, v)
+    vz = dot(along, v)
+    vq = dot(q, v)
+    wide = radius + epsilon
     with np.errstate(all="ignore"):
         low, high, _ = _wall(q, v, vz, radius)
-        za, zb = -vq / vz, (vsq - vq) / vz
+        za = -vq / vz
+        zb = (vsq - vq) / vz
         accepted = [_within(vq + vz * z, vsq, epsilon) for z in (low, high)]
         for z, centre in ((za, 0.0), (zb, v)):
             off = q + z[..., None] * along - centre
@@ -97,23 +101,32 @@ def slab(a: Points, b: Points, radius: Lengths, point: Points, direction: Direct
     """
     check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
-    vsq, vz, vq = dot(v, v), dot(along, v), dot(q, v)
+    vsq = dot(v, v)
+    vz = dot(along, v)
+    vq = dot(q, v)
     with np.errstate(all="ignore"):
         low, high, inside = _wall(q, v, vz, radius)
-        low, high = np.where(inside, -np.inf, low), np.where(inside, np.inf, high)
-        za, zb = -vq / vz, (vsq - vq) / vz
+        low = np.where(inside, -np.inf, low)
+        high = np.where(inside, np.inf, high)
+        za = -vq / vz
+        zb = (vsq - vq) / vz
+        # A line that is level with the planes is between them everywhere or nowhere.
         level = (vz == 0) & (0 <= vq) & (vq <= vsq)
         first = np.where(level, -np.inf, np.minimum(za, zb))
         last = np.where(level, np.inf, np.maximum(za, zb))
-        enter, leave = np.maximum(low, first), np.minimum(high, last)
+        enter = np.maximum(low, first)
+        leave = np.minimum(high, last)
         hit = (enter <= leave) & (vsq > 0)  # a rod of no length is empty
     enter = np.where(hit, (enter - shift) / speed, np.inf)
     return enter[()], np.where(hit, (leave - shift) / speed, -np.inf)[()]
 
 
 METHODS = {
-    "exact": meet_rods, "slab": slab, "three-surfaces": three_surfaces, "epsilon": epsilon_fix
-}  # fmt: skip
+    "exact": meet_rods,
+    "slab": slab,
+    "three-surfaces": three_surfaces,
+    "epsilon": epsilon_fix,
+}
 
 
 def _setting(a, b, point, direction):
@@ -127,12 +140,13 @@ def _setting(a, b, point, direction):
 
 def _wall(q, v, vz, radius):
     """Return both roots of the printed quadratic, and whether it has none but holds everywhere."""
-    vsq, vq = dot(v, v), dot(q, v)
-    A, B = vz * vz - vsq, vq * vz
+    vsq = dot(v, v)
+    vq = dot(q, v)
+    A = vz * vz - vsq  # as printed: it cancels along the axis, the fault that is shown here
+    B = vq * vz
     C = vq * vq + radius * radius * vsq - dot(q, q) * vsq
     root = np.sqrt(B * B - A * C)
-    low, high = (-B + root) / A, (-B - root) / A
-    return low, high, (A == 0) & (C >= 0)
+    return (-B + root) / A, (-B - root) / A, (A == 0) & (C >= 0)
 
 
 def _within(height, vsq, epsilon):

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 import PIL.Image
 
-from ..job.atomic_write import beside
+from ..job.atomic_write import replacement
 from .style import ERROR_MAP
 
 # The viewer takes the page's element of the class content, or else all of its body.
@@ -38,7 +38,7 @@ def write(path, content):
     """
     writers = {".html": _html, ".png": _png, ".gif": _gif}
     path = Path(path)
-    with beside(path) as new:
+    with replacement(path) as new:
         writers[path.suffix](new, content)
     return path
 

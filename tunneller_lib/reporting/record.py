@@ -8,17 +8,16 @@ import io
 import json
 import os
 import re
+import sys
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 import PIL.Image
-from IPython import get_ipython
-from IPython.display import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.mathtext import MathTextParser
 
-from ..job.atomic_write import beside
+from ..job.atomic_write import replacement
 from .digits import cell, decimals_of, exponent, number, significant, steady
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -170,7 +169,7 @@ class Record:
     def _merge(self, kind, name, entry):
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
         content = json.loads(file.read_text()) if file.exists() else {}
-        if shell := get_ipython():  # run from top to bottom, the inputs so far are the code cells
+        if shell := _shell():  # run from top to bottom, the inputs so far are the code cells
             entry = entry | {"cell": len(shell.user_ns["In"]) - 1}
         content.setdefault(kind, {})[name] = entry
         text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
@@ -182,8 +181,19 @@ def preview(picture, alt=""):
 
     A drawing keeps the resolution of what is shown.
     """
+    from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
+
     small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
     return Image(small(picture), format="png", width=PREVIEW, alt=alt)
+
+
+def _shell():
+    """Return the shell of a notebook that runs this, or None; IPython isn't imported for that."""
+    if "IPython" not in sys.modules:
+        return None
+    from IPython import get_ipython
+
+    return get_ipython()
 
 
 def _stored(name, value, decimals):
@@ -232,5 +242,5 @@ def _narrowed(pixels, width):
 
 
 def _replace(path, content):
-    with beside(path) as new:
+    with replacement(path) as new:
         new.write_bytes(content)

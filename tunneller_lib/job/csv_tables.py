@@ -5,35 +5,37 @@ In metres, radians and whole counts; the head of each says which.
 
 import numpy as np
 
-from ..arguments import instance
+from ..arguments import checked, shown
 from ..motion.export import csv
 from ..ream import Plan
 
 JOINTS = "theta", "phi"
 
 
-def knots_csv(plan):
+@checked
+def knots_csv(plan: Plan):
     """Return the knots of a plan as a table: arc lengths in m and joint positions in counts."""
-    circuit = instance("plan", plan, Plan).circuit
-    counts = np.rint(circuit.position(plan.knots) / plan.count).astype(np.int64)
+    counts = np.rint(plan.circuit.position(plan.knots) / plan.count).astype(np.int64)
     places = [[repr(float(s))] for s in plan.knots]
     what = "knots: s in m along the offset section, theta and phi in counts"
     return _described(plan, what, _columns(["knot", "s", *JOINTS], places, counts))
 
 
-def setpoints_csv(plan):
+@checked
+def setpoints_csv(plan: Plan):
     """Return the set-points of a lap as a table, whole numbers: ticks of each move and its end.
 
     The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
     """
-    ticks = np.append(0, instance("plan", plan, Plan).ticks)[:, None].tolist()
+    ticks = np.append(0, plan.ticks)[:, None].tolist()
     what = "set-points of a lap: ticks of the move to each, theta and phi in counts"
     return _described(plan, what, _columns(["setpoint", "ticks", *JOINTS], ticks, plan.counts))
 
 
-def setvalues_csv(plan):
+@checked
+def setvalues_csv(plan: Plan):
     """Return the set-values of a lap as a table, whole numbers: tick and joint positions."""
-    values = np.rint(instance("plan", plan, Plan).setvalues / plan.count).astype(np.int64)
+    values = np.rint(plan.setvalues / plan.count).astype(np.int64)
     what = "set-values of a lap: theta and phi in counts"
     return _described(plan, what, csv(values, JOINTS).replace(" ", ","))
 
@@ -46,13 +48,18 @@ def _columns(names, left, counts):
 
 def _described(plan, what, text):
     """Return a table under the lines that say what it is."""
-    return "".join(f"# {line}\n" for line in (
-        what, f"tick_s = {plan.tick!r}", f"count_rad = {plan.count!r}", f"laps = {plan.laps}",
+    head = [
+        what,
+        f"tick_s = {plan.tick!r}",
+        f"count_rad = {plan.count!r}",
+        f"laps = {plan.laps}",
         f"advance_m = {plan.advance!r}",
-    )) + text  # fmt: skip
+    ]
+    return "".join(f"# {line}\n" for line in head) + text
 
 
-def read_csv(text):
+@checked
+def read_csv(text: str):
     """Return a table as it was written: by `knots_csv`, `setpoints_csv` or `setvalues_csv`.
 
     Parameters
@@ -70,16 +77,29 @@ def read_csv(text):
     Raises
     ------
     ValueError
-        If a row has another length than the heading, or holds no numbers.
+        If there is no heading, a name stands twice in it, a row has another length, or something
+        is no number.
     """
     head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
-    about = {name: float(value) for name, value in (pair for pair in head if len(pair) == 2)}
+    about = {name: _number(name, value) for name, value in (p for p in head if len(p) == 2)}
     lines = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
-    for number, row in enumerate(lines[1:], start=1):
-        if len(row) != len(lines[0]):
-            raise ValueError(f"text: row {number} has {len(row)} numbers under {len(lines[0])} "
-                             "names.")  # fmt: skip
+    if not lines:
+        raise ValueError("text: must have a heading; got none.")
+    names, *rows = lines
+    if len(set(names)) < len(names):
+        raise ValueError(f"text: must name each column once; got {shown(names)}.")
+    for number, row in enumerate(rows, start=1):
+        if len(row) != len(names):
+            raise ValueError(f"text: row {number} has {len(row)} numbers under {len(names)} names.")
     return about, {name: _numbers(name, cells) for name, *cells in zip(*lines, strict=True)}
+
+
+def _number(name, cell):
+    """Return what the head says of a name as a number."""
+    try:
+        return float(cell)
+    except ValueError:
+        raise ValueError(f"text: {shown(name)} must be a number; got {shown(cell)}.") from None
 
 
 def _numbers(name, cells):
@@ -87,6 +107,6 @@ def _numbers(name, cells):
     for kind in (np.int64, np.float64):
         try:
             return np.array(cells, dtype=str).astype(kind)
-        except ValueError:
+        except (ValueError, OverflowError):
             continue
-    raise ValueError(f"text: column {name} must hold numbers; got {cells[:3]}.")
+    raise ValueError(f"text: column {shown(name)} must hold numbers; got {shown(cells[:3])}.")

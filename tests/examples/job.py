@@ -1,0 +1,89 @@
+"""Examples for the room job."""
+
+import tempfile
+from pathlib import Path
+
+from tunneller_lib.job import Job, mesh, read_job, summarise
+from tunneller_lib.paths.circuit import Circuit
+from tunneller_lib.ream import Cut, Plan
+from tunneller_lib.removal import DexelGrid
+from tunneller_lib.surfaces import Egg, Section
+
+_FOLDER = tempfile.TemporaryDirectory()
+_NEW = Path(_FOLDER.name, "new.txt")
+_JOB = Path(_FOLDER.name, "job.toml")
+_JOB.write_text(  # coarse enough to be simulated in no time
+    """
+[machine]
+r = 0.08
+R = 0.80
+theta_min_deg = -60
+theta_max_deg = 35
+phi_min_deg = -40
+phi_max_deg = 40
+cutter_radius = 0.20
+depth = 0.02
+height = -0.36
+
+[section]
+shape = "egg"
+a = 0.5
+
+[limits]
+feed = 2.0
+acceleration = 20
+
+[plan]
+tolerance = 1e-2
+step = 0.2
+tick = 0.02
+count_deg = 0.0054931640625
+rest = 0.02
+
+[controller]
+plant = "T0"
+gain = 10
+feedforward = 1
+delay = 1
+
+[wall]
+along = 4
+around = 12
+""",
+    encoding="utf-8",
+)
+_job = read_job(_JOB)
+_cut = _job.simulated()
+_circuit = _job.planned.circuit
+
+INSTANCES = {
+    Circuit: _circuit,
+    Cut: _cut,
+    DexelGrid: _cut.wall,
+    Job: _job,
+    mesh.Mesh: mesh.wall_solid(_cut.wall),
+    Path: _NEW,
+    Plan: _job.planned,
+    Section: Egg(0.5),
+}
+
+_results = {
+    "job": _job,
+    "cut": _cut,
+    "folder": Path(_FOLDER.name, "cut"),
+    "numbers": summarise(_job, _cut),
+    "say": lambda text: None,
+}
+
+CALLS = {
+    "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
+    "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
+    "mesh.wall_solid": {"wall": _cut.wall},
+    "mesh.wall_surface": {"wall": _cut.wall, "circuit": _circuit},
+    "atomic_write.write": {"content": "text"},
+    "read_job": {"path": _JOB},
+    "say": {"text": "done"},
+    "summarise": {"job": _job, "cut": _cut},
+    "summary_text": {"numbers": _results["numbers"]},
+    "write_all": _results,
+}
