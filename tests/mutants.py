@@ -51,7 +51,7 @@ HEAVY = (
 ).split()
 # Pictures, pages and files are looked at or compared, and hold no formula; of that room only the
 # way of the numbers into the report is altered.
-LEFT_OUT = re.compile(r".*/__\w+__\.py|.*/reporting/(?!digits|record|sweep).*")
+LEFT_OUT = re.compile(r".*/__\w+__\.py|.*/reporting/(?!number_format|record|sweep).*")
 # Tests of the study's form, of its build and of this script: none runs a formula.
 FORM = {
     f"tests/test_{name}.py"

@@ -103,7 +103,7 @@ def parser():
     film = command("animate", run_animate, "write an animation of the cut as a GIF")
     for added, out in ((job, ""), (scene, ".html"), (film, ".gif")):
         added.add_argument("job", type=Path, help="the TOML file")
-        added.add_argument("--out", type=ending(out), metavar=f"FILE{out}" if out else "FOLDER",
+        added.add_argument("--out", type=path_with(out), metavar=f"FILE{out}" if out else "FOLDER",
                            help="under build/ unless told")  # fmt: skip
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
@@ -124,7 +124,7 @@ def parser():
     return whole
 
 
-def ending(suffix):
+def path_with(suffix):
     """Return the type of a path with this suffix; any if it is empty."""
 
     def path(text):
@@ -177,11 +177,12 @@ def read(options, out, *, budget=False):
         raise ValueError("[controller] integral: must be 0 for cut, whose budget has no closed "
                          f"form with it; scene and animate take it; got {integral:g}.")  # fmt: skip
     say("planning ...")
-    plan, start = job.planned, time.monotonic()
+    plan = job.planned
+    start = time.monotonic()
     check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
-    n, m = job.wall["along"], job.wall["around"]
-    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {n} x {m} rays ...")
+    rays = f"{job.wall['along']} x {job.wall['around']} rays"
+    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays} ...")
     cut = job.simulated(say)
     say(f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
         f"{1e3 * np.abs(cut.deviation).max():.2f} mm")  # fmt: skip
@@ -219,7 +220,7 @@ def draw_wall(job, cut, path, say):
         say(f"{path.name} is left out. {said}")
         return []
     say(f"writing {path}")
-    pixels = scene.crop(tunnel_scene.picture(cut, wall=cut.wall, limit=job.limit))
+    pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
     return [str(pictures.write(path, pixels))]
 
 
@@ -234,7 +235,7 @@ def run_scene(options):
     tick = round(options.share * (len(cut.centres) - 1))
     if options.share < 1:
         say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
-    plotter = tunnel_scene.tunnel_scene(cut, tick, limit=job.limit)
+    plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
     return {"files": [str(pictures.write(out, plotter))]}
 
 
@@ -244,9 +245,9 @@ def run_animate(options):
 
     out = options.out or Path("build") / f"{options.job.stem}.gif"
     job, cut = read(options, out)
-    count, width = options.frames, options.width
-    frames = tunnel_scene.frames(cut, count, width=width, limit=job.limit)
-    return {"files": [str(pictures.write(out, counted(frames, count)))]}
+    count = options.frames
+    every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
+    return {"files": [str(pictures.write(out, counted(every, count)))]}
 
 
 def counted(pictures, count):
@@ -266,9 +267,9 @@ def run_atlas(options):
 
     from .job.atomic_write import beside
     from .paths import atlas
-    from .reporting.sweep import sweep
+    from .reporting.sweep import compute_blocks
 
-    files = sweep(
+    files = compute_blocks(
         atlas.survey, atlas.blocks(), options.folder,
         scheduler=options.scheduler, jobs=options.jobs,
     )  # fmt: skip
