@@ -14,8 +14,8 @@ from tunneller_lib.paths import (
     project_chord,
     projected_length,
 )
-from tunneller_lib.reporting.digits import in_words
-from tunneller_lib.reporting.path_plot import look
+from tunneller_lib.reporting import in_words
+from tunneller_lib.reporting.path_plot import path_style
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["README.md", "notebooks/*", "report/sections/geodesics.typ"]
@@ -179,7 +179,7 @@ def test_joint_line_of_no_length_has_none():
 
 
 def test_every_path_has_its_own_look():
-    looks = [look(name) for name in CHORD_PATHS]
+    looks = [path_style(name) for name in CHORD_PATHS]
     for feature in ("color", "ls"):
         assert len({each[feature] for each in looks}) == len(looks)
 

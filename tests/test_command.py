@@ -398,7 +398,7 @@ def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tunneller_lib.reporting.sweep.sweep", stop)
+    monkeypatch.setattr("tunneller_lib.reporting.sweep.compute_blocks", stop)
     code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
     assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
 

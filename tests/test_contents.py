@@ -7,15 +7,8 @@ import tomllib
 import pytest
 
 from report.sources import INDEX, ROOT, notebooks
-from tunneller_lib.reporting import Record, figure
-from tunneller_lib.reporting.contents import (
-    chapters,
-    contents_table,
-    draw_map,
-    ending,
-    filled,
-    printed,
-)
+from tunneller_lib.reporting import Record, contents_table, draw_map, ending, figure
+from tunneller_lib.reporting.chapters import filled, printed, read_chapters
 
 READS = ["notebooks/*", "report/numbers/*"]
 
@@ -44,7 +37,7 @@ def test_findings_are_of_chapters_and_hold_no_typed_result():
 
 
 def test_chapters_ask_and_answer():
-    found = chapters(FOLDER)
+    found = read_chapters(FOLDER)
     assert [c.file for c in found] == [n.name for n in CHAPTERS]
     for chapter in found:
         assert chapter.question.endswith("?") and chapter.found.endswith("."), chapter.file
@@ -59,7 +52,7 @@ def test_contents_table_links_every_chapter():
 def test_ending_tells_the_finding_and_the_ways_on(monkeypatch):
     monkeypatch.delenv("TUNNELLER_RESULTS")  # only to read
     text = ending(Record("08_cone")).data
-    assert chapters(FOLDER)[7].found in text
+    assert read_chapters(FOLDER)[7].found in text
     assert re.findall(r"\]\((\w+)\.ipynb\)", text) == ["00_index", "07_chord", "09_geodesic"]
     first, last = (ending(Record(CHAPTERS[i].stem)).data for i in (0, -1))
     assert first.count(".ipynb)") == last.count(".ipynb)") == 2

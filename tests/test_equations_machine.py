@@ -20,7 +20,7 @@ from tunneller_lib.paths import (
     geodesic_inverse,
     project_chord,
 )
-from tunneller_lib.reporting.machine_model import BODY, machine_model
+from tunneller_lib.reporting.machine_scene import BODY, machine_model
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
 
 MACHINE, EGG = REFERENCE_MACHINE, Egg(0.5)

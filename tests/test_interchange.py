@@ -22,7 +22,7 @@ from tunneller_lib.ream import Limits, carve, plan, standing
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting.pictures import write as write_picture
 from tunneller_lib.reporting.style import ERROR_MAP
-from tunneller_lib.reporting.tunnel_scene import tunnel_scene, wall_mesh
+from tunneller_lib.reporting.tunnel_scene import cut_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 EGG = Egg(0.5)
@@ -281,7 +281,7 @@ def test_png_comes_back(tmp_path):
 
 
 def test_html_scene_loads_nothing_from_elsewhere(cut, tmp_path):
-    text = write_picture(tmp_path / "scene.html", tunnel_scene(cut, wall=cut.wall)).read_text()
+    text = write_picture(tmp_path / "scene.html", cut_scene(cut, wall=cut.wall)).read_text()
     assert len(text) > 500_000  # with program and data inside
     named = set(re.findall(r"""(?:https?|wss?)://[^\s"'`)<>]+""", text))
     # Comments and a base that only parses relative addresses.

@@ -8,9 +8,8 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from tunneller_lib.reporting import Record
-from tunneller_lib.reporting.record import PREVIEW, PRINTED, preview
-from tunneller_lib.reporting.style import figure
+from tunneller_lib.reporting import Record, figure, preview
+from tunneller_lib.reporting.record import PREVIEW, PRINTED
 
 
 @pytest.fixture

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from IPython.display import Image
 
-from tunneller_lib.reporting import figure, scene
-from tunneller_lib.reporting.live_scene import live, refill
-from tunneller_lib.reporting.sliders import ROOM, sliders
+from tunneller_lib.reporting import figure, scene, sliders
+from tunneller_lib.reporting.camera import live, refill
+from tunneller_lib.reporting.interactive import ROOM
 
-SLIDERS = "tunneller_lib.reporting.sliders"
+SLIDERS = "tunneller_lib.reporting.interactive"
 
 
 def draw(**values):
@@ -154,7 +154,7 @@ def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
 
 
 def balls(radius):
-    plotter = scene.scene()
+    plotter = scene.empty()
     plotter.add_mesh(scene.ball((0, 0, 0), 1))
     plotter.add_mesh(scene.ball((2, 0, 0), radius))
     return scene.look(plotter, (1, -2, 1))

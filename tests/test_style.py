@@ -87,5 +87,5 @@ def test_axes_have_no_more_divisions_than_asked_for():
 
 @pytest.mark.parametrize("divisions", [0, -1, 2.5, "five", True])
 def test_figure_refuses_divisions_that_are_none(divisions):
-    with pytest.raises(ValueError, match=r"^divisions: must hold whole numbers from 1 to 20; got"):
+    with pytest.raises(ValueError, match=r"^divisions: must be one whole number from 1 to 20; got"):
         figure(height=7, divisions=divisions)

@@ -9,7 +9,7 @@ import pytest
 
 from tunneller_lib.__main__ import main
 from tunneller_lib.paths import atlas, geodesic_inverse
-from tunneller_lib.reporting.sweep import sweep
+from tunneller_lib.reporting.sweep import compute_blocks
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 FEW = [(0, 8), (12, 3)]
@@ -43,7 +43,7 @@ def test_atlas_covers_every_pair_of_the_joint_limits_up_to_symmetry():
 @pytest.fixture(scope="module")
 def surveyed(tmp_path_factory):
     """Two blocks of the atlas, by two local processes."""
-    return sweep(atlas.survey, FEW, tmp_path_factory.mktemp("here"), jobs=2)
+    return compute_blocks(atlas.survey, FEW, tmp_path_factory.mktemp("here"), jobs=2)
 
 
 def test_survey_tells_what_the_functions_tell(surveyed):
@@ -59,10 +59,10 @@ def test_survey_tells_what_the_functions_tell(surveyed):
 
 def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
     blocks = [(0, k) for k in range(5)]
-    first = sweep(small, blocks[:2], tmp_path, jobs=1)
+    first = compute_blocks(small, blocks[:2], tmp_path, jobs=1)
     first[0].with_name("0-3.part").write_bytes(b"half a block")
     stamps = [file.stat().st_mtime_ns for file in first]
-    files = sweep(small, blocks, tmp_path, jobs=2)
+    files = compute_blocks(small, blocks, tmp_path, jobs=2)
     assert [file.stat().st_mtime_ns for file in files[:2]] == stamps
     for block, table in zip(blocks, loaded(files), strict=True):
         np.testing.assert_array_equal(table, small(block))
@@ -73,12 +73,12 @@ def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
 
 def test_sweep_tells_the_time_to_go_from_its_own_pace(tmp_path, capsys, monkeypatch):
     blocks = [(0, k) for k in range(6)]
-    sweep(small, blocks[:2], tmp_path, jobs=1)
+    compute_blocks(small, blocks[:2], tmp_path, jobs=1)
     clock = iter(range(100, 200, 10))  # ten seconds a block
     monkeypatch.setattr("tunneller_lib.reporting.sweep.time.monotonic", lambda: next(clock))
     capsys.readouterr()
-    monkeypatch.setattr("tunneller_lib.reporting.sweep.cluster", at_once)
-    sweep(small, blocks, tmp_path, scheduler="here")
+    monkeypatch.setattr("tunneller_lib.reporting.sweep._cluster", at_once)
+    compute_blocks(small, blocks, tmp_path, scheduler="here")
     told = capsys.readouterr().err
     assert re.findall(r"blocks, (\d+) s to go", told) == ["30", "20", "10", "0"]
 
@@ -91,14 +91,14 @@ def fails_late(block):
 
 def test_sweep_keeps_the_blocks_that_were_finished(tmp_path):
     with pytest.raises(ArithmeticError):
-        sweep(fails_late, [(0, k) for k in range(4)], tmp_path, jobs=1)
+        compute_blocks(fails_late, [(0, k) for k in range(4)], tmp_path, jobs=1)
     assert sorted(file.name for file in tmp_path.rglob("*.*")) == ["0-0.npy", "0-1.npy", "0-2.npy"]
 
 
 @pytest.mark.parametrize("jobs", [0, -1, 1.5, "2"])
 def test_sweep_refuses_another_number_of_processes(tmp_path, jobs):
-    with pytest.raises(ValueError, match=r"^jobs: must be a whole number of at least 1 process"):
-        sweep(small, [(0, 0)], tmp_path, jobs=jobs)
+    with pytest.raises(ValueError, match=r"^jobs: must be one whole number from 1 to 10000; got"):
+        compute_blocks(small, [(0, 0)], tmp_path, jobs=jobs)
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
@@ -107,7 +107,7 @@ def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveye
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         address = cluster.scheduler_address
-        there = sweep(atlas.survey, FEW, tmp_path / "there", scheduler=address)
+        there = compute_blocks(atlas.survey, FEW, tmp_path / "there", scheduler=address)
     for one, other in zip(loaded(there), loaded(surveyed), strict=True):
         np.testing.assert_array_equal(one, other)
 

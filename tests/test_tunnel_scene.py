@@ -9,16 +9,16 @@ import pytest
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, plan, simulate, standing
-from tunneller_lib.reporting.machine_model import DARK
+from tunneller_lib.reporting.machine_scene import DARK
 from tunneller_lib.reporting.scene import shoot
 from tunneller_lib.reporting.tunnel_scene import (
     OPENED,
     SCALAR,
-    frames,
+    cut_pictures,
+    cut_scene,
     posed_machine,
     stages,
     tunnel_mesh,
-    tunnel_scene,
     wall_mesh,
 )
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -55,12 +55,17 @@ def test_stages_end_with_the_wall_and_begin_with_none_removed(cut):
 
 def test_stages_refuse_what_is_no_run(cut):
     with pytest.raises(ValueError, match=r"^ticks: must ascend; got \[5, 3\]\.$"):
-        list(stages(cut, [5, 3]))
-    for wrong in ([-1], [last(cut) + 1], [0.5]):
+        stages(cut, [5, 3])
+    for wrong in ([-1], [0.5]):
         with pytest.raises(ValueError, match=r"^ticks: must hold whole numbers"):
-            list(stages(cut, wrong))
+            stages(cut, wrong)
+    for wrong in (0, [last(cut) + 1]):
+        with pytest.raises(
+            ValueError, match=r"^ticks: must be whole numbers \(n,\) from 0 to \d+;"
+        ):
+            stages(cut, wrong)
     with pytest.raises(ValueError, match=r"^cut: must be of class Cut"):
-        list(stages(cut.wall, [0]))
+        stages(cut.wall, [0])
 
 
 def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
@@ -110,7 +115,7 @@ def test_posed_machine_has_its_cutter_where_the_simulation_has_it(options):
 
 
 def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
-    early, late = (tunnel_scene(cut, tick, wall=wall) for tick, wall in
+    early, late = (cut_scene(cut, tick, wall=wall) for tick, wall in
                    zip((40, last(cut)), stages(cut, [40, last(cut)]), strict=True))  # fmt: skip
     assert early.camera.position == late.camera.position
     pictures = [shoot(plotter, direction=None).astype(int) for plotter in (early, late)]
@@ -122,16 +127,18 @@ def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
 
 
 def test_tunnel_scene_refuses_a_tick_beyond_the_run(cut):
-    with pytest.raises(ValueError, match=r"^tick: must hold whole numbers"):
-        tunnel_scene(cut, last(cut) + 1)
+    with pytest.raises(ValueError, match=r"^tick: must be one whole number from 0 to \d+; got"):
+        cut_scene(cut, last(cut) + 1)
     with pytest.raises(ValueError, match=r"^limit: must"):
-        tunnel_scene(cut, limit=0.0)
+        cut_scene(cut, limit=0.0)
 
 
-def test_frames_show_the_run_from_first_to_last(cut):
+def test_pictures_show_the_run_from_first_to_last(cut):
     few = replace(cut, centres=cut.centres[:200])
-    pictures = list(frames(few, 3, width=320))
+    pictures = list(cut_pictures(few, 3, width=320))
     assert [picture.shape for picture in pictures] == [(200, 320, 3)] * 3
     assert all(np.any(a != b) for a, b in pairwise(pictures))
-    with pytest.raises(ValueError, match=r"^count: must hold whole numbers"):
-        next(frames(cut, 1))
+    with pytest.raises(
+        ValueError, match=r"^count: must be one whole number from 2 to 10000; got 1"
+    ):
+        cut_pictures(cut, 1)

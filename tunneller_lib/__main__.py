@@ -108,7 +108,7 @@ def parser():
         added.add_argument("job", type=Path, help="the TOML file")
         added.add_argument(
             "--out",
-            type=ending(out),
+            type=path_with(out),
             metavar=f"FILE{out}" if out else "FOLDER",
             help="under build/ unless told",
         )
@@ -133,7 +133,7 @@ def parser():
     return whole
 
 
-def ending(suffix):
+def path_with(suffix):
     """Return the type of a path with this suffix; any if it is empty."""
 
     def path(text):
@@ -239,7 +239,7 @@ def draw_wall(job, cut, path, say):
         say(f"{path.name} is left out. {said}")
         return []
     say(f"writing {path}")
-    pixels = scene.crop(tunnel_scene.picture(cut, wall=cut.wall, limit=job.limit))
+    pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
     return [str(pictures.write(path, pixels))]
 
 
@@ -254,7 +254,7 @@ def run_scene(options):
     tick = round(options.share * (len(cut.centres) - 1))
     if options.share < 1:
         say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
-    plotter = tunnel_scene.tunnel_scene(cut, tick, limit=job.limit)
+    plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
     return {"files": [str(pictures.write(out, plotter))]}
 
 
@@ -265,8 +265,8 @@ def run_animate(options):
     out = options.out or Path("build") / f"{own_name(options.job)}.gif"
     job, cut = read(options, out)
     count = options.frames
-    frames = tunnel_scene.frames(cut, count, width=options.width, limit=job.limit)
-    return {"files": [str(pictures.write(out, counted(frames, count)))]}
+    every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
+    return {"files": [str(pictures.write(out, counted(every, count)))]}
 
 
 def counted(pictures, count):
@@ -286,9 +286,9 @@ def run_atlas(options):
 
     from .job.atomic_write import replacement
     from .paths import atlas
-    from .reporting.sweep import sweep
+    from .reporting.sweep import compute_blocks
 
-    files = sweep(
+    files = compute_blocks(
         atlas.survey, atlas.blocks(), options.folder, scheduler=options.scheduler, jobs=options.jobs
     )
     rows = atlas.summary(map(np.load, files))

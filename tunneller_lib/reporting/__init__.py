@@ -1,6 +1,29 @@
 """What notebooks use to show and to record: needs the study's environment, not only numpy."""
 
-from .record import Record
+from .chapters import contents_table, draw_map, ending
+from .interactive import sliders
+from .number_format import in_words
+from .record import Record, preview
 from .style import COLOURS, ERROR_MAP, figure
 
-__all__ = ["COLOURS", "ERROR_MAP", "Record", "figure"]
+# The modules are imported where they are asked for: those of scenes take VTK a second.
+__all__ = [
+    "COLOURS",
+    "ERROR_MAP",
+    "Record",
+    "contents_table",
+    "draw_map",
+    "ending",
+    "figure",
+    "in_words",
+    "machine_plot",
+    "machine_scene",
+    "motion_plot",
+    "path_plot",
+    "plot",
+    "preview",
+    "rod_plot",
+    "scene",
+    "sliders",
+    "tunnel_scene",
+]

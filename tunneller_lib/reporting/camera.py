@@ -1,18 +1,21 @@
-"""Look at a scene, take its picture, keep it for the web pages, or show it to be turned.
+"""What becomes of a finished scene: a picture, a scene to turn, one kept for the web pages.
 
-For scenes that are made already: so it needs neither pyvista nor a GL library itself.
+It gets scenes that are made already: so it needs neither pyvista nor a GL library itself.
 """
 
+import html
 import os
+from pathlib import Path
 
 import numpy as np
 from IPython import get_ipython
 from IPython.display import display
 
-from .kept_scene import keep
-from .live_scene import live
+from ..arguments import checked
+from .kinds import Pixels
 
 MARGIN = 20  # px of white left around a picture
+WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 
 
 def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
@@ -36,7 +39,8 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     if direction is not None:
         look(plotter, direction, up, zoom)
     pixels = plotter.screenshot(return_img=True)
-    keep(plotter)
+    if folder := os.environ.get("TUNNELLER_SCENES"):
+        _keep(plotter, Path(folder))
     if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         display(live(plotter, "A scene to turn; its picture is described where it is shown."))
     else:
@@ -64,7 +68,8 @@ def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
     return plotter
 
 
-def crop(pixels):
+@checked
+def crop(pixels: Pixels):
     """Return a picture without its white border, but for a small margin.
 
     Parameters
@@ -80,6 +85,70 @@ def crop(pixels):
     drawn = np.any(pixels != 255, axis=-1)
     if not drawn.any():
         return pixels
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
-    top, left = max(rows[0] - MARGIN, 0), max(columns[0] - MARGIN, 0)
+    rows = np.flatnonzero(drawn.any(axis=1))
+    columns = np.flatnonzero(drawn.any(axis=0))
+    top = max(rows[0] - MARGIN, 0)
+    left = max(columns[0] - MARGIN, 0)
     return pixels[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]
+
+
+def live(plotter, title):
+    """Return a widget in which a scene is turned.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene, its camera set; its window gets the widget's size.
+    title : str
+        What it shows, for those who can't see it.
+
+    Returns
+    -------
+    widget : ipywidgets.HTML
+        With pyvista's ``viewer``, whose ``update`` shows what has changed in the scene.
+    """
+    plotter.window_size = WIDGET
+    widget = plotter.show(return_viewer=True)
+    frame = f'<iframe title="{html.escape(title)}"'
+    widget.value = widget.value.replace("<iframe", frame, 1)
+    return widget
+
+
+def refill(plotter, other):
+    """Put another scene's actors in place of a scene's own; it keeps its camera and its lights.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene that is shown.
+    other : pyvista.Plotter
+        The one that gives its actors; it is closed.
+    """
+    plotter.clear_actors()
+    for name, actor in other.actors.items():
+        plotter.add_actor(actor, name=name, reset_camera=False, render=False)
+    other.close()
+
+
+def _keep(plotter, folder):
+    """Write a scene for the web pages, named by the notebook's cell that is running."""
+    for actor in plotter.actors.values():
+        if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
+            actor.mapper.dataset = _light(actor.mapper.dataset)
+    cell = get_ipython().execution_count
+    before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
+    folder.mkdir(parents=True, exist_ok=True)
+    plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
+
+
+def _light(mesh):
+    """Return a mesh that packs well: single precision, without the bits that no screen shows."""
+    if not mesh.length:
+        return mesh
+    packed = mesh.copy()
+    step = 2.0 ** (np.ceil(np.log2(mesh.length)) - 13)
+    packed.points = (np.round(mesh.points / step) * step).astype(np.float32)
+    if "Normals" in mesh.point_data:
+        normals = np.round(mesh.point_data["Normals"] * 64) / 64
+        packed.point_data["Normals"] = normals.astype(np.float32)
+    return packed

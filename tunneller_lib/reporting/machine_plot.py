@@ -1,19 +1,22 @@
-"""Plane drawings of the machine: its sizes, and its joint limits."""
+"""Plane drawings of the machine on the Axes `ax`: its sizes, and its joint limits."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle
 
+from ..arguments import Angle, checked
+from ..surfaces import Egg, Machine
 from .plot import equal
 from .style import COLOURS
 
 
-def draw_side_view(ax, machine, egg, theta):
+@checked
+def draw_side_view(ax: Axes, machine: Machine, egg: Egg, theta: Angle):
     """Draw the machine from its right side at phi = 0, with its sizes and its place in the tunnel.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     machine : Machine
         Its sizes, in m.
     egg : Egg
@@ -49,13 +52,13 @@ def draw_side_view(ax, machine, egg, theta):
     return lines
 
 
-def draw_plan_view(ax, machine, phi):
+@checked
+def draw_plan_view(ax: Axes, machine: Machine, phi: Angle):
     """Draw the machine from above at theta = 0, with the angle of its arm.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     machine : Machine
         Its sizes, in m.
     phi : float
@@ -66,7 +69,8 @@ def draw_plan_view(ax, machine, phi):
     lines : list of matplotlib.lines.Line2D
         The two limbs, r and R.
     """
-    hinge, tip = np.array([machine.r, 0.0]), machine.torus.point(0.0, phi)[:2]
+    hinge = np.array([machine.r, 0.0])
+    tip = machine.torus.point(0.0, phi)[:2]
     ax.axhline(0, color=COLOURS["chord"], lw=0.6)
     lines = ax.plot([0, machine.r], [0, 0], color=COLOURS["cutter"], lw=5)
     lines += ax.plot(*np.transpose([hinge, tip]), color=COLOURS["machine"], lw=4)
@@ -81,13 +85,13 @@ def draw_plan_view(ax, machine, phi):
     return lines
 
 
-def draw_limits(ax, machine):
+@checked
+def draw_limits(ax: Axes, machine: Machine):
     """Draw the joint limits of a machine, phi against theta, in degrees.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     machine : Machine
         Whose limits.
 

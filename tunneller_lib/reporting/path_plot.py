@@ -1,19 +1,49 @@
-"""Plane drawings of paths and lines on the torus and the cone, each on the Axes it is given."""
+"""Plane drawings of paths and lines on torus and cone, each on the Axes `ax` it is given."""
+
+from typing import Annotated
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from ..paths import CHORD_PATHS, competing_geodesics, geodesic_inverse, path_length
+from ..arguments import Finite, Rule, checked, positions, shown
+from ..paths import CHORD_PATHS, ConeChord, competing_geodesics, geodesic_inverse, path_length
+from ..surfaces import Torus
+from .kinds import Series
 from .plot import equal
 from .style import COLOURS
 
 
-def draw_development(ax, chord, u):
+def _joint_position(name, value):
+    array = positions(name, value)
+    if array.ndim != 1:
+        raise ValueError(f"{name}: must be one joint position (2,); got {array.shape}.")
+    return array
+
+
+def _path_name(name, value):
+    if not isinstance(value, str) or value not in CHORD_PATHS:
+        raise ValueError(f"{name}: must be a name in CHORD_PATHS; got {shown(value)}.")
+    return value
+
+
+def _path_names(name, value):
+    if not isinstance(value, (list, tuple)):
+        raise ValueError(f"{name}: must be a list of names in CHORD_PATHS; got {shown(value)}.")
+    return [_path_name(f"{name}[{i}]", one) for i, one in enumerate(value)]
+
+
+JointPosition = Annotated[np.ndarray, Rule("(2,) float", _joint_position, "rad")]
+PathName = Annotated[str, Rule("str", _path_name)]
+PathNames = Annotated[list, Rule("list of str", _path_names)]
+
+
+@checked
+def draw_development(ax: Axes, chord: ConeChord, u: Series):
     """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     chord : ConeChord
         The test case, in m.
     u : (n,) float
@@ -39,19 +69,20 @@ def draw_development(ax, chord, u):
     return lines
 
 
-def look(name):
+@checked
+def path_style(name: PathName):
     """Return how the chord path of this name is drawn, as options of matplotlib's plot."""
     path = CHORD_PATHS[name]
     return {"color": COLOURS[path.colour], "ls": path.line, "label": name}
 
 
-def draw_ways(ax, torus, p, q):
+@checked
+def draw_ways(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
     """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface.
     p, q : (2,) float
@@ -62,28 +93,30 @@ def draw_ways(ax, torus, p, q):
     artists : list
         The curves, each labelled with its excess of length.
     """
-    geodesic, t = geodesic_inverse(torus, p, q), np.linspace(0, 1, 201)
-    ways = {"geodesic": (geodesic.points(201).position, "geodesic", f"{geodesic.length:.3f} m")}
-    for name, colour in (("tangent spheres", "tangent sphere"), ("joint space", "error")):
-        excess = 1e6 * (path_length(torus, CHORD_PATHS[name], p, q) / geodesic.length - 1)
+    geodesic = geodesic_inverse(torus, p, q)
+    theta, phi = np.degrees(geodesic.points(201).position.T)
+    label = f"geodesic, {geodesic.length:.3f} m"
+    artists = ax.plot(theta, phi, color=COLOURS["geodesic"], label=label)
+    t = np.linspace(0, 1, 201)
+    for name in ("tangent spheres", "joint space"):
+        path = CHORD_PATHS[name]
+        theta, phi = np.degrees(path(torus, p, q, t).T)
+        excess = 1e6 * (path_length(torus, path, p, q) / geodesic.length - 1)
         told = f"longer by {float(f'{excess:.3g}'):g} ppm"  # three digits, no exponent
-        ways[name] = CHORD_PATHS[name](torus, p, q, t), colour, told
-    artists = []
-    for name, (way, colour, told) in ways.items():
-        theta, phi = np.degrees(way.T)
-        artists += ax.plot(theta, phi, color=COLOURS[colour], label=f"{name}, {told}")
+        style = path_style(name) | {"label": f"{name}, {told}"}
+        artists += ax.plot(theta, phi, **style)
     ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
     ax.legend()
     return artists
 
 
-def draw_rivals(ax, torus, p, q):
+@checked
+def draw_competing(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
     """Draw the geodesics that may be the shortest on a ring, unrolled.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface, with r > R.
     p, q : (2,) float
@@ -94,14 +127,17 @@ def draw_rivals(ax, torus, p, q):
     lines : list of matplotlib.lines.Line2D
         The geodesics, the shortest first and in colour.
     """
-    rivals, lines = competing_geodesics(torus, p, q), []
-    for k, way in enumerate(rivals.points(201).position):
+    found = competing_geodesics(torus, p, q)
+    shortest = {"color": COLOURS["geodesic"], "lw": 2}
+    longer = {"color": "0.55", "lw": 1}
+    box = {"fc": "w", "ec": "none", "pad": 0.8}
+    middle = {"fontsize": 8, "ha": "center", "va": "center"}
+    lines = []
+    for k, way in enumerate(found.points(201).position):
         theta, phi = np.degrees(way.T)
-        style = {"color": COLOURS["geodesic"], "lw": 2} if k == 0 else {"color": "0.55", "lw": 1}
-        lines += ax.plot(theta, phi, **style)
-        at = 155 if rivals.kind[k] == "inner" else 100
-        ax.annotate(f"{rivals.length[k]:.2f} m", (theta[at], phi[at]), fontsize=8, ha="center",
-                    va="center", bbox={"fc": "w", "ec": "none", "pad": 0.8})  # fmt: skip
+        lines += ax.plot(theta, phi, **(shortest if k == 0 else longer))
+        at = 155 if found.kind[k] == "inner" else 100
+        ax.annotate(f"{found.length[k]:.2f} m", (theta[at], phi[at]), bbox=box, **middle)
     (theta, phi), (theta1, phi1) = np.degrees([p, q])
     for turn in (0, -360):
         ax.plot(theta1 + np.array([turn, turn]), phi1 + np.array([0, 360]), "k.")
@@ -113,18 +149,20 @@ def draw_rivals(ax, torus, p, q):
     return lines
 
 
-def draw_beside(ax, torus, p, q, *, rules):
+@checked
+def draw_deviations(
+    ax: Axes, torus: Torus, p: JointPosition, q: JointPosition, *, rules: PathNames
+):
     """Draw how far stand-ins for the geodesic lie beside it.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface.
     p, q : (2,) float
         Joint positions (theta, phi) of the ends, in rad.
-    rules : sequence of str
+    rules : list of str
         Names in `CHORD_PATHS`.
 
     Returns
@@ -132,24 +170,25 @@ def draw_beside(ax, torus, p, q, *, rules):
     lines : list of matplotlib.lines.Line2D
         One for each rule, in mm over the chord in m.
     """
-    samples, t = geodesic_inverse(torus, p, q).points(513), np.linspace(0, 1, 65)
+    samples = geodesic_inverse(torus, p, q).points(513)
+    t = np.linspace(0, 1, 65)
     chord = np.linalg.norm(np.diff(torus.point(*np.transpose([p, q])), axis=0))
     lines = []
     for name in rules:
         off = samples.deviation(CHORD_PATHS[name](torus, p, q, t))
-        lines += ax.plot((t - 0.5) * chord, 1000 * off, **look(name))
+        lines += ax.plot((t - 0.5) * chord, 1000 * off, **path_style(name))
     ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
     ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")
     return lines
 
 
-def draw_ruling(ax, torus, y, z):
+@checked
+def draw_ruling(ax: Axes, torus: Torus, y: Finite, z: Finite):
     """Draw a ruling of the tunnel, and the circles in which its plane y cuts the torus.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface, in m.
     y, z : float

@@ -44,7 +44,8 @@ def write(path, content):
 
 
 def _html(path, plotter):
-    page, title = plotter.trame.export_html(None).getvalue(), escape(plotter.title)
+    page = plotter.trame.export_html(None).getvalue()
+    title = escape(plotter.title)
     for bar in plotter.scalar_bars.values():  # the viewer has a word of its own for them all
         page = page.replace('"Below"', json.dumps(bar.GetBelowRangeAnnotation() or "below"))
     plotter.close()

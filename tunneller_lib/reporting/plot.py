@@ -1,33 +1,50 @@
-"""Plane drawings of the study's shapes, each on the Axes that it is given."""
+"""Plane drawings of the study's shapes, each on the Axes `ax` that it is given."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
+from ..arguments import Point, checked, shown
+from ..surfaces import Egg, Section, Torus
 from ..surfaces.torus import FEET
+from .kinds import Lines, Pictures
 from .style import COLOURS
 
 
-def equal(ax, xlabel, ylabel):
-    """Give both axes of a drawing one scale, and their labels."""
+@checked
+def equal(ax: Axes, xlabel: str, ylabel: str):
+    """Give both axes of a drawing one scale, and their labels `xlabel` and `ylabel`."""
     ax.set_aspect("equal")
     ax.set(xlabel=xlabel, ylabel=ylabel)
 
 
-def draw_pictures(axes, pictures, titles):
-    """Put pictures (n, m, 3), such as those of scenes, on axes, each with its title."""
+@checked
+def draw_pictures(axes: np.ndarray, pictures: Pictures, titles: Lines):
+    """Put pictures (n, m, 3), such as those of scenes, on as many axes, each with its title.
+
+    Raises
+    ------
+    ValueError
+        If `axes` doesn't hold as many Axes as there are pictures and titles.
+    """
+    if not all(isinstance(ax, Axes) for ax in axes.flat):
+        raise ValueError(f"axes: must hold matplotlib's Axes; got {shown(axes)}.")
+    if not axes.size == len(pictures) == len(titles):
+        counts = axes.size, len(pictures), len(titles)
+        raise ValueError(f"axes, pictures, titles: must be as many of each; got {counts}.")
     for ax, picture, title in zip(axes.flat, pictures, titles, strict=True):
         ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
         ax.set_title(title)
         ax.axis("off")
 
 
-def draw_section(ax, section, **line):
+@checked
+def draw_section(ax: Axes, section: Section, **line: object):
     """Draw a section as seen by the machine, with y growing to the left.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     section : Section
         The closed curve, in m.
     **line
@@ -46,13 +63,13 @@ def draw_section(ax, section, **line):
     return lines
 
 
-def draw_construction(ax, egg):
+@checked
+def draw_construction(ax: Axes, egg: Egg):
     """Draw how the section is made (Fig. 4): the arcs' centres, the rays to the blends.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     egg : Egg
         The section, in m.
 
@@ -71,13 +88,13 @@ def draw_construction(ax, egg):
     return lines
 
 
-def draw_meridian(ax, torus):
+@checked
+def draw_meridian(ax: Axes, torus: Torus):
     """Draw the two circles in which a meridian plane cuts the torus, rho against y.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface, in m.
 
@@ -99,13 +116,13 @@ def draw_meridian(ax, torus):
     return lines
 
 
-def draw_tangent_spheres(ax, torus, m):
+@checked
+def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
     """Draw the four tangent spheres of one point, in its meridian plane.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     torus : Torus
         The surface, in m.
     m : (3,) float

@@ -17,8 +17,10 @@ import PIL.Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.mathtext import MathTextParser
 
+from ..arguments import checked, shown
 from ..job.atomic_write import replacement
-from .digits import cell, decimals_of, exponent, number, significant, steady
+from .kinds import Decimals, Line, Lines, Picture, Rows
+from .number_format import cell, decimals_of, exponent, number, significant, steady
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
@@ -48,18 +50,22 @@ class Record:
     'at most 1e-12 m'
     """
 
-    def __init__(self, notebook):
+    @checked
+    def __init__(self, notebook: Line):
         self.notebook = _file_name("notebook", notebook)
         self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT))
 
-    def __call__(self, name, value, unit, *, digits=None, below=None):
+    @checked
+    def __call__(
+        self, name: Line, value: object, unit: Line, *, digits: object = None, below: object = None
+    ):
         """Record a number.
 
         Parameters
         ----------
         name : str
             What the number is; the report asks for it by this name.
-        value : int or float
+        value : int or float, of Python or numpy
             The number, in that unit.
         unit : str
             Unit as printed, such as ``"mm"`` or ``"m^3/s"``; empty for a plain number.
@@ -83,9 +89,10 @@ class Record:
         if below is not None:
             if digits is not None:
                 raise ValueError(f"{name}: give digits or below, not both.")
+            below = number(f"{name}: below", below)
             if not 0 <= value <= below:
                 raise ValueError(f"{name}: must lie between 0 and {below}; got {value}.")
-            text = exponent(repr(number(name, below)))
+            text = exponent(repr(below))
             self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
             return f"at most {text} {unit}".strip()
         text = significant(name, value, digits)
@@ -94,7 +101,8 @@ class Record:
         self._merge("numbers", name, entry)
         return f"{text} {unit}".strip()
 
-    def table(self, name, columns, rows, *, decimals=None):
+    @checked
+    def table(self, name: Line, columns: Lines, rows: Rows, *, decimals: Decimals = None):
         """Record a table.
 
         Parameters
@@ -106,7 +114,7 @@ class Record:
         rows : sequence of sequences
             Cells: numbers or text.
         decimals : int or sequence of int, optional
-            Decimals printed, for all columns or for each. Only floats need them.
+            Decimals printed, 0 to 15, for all columns or for each. Only floats need them.
 
         Returns
         -------
@@ -119,10 +127,8 @@ class Record:
             If a row has another length than the headings, or a number isn't finite or has no
             decimals.
         """
-        columns = list(columns)
-        if decimals is None or isinstance(decimals, int):
-            decimals = [decimals] * len(columns)
-        rows = [list(row) for row in rows]
+        if not isinstance(decimals, tuple):
+            decimals = (decimals,) * len(columns)
         for row in [decimals, *rows]:
             if len(row) != len(columns):
                 raise ValueError(
@@ -133,7 +139,8 @@ class Record:
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
         return text
 
-    def figure(self, picture, name, alt):
+    @checked
+    def figure(self, picture: Picture, name: Line, alt: str):
         """Save a figure with its alternative text.
 
         Parameters
@@ -159,9 +166,11 @@ class Record:
         if not alt.strip():
             raise ValueError(f"{name}: needs an alternative text.")
         if isinstance(picture, matplotlib.figure.Figure):
-            suffix, content = ".svg", _svg(picture)
+            suffix = ".svg"
+            content = _svg(picture)
         else:
-            suffix, content = ".png", _png(_narrowed(picture, min(PRINTED, picture.shape[1])))
+            suffix = ".png"
+            content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])))
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
         return preview(picture, alt)
@@ -176,10 +185,21 @@ class Record:
         _replace(file, (text + "\n").encode())
 
 
-def preview(picture, alt=""):
-    """Return a drawing or pixels as a notebook shows them, with an alternative text.
+@checked
+def preview(picture: Picture, alt: str = ""):
+    """Return a picture as a notebook shows it.
 
-    A drawing keeps the resolution of what is shown.
+    Parameters
+    ----------
+    picture : matplotlib.figure.Figure or (n, m, 3) uint8
+        A drawing, which keeps the resolution of what is shown, or pixels.
+    alt : str
+        What it shows, for those who can't see it.
+
+    Returns
+    -------
+    preview : IPython.display.Image
+        800 pixels wide.
     """
     from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
 
@@ -197,13 +217,15 @@ def _shell():
 
 
 def _stored(name, value, decimals):
-    return value if isinstance(value, str) else steady(number(name, value), decimals or 0)
+    if isinstance(value, str):
+        return value
+    return steady(number(name, value), decimals or 0)
 
 
 def _file_name(argument, name):
     if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name):
         raise ValueError(
-            f"{argument}: a name has lower-case letters, digits, - and _ only; got {name!r}."
+            f"{argument}: a name has lower-case letters, digits, - and _ only; got {shown(name)}."
         )
     return name
 

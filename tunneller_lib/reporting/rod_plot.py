@@ -1,19 +1,21 @@
-"""Plane drawings of a rod's shadow along a line, of two positions and of two passes of a ball."""
+"""Drawings on the Axes `ax` of a rod's shadow, of two positions and two passes of a ball."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Ellipse, Rectangle, Wedge
 
+from ..arguments import Finite, Length, NotNegative, checked
 from .plot import equal
 from .style import COLOURS
 
 
-def draw_shadow(ax, radius, run, tilt):
+@checked
+def draw_shadow(ax: Axes, radius: Length, run: Finite, tilt: NotNegative):
     """Draw the shadow of a rod as lines along z see it: two ellipses and a rectangle.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     radius, run : float
         Of the rod, and of its axis as seen, in m.
     tilt : float
@@ -24,9 +26,9 @@ def draw_shadow(ax, radius, run, tilt):
     patches : list of matplotlib.patches.Patch
         Rectangle, ellipse of the lower end, ellipse of the upper one.
     """
-    look = {"fill": False, "edgecolor": COLOURS["torus"], "lw": 1.2}
-    patches = [Rectangle((0, -radius), run, 2 * radius, **look)]
-    patches += [Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **look) for m in (0, run)]
+    outline = {"fill": False, "edgecolor": COLOURS["torus"], "lw": 1.2}
+    patches = [Rectangle((0, -radius), run, 2 * radius, **outline)]
+    patches += [Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **outline) for m in (0, run)]
     for patch in patches:
         ax.add_patch(patch)
     ax.plot([0, run], [0, 0], ".-", color=COLOURS["torus"], lw=0.6)
@@ -35,13 +37,13 @@ def draw_shadow(ax, radius, run, tilt):
     return patches
 
 
-def draw_two_balls(ax, radius, advance):
+@checked
+def draw_two_balls(ax: Axes, radius: Length, advance: Length):
     """Draw a ball and its image after an advance, with the cylinder about both (Fig. 6).
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     radius, advance : float
         In m.
 
@@ -54,31 +56,31 @@ def draw_two_balls(ax, radius, advance):
     first = np.sqrt(np.clip(radius**2 - x**2, 0, None))
     second = np.sqrt(np.clip(radius**2 - (x - advance) ** 2, 0, None))
     between = (x >= 0) & (x <= advance)
-    look = {"color": COLOURS["tangent sphere"], "alpha": 0.45, "lw": 0}
-    cusp = {"color": COLOURS["error"], "where": between, "lw": 0}
+    bowl = {"color": COLOURS["tangent sphere"], "alpha": 0.45, "lw": 0}
+    ring = {"color": COLOURS["error"], "where": between, "lw": 0}
     areas = {}
     for side in (1, -1):
         outside = second > first
-        areas["bowl"] = ax.fill_between(x, side * first, side * second, where=outside, **look)
+        areas["bowl"] = ax.fill_between(x, side * first, side * second, where=outside, **bowl)
         top = side * np.maximum(first, second)
-        areas["ring"] = ax.fill_between(x, top, side * radius, **cusp)
+        areas["ring"] = ax.fill_between(x, top, side * radius, **ring)
         ax.plot([0, advance], [side * radius] * 2, color=COLOURS["cutter"], lw=0.8)
     turn = np.linspace(0, 2 * np.pi, 241)
     for centre, style in ((0, "--"), (advance, "-")):
-        ax.plot(centre + radius * np.cos(turn), radius * np.sin(turn), style,
-                color=COLOURS["cutter"], lw=0.8)  # fmt: skip
+        circle = centre + radius * np.cos(turn), radius * np.sin(turn)
+        ax.plot(*circle, style, color=COLOURS["cutter"], lw=0.8)
         ax.plot(centre, 0, "+", color=COLOURS["cutter"])
     equal(ax, "along the path / m", "across / m")
     return areas
 
 
-def draw_passes(ax, radius, depth, pitch):
+@checked
+def draw_passes(ax: Axes, radius: Length, depth: Length, pitch: Length):
     """Draw a plane wall, across the path, with a pass of a ball beside an earlier one.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
     radius, depth, pitch : float
         Of the ball; how far it cuts behind the wall; from pass to pass, all in m.
 
@@ -86,21 +88,27 @@ def draw_passes(ax, radius, depth, pitch):
     -------
     areas : dict of str to matplotlib.artist.Artist
         What the pass takes, and the sector that the document takes for the groove.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't above zero, or the ball cuts deeper than its diameter.
     """
+    if depth > 2 * radius:
+        raise ValueError(f"depth: must be at most the ball's diameter; got {depth:g} m.")
     x = np.linspace(-pitch - 1.25 * radius, 1.25 * radius, 801)
     wall = depth - radius  # the centres are on this line
-    earlier, this = (wall + np.sqrt(np.clip(radius**2 - (x - at) ** 2, 0, None))
-                     for at in (-pitch, 0))  # fmt: skip
+    earlier, this = (
+        wall + np.sqrt(np.clip(radius**2 - (x - at) ** 2, 0, None)) for at in (-pitch, 0)
+    )
     earlier = np.maximum(earlier, 0)
     ax.axhspan(0, radius, color=COLOURS["tunnel"], alpha=0.5, lw=0)
     ax.fill_between(x, 0, earlier, color="white", lw=0)
-    look = {"where": this > earlier, "color": COLOURS["correct"], "lw": 0}
-    areas = {"taken": ax.fill_between(x, earlier, this, **look)}
+    taken = ax.fill_between(x, earlier, this, where=this > earlier, color=COLOURS["correct"], lw=0)
     for at in (-pitch, 0):
         ax.add_patch(Circle((at, wall), radius, fill=False, ec=COLOURS["cutter"], lw=0.8))
     half = np.degrees(np.arccos(1 - depth / radius))
-    areas["sector"] = Wedge((0, wall), radius, 90 - half, 90 + half, fill=False,
-                            ec=COLOURS["printed"], lw=1.5)  # fmt: skip
-    ax.add_patch(areas["sector"])
+    edge = {"fill": False, "ec": COLOURS["printed"], "lw": 1.5}
+    sector = ax.add_patch(Wedge((0, wall), radius, 90 - half, 90 + half, **edge))
     equal(ax, "across / m", "into the wall / m")
-    return areas
+    return {"taken": taken, "sector": sector}

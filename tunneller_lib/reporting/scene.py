@@ -6,15 +6,34 @@ import os
 if "DISPLAY" not in os.environ:
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
+from typing import Annotated
+
 import numpy as np
 import pyvista
 
+from ..arguments import Angle, Finite, Length, Point, Rule, Whole, checked, real
 from ..envelopes.isotropic import cone_rulings
 from . import gl
 from .camera import crop, look, shoot
+from .kinds import Curve, Flags, Grid, Pictures, sound_pictures
 
-__all__ = ["arrow", "ball", "beside", "cone", "crop", "curve", "look", "pieces", "rectangle",
-           "rows", "scene", "shoot", "surface"]  # fmt: skip
+__all__ = [
+    "arrow",
+    "ball",
+    "cone",
+    "crop",
+    "curve",
+    "empty",
+    "kept_parts",
+    "look",
+    "rectangle",
+    "rows",
+    "shoot",
+    "side_by_side",
+    "surface",
+]
+
+Scalars = Annotated[np.ndarray, Rule("(n,) float", real)]
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
@@ -27,7 +46,8 @@ THEME.anti_aliasing = "msaa"
 THEME.depth_peeling.enabled = False  # with Mesa's EGL it makes translucent sheets vanish
 
 
-def scene(*, parallel=True):
+@checked
+def empty(*, parallel: bool = True):
     """Return an empty scene: white, without a screen, its lights moving with the camera.
 
     Parameters
@@ -54,7 +74,8 @@ def scene(*, parallel=True):
     return plotter
 
 
-def surface(points, values=None):
+@checked
+def surface(points: Grid, values: dict | None = None):
     """Return a smooth mesh through a grid of points.
 
     Parameters
@@ -81,16 +102,14 @@ def surface(points, values=None):
     >>> surface(np.stack([x, y, x * y], axis=-1)).n_cells
     6
     """
-    points = np.asarray(points, dtype=float)
-    if points.ndim != 3 or points.shape[-1] != 3:
-        raise ValueError(f"points: must be a grid (n, m, 3); got {points.shape}.")
     grid = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
     for name, scalars in (values or {}).items():
         grid[name] = np.ravel(scalars, order="F")
     return grid.extract_surface(algorithm="geometry", pass_pointid=False, pass_cellid=False).clean()
 
 
-def curve(points, radius, values=None):
+@checked
+def curve(points: Curve, radius: Length, values: Scalars | None = None):
     """Return a tube along a curve, which unlike a line keeps its width at any resolution.
 
     Parameters
@@ -107,39 +126,49 @@ def curve(points, radius, values=None):
     mesh : pyvista.PolyData
         The tube.
     """
-    line = pyvista.lines_from_points(np.asarray(points, dtype=float))
+    line = pyvista.lines_from_points(points)
     if values is not None:
-        line["values"] = np.asarray(values, dtype=float)
+        line["values"] = values
     return line.tube(radius=radius, n_sides=12)
 
 
-def rectangle(middle, a, b):
-    """Return a mesh of a rectangle, its middle (3,) and half its sides as vectors (3,), in m."""
+@checked
+def rectangle(middle: Point, a: Point, b: Point):
+    """Return a mesh of a rectangle, its middle (3,) and half its sides a, b (3,), all in m."""
+    middle, a, b = np.array([middle, a, b])
     return surface([[middle - a - b, middle - a + b], [middle + a - b, middle + a + b]])
 
 
-def pieces(points, keep):
+@checked
+def kept_parts(points: Curve, keep: Flags):
     """Return the parts of a closed curve's points (n, 3) where `keep` (n,) is True, as a list.
 
     Examples
     --------
     >>> import numpy as np
     >>> points = np.arange(8)[:, None] * np.ones(3)
-    >>> [part[:, 0].tolist() for part in pieces(points, np.array([1, 1, 0, 0, 1, 1, 0, 1]) > 0)]
+    >>> keep = np.array([1, 1, 0, 0, 1, 1, 0, 1]) > 0
+    >>> [part[:, 0].tolist() for part in kept_parts(points, keep)]
     [[4.0, 5.0], [7.0, 0.0, 1.0]]
     """
+    if len(keep) != len(points):
+        raise ValueError(f"keep: must be one for each of {len(points)} points; got {len(keep)}.")
     start = np.argmin(keep)  # so that no part is cut in two
-    points, keep = np.roll(points, -start, axis=0), np.roll(keep, -start)
+    points = np.roll(points, -start, axis=0)
+    keep = np.roll(keep, -start)
     parts = np.split(points, np.flatnonzero(np.diff(keep)) + 1)
-    return [part for part in parts[int(not keep[0]) :: 2] if len(part) > 1]
+    kept = parts[::2] if keep[0] else parts[1::2]
+    return [part for part in kept if len(part) > 1]
 
 
-def ball(centre, radius):
+@checked
+def ball(centre: Point, radius: Length):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
 
 
-def cone(vertex, axis, half_angle, near, far):
+@checked
+def cone(vertex: Point, axis: Point, half_angle: Angle, near: Finite, far: Finite):
     """Return a mesh of a truncated cone's wall.
 
     Parameters
@@ -156,32 +185,44 @@ def cone(vertex, axis, half_angle, near, far):
     mesh : pyvista.PolyData
         The wall, without its ends.
     """
-    rulings = cone_rulings(axis, half_angle, np.linspace(0, 2 * np.pi, 361))
+    rulings = cone_rulings(np.array(axis), half_angle, np.linspace(0, 2 * np.pi, 361))
     return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
 
 
-def arrow(start, vector, radius):
+@checked
+def arrow(start: Point, vector: Point, radius: Length):
     """Return a mesh of an arrow from `start` along `vector`, its shaft's `radius` in m."""
     length = float(np.linalg.norm(vector))
-    return pyvista.Arrow(start=start, direction=vector, scale=length, shaft_radius=radius / length,
-                         tip_radius=2.5 * radius / length, shaft_resolution=24, tip_resolution=24,
-                         tip_length=min(0.4, 8 * radius / length))  # fmt: skip
+    if not length:
+        raise ValueError("vector: must not be zero; got (0, 0, 0).")
+    # Its sizes are shares of the length, by which it is scaled.
+    return pyvista.Arrow(
+        start=start,
+        direction=vector,
+        scale=length,
+        shaft_radius=radius / length,
+        tip_radius=2.5 * radius / length,
+        tip_length=min(0.4, 8 * radius / length),
+        shaft_resolution=24,
+        tip_resolution=24,
+    )
 
 
-def beside(*pictures):
+def side_by_side(*pictures):
     """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
-    height = max(len(picture) for picture in pictures)
+    height = max(len(picture) for picture in sound_pictures("pictures", pictures))
     return np.concatenate([_padded(p, height, p.shape[1]) for p in pictures], axis=1)
 
 
-def rows(pictures, columns):
+@checked
+def rows(pictures: Pictures, columns: Whole(1, 100)):
     """Return pictures (n, m, 3) in rows of so many on white, each in the middle of its place.
 
     Examples
     --------
     >>> import numpy as np
-    >>> rows([np.zeros((4, 6, 3)), np.zeros((2, 3, 3)), np.ones((4, 6, 3)), np.ones((1, 1, 3))],
-    ...      columns=2).shape
+    >>> sizes = [(4, 6), (2, 3), (4, 6), (1, 1)]
+    >>> rows([np.zeros((*size, 3), dtype=np.uint8) for size in sizes], columns=2).shape
     (8, 12, 3)
     """
     height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
@@ -191,9 +232,6 @@ def rows(pictures, columns):
 
 
 def _padded(picture, height, width):
-    gaps = [(size - had) // 2 for size, had in zip((height, width), picture.shape[:2], strict=True)]
-    rest = [
-        size - had - gap
-        for size, had, gap in zip((height, width), picture.shape[:2], gaps, strict=True)
-    ]
-    return np.pad(picture, (*zip(gaps, rest, strict=True), (0, 0)), constant_values=255)
+    missing = height - picture.shape[0], width - picture.shape[1]
+    gaps = [(one // 2, one - one // 2) for one in missing]
+    return np.pad(picture, (*gaps, (0, 0)), constant_values=255)

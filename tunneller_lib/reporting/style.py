@@ -1,9 +1,12 @@
 """One look for all drawings: the report's width, its text size, a colour for each thing."""
 
+from typing import Annotated
+
 import matplotlib
 from matplotlib.figure import Figure
 
-from ..arguments import whole
+from ..arguments import Rule, Whole, checked, shown
+from .kinds import Centimetres
 
 TEXT_WIDTH = 16.0  # cm, of the report
 
@@ -36,6 +39,14 @@ COLOURS = {
     "plane": "#CC79A7",
 }
 
+
+def _colour(name, value):
+    if not isinstance(value, str) or value not in COLOURS:
+        raise ValueError(f"{name}: must be a name in COLOURS; got {shown(value)}.")
+    return value
+
+
+Colour = Annotated[str, Rule("str", _colour)]
 ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
 
 STYLE = {
@@ -60,7 +71,16 @@ STYLE = {
 }
 
 
-def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplots):
+@checked
+def figure(
+    rows: Whole(1, 20) = 1,
+    cols: Whole(1, 20) = 1,
+    *,
+    height: Centimetres,
+    width: Centimetres = TEXT_WIDTH,
+    divisions: Whole(1, 20) | None = None,
+    **subplots: object,
+):
     """Return a new drawing at its printed size.
 
     Parameters
@@ -85,7 +105,8 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplo
     Raises
     ------
     ValueError
-        If `divisions` is no whole number from 1 to 20.
+        If a number is none of those, a size isn't from 0.5 to 100 cm, or `rows`, `cols` or
+        `divisions` isn't a whole number from 1 to 20.
 
     Examples
     --------
@@ -95,6 +116,7 @@ def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplo
     matplotlib.rcParams.update(STYLE)
     drawing = Figure(figsize=(width / 2.54, height / 2.54), layout="constrained")
     axes = drawing.subplots(rows, cols, **subplots)
-    for ax in drawing.axes if divisions is not None else ():
-        ax.locator_params(nbins=int(whole("divisions", divisions, 1, 20)))
+    if divisions is not None:
+        for ax in drawing.axes:
+            ax.locator_params(nbins=divisions)
     return drawing, axes

@@ -5,6 +5,7 @@ import os
 import shutil
 import tempfile
 import time
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from multiprocessing import get_context
@@ -12,12 +13,21 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import Whole, checked
 from ..job.progress import say
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
-def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
+@checked
+def compute_blocks(
+    survey: Callable,
+    blocks: list,
+    folder: str | os.PathLike,
+    *,
+    scheduler: str | None = None,
+    jobs: Whole(1, 10_000) | None = None,
+):
     """Compute the blocks of a sweep that a folder lacks, and return all of them.
 
     Parameters
@@ -33,7 +43,7 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
         Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
         them. Without it the local cores work. The same blocks give the same bits.
     jobs : int, optional
-        Number of local processes, as many as there are cores unless told.
+        Number of local processes, at most 10 000; as many as there are cores unless told.
 
     Returns
     -------
@@ -43,18 +53,17 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     Raises
     ------
     ValueError
-        If `jobs` isn't a positive whole number.
+        If an argument is none of those.
     """
-    if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
-        raise ValueError(f"jobs: must be a whole number of at least 1 process; got {jobs!r}.")
-    folder = Path(folder) / f"{survey.__name__}-{digest()}"
+    folder = Path(folder) / f"{survey.__name__}-{_digest()}"
     folder.mkdir(parents=True, exist_ok=True)
     files = {block: folder / ("-".join(map(str, block)) + ".npy") for block in blocks}
     missing = [block for block in blocks if not files[block].exists()]
-    done, start = len(blocks) - len(missing), time.monotonic()
+    done = len(blocks) - len(missing)
+    start = time.monotonic()
     say(f"{done} of {len(blocks)} blocks are there")
     if missing:
-        with cluster(scheduler) if scheduler else cores(jobs) as results:
+        with _cluster(scheduler) if scheduler else _cores(jobs) as results:
             for block, table in results(survey, missing):
                 with tempfile.NamedTemporaryFile(
                     dir=folder, suffix=".part", delete=False
@@ -67,7 +76,7 @@ def sweep(survey, blocks, folder, *, scheduler=None, jobs=None):
     return list(files.values())
 
 
-def digest():
+def _digest():
     """Return what tells one state of this package, and one numpy, from another."""
     parts = [path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))]
     parts.append(np.__version__.encode())
@@ -75,7 +84,7 @@ def digest():
 
 
 @contextmanager
-def cores(jobs):
+def _cores(jobs):
     """Give a function that yields blocks and their results as local processes finish them."""
     count = jobs or len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
@@ -93,7 +102,7 @@ def cores(jobs):
 
 
 @contextmanager
-def cluster(scheduler):
+def _cluster(scheduler):
     """Give a function that yields blocks and their results as a cluster's workers finish them."""
     import distributed
 

@@ -6,12 +6,14 @@ Everything is in the frame of the tunnel: x ahead, y to the left, z up, in m.
 import numpy as np
 import PIL.Image
 
-from ..arguments import instance, positive, whole
+from ..arguments import Finite, Length, Whole, Wholes, checked, shown
 from ..job.mesh import SCALAR
+from ..paths import Circuit
 from ..ream import Cut, overbreak, standing
 from ..removal import DexelGrid
+from ..surfaces import Section
 from . import scene
-from .machine_model import machine_model
+from .machine_scene import machine_model
 from .style import COLOURS, ERROR_MAP
 
 BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
@@ -19,35 +21,52 @@ OPENED = np.radians([100, 285])  # angles from y over z that are left out, to lo
 VIEW = (0.55, -1.5, 0.5)  # towards the camera
 ZOOM = 1.4
 WINDOW = 1600, 1000  # px
-BAR = {"title": SCALAR.replace(" / ", "\n/ "), "vertical": True, "fmt": "%.1f", "n_labels": 5,
-       "below_label": "to cut", "width": 0.03, "height": 0.6, "position_x": 0.925,
-       "position_y": 0.2}  # fmt: skip
+BAR = {
+    "title": SCALAR.replace(" / ", "\n/ "),
+    "vertical": True,
+    "fmt": "%.1f",
+    "n_labels": 5,
+    "below_label": "to cut",
+    "width": 0.03,
+    "height": 0.6,
+    "position_x": 0.925,
+    "position_y": 0.2,
+}
+MOST_TICKS = 10**9
 
 
-def stages(cut, ticks):
-    """Yield the wall as it stands after each of several ticks.
+@checked
+def stages(cut: Cut, ticks: Wholes("(n,) int", 0, MOST_TICKS)):
+    """Return the walls that stand after each of several ticks, one after the other.
 
     Parameters
     ----------
     cut : Cut
         A simulated or carved cut.
-    ticks : sequence of int
+    ticks : (n,) int
         Ascending, none beyond the last tick.
 
-    Yields
-    ------
-    wall : DexelGrid
-        Cut by the first ticks of the run; after the last tick as `Cut.wall`.
+    Returns
+    -------
+    walls : iterator of DexelGrid
+        Each cut by the first ticks of the run; after the last tick as `Cut.wall`.
 
     Raises
     ------
     ValueError
         If the ticks don't ascend or are beyond the run.
     """
-    ticks = whole("ticks", ticks, 0, len(instance("cut", cut, Cut).centres) - 1)
+    last = len(cut.centres) - 1
+    if ticks.ndim != 1 or np.any(ticks > last):
+        raise ValueError(f"ticks: must be whole numbers (n,) from 0 to {last}; got {shown(ticks)}.")
     if np.any(np.diff(ticks) < 0):
-        raise ValueError(f"ticks: must ascend; got {ticks.tolist()}.")
-    circuit, lines = cut.plan.circuit, cut.wall.lines
+        raise ValueError(f"ticks: must ascend; got {shown(ticks.tolist())}.")
+    return _stages(cut, ticks)
+
+
+def _stages(cut, ticks):
+    circuit = cut.plan.circuit
+    lines = cut.wall.lines
     inner = circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     wall = DexelGrid(lines, inner, cut.wall.high.max(axis=0))
     for before, tick in zip([0, *ticks[:-1]], ticks, strict=True):
@@ -56,7 +75,8 @@ def stages(cut, ticks):
         yield wall.copy()
 
 
-def wall_mesh(wall, circuit, *, opened=False):
+@checked
+def wall_mesh(wall: DexelGrid, circuit: Circuit, *, opened: bool = False):
     """Return the standing wall, coloured by how far it is from the wanted one.
 
     Parameters
@@ -82,7 +102,8 @@ def wall_mesh(wall, circuit, *, opened=False):
     return scene.surface(standing(wall)[:, around], {SCALAR: over[:, around]})
 
 
-def tunnel_mesh(section, start, stop, *, opened=False):
+@checked
+def tunnel_mesh(section: Section, start: Finite, stop: Finite, *, opened: bool = False):
     """Return the wall of a tunnel that isn't cut.
 
     Parameters
@@ -106,7 +127,8 @@ def tunnel_mesh(section, start, stop, *, opened=False):
     return scene.surface(np.stack(points, axis=-1))
 
 
-def posed_machine(cut, tick):
+@checked
+def posed_machine(cut: Cut, tick: Whole(0, MOST_TICKS)):
     """Return the machine's parts at a tick of a cut, its cutter where the simulation has it.
 
     Parameters
@@ -122,8 +144,11 @@ def posed_machine(cut, tick):
         As from `machine_model`, in the tunnel's frame. A machine that stands elsewhere than it
         should is shifted as a whole to its cutter's centre.
     """
-    plan, centre = cut.plan, cut.centres[tick]
-    circuit, lap = plan.circuit, max(tick - 1, 0) // int(plan.ticks.sum())
+    centre = cut.centres[_within_run(cut, tick)]
+    plan = cut.plan
+    circuit = plan.circuit
+    lap = max(tick - 1, 0) // int(plan.ticks.sum())
+    # The machine steps back by an advance each lap; the circuit is that of the first.
     unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
@@ -134,7 +159,16 @@ def posed_machine(cut, tick):
     return [(mesh.transform(place, inplace=False), look) for mesh, look in parts]
 
 
-def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=True):
+@checked
+def cut_scene(
+    cut: Cut,
+    tick: Whole(0, MOST_TICKS) | None = None,
+    *,
+    wall: DexelGrid | None = None,
+    limit: Length = 1.5e-3,
+    opened: bool = True,
+    bar: bool = True,
+):
     """Return the scene of a cut at a tick: tunnel, wall by error, machine, the cutter's path.
 
     Parameters
@@ -164,14 +198,15 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     ValueError
         If the tick is beyond the run.
     """
-    last = len(instance("cut", cut, Cut).centres) - 1
-    tick = last if tick is None else int(whole("tick", tick, 0, last))
-    limit = 1e3 * positive("limit", limit)
+    last = len(cut.centres) - 1
+    tick = last if tick is None else _within_run(cut, tick)
     if wall is None:
         wall = cut.wall if tick == last else next(stages(cut, [tick]))
-    plan, circuit, (start, stop) = cut.plan, cut.plan.circuit, wall.lines.x[[0, -1]]
+    plan = cut.plan
+    circuit = plan.circuit
+    start, stop = wall.lines.x[[0, -1]]
     behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
-    plotter = scene.scene(parallel=False)
+    plotter = scene.empty(parallel=False)
     plotter.window_size = WINDOW
     plotter.title = f"The machine in the tunnel after {tick * plan.tick:.1f} s; colours: {SCALAR}"
     for ends in ((behind, start), (stop, stop + FRONT)):
@@ -179,11 +214,17 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
         plotter.add_mesh(mesh, color=COLOURS["tunnel"])
     plotter.view_vector(VIEW, viewup=(0, 0, 1))
     plotter.camera.zoom(ZOOM)
+    millimetres = 1e3 * limit
     plotter.add_mesh(
-        wall_mesh(wall, circuit, opened=opened), scalars=SCALAR, cmap=ERROR_MAP,
-        clim=(-limit, limit), below_color=COLOURS["tunnel"], show_scalar_bar=bar,
-        reset_camera=False, scalar_bar_args=dict(BAR),
-    )  # fmt: skip
+        wall_mesh(wall, circuit, opened=opened),
+        scalars=SCALAR,
+        cmap=ERROR_MAP,
+        clim=(-millimetres, millimetres),
+        below_color=COLOURS["tunnel"],
+        show_scalar_bar=bar,
+        reset_camera=False,
+        scalar_bar_args=dict(BAR),
+    )
     for mesh, look in posed_machine(cut, tick):
         plotter.add_mesh(mesh, reset_camera=False, **look)
     if tick:
@@ -192,18 +233,28 @@ def tunnel_scene(cut, tick=None, *, wall=None, limit=1.5e-3, opened=True, bar=Tr
     return plotter
 
 
-def picture(cut, tick=None, **options):
-    """Return the picture (n, m, 3) uint8 of a cut at a tick; options are those of `tunnel_scene`.
+def _within_run(cut, tick):
+    last = len(cut.centres) - 1
+    if tick > last:
+        raise ValueError(f"tick: must be one whole number from 0 to {last}; got {tick}.")
+    return tick
+
+
+def cut_picture(cut, tick=None, **options):
+    """Return the picture (n, m, 3) uint8 of a cut at a tick; options are those of `cut_scene`.
 
     Nothing is cut off, so that pictures of a cut lie on each other.
     """
-    plotter = tunnel_scene(cut, tick, **options)
+    plotter = cut_scene(cut, tick, **options)
     pixels = plotter.screenshot(return_img=True)
     plotter.close()
     return pixels
 
 
-def frames(cut, count, *, width=800, limit=1.5e-3):
+@checked
+def cut_pictures(
+    cut: Cut, count: Whole(2, 10_000), *, width: Whole(64, WINDOW[0]) = 800, limit: Length = 1.5e-3
+):
     """Yield the pictures of an animation of a cut, from its first tick to its last.
 
     Parameters
@@ -215,15 +266,14 @@ def frames(cut, count, *, width=800, limit=1.5e-3):
     width : int
         In pixels, at most that of a scene; the height is 5/8 of it.
     limit : float
-        As for `tunnel_scene`.
+        As for `cut_scene`.
 
     Yields
     ------
     pixels : (n, m, 3) uint8
         Red, green, blue.
     """
-    count, width = int(whole("count", count, 2, 10_000)), int(whole("width", width, 64, WINDOW[0]))
     ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
     for tick, wall in zip(ticks, stages(cut, ticks), strict=True):
-        pixels = picture(cut, int(tick), wall=wall, limit=limit)
+        pixels = cut_picture(cut, int(tick), wall=wall, limit=limit)
         yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))

@@ -1,14 +1,17 @@
-"""The study's table of contents, from its notebooks and what they recorded."""
+"""The study's chapters, its notebooks: what each asks and found, their table, their map."""
 
 import json
 import re
 import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 
 from IPython.display import Markdown
+from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from .record import CHECKOUT
+from ..arguments import checked
+from .record import CHECKOUT, Record
 from .style import COLOURS
 
 NOTEBOOKS = CHECKOUT / "notebooks"
@@ -43,7 +46,7 @@ class Chapter:
         return f"[{self.number:02}]({self.file})"
 
 
-def chapters(folder=NOTEBOOKS):
+def read_chapters(folder=NOTEBOOKS):
     """Return the chapters in order.
 
     Parameters
@@ -67,7 +70,8 @@ def chapters(folder=NOTEBOOKS):
     return made
 
 
-def ending(record):
+@checked
+def ending(record: Record):
     """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
 
     Parameters
@@ -79,13 +83,21 @@ def ending(record):
     -------
     ending : IPython.display.Markdown
         The sentence of ``contents.toml``; links to the chapter before, the index and the next.
+
+    Raises
+    ------
+    ValueError
+        If the record is of none of the study's notebooks.
     """
-    names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
+    index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
+    if record.notebook not in names:
+        raise ValueError(f"record: must be of a notebook of the study; got {record.notebook!r}.")
     at = names.index(record.notebook)
-    near = dict.fromkeys([names[0], names[at - 1], *names[at + 1 : at + 2]])
-    ways = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    said = filled(record.notebook, _contents(NOTEBOOKS)["found"][record.notebook], record.root)
-    return Markdown(f"{said}\n\n{ways}")
+    near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
+    links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
+    sentence = _contents(NOTEBOOKS)["found"][record.notebook]
+    said = filled(record.notebook, sentence, record.root)
+    return Markdown(f"{said}\n\n{links}")
 
 
 def filled(stem, sentence, root=CHECKOUT):
@@ -144,23 +156,30 @@ def printed(text, unit, **more):
     return ("at most " if "bound" in more else "") + digits + gap + shown.replace("deg", "°")
 
 
-def contents_table(folder=NOTEBOOKS):
-    """Return a table of the chapters, part by part, as Markdown; the folder is as in `chapters`."""
-    every, lines = chapters(folder), []
+@checked
+def contents_table(folder: Path = NOTEBOOKS):
+    """Return a table of the chapters, part by part, as Markdown.
+
+    The folder holds the notebooks and ``contents.toml``.
+    """
+    every = read_chapters(folder)
+    lines = []
     for part in _contents(folder)["part"]:
         if inside := _chapters_of(part, every):
             lines += [f"### {part['name']}", "", "| | question | what came out |", "|-|-|-|"]
-            lines += [f"| {c.link} | {c.question} | {c.found} |" for c in inside] + [""]
+            lines += [f"| {c.link} | {c.question} | {c.found} |" for c in inside]
+            lines.append("")
     return Markdown("\n".join(lines))
 
 
-def draw_map(ax, folder=NOTEBOOKS):
+@checked
+def draw_map(ax: Axes, folder: Path = NOTEBOOKS):
     """Draw the parts of the study and which builds on which.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
+        The drawing.
     folder : pathlib.Path
         The folder with the notebooks and ``contents.toml``.
 
@@ -169,19 +188,26 @@ def draw_map(ax, folder=NOTEBOOKS):
     boxes : list of matplotlib.patches.FancyBboxPatch
         One for each part that has chapters.
     """
-    every, boxes = chapters(folder), []
+    every = read_chapters(folder)
+    boxes = []
     parts = {p["name"]: p for p in _contents(folder)["part"] if _chapters_of(p, every)}
+    arrow = {
+        "arrowstyle": "->",
+        "color": COLOURS["tangent sphere"],
+        "lw": 1.2,
+        "shrinkA": 0,
+        "shrinkB": 2,
+    }
     for name, part in parts.items():
         x, y = part["place"]
         inside = _chapters_of(part, every)
-        box = FancyBboxPatch((x - 0.38, y - 0.24), 0.76, 0.48, boxstyle="round,pad=0.03",
-                             fc="white", ec=COLOURS["cutter"])  # fmt: skip
+        corner = (x - 0.38, y - 0.24)
+        look = {"boxstyle": "round,pad=0.03", "fc": "white", "ec": COLOURS["cutter"]}
+        box = FancyBboxPatch(corner, 0.76, 0.48, **look)
         boxes.append(ax.add_patch(box))
         numbers = f"{inside[0].number:02} to {inside[-1].number:02}"
         ax.text(x, y, f"{_two_lines(name)}\n{numbers}", ha="center", va="center")
         for other in part["follows"]:
-            arrow = {"arrowstyle": "->", "color": COLOURS["tangent sphere"], "lw": 1.2,
-                     "shrinkA": 0, "shrinkB": 2}  # fmt: skip
             u, v = parts[other]["place"]
             ax.annotate("", (x - 0.41, y), (u + 0.41, v), arrowprops=arrow)
     ax.set(xlim=(-0.5, max(p["place"][0] for p in parts.values()) + 0.5), ylim=(-0.4, 2.4))

@@ -6,6 +6,8 @@ import re
 
 import numpy as np
 
+from ..arguments import Whole, checked, shown
+
 MORE = 3  # decimals that are stored beyond those that are printed
 
 
@@ -27,11 +29,14 @@ def number(name, value):
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool | np.bool) or not isinstance(value, numbers.Real):
-        raise ValueError(f"{name}: must be one number; got {value!r}.")
-    value = int(value) if isinstance(value, numbers.Integral) else float(value)
-    if not math.isfinite(value):
-        raise ValueError(f"{name}: must be finite; got {value}.")
-    return value
+        raise ValueError(f"{name}: must be one number; got {shown(value)}.")
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:  # an integer of more than 308 digits
+        finite = False
+    if not finite:
+        raise ValueError(f"{name}: must be finite; got {shown(value)}.")
+    return int(value) if isinstance(value, numbers.Integral) else float(value)
 
 
 def steady(value, decimals):
@@ -56,7 +61,9 @@ def steady(value, decimals):
 
 def decimals_of(value, digits):
     """Return the decimals that significant digits come to: -2 for 12345.678 with three."""
-    return 0 if digits is None or value == 0 else digits - 1 - math.floor(math.log10(abs(value)))
+    if digits is None or value == 0:
+        return 0
+    return digits - 1 - math.floor(math.log10(abs(value)))
 
 
 def significant(name, value, digits):
@@ -86,7 +93,7 @@ def significant(name, value, digits):
             return str(value)
         raise ValueError(f"{name}: digits must say how many of {value} are meant.")
     if not isinstance(digits, int) or not 1 <= digits <= 12:
-        raise ValueError(f"{name}: digits must be an integer from 1 to 12; got {digits!r}.")
+        raise ValueError(f"{name}: digits must be an integer from 1 to 12; got {shown(digits)}.")
     scientific = f"{value:.{digits - 1}e}"
     if value == 0 or -3 <= int(scientific.partition("e")[2]) < digits:
         return f"{float(scientific) + 0.0:#.{digits}g}".removesuffix(".")
@@ -125,7 +132,8 @@ def cell(name, value, decimals):
     return f"{round(value, decimals) + 0.0:.{decimals}f}"  # adding 0.0 turns -0.0 into 0.0
 
 
-def in_words(number):
+@checked
+def in_words(number: Whole(0, 10**9)):
     """Return a whole number from zero to twelve as a word, a greater one in digits.
 
     Examples

@@ -2,28 +2,31 @@
 
 import asyncio
 import gc
+import inspect
 import itertools
 import os
+from collections.abc import Callable
 from contextlib import contextmanager
 
 import ipywidgets
 from IPython.display import display
 from matplotlib.figure import Figure
 
-from .camera import shoot
-from .live_scene import live, refill
+from ..arguments import checked, finite, shown
+from .camera import live, refill, shoot
 from .record import preview
 
 SWEEPS = itertools.count(1)
 ROOM = 0.05, 0.03, 0.92, 0.94  # left, bottom, width and height of what drawings first fill
 
 
-def sliders(draw, *, alt="", **ranges):
+@checked
+def sliders(draw: Callable, *, alt: str = "", **ranges: object):
     """Draw once, and again whenever a slider is moved.
 
     Parameters
     ----------
-    draw : function
+    draw : callable
         Takes the values by the names of the ranges and returns a drawing, or a scene with its
         camera set. A drawing keeps the places of its axes, with some room for labels that grow, a
         scene the view it was turned to.
@@ -37,32 +40,53 @@ def sliders(draw, *, alt="", **ranges):
 
     Returns
     -------
-    shown : matplotlib.figure.Figure or pyvista.Plotter
+    first : matplotlib.figure.Figure or pyvista.Plotter
         What was drawn with the start values, a scene closed where it isn't shown to be turned.
         A run without a screen is told by ``PYVISTA_JUPYTER_BACKEND=static``.
 
     Raises
     ------
     ValueError
-        If a start isn't in its range, something else is drawn, or a scene has no text.
+        If a range isn't three numbers with the start between the ends, `draw` doesn't take the
+        names of the ranges or draws something else, or a scene has no text.
     """
-    for name, (low, high, start, *_) in ranges.items():
-        if not low <= start <= high:
-            raise ValueError(f"{name}: must start from {low} to {high}; got {start}.")
-    shown = draw(**{name: start for name, (_, _, start, *_) in ranges.items()})
+    for name, limits in ranges.items():
+        _check_range(name, limits)
+    starts = {name: start for name, (_, _, start, *_) in ranges.items()}
+    _check_names(draw, starts)
+    first = draw(**starts)
     moved = _moved_drawing
-    if not isinstance(shown, Figure):
-        if not hasattr(shown, "screenshot"):
-            raise ValueError(f"draw: must return a drawing or a scene; got {type(shown).__name__}.")
+    if not isinstance(first, Figure):
+        if not hasattr(first, "screenshot"):
+            raise ValueError(f"draw: must return a drawing or a scene; got {type(first).__name__}.")
         if not alt:
             raise ValueError(f"alt: must say what a scene shows; got {alt!r}.")
         moved = _moved_scene
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
-        display(ipywidgets.VBox([*controls.values(), *moved(draw, shown, alt, controls)]))
+        display(ipywidgets.VBox([*controls.values(), *moved(draw, first, alt, controls)]))
     elif alt:
-        display(preview(shown if isinstance(shown, Figure) else shoot(shown, direction=None), alt))
-    return shown
+        picture = first if isinstance(first, Figure) else shoot(first, direction=None)
+        display(preview(picture, alt))
+    return first
+
+
+def _check_range(name, limits):
+    """Refuse what is no (low, high, start), perhaps with a unit, or starts beyond its ends."""
+    if not isinstance(limits, (list, tuple)) or len(limits) not in (3, 4):
+        raise ValueError(f"{name}: must be (low, high, start) or with a unit; got {shown(limits)}.")
+    low, high, start = (finite(name, number) for number in limits[:3])
+    if not low <= start <= high:
+        raise ValueError(f"{name}: must start from {low:g} to {high:g}; got {start:g}.")
+
+
+def _check_names(draw, starts):
+    """Refuse a function that doesn't take the sliders' values by their names."""
+    try:
+        inspect.signature(draw).bind(**starts)
+    except (TypeError, ValueError):  # the latter from what has no signature
+        wanted = ", ".join(starts) or "nothing"
+        raise ValueError(f"draw: must be a function of {wanted}; got {shown(draw)}.") from None
 
 
 @contextmanager
@@ -105,7 +129,9 @@ def _moved_drawing(draw, first, alt, controls):
 
 
 def _moved_scene(draw, plotter, alt, controls):
-    loop, widget, newest = asyncio.get_running_loop(), live(plotter, alt), None
+    loop = asyncio.get_running_loop()
+    widget = live(plotter, alt)
+    newest = None
 
     def move(values):
         if values is not newest:
@@ -129,9 +155,14 @@ def _moved_scene(draw, plotter, alt, controls):
 
 
 def _slider(name, low, high, start, unit=""):
-    limits = {"min": low, "max": high, "value": start}
-    limits |= {"description": f"{name} / {unit}" if unit else name}
-    limits |= {"style": {"description_width": "initial"}}
+    about = {
+        "min": low,
+        "max": high,
+        "value": start,
+        "description": f"{name} / {unit}" if unit else name,
+        "style": {"description_width": "initial"},
+        "continuous_update": False,
+    }
     if all(isinstance(number, int) for number in (low, high, start)):
-        return ipywidgets.IntSlider(**limits, continuous_update=False)
-    return ipywidgets.FloatSlider(**limits, step=(high - low) / 100, continuous_update=False)
+        return ipywidgets.IntSlider(**about)
+    return ipywidgets.FloatSlider(**about, step=(high - low) / 100)

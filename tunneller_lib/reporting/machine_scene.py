@@ -7,6 +7,8 @@ machine's own sizes, every other shape (frame, tandem cylinders, picks) is the s
 import numpy as np
 import pyvista
 
+from ..arguments import Angle, checked
+from ..surfaces import Machine, Section
 from .scene import surface
 from .style import COLOURS
 
@@ -18,7 +20,8 @@ OIL = {"color": COLOURS["tangent sphere"], **SOLID}
 STEEL = {"color": "#B8BFC6", **SOLID}
 
 
-def machine_model(machine, theta, phi):
+@checked
+def machine_model(machine: Machine, theta: Angle, phi: Angle):
     """Return the parts of the machine in its own frame, origin on the horizontal joint.
 
     Parameters
@@ -33,7 +36,9 @@ def machine_model(machine, theta, phi):
     parts : list of (mesh, dict)
         Each mesh with the arguments for ``Plotter.add_mesh``; lengths in m.
     """
-    r, R, ball = machine.r, machine.R, machine.cutter_radius
+    r = machine.r
+    R = machine.R
+    ball = machine.cutter_radius
     t = 0.13 * R  # thickness of the limbs
     frame, crank, arm, tip = _joints(machine, theta, phi)
     beams = [
@@ -66,18 +71,21 @@ class _Frame:
     """A body's place: a rotation and the point about which it turns."""
 
     def __init__(self, axes, origin):
-        self.axes, self.origin = np.asarray(axes), np.asarray(origin)
+        self.axes = np.asarray(axes)
+        self.origin = np.asarray(origin)
 
     def place(self, point):
         return self.axes @ np.asarray(point, dtype=float) + self.origin
 
     def __call__(self, mesh):
         matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = self.axes, self.origin
+        matrix[:3, :3] = self.axes
+        matrix[:3, 3] = self.origin
         return mesh.transform(matrix, inplace=False)
 
 
-def machine_in_tunnel(machine, section, theta, phi):
+@checked
+def machine_in_tunnel(machine: Machine, section: Section, theta: Angle, phi: Angle):
     """Return the parts of the machine where it stands in a tunnel, and the tunnel's far wall.
 
     Parameters
@@ -96,7 +104,8 @@ def machine_in_tunnel(machine, section, theta, phi):
     """
     outline = section.point(np.linspace(0, section.perimeter, 360, endpoint=False))
     kept = outline[:, 0] > -0.2 * machine.R  # opened on the right, to look inside
-    outline = np.roll(outline, -np.argmin(kept), axis=0)[np.roll(kept, -np.argmin(kept))]
+    start = -np.argmin(kept)  # so that what is kept isn't cut in two
+    outline = np.roll(outline, start, axis=0)[np.roll(kept, start)]
     along = np.array([-1.6, 1.5])[:, None] * machine.R
     wall = surface(np.stack(np.broadcast_arrays(along, *outline.T[:, None]), axis=-1))
     height = (0.0, 0.0, machine.height)
@@ -124,7 +133,8 @@ def _box(x, y, z):
 
 
 def _rod(a, b, radius):
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    a = np.asarray(a, dtype=float)
+    b = np.asarray(b, dtype=float)
     return pyvista.Cylinder(
         center=(a + b) / 2,
         direction=b - a,

@@ -1,0 +1,60 @@
+"""Examples for the room reporting: all but what draws in space or reads the notebooks."""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tunneller_lib.motion import Integrator, Loop
+from tunneller_lib.motion.tasks import HandOver, Task
+from tunneller_lib.paths import ConeChord
+from tunneller_lib.reporting import Record, figure
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Section, Torus
+
+DRAW_IN_SPACE = {"machine_scene", "scene", "tunnel_scene"}
+READ_NOTEBOOKS = {"contents_table", "draw_map", "ending"}
+LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
+
+DRAWING, AXES = figure(height=2, width=3)
+PIXELS = np.zeros((4, 5, 3), dtype=np.uint8)
+RECORD = Record("01_machine")
+RECORD.root = Path(tempfile.mkdtemp())
+SERIES = [0.0, 0.5, 1.0]
+SEGMENTS = HandOver(ready=(3, 9), needed=(2, 12), started=(3, 12), starved=(1, 0))
+
+INSTANCES = {
+    Axes: AXES,
+    ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
+    Egg: Egg(0.5),
+    Figure: DRAWING,
+    HandOver: SEGMENTS,
+    Loop: Loop(5.0, 0.01),
+    Machine: REFERENCE_MACHINE,
+    Record: RECORD,
+    Section: Egg(0.5),
+    Torus: REFERENCE_MACHINE.torus,
+}
+
+CALLS = {
+    "Record": {"notebook": "01_machine"},
+    "Record.__call__": {"name": "length", "value": 1.5, "unit": "m", "digits": 3},
+    "Record.figure": {"picture": PIXELS, "name": "stripes", "alt": "Stripes."},
+    "Record.table": {"name": "t", "columns": ["x / m"], "rows": [[0.5]], "decimals": 2},
+    "machine_plot.draw_plan_view": {"phi": 0.3},
+    "motion_plot.draw_hand_over": {"tasks": [Task("interpolation", 5, 1)], "ticks": [1, 2]},
+    "motion_plot.draw_responses": {"models": {"T1": Integrator(1.0)}, "setvalues": SERIES},
+    "motion_plot.draw_setvalues": {"t": SERIES, "values": SERIES, "ideal": SERIES, "box": 0.5},
+    "path_plot.draw_competing": {"torus": Torus(3.0, 1.0), "p": (0.0, 0.8), "q": (3.1, -0.3)},
+    "path_plot.draw_deviations": {"p": (0, 0), "q": (0.3, 0.2), "rules": ["tangent spheres"]},
+    "path_plot.draw_development": {"u": SERIES},
+    "path_plot.draw_ways": {"p": (0, 0), "q": (0.3, 0.2)},
+    "path_plot.path_style": {"name": "joint space"},
+    "plot.draw_pictures": {"axes": figure(1, 2, height=2)[1], "pictures": [PIXELS] * 2,
+                           "titles": ["a", "b"]},
+    "plot.draw_tangent_spheres": {"m": (0.5, 0.3, 0.0)},
+    "plot.equal": {"xlabel": "x / m", "ylabel": "y / m"},
+    "preview": {"picture": PIXELS},
+    "sliders": {"draw": lambda: DRAWING},
+}  # fmt: skip
