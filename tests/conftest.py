@@ -41,7 +41,7 @@ def unsaid(module):
         if path.is_relative_to(ROOT) and path.suffix not in OWN:
             name = str(path.relative_to(ROOT))
             said = any(fnmatch(name, pattern) for pattern in getattr(module, "READS", []))
-            if not said and not name.startswith(ASIDE) and path.is_file():
+            if not said and not name.startswith(ASIDE) and os.path.isfile(path):
                 names.append(name)
     opened.clear()
     return sorted(names)

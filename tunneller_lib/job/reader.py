@@ -175,7 +175,7 @@ def read_job(path: str | Path):
 
 def _parsed(path):
     """Return what a file says in TOML, or raise WrongJob."""
-    name = _brief(str(path))
+    name = _brief(str(path)) or "the file without a name"
     try:
         with open(path, "rb") as file:
             content = file.read(MOST_BYTES + 1)
