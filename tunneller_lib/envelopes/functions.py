@@ -149,9 +149,9 @@ def coordinates(name, value, like):
 
 
 def vectors(name, value, count, like):
-    """Return the `count` vectors, each of three coordinates, that the function `name` answered.
+    """Return the `count` vectors of the answer `value` of the caller's function `name`.
 
-    They go with the points of `like`, as those of `coordinates`.
+    Each is of three coordinates that go with the points of `like`, as those of `coordinates`.
     """
     try:
         every = list(value)
