@@ -7,8 +7,7 @@ import numpy as np
 
 from ..arguments import instance
 from ..exact import dot, norm
-from ..motion import polyline
-from ..motion import simulate as follow
+from ..motion import follow, polyline
 from ..paths import geodesic_inverse, project_chord
 from .plan import Plan, join_knots
 from .sensitivity import (

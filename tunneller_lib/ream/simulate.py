@@ -8,10 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..arguments import instance, positions, whole
-from ..motion import Loop
-from ..motion import simulate as follow
-from ..motion.servo import Track
-from ..motion.tasks import hand_over, load
+from ..motion import Loop, Track, follow
+from ..motion.tasks import hand_over, utilisation
 from ..removal import DexelGrid
 from .plan import Plan, Pose
 from .wall import intact_wall, overbreak, standing
@@ -105,7 +103,7 @@ def simulate(plan, plant, loop, *, pose=None, tasks=None, cost=None, shape=(400,
     plan : Plan
         What is to be done.
     plant, loop
-        The axes theta and phi and their position loops, as for `motion.simulate`.
+        The axes theta and phi and their position loops, as for `motion.follow`.
     pose : Pose, optional
         Where the machine stands instead of where it should.
     tasks : sequence of Task, optional
@@ -232,7 +230,7 @@ def check_tasks(plan, tasks, cost):
 
 def _held(plan, tasks, cost, laps):
     """Return how many ticks (laps m,) the line waits before each move but the first."""
-    load(tasks)  # refuses what aren't tasks
+    utilisation(tasks)  # refuses what aren't tasks
     period = round(1e6 * plan.tick)
     if tasks[0].period != period:
         raise ValueError(f"tasks: the first must have the tick's period {period} us; "

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from ..motion import simulate
+from ..motion import follow
 from ..motion.tasks import schedule
 from .style import COLOURS
 
@@ -84,7 +84,7 @@ def draw_responses(ax, models, loop, setvalues):
     tracks : dict
         A `Track` for each name.
     """
-    tracks = {name: simulate(model, loop, setvalues) for name, model in models.items()}
+    tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
     for name, track in tracks.items():
         ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
     unstable = [name for name, track in tracks.items() if track.stable == (False,)]
