@@ -358,8 +358,10 @@ def test_angles_outside_the_stroke_are_refused(axis):
                      lambda q: axis.linkage.volumes(q, axis.low, axis.high)):  # fmt: skip
             with pytest.raises(ValueError, match=r"^angle: must lie within the stroke, -.*; got"):
                 call(angle)
-        for call in (Rigid(axis).rest, Compressible(axis).rest,
-                     lambda q: axis.command(0.1, q)):  # fmt: skip
+        for plant in (axis, Rigid(axis), Compressible(axis)):
+            with pytest.raises(ValueError, match=r"^position: must lie within the stroke"):
+                plant.command(0.1, angle)
+        for call in (Rigid(axis).rest, Compressible(axis).rest):
             with pytest.raises(ValueError, match=r"^position: must lie within the stroke"):
                 call(angle)
         with pytest.raises(ValueError, match=r"^angle: must lie within the stroke"):

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -155,8 +156,10 @@ def test_tasks_refuse_what_cannot_be():
         utilisation(["a"])
     with pytest.raises(ValueError, match=r"^ticks: needs one entry for each cost"):
         hand_over(FAST, [1, 2], [1])
+    with pytest.raises(ValueError, match=r"^costs: must be a list, not empty"):
+        hand_over(FAST, np.array([], dtype=int), np.array([], dtype=int))
     for call in (lambda: hand_over(FAST, [], []), lambda: buffer_depth(FAST, [], [])):
-        with pytest.raises(ValueError, match=r"^costs: must be a list, not empty"):
+        with pytest.raises(ValueError, match=r"^costs: must hold whole numbers"):
             call()
 
 

@@ -14,18 +14,24 @@ from ..surfaces.linkage import JointAngles, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Torque
 
+DISPLACEMENTS = Linkage.displacements.unchecked
+VOLUMES = Linkage.volumes.unchecked
 STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cylinder's stroke
 
 
 def sides_at(axis, angle):
     """Return (D, rho, load) of positive and of negative motion at a joint angle, in rad.
 
-    Nothing is checked, as in the two functions below: simulations call them for every tick.
+    Nothing is checked, as in the functions below: simulations call them many times a tick.
     """
-    linkage = axis.linkage
-    plus, minus = linkage.displacements.unchecked(linkage, angle)
-    load = axis.load.unchecked(axis, angle)
+    plus, minus = DISPLACEMENTS(axis.linkage, angle)
+    load = load_at(axis, angle)
     return (plus, minus / plus, load), (minus, plus / minus, -load)
+
+
+def load_at(axis, angle):
+    """Return the torque that resists positive motion of an `axis`, in N m, at an angle, in rad."""
+    return -axis.gravity * (math.cos(angle) if isinstance(angle, float) else np.cos(angle))
 
 
 def speed(axis, opened, D, rho, load):
@@ -125,7 +131,7 @@ class Hydraulics:
     @checked
     def load(self, angle: JointAngles):
         """Return the torque that resists positive motion, in N m, at joint angles in rad."""
-        return -self.gravity * (math.cos(angle) if isinstance(angle, float) else np.cos(angle))
+        return load_at(self, angle)
 
     @checked
     def rate(self, angle: Angles, spool: Reals):
@@ -172,8 +178,9 @@ class Hydraulics:
     @checked
     def resonance(self, angle: Angle):
         """Return the linear plant of small motions about a joint angle, in rad."""
-        w = self.natural_frequency(angle)
-        gain = float(min(np.abs(self.rate(angle, [1, -1]))))
+        w = Hydraulics.natural_frequency.unchecked(self, angle)
+        rates = Hydraulics.rate.unchecked(self, np.asarray(angle), np.array([1.0, -1.0]))
+        gain = float(min(np.abs(rates)))
         return Resonance(gain, w, self.damping / (2 * self.inertia * w))
 
     @checked
@@ -191,9 +198,8 @@ class Hydraulics:
 
     def _oil(self, angle):
         """Return displacements, in m^3/rad, and volumes with the hoses, in m^3, of both sides."""
-        linkage = self.linkage
-        volumes = linkage.volumes.unchecked(linkage, angle, self.low, self.high)
-        displacements = linkage.displacements.unchecked(linkage, angle)
+        volumes = VOLUMES(self.linkage, angle, self.low, self.high)
+        displacements = DISPLACEMENTS(self.linkage, angle)
         return *displacements, *(volume + self.hose for volume in volumes)
 
     @checked

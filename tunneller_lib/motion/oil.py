@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Angle, Finite, Rule, bounded_array, checked, shown
 from ..surfaces.linkage import check_stroke
-from .hydraulics import Hydraulics, sides_at, speed
+from .hydraulics import DISPLACEMENTS, VOLUMES, Hydraulics, load_at, sides_at, speed
 from .plant import Lag, ValveResonance
 from .quantities import Tick
 
@@ -122,9 +122,9 @@ class Compressible:
         A valve that is hardly open lets no oil escape from a load that swings; the further it
         opens the more it damps. So these are the motions that grow first.
         """
-        small = self.axis.resonance(angle)
+        small = Hydraulics.resonance.unchecked(self.axis, angle)
         return ValveResonance(
-            gain=float(self.axis.swing(angle)) * small.gain,
+            gain=float(Hydraulics.swing.unchecked(self.axis, angle)) * small.gain,
             steady=small.gain,
             frequency=small.frequency,
             damping=small.damping,
@@ -135,7 +135,8 @@ class Compressible:
     def rest(self, position: Angle):
         """Return the state at rest at a position, in rad: pressures that sum to the supply."""
         axis = self.axis
-        (plus, _, load), (minus, _, _) = axis.sides(position)
+        check_stroke(position, axis.low, axis.high, "position")
+        (plus, _, load), (minus, _, _) = sides_at(axis, position)
         first = (load + minus * axis.supply) / (plus + minus)
         return position, 0.0, first, axis.supply - first, 0.0
 
@@ -192,10 +193,8 @@ def _slopes(axis, state, u):
     angle, rate, first, second, spool = state
     if not axis.low <= angle <= axis.high:
         raise _out_of_stroke(axis, angle)
-    linkage = axis.linkage
-    plus, minus = linkage.displacements.unchecked(linkage, angle)
-    volumes = linkage.volumes.unchecked(linkage, angle, axis.low, axis.high)
-    plus_volume, minus_volume = volumes
+    plus, minus = DISPLACEMENTS(axis.linkage, angle)
+    plus_volume, minus_volume = VOLUMES(axis.linkage, angle, axis.low, axis.high)
     opened = axis.flow * spool
     if spool > 0:
         inflow = opened * _root(axis.supply - first)
@@ -203,7 +202,7 @@ def _slopes(axis, state, u):
     else:
         inflow = opened * _root(first - axis.tank)
         outflow = opened * _root(axis.supply - second)
-    load = axis.load.unchecked(axis, angle)
+    load = load_at(axis, angle)
     torque = plus * first - minus * second - load - axis.damping * rate
     filling = axis.bulk * (inflow - plus * rate) / (plus_volume + axis.hose)
     emptying = axis.bulk * (minus * rate - outflow) / (minus_volume + axis.hose)

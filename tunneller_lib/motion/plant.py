@@ -127,7 +127,7 @@ class Lag(_Linear):
     @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete(tick))
+        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete.unchecked(self, tick))
         return lambda state, u: (state[0] + a01 * state[1] + b0 * u, a11 * state[1] + b1 * u)
 
 
@@ -171,7 +171,7 @@ class Resonance(_Linear):
     @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        Ad, Bd = (m.tolist() for m in self.discrete(tick))
+        Ad, Bd = (m.tolist() for m in self.discrete.unchecked(self, tick))
         (_, a, b), (_, c, d), (_, e, f) = Ad
         g, h, i = Bd
 
@@ -235,7 +235,10 @@ class ValveResonance(_Linear):
     @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        rows = [[*a, b] for a, b in zip(*(m.tolist() for m in self.discrete(tick)), strict=True)]
+        rows = [
+            [*a, b]
+            for a, b in zip(*(m.tolist() for m in self.discrete.unchecked(self, tick)), strict=True)
+        ]
         return lambda state, u: tuple(sum(map(mul, row, (*state, u))) for row in rows)
 
 

@@ -22,6 +22,8 @@ def Number(low, high, *, unit="", or_zero=False):
     also = "0 or " if or_zero else ""
 
     def check(name, value):
+        if type(value) is float and low <= value <= high:  # as nearly always: the short way
+            return value
         number = (not_negative if or_zero else positive)(name, value)
         if not (low <= number <= high or (or_zero and number == 0)):
             raise ValueError(f"{name}: must be {also}from {low:g} to {high:g}; got {shown(value)}.")

@@ -106,13 +106,13 @@ def closed_loop(plant: LinearPlant, loop: Loop):
 
 def _matrix(plant, loop, gain):
     """Return `closed_loop` with another gain, in 1/s."""
-    Ad, Bd = plant.discrete(loop.tick)
+    Ad, Bd = plant.discrete.unchecked(plant, loop.tick)
     order = len(Bd)
     m = loop.delay
     matrix = np.zeros((order + 1 + m, order + 1 + m))
     command = np.zeros(len(matrix))
-    command[0] = plant.command(-gain)
-    command[order] = plant.command(1.0)
+    command[0] = plant.command.unchecked(plant, -gain)
+    command[order] = plant.command.unchecked(plant, 1.0)
     matrix[:order, :order] = Ad
     matrix[order, [0, order]] = -loop.integral * loop.tick, 1
     if m == 0:
@@ -136,7 +136,7 @@ def is_stable(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     if isinstance(plant, LinearPlant):
         models = {plant}
     else:
-        models = {plant.linear(angle) for angle in np.ravel(angles)}
+        models = {plant.linear.unchecked(plant, angle) for angle in np.ravel(angles).tolist()}
     return all(bool(_radius(model, loop, loop.gain) < 1) for model in models)
 
 

@@ -7,12 +7,14 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Length, Rule, Sign, bounded_array, checked
+from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
 from .machine import Machine
 
 
 def _joint_angles(name, value):
     # One angle is a float from here on: `_triangle` tells by that how to compute.
+    if type(value) is float and -MOST <= value <= MOST:
+        return value
     return bounded_array(name, value)[()]
 
 
@@ -137,7 +139,9 @@ class Linkage:
         ValueError
             If an angle isn't within the stroke, where a volume would be below zero.
         """
-        check_stroke(angle, low, high)
+        # A simulation asks for one angle after the other: it is to lose no time here.
+        if not (isinstance(angle, float) and low <= angle <= high):
+            check_stroke(angle, low, high)
         whole, ring = self.areas
         at_low = self._triangle(low, self.sense)[0]
         at_high = self._triangle(high, self.sense)[0]
