@@ -1,9 +1,8 @@
 """The integer line for other controllers, in Structured Text and C99, and tables of set-values.
 
-Both programs come from one description.
-It is a list of statements: (variable, expression) assigns, ("IF", condition, then,
-otherwise) branches. Expressions are those that both languages share; a quotient is truncated and
-a remainder has the dividend's sign in both.
+Both programs come from one description, a list of statements: (variable, expression) assigns,
+("IF", condition, then, otherwise) branches. Expressions are those that both languages share; a
+quotient is truncated and a remainder has the dividend's sign in both.
 """
 
 import re

@@ -76,7 +76,7 @@ class Linkage:
     Examples
     --------
     >>> lever = Linkage(0.45, 0.11, 1.3, -1, 0.05, 0.028, 0.2)
-    >>> float(lever.length(0.0).round(4))
+    >>> round(lever.length(0.0), 4)
     0.4337
     """
 
@@ -211,7 +211,7 @@ def linkages(machine: Machine):
     --------
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
     >>> lift, swing = linkages(REFERENCE_MACHINE)
-    >>> float(lift.length(0.0).round(4))
+    >>> round(lift.length(0.0), 4)
     0.4347
     """
     scale = machine.R / 0.80
