@@ -12,9 +12,9 @@ from tunneller_lib.motion import (
     Loop,
     Resonance,
     Rigid,
+    follow,
     reference_axes,
 )
-from tunneller_lib.motion import simulate as follow
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import (

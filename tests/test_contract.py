@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -75,10 +76,10 @@ class Call:
         return found
 
     def __call__(self, given):
-        """Call with arguments by name; a list of answers is gone through to its end."""
+        """Call with arguments by name, and ask for the first answers of what yields many."""
         itself = () if self.owner is None else (INSTANCES[self.owner],)
         answer = self.function(*itself, **given)
-        return list(answer) if isinstance(answer, types.GeneratorType) else answer
+        return list(islice(answer, 10_000)) if isinstance(answer, types.GeneratorType) else answer
 
 
 def usual(annotation):

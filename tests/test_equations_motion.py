@@ -22,9 +22,9 @@ from tunneller_lib.motion import (
     Lag,
     Loop,
     Resonance,
+    follow,
     polyline,
     rest_to_rest,
-    simulate,
     tick_counts,
     time_bresenham,
 )
@@ -87,11 +87,11 @@ def test_position_control():
         assert sp.simplify(sp.limit(s * error, s, 0) - v / Kv) == 0
     ramp = 0.1 * 0.005 * np.arange(2001)
     for plant in (Integrator(0.5), Lag(0.5, 0.02)):
-        track = simulate(plant, Loop(10.0, 0.005), ramp)
+        track = follow(plant, Loop(10.0, 0.005), ramp)
         assert track.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
-    ahead = simulate(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
+    ahead = follow(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
     assert abs(ahead.error[-1]) < 1e-9
-    whole = simulate(plant, Loop(10.0, 0.005, integral=20.0), ramp)
+    whole = follow(plant, Loop(10.0, 0.005, integral=20.0), ramp)
     assert abs(whole.error[-1]) < 1e-9
 
 
@@ -398,8 +398,8 @@ def test_numerically_efficient():
 
 def test_two_tasks():
     tasks = [*FAST, Task("segments", 100_000, 30_000)]
-    _, jobs = schedule(tasks, 400_000)
-    longest = [max(j.done - j.release for j in jobs if j.name == t.name) for t in tasks]
+    _, releases = schedule(tasks, 400_000)
+    longest = [max(r.done - r.released for r in releases if r.name == t.name) for t in tasks]
     assert longest == response_times(tasks)
     # The slow task disturbs neither of the fast ones.
     assert longest[:2] == response_times(FAST)

@@ -10,7 +10,7 @@ import pytest
 
 from tests.structured_text import FunctionBlock
 from tunneller_lib.motion import polyline, time_bresenham
-from tunneller_lib.motion.export import c99, csv, structured_text
+from tunneller_lib.motion.export import c99, setvalue_table, structured_text
 
 MOVES = 10_000
 EDGES = [
@@ -104,9 +104,9 @@ def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
         np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks, tie=tie))
 
 
-def test_csv_comes_back():
+def test_setvalue_table_comes_back():
     values = polyline([[0, 0], [-70000, 2**31 - 1], [5, 5]], [300, 200])
-    text = csv(values, ["theta", "phi"])
+    text = setvalue_table(values, ["theta", "phi"])
     assert text.splitlines()[0].split() == ["tick", "theta", "phi"]
     read = np.loadtxt(io.StringIO(text), skiprows=1, dtype=np.int64)
     np.testing.assert_array_equal(read, np.column_stack([np.arange(501), values]))
@@ -116,9 +116,42 @@ def test_csv_comes_back():
 def test_export_refuses_wrong_options(call):
     with pytest.raises(ValueError, match=r'tie: must be "up" or "down"; got \'even\'\.'):
         call(tie="even")
-    for name in ("", "2nd", "a b", None):
-        with pytest.raises(ValueError, match=r"name: must be a letter"):
+    for name in ("", "2nd", "a b", None, "_a", "h\u00f6he", "a\n", "a\x00b", "a*/", "x\u0661"):
+        with pytest.raises(ValueError, match=r"^name: must be a letter"):
             call(name=name)
+
+
+@pytest.mark.parametrize("name", ["int", "while", "inline", "int32_t", "uint_least8_t", "INT8_MAX",
+                                  "line", "setvalues", "nStart"])  # fmt: skip
+def test_c99_refuses_names_that_are_taken(name):
+    with pytest.raises(ValueError, match=rf"^name: must be free in C99; got {name}, which is take"):
+        c99(name=name)
+
+
+@pytest.mark.parametrize("name", ["IF", "if", "End_If", "BOOL", "ton", "Abs", "INT_TO_REAL", "nset",
+                                  "bLoad", "R", "TASK"])  # fmt: skip
+def test_structured_text_refuses_names_that_are_taken(name):
+    with pytest.raises(ValueError, match=rf"^name: must be free in IEC 61131-3; got {name}, which"):
+        structured_text(name=name)
+
+
+def test_names_are_no_longer_than_a_compiler_tells_apart():
+    assert "a" * 26 + "_load(" in c99(name="a" * 26)
+    assert "a" * 24 + "\n" in structured_text(name="a" * 24)
+    for call, length in ((c99, 27), (structured_text, 25)):
+        with pytest.raises(ValueError, match=rf"^name: must have at most {length - 1} characters"):
+            call(name="a" * length)
+    for name in ("a__b", "a_"):
+        with pytest.raises(ValueError, match=r"^name: must have no two _ in a row"):
+            structured_text(name=name)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["main", "IF", "a" * 26, "_x"[1:], "x_"])
+def test_c99_of_any_free_name_compiles(tmp_path, compiler, name):
+    (tmp_path / "line.c").write_text(c99(name=name))
+    command = [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-c", "line.c"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
 
 
 def test_export_takes_a_name():
@@ -126,11 +159,11 @@ def test_export_takes_a_name():
     assert "lift_fill" in c99(name="lift") and "time_line" not in c99(name="lift")
 
 
-def test_csv_refuses_wrong_values():
+def test_setvalue_table_refuses_wrong_values():
     with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
-        csv([[0.5, 1]], ["theta", "phi"])
+        setvalue_table([[0.5, 1]], ["theta", "phi"])
     with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
-        csv([[2**31, 1]], ["theta", "phi"])
+        setvalue_table([[2**31, 1]], ["theta", "phi"])
     for values in ([[1, 2, 3]], [1, 2]):
         with pytest.raises(ValueError, match=r"setvalues: must have a column for each of 2 names"):
-            csv(values, ["theta", "phi"])
+            setvalue_table(values, ["theta", "phi"])

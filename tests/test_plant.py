@@ -11,9 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
 from tests.shapes import log_uniform
-from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
+from tunneller_lib.motion import (
+    Compressible,
+    Integrator,
+    Lag,
+    Resonance,
+    Rigid,
+    ValveResonance,
+    reference_axes,
+)
 from tunneller_lib.motion.oil import LAMINAR
-from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Linkage, linkages
 
 LINEAR = [Integrator(0.5), Lag(0.5, 0.02), Lag(2e3, 3e-4), Resonance(0.5, 100.0, 0.15),
@@ -167,14 +174,15 @@ def test_linkage_refuses_an_unreachable_stroke():
 
 def test_linkage_refuses_wrong_sizes():
     lift = linkages(REFERENCE_MACHINE)[0]
-    for name in ("a", "b", "mounting", "bore", "rod", "dead_length"):
+    for name in ("a", "b", "bore", "rod", "dead_length"):
         for value in (0, -1.0, np.nan, None):
             with pytest.raises(
                 ValueError,
                 match=rf"^{name}: must (be one finite number above zero|hold real numbers)",
             ):
                 replace(lift, **{name: value})
-    for change in ({"rod": 0.05}, {"mounting": 3.2}, {"sense": 0}):
+    wrong_angles = [{"mounting": value} for value in (0, -1.0, 3.2, np.nan, None)]
+    for change in ({"rod": 0.05}, {"sense": 0}, *wrong_angles):
         with pytest.raises(ValueError, match=rf"^{next(iter(change))}: must"):
             replace(lift, **change)
 
@@ -339,6 +347,43 @@ def test_end_of_the_stroke_is_told(plant):
     message = r"^setvalues: an axis must stay within its stroke, -62.0 to 37.0 deg; it got to 37"
     with pytest.raises(ValueError, match=message):
         run(plant, 0.005, [1.0] * 2000, plant.rest(0.0))
+
+
+@every_axis
+def test_angles_outside_the_stroke_are_refused(axis):
+    # Volumes were negative there, and frequencies complex.
+    for angle in (1.5, axis.low - 1e-9, axis.high + 1e-9):
+        for call in (axis.natural_frequency, axis.swing, axis.resonance, axis.sides,
+                     lambda q: axis.rate(q, 1.0), Rigid(axis).linear, Compressible(axis).linear,
+                     lambda q: axis.linkage.volumes(q, axis.low, axis.high)):  # fmt: skip
+            with pytest.raises(ValueError, match=r"^angle: must lie within the stroke, -.*; got"):
+                call(angle)
+        for plant in (axis, Rigid(axis), Compressible(axis)):
+            with pytest.raises(ValueError, match=r"^position: must lie within the stroke"):
+                plant.command(0.1, angle)
+        for call in (Rigid(axis).rest, Compressible(axis).rest):
+            with pytest.raises(ValueError, match=r"^position: must lie within the stroke"):
+                call(angle)
+        with pytest.raises(ValueError, match=r"^angle: must lie within the stroke"):
+            axis.natural_frequency([0.0, angle])
+        with pytest.raises(ValueError, match=r"^state: must lie within the stroke"):
+            Compressible(axis).derivative((angle, 0.0, 1e6, 1e6, 0.0), 0.0)
+    with pytest.raises(ValueError, match=r"^spool: must be from -1 to 1; got 1.1"):
+        axis.rate(0.0, [0.5, -1.1])
+    with pytest.raises(ValueError, match=r"^angle: must hold real numbers"):
+        axis.load(True)
+
+
+def test_a_stroke_without_angle_0_has_its_damping_where_it_comes_nearest():
+    lift, _ = reference_axes(replace(REFERENCE_MACHINE, theta_min=0.1))
+    assert lift.resonance(lift.low).damping == pytest.approx(0.15)
+
+
+def test_transfer_refuses_poles():
+    with pytest.raises(ValueError, match=r"^s: must be from 1e-50 to 1e50 rad/s in size"):
+        LINEAR[0].transfer([0.0, 1j])
+    with pytest.raises(ValueError, match=r"^s: must be no pole of the plant"):
+        Lag(1.0, 0.5).transfer(-2.0)
 
 
 def test_hydraulics_refuse_wrong_sizes():

@@ -14,12 +14,12 @@ from tunneller_lib.motion import (
     Loop,
     Resonance,
     Rigid,
+    ValveResonance,
+    follow,
     polyline,
     polyline_slopes,
     reference_axes,
-    simulate,
 )
-from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.stability import (
     closed_loop,
     continuous_limit,
@@ -123,11 +123,11 @@ def test_sampling_shifts_the_limit_of_a_resonance_a_little():
 @pytest.mark.parametrize("plant", [*LINEAR, ValveResonance(0.6, 0.5, 90.0, 0.2, 0.01)])
 @pytest.mark.parametrize("options", [{}, {"delay": 1}, {"delay": 4}, {"integral": 20.0},
                                      {"integral": 9.0, "delay": 2}], ids=str)  # fmt: skip
-def test_closed_loop_is_what_simulate_runs(plant, options):
+def test_closed_loop_is_what_follow_runs(plant, options):
     loop = Loop(6.0, T, limit=1e9, **options)
     step = np.full(60, 0.1)
     step[0] = 0.0
-    found = simulate(plant, loop, step).states[0]
+    found = follow(plant, loop, step).states[0]
     matrix = closed_loop(plant, loop)
     order = found.shape[1]
     # From rest with set-value 0.1: the same run, seen from its end, starts at -0.1.
@@ -143,7 +143,7 @@ def test_closed_loop_is_what_simulate_runs(plant, options):
 def test_unstable_loops_are_run_and_said_so(plant):
     limit = eigenvalue_limit(plant, Loop(1.0, T))
     step = np.concatenate([[0.0], np.full(2000, 0.0113)])
-    calm, wild = (simulate(plant, Loop(f * limit, T), step) for f in (0.8, 1.3))
+    calm, wild = (follow(plant, Loop(f * limit, T), step) for f in (0.8, 1.3))
     assert calm.stable == (True,) and wild.stable == (False,)
     assert abs(calm.error[-1]) < 1e-4 < abs(wild.error[-100:]).max()
     assert np.all(np.isfinite(wild.position)) and np.max(np.abs(wild.command)) <= 1
@@ -158,9 +158,7 @@ def test_unstable_loops_of_hydraulic_axes_are_run_and_said_so(tier, axis, angle,
     plant, near = tier(AXES[axis]), 0.07 if tier is Compressible else 0.1
     limit = eigenvalue_limit(plant.linear(angle), Loop(12.0, T, **options))
     step = np.concatenate([[angle], np.full(900, angle + 1e-5)])
-    calm, wild = (
-        simulate(plant, Loop(f * limit, T, **options), step) for f in (1 - near, 1 + near)
-    )
+    calm, wild = (follow(plant, Loop(f * limit, T, **options), step) for f in (1 - near, 1 + near))
     assert calm.stable == (True,) and wild.stable == (False,)
     late = slice(-200, None)
     assert np.abs(calm.error[late]).max() < 1e-6 and np.abs(wild.error[late]).max() > 1e-4
@@ -169,7 +167,7 @@ def test_unstable_loops_of_hydraulic_axes_are_run_and_said_so(tier, axis, angle,
 
 def test_swings_decay_as_fast_as_the_linear_model_says():
     plant, loop = Compressible(AXES[1]), Loop(20.0, T)
-    error = simulate(plant, loop, np.concatenate([[0.0], np.full(500, 1e-5)])).error
+    error = follow(plant, loop, np.concatenate([[0.0], np.full(500, 1e-5)])).error
     radius = np.max(np.abs(np.linalg.eigvals(closed_loop(plant.linear(0.0), loop))))
     early, later = (np.max(np.abs(error[n : n + 40])) for n in (160, 360))
     assert (later / early) ** (1 / 200) == pytest.approx(radius, abs=2e-3)
@@ -180,12 +178,12 @@ def test_stability_is_asked_for_all_angles_of_the_set_values():
     low, high = (eigenvalue_limit(plant.linear(a), Loop(12.0, T)) for a in (-1.04, 0.0))
     loop = Loop((low + high) / 2, T)
     assert is_stable(plant, loop) and not is_stable(plant, loop, [0.0, -1.04])
-    assert simulate(plant, loop, np.linspace(0.0, 0.01, 50)).stable == (True,)
-    assert simulate(plant, loop, np.linspace(-1.04, -0.9, 500)).stable == (False,)
+    assert follow(plant, loop, np.linspace(0.0, 0.01, 50)).stable == (True,)
+    assert follow(plant, loop, np.linspace(-1.04, -0.9, 500)).stable == (False,)
 
 
 def test_stability_with_an_inverse_of_the_callers_own_is_not_known():
-    track = simulate(LINEAR[0], Loop(10.0, T), np.zeros(3), inverse=lambda rate, _: 3 * rate)
+    track = follow(LINEAR[0], Loop(10.0, T), np.zeros(3), inverse=lambda rate, _: 3 * rate)
     assert track.stable == (None,)
 
 
@@ -203,21 +201,21 @@ def test_eigenvalue_limit_refuses_an_unstable_start():
 @pytest.mark.parametrize("gain", [3.0, 10.0])
 @pytest.mark.parametrize("speed", [0.01, -0.2])
 def test_ramp_error_is_speed_over_gain(plant, gain, speed):
-    track = simulate(plant, Loop(gain, T), ramp(speed, 3000))
+    track = follow(plant, Loop(gain, T), ramp(speed, 3000))
     assert track.error[-1] == pytest.approx(speed / gain, rel=1e-9)
 
 
 @pytest.mark.parametrize("axis", AXES, ids=["theta", "phi"])
 @pytest.mark.parametrize("tier", [Rigid, Compressible])
 def test_ramp_error_of_a_hydraulic_axis_is_nearly_speed_over_gain(axis, tier):
-    track = simulate(tier(axis), Loop(10.0, T), ramp(0.1, 600))
+    track = follow(tier(axis), Loop(10.0, T), ramp(0.1, 600))
     assert track.error[-1] == pytest.approx(0.01, rel=0.01)
     assert track.stable == (True,)
 
 
 def test_step_of_t0_is_an_exponential():
     step = np.concatenate([[0.0], np.full(400, 0.01)])
-    track = simulate(Integrator(0.5), Loop(10.0, T), step)
+    track = follow(Integrator(0.5), Loop(10.0, T), step)
     n = np.arange(400)
     np.testing.assert_allclose(track.error[1:], 0.01 * (1 - 10.0 * T) ** n, atol=1e-15)
     assert track.settling(0.001) == pytest.approx(T * (1 + np.ceil(np.log(0.1) / np.log(0.95))))
@@ -229,8 +227,8 @@ def test_feedforward_by_the_exact_slope_leaves_no_error_of_t0():
     exact = np.concatenate([[[0, 0]], np.cumsum(polyline_slopes(knots, ticks), axis=0)]) * count
     slopes = polyline_slopes(knots, ticks) * count / T
     loop = Loop(10.0, T, feedforward=1.0)
-    assert np.max(simulate(Integrator(0.5), loop, exact, slopes=slopes).largest_error) < 1e-14
-    counted = simulate(Integrator(0.5), loop, polyline(knots, ticks) * count, slopes=slopes)
+    assert np.max(follow(Integrator(0.5), loop, exact, slopes=slopes).largest_error) < 1e-14
+    counted = follow(Integrator(0.5), loop, polyline(knots, ticks) * count, slopes=slopes)
     assert np.all(counted.largest_error < count)
 
 
@@ -241,7 +239,7 @@ def test_differences_of_counts_shake_a_resonance_that_exact_slopes_do_not():
     exact = polyline_slopes(knots, ticks) * count / T
     plant, loop = Resonance(0.5, 100.0, 0.15), Loop(10.0, T, feedforward=1.0)
     ripples = [
-        np.std(np.diff(simulate(plant, loop, setvalues, slopes=s).position[1000:], axis=0))
+        np.std(np.diff(follow(plant, loop, setvalues, slopes=s).position[1000:], axis=0))
         for s in (exact, np.diff(setvalues, axis=0) / T)
     ]
     assert ripples[1] > 5 * ripples[0]
@@ -250,12 +248,12 @@ def test_differences_of_counts_shake_a_resonance_that_exact_slopes_do_not():
 def test_integral_removes_the_ramp_error():
     loop = Loop(10.0, T, integral=20.0)
     for plant in LINEAR:
-        assert abs(simulate(plant, loop, ramp(0.1, 3000)).error[-1]) < 1e-9
+        assert abs(follow(plant, loop, ramp(0.1, 3000)).error[-1]) < 1e-9
 
 
 def test_integral_waits_while_the_valve_is_open():
     step = np.concatenate([[0.0], np.full(1500, 0.5)])
-    waiting = simulate(Integrator(0.1), Loop(10.0, T, integral=20.0), step)
+    waiting = follow(Integrator(0.1), Loop(10.0, T, integral=20.0), step)
     assert waiting.saturated_share > 0.5
     assert waiting.position.max() < 0.5 * 1.1
 
@@ -265,29 +263,29 @@ def test_integral_waits_while_the_valve_is_open():
 
 def test_encoder_holds_the_error_within_a_count():
     count = 2 * np.pi / 2**13
-    track = simulate(Integrator(0.5), Loop(10.0, T, count=count, feedforward=1.0),
+    track = follow(Integrator(0.5), Loop(10.0, T, count=count, feedforward=1.0),
                      ramp(0.05, 2000), slopes=np.full(2000, 0.05))  # fmt: skip
     assert count / 16 < track.largest_error < count
 
 
 def test_dead_band_hides_small_errors_unless_compensated():
     setvalues = np.concatenate([[0.0], np.full(2000, 0.02)])
-    stuck = simulate(Integrator(0.5), Loop(10.0, T, dead_band=0.05), setvalues)
+    stuck = follow(Integrator(0.5), Loop(10.0, T, dead_band=0.05), setvalues)
     assert stuck.error[-1] == pytest.approx(0.05 * 0.5 / 10.0, rel=1e-3)
-    freed = simulate(Integrator(0.5), Loop(10.0, T, dead_band=0.05, compensated=True), setvalues)
-    plain = simulate(Integrator(0.5), Loop(10.0, T), setvalues)
+    freed = follow(Integrator(0.5), Loop(10.0, T, dead_band=0.05, compensated=True), setvalues)
+    plain = follow(Integrator(0.5), Loop(10.0, T), setvalues)
     np.testing.assert_allclose(freed.position, plain.position, atol=1e-12)
 
 
 def test_saturation_is_counted():
-    track = simulate(Integrator(0.5), Loop(10.0, T), ramp(1.0, 400))
+    track = follow(Integrator(0.5), Loop(10.0, T), ramp(1.0, 400))
     assert track.saturated_share > 0.9 and np.all(track.command <= 1)
     assert np.max(np.diff(track.position)) <= 0.5 * T * (1 + 1e-12)
 
 
 def test_delay_puts_the_answer_off():
     step = np.concatenate([[0.0], np.full(50, 0.01)])
-    prompt, late = (simulate(Integrator(0.5), Loop(10.0, T, delay=m), step) for m in (0, 3))
+    prompt, late = (follow(Integrator(0.5), Loop(10.0, T, delay=m), step) for m in (0, 3))
     assert np.all(late.position[:5] == 0) and prompt.position[2] > 0
     assert np.all(late.command[:4] == 0) and late.command[4] == prompt.command[1] > 0
 
@@ -299,7 +297,7 @@ def test_static_inverse_beats_one_gain_for_all():
     loop = Loop(10.0, T, feedforward=1.0)
     gain = axis.resonance(0.0).gain
     errors = [
-        simulate(Rigid(axis), loop, setvalues, slopes=slopes, inverse=inverse).rms_error
+        follow(Rigid(axis), loop, setvalues, slopes=slopes, inverse=inverse).rms_error
         for inverse in (None, lambda rate, position: rate / gain)
     ]
     assert errors[0] < 0.3 * errors[1]
@@ -314,7 +312,7 @@ def test_ripple_is_that_of_a_staircase(interval, speed):
     plant, gain, parts = Resonance(0.5, 100.0, 0.15), 8.0, 400
     tick, periods = interval / parts, int(3.0 / interval)
     staircase = speed * interval * np.repeat(np.arange(periods), parts)
-    rates = simulate(plant, Loop(gain, tick), staircase).states[0][-2 * parts : -parts, 1]
+    rates = follow(plant, Loop(gain, tick), staircase).states[0][-2 * parts : -parts, 1]
     harmonics = 2 * np.abs(np.fft.rfft(rates)) / parts / speed
     for k in (1, 2, 3):
         assert harmonics[k] == pytest.approx(ripple(plant, gain, interval, k), rel=0.02, abs=1e-5)
@@ -332,11 +330,11 @@ def test_ripple_peaks_at_the_resonance_and_t0_has_no_peak():
 # ---- arguments ------------------------------------------------------------------------------
 
 
-def test_simulate_takes_one_axis_or_several():
+def test_follow_takes_one_axis_or_several():
     values = np.stack([ramp(0.1, 50), ramp(-0.05, 50)], axis=1)
     kept = values.copy()
-    both = simulate([LINEAR[0], LINEAR[1]], [Loop(10.0, T), Loop(5.0, T)], values)
-    first, second = (simulate(LINEAR[i], Loop((10.0, 5.0)[i], T), values[:, i]) for i in (0, 1))
+    both = follow([LINEAR[0], LINEAR[1]], [Loop(10.0, T), Loop(5.0, T)], values)
+    first, second = (follow(LINEAR[i], Loop((10.0, 5.0)[i], T), values[:, i]) for i in (0, 1))
     np.testing.assert_array_equal(
         both.position, np.stack([first.position, second.position], axis=1)
     )
@@ -349,8 +347,8 @@ def test_simulate_takes_one_axis_or_several():
 
 
 def test_settling_is_endless_where_the_error_stays():
-    assert simulate(LINEAR[0], Loop(10.0, T), ramp(0.1, 50)).settling(1e-6) == np.inf
-    assert simulate(LINEAR[0], Loop(10.0, T), np.zeros(5)).settling(1e-6) == 0
+    assert follow(LINEAR[0], Loop(10.0, T), ramp(0.1, 50)).settling(1e-6) == np.inf
+    assert follow(LINEAR[0], Loop(10.0, T), np.zeros(5)).settling(1e-6) == 0
 
 
 @pytest.mark.parametrize(("name", "values"), [
@@ -365,22 +363,43 @@ def test_loop_refuses_wrong_numbers(name, values):
             replace(loop, **{name: value})
 
 
-def test_simulate_refuses_what_does_not_fit():
+def test_follow_refuses_what_does_not_fit():
     loop = Loop(10.0, T)
-    for values in (1.0, [1.0], np.zeros((3, 2, 2)), [0, np.nan], [0, np.inf]):
-        with pytest.raises(ValueError, match=r"^setvalues: must be finite and of shape"):
-            simulate(LINEAR[0], loop, values)
+    for values in (1.0, [1.0], np.zeros((3, 2, 2)), np.zeros((3, 0))):
+        with pytest.raises(ValueError, match=r"^setvalues: must be of shape"):
+            follow(LINEAR[0], loop, values)
+    for values in ([0, np.nan], [0, np.inf]):
+        with pytest.raises(ValueError, match=r"^setvalues: must hold finite numbers"):
+            follow(LINEAR[0], loop, values)
     two = np.zeros((9, 2))
     with pytest.raises(ValueError, match=r"^plant: must be one, or one for each of 2 axes; got 4"):
-        simulate(LINEAR, loop, two)
+        follow(LINEAR, loop, two)
     with pytest.raises(ValueError, match=r"^loop: all axes must share one tick"):
-        simulate(LINEAR[0], [loop, Loop(10.0, 0.01)], two)
+        follow(LINEAR[0], [loop, Loop(10.0, 0.01)], two)
     forward = replace(loop, feedforward=1.0)
     with pytest.raises(ValueError, match=r"^slopes: a loop with feed-forward needs them"):
-        simulate(LINEAR[0], forward, two)
-    for slopes in (np.zeros((9, 2)), np.zeros(8), np.full((8, 2), np.nan)):
-        with pytest.raises(ValueError, match=r"^slopes: must be finite and of shape \(8, 2\)"):
-            simulate(LINEAR[0], forward, two, slopes=slopes)
+        follow(LINEAR[0], forward, two)
+    for slopes in (np.zeros((9, 2)), np.zeros(8)):
+        with pytest.raises(ValueError, match=r"^slopes: must be of shape \(8, 2\)"):
+            follow(LINEAR[0], forward, two, slopes=slopes)
+    with pytest.raises(ValueError, match=r"^slopes: must hold finite numbers"):
+        follow(LINEAR[0], forward, two, slopes=np.full((8, 2), np.nan))
+    for inverse in (len, lambda rate, position: None, lambda rate, position: np.nan):
+        with pytest.raises(ValueError, match=r"^inverse: must "):
+            follow(LINEAR[0], loop, two, inverse=inverse)
+    for plant in (None, [LINEAR[0], "T1"]):
+        with pytest.raises(ValueError, match=r"^plant(\[1\])?: must be of class Integrator or"):
+            follow(plant, loop, two)
+
+
+@pytest.mark.parametrize("tier", [Rigid, Compressible])
+def test_follow_refuses_set_values_outside_the_stroke(tier):
+    axis = AXES[0]
+    for end in (axis.low - 1e-9, axis.high + 1e-9):
+        with pytest.raises(ValueError, match=r"^setvalues: must lie within the stroke, -1.082 to"):
+            follow(tier(axis), Loop(10.0, T), [0.0, end])
+    with pytest.raises(ValueError, match=r"^tick: must be at most .* 1000 steps"):
+        follow(tier(axis), Loop(1e-3, 1e3), [0.0, 0.1])
 
 
 @pytest.mark.parametrize("value", [0, -1.0, np.nan])
@@ -392,7 +411,7 @@ def test_limits_refuse_wrong_numbers(value):
                        ("gain", lambda x: ripple(LINEAR[0], x, 0.1))]:  # fmt: skip
         with pytest.raises(ValueError, match=f"^{name}: must be one finite number above zero"):
             call(value)
-    with pytest.raises(ValueError, match=r"^delay: must hold whole numbers"):
+    with pytest.raises(ValueError, match=r"^delay: must be one whole number from 0 to 100"):
         delay_limit(T, -1)
     with pytest.raises(ValueError, match=r"^lag: must be one finite number, not below zero"):
         resonance_limit(1, 1, -1.0)

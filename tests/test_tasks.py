@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,9 +13,9 @@ from tunneller_lib.motion.tasks import (
     background_response,
     buffer_depth,
     hand_over,
-    load,
     response_times,
     schedule,
+    utilisation,
 )
 
 FAST = [Task("interpolation", 5000, 400), Task("servo", 5000, 600), Task("watch", 20000, 1500)]
@@ -34,37 +35,37 @@ def random_tasks(draw):
 def test_response_times_are_the_longest_of_a_run(data):
     tasks = random_tasks(data.draw)
     times = response_times(tasks)
-    _, jobs = schedule(tasks, 4 * math.lcm(*(t.period for t in tasks)))
+    _, releases = schedule(tasks, 4 * math.lcm(*(t.period for t in tasks)))
     for task, time in zip(tasks, times, strict=True):
         if math.inf not in times:
-            assert max(job.done - job.release for job in jobs if job.name == task.name) == time
+            assert max(one.done - one.released for one in releases if one.name == task.name) == time
 
 
 @given(st.data(), st.integers(1, 300))
 def test_background_response_is_that_of_a_run(data, cost):
     tasks = random_tasks(data.draw)
-    if math.inf in response_times(tasks) or load(tasks) >= 1:
+    if math.inf in response_times(tasks) or utilisation(tasks) >= 1:
         return
     found = background_response(tasks, cost)
     slow = Task("slow", 10**6, cost)
-    _, jobs = schedule([*tasks, slow], found + 1000)
-    assert next(job.done for job in jobs if job.name == "slow") == found
+    _, releases = schedule([*tasks, slow], found + 1000)
+    assert next(one.done for one in releases if one.name == "slow") == found
 
 
 @given(st.data())
 def test_schedule_gives_each_job_its_cost_and_the_urgent_the_processor(data):
     tasks = random_tasks(data.draw)
     horizon = 2 * math.lcm(*(t.period for t in tasks))
-    slices, jobs = schedule(tasks, horizon)
+    slices, releases = schedule(tasks, horizon)
     assert all(a.stop <= b.start for a, b in pairwise(slices))
-    if load(tasks) <= 1 and math.inf not in response_times(tasks):
+    if utilisation(tasks) <= 1 and math.inf not in response_times(tasks):
         for task in tasks:
             used = sum(s.stop - s.start for s in slices if s.name == task.name)
             assert used == task.cost * horizon // task.period
     priority = {task.name: i for i, task in enumerate(tasks)}
-    for job in jobs:
-        lower = [s for s in slices if priority[s.name] > priority[job.name]]
-        assert not any(s.start < job.done and s.stop > job.release for s in lower)
+    for one in releases:
+        lower = [s for s in slices if priority[s.name] > priority[one.name]]
+        assert not any(s.start < one.done and s.stop > one.released for s in lower)
 
 
 def test_response_times_of_a_known_set():
@@ -72,7 +73,7 @@ def test_response_times_of_a_known_set():
     tasks = [Task("a", 7, 3), Task("b", 12, 3), Task("c", 20, 5)]
     assert response_times(tasks) == [3, 6, 20]
     assert response_times([*tasks[:2], Task("c", 20, 6)])[2] == math.inf
-    assert load(tasks) == pytest.approx(3 / 7 + 3 / 12 + 5 / 20)
+    assert utilisation(tasks) == pytest.approx(3 / 7 + 3 / 12 + 5 / 20)
 
 
 def by_events(tasks, costs, ticks, depth):
@@ -149,9 +150,23 @@ def test_tasks_refuse_what_cannot_be():
         with pytest.raises(ValueError, match=r"^tasks: must keep their periods and leave time"):
             call()
     for tasks in ([], None, 3):
-        with pytest.raises(ValueError, match=r"^tasks: must be a sequence of at least one task"):
+        with pytest.raises(ValueError, match=r"^tasks: must be a list of at least one task"):
             response_times(tasks)
-    with pytest.raises(ValueError, match=r"^tasks: must be of class Task"):
-        load(["a"])
+    with pytest.raises(ValueError, match=r"^tasks\[0\]: must be of class Task"):
+        utilisation(["a"])
     with pytest.raises(ValueError, match=r"^ticks: needs one entry for each cost"):
         hand_over(FAST, [1, 2], [1])
+    with pytest.raises(ValueError, match=r"^costs: must be a list, not empty"):
+        hand_over(FAST, np.array([], dtype=int), np.array([], dtype=int))
+    for call in (lambda: hand_over(FAST, [], []), lambda: buffer_depth(FAST, [], [])):
+        with pytest.raises(ValueError, match=r"^costs: must hold whole numbers"):
+            call()
+
+
+def test_runs_that_would_not_end_are_refused():
+    with pytest.raises(ValueError, match=r"^horizon: must be after at most 200000 releases"):
+        schedule(FAST, 2**40)
+    coprime = [Task("a", 9973, 1), Task("b", 9967, 1), Task("c", 9949, 1)]
+    for call in (hand_over, buffer_depth):
+        with pytest.raises(ValueError, match=r"^tasks: their pattern must repeat after at most"):
+            call(coprime, [1], [1])

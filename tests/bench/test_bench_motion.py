@@ -8,12 +8,12 @@ from tunneller_lib.motion import (
     Compressible,
     Lag,
     Loop,
+    follow,
+    line_ticks,
     polyline,
     reference_axes,
-    simulate,
     time_bresenham,
 )
-from tunneller_lib.motion.interpolate import line_ticks
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 TICKS = 10_000
@@ -68,7 +68,7 @@ def test_line_against_plain_loops_and_linspace(benchmark, say, moves):
 def test_lap_with_a_lag(benchmark, say):
     values, slopes = lap()
     loop = Loop(10.0, 0.005, feedforward=1.0, delay=1, count=COUNT)
-    run = lambda: simulate(Lag(0.5, 0.02), loop, values, slopes=slopes)  # noqa: E731
+    run = lambda: follow(Lag(0.5, 0.02), loop, values, slopes=slopes)  # noqa: E731
     benchmark.pedantic(run, rounds=3)
     (time,) = best_times(run, rounds=5)
     say("10^4 ticks of two axes with T1, s", time)
@@ -79,7 +79,7 @@ def test_lap_with_compressible_oil(benchmark, say):
     values, slopes = lap()
     loop = Loop(10.0, 0.005, feedforward=1.0, delay=1, count=COUNT)
     plants = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
-    run = lambda: simulate(plants, loop, values, slopes=slopes)  # noqa: E731
+    run = lambda: follow(plants, loop, values, slopes=slopes)  # noqa: E731
     benchmark.pedantic(run, rounds=1)
     (time,) = best_times(run, rounds=2)
     say("10^4 ticks of two axes with T3, s", time)

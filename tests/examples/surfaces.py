@@ -36,7 +36,7 @@ CALLS = {
     "Frustum": {"b": (1.0, 2.0, 3.0)},
     "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
     "Linkage.check": {"low": -0.3, "high": 0.3},
-    "Linkage.volumes": {"low": -0.3, "high": 0.3},
+    "Linkage.volumes": {"angle": 0.1, "low": -0.3, "high": 0.3},
     "Machine": {name: getattr(REFERENCE_MACHINE, name)
                 for name in REFERENCE_MACHINE.__dataclass_fields__},
     "Rod": {"b": (1.0, 2.0, 3.0)},

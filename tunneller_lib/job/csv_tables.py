@@ -6,7 +6,7 @@ In metres, radians and whole counts; the head of each says which.
 import numpy as np
 
 from ..arguments import checked, shown
-from ..motion.export import csv
+from ..motion.export import setvalue_table
 from ..ream import Plan
 
 JOINTS = "theta", "phi"
@@ -37,7 +37,7 @@ def setvalues_csv(plan: Plan):
     """Return the set-values of a lap as a table, whole numbers: tick and joint positions."""
     values = np.rint(plan.setvalues / plan.count).astype(np.int64)
     what = "set-values of a lap: theta and phi in counts"
-    return _described(plan, what, csv(values, JOINTS).replace(" ", ","))
+    return _described(plan, what, setvalue_table(values, JOINTS).replace(" ", ","))
 
 
 def _columns(names, left, counts):

@@ -1,11 +1,19 @@
 """Motion: set-values in whole counts, the hydraulic axes and their loops, tasks, exports."""
 
+from . import export, stability, tasks
 from .hydraulics import Hydraulics, reference_axes
-from .interpolate import polyline, polyline_slopes, tick_counts, time_bresenham
+from .interpolate import (
+    line_ticks,
+    polyline,
+    polyline_slopes,
+    rounding_spectrum,
+    tick_counts,
+    time_bresenham,
+)
 from .oil import Compressible, Rigid
-from .plant import Integrator, Lag, Resonance
-from .ramp import rest_to_rest
-from .servo import Loop, simulate
+from .plant import Integrator, Lag, Resonance, ValveResonance
+from .ramp import rest_to_rest, rest_to_rest_ticks
+from .servo import Loop, Track, follow
 
 __all__ = [
     "Compressible",
@@ -15,11 +23,19 @@ __all__ = [
     "Loop",
     "Resonance",
     "Rigid",
+    "Track",
+    "ValveResonance",
+    "export",
+    "follow",
+    "line_ticks",
     "polyline",
     "polyline_slopes",
     "reference_axes",
     "rest_to_rest",
-    "simulate",
+    "rest_to_rest_ticks",
+    "rounding_spectrum",
+    "stability",
+    "tasks",
     "tick_counts",
     "time_bresenham",
 ]

@@ -3,15 +3,28 @@
 A set-value is a number of encoder counts. Any number of axes share one clock.
 """
 
-import numpy as np
+import math
+from typing import Annotated, Literal
 
-from ..arguments import positive, real, whole
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Duration, Rule, Whole, Wholes, bounded_array, checked, whole
 
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}
+MOST_SETVALUES = 2**25  # in one array, which is then of 256 MiB
+
+Tie = Literal["up", "down"]
+Ends = Wholes("(...) int", LOW, HIGH)
+End = Whole(LOW, HIGH)
+Times = Annotated[ArrayLike, Rule("(k + 1,) float", bounded_array, "s")]
+Knots = Wholes("(k + 1, n) int", LOW, HIGH)
+SegmentTicks = Wholes("(k,) int", 1, HIGH)
 
 
-def time_bresenham(start, stop, ticks, *, tie="up"):
+@checked
+def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie = "up"):
     """Return the set-values of straight moves, one a tick.
 
     Parameters
@@ -20,7 +33,8 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
         Where the moves begin and end, in counts, each a 32-bit integer, their differences too;
         they broadcast.
     ticks : int
-        Number of ticks that a move takes, from 1 to 2^31 - 1; all axes share it.
+        Number of ticks that a move takes, from 1 to 2^31 - 1; all axes share it. There are at most
+        2^25 set-values; `line_ticks` yields those of longer moves one by one.
     tie : {"up", "down"}
         Which count half a count is rounded to.
 
@@ -32,7 +46,7 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
     Raises
     ------
     ValueError
-        If a number isn't whole or is beyond its range, or `tie` is another word.
+        If a number isn't whole or is beyond its range, or there are more than 2^25 set-values.
 
     Notes
     -----
@@ -49,7 +63,8 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
     >>> time_bresenham([0, 7], [-3, 7], 2).tolist()
     [[0, -1, -3], [7, 7, 7]]
     """
-    start, difference, ticks = checked_move(start, stop, ticks)
+    difference = difference_of(start, stop)
+    limit_setvalues(difference.size, ticks, "`line_ticks`")
     # N times the line, at most 2^31 N < 2^62, fits 64 bits; in place, for memory takes the time.
     values = np.arange(ticks + 1, dtype=np.int64) * difference[..., None]
     values += (ticks * start + _first(ticks, tie))[..., None]
@@ -57,15 +72,21 @@ def time_bresenham(start, stop, ticks, *, tie="up"):
     return values
 
 
-def line_ticks(start, stop, ticks, *, tie="up"):
+@checked
+def line_ticks(start: End, stop: End, ticks: Whole(1, HIGH), *, tie: Tie = "up"):
     """Yield the set-values of one move of one axis, tick by tick, as the controller computes them.
 
     The arguments are those of `time_bresenham` for one axis (start, stop, ticks, tie). A tick
     takes one comparison and two or three additions, and no number leaves the 32-bit range.
     """
-    start, difference, ticks = one_move(start, stop, ticks)
+    return _line(start, int(difference_of(start, stop)), ticks, tie)
+
+
+def _line(start, difference, ticks, tie):
+    """Yield `line_ticks`."""
     quotient, remainder = divmod(difference, ticks)
-    accumulator, complement = int(_first(ticks, tie)), ticks - remainder
+    accumulator = _first(ticks, tie)
+    complement = ticks - remainder
     value = start
     yield value
     for _ in range(ticks):
@@ -80,7 +101,8 @@ def line_ticks(start, stop, ticks, *, tie="up"):
         yield value
 
 
-def tick_counts(times, tick):
+@checked
+def tick_counts(times: Times, tick: Duration):
     """Return how many ticks each segment of a timed polyline takes.
 
     Parameters
@@ -106,12 +128,13 @@ def tick_counts(times, tick):
     >>> tick_counts([0, 0.012, 0.024, 0.036], 0.005)
     array([2, 3, 2])
     """
-    times, tick = real("times", times), positive("tick", tick)
-    if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)):
-        raise ValueError(f"times: must be a list of at least two finite times; got {times!r}.")
-    if np.any(np.abs(times) > HIGH * tick):
-        raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; "
-                         f"got {np.abs(times).max():g} s.")  # fmt: skip
+    if times.ndim != 1 or len(times) < 2:
+        raise ValueError(
+            f"times: must be a list of at least two times; got an array of shape {times.shape}."
+        )
+    latest = np.abs(times).max()
+    if latest > HIGH * tick:
+        raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; got {latest:g} s.")
     ticks = np.diff(np.floor(times / tick + 0.5).astype(np.int64))
     if np.any(ticks < 1):
         k = int(np.argmax(ticks < 1))
@@ -122,7 +145,8 @@ def tick_counts(times, tick):
     return ticks
 
 
-def polyline(knots, ticks, *, tie="up"):
+@checked
+def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up"):
     """Return the set-values of moves one after the other through knots.
 
     Parameters
@@ -149,7 +173,7 @@ def polyline(knots, ticks, *, tie="up"):
     >>> polyline([[0, 0], [3, -2], [3, 5]], [2, 3]).T.tolist()
     [[0, 2, 3, 3, 3, 3], [0, -1, -2, 0, 3, 5]]
     """
-    knots, ticks = _segments(knots, ticks)
+    _check_segments(knots, ticks)
     segment = np.repeat(np.arange(len(ticks)), ticks)
     n = np.arange(len(segment)) - (np.cumsum(ticks) - ticks)[segment]
     first = ticks[:, None] * knots[:-1] + _first(ticks, tie)[:, None]
@@ -159,17 +183,19 @@ def polyline(knots, ticks, *, tie="up"):
     return np.concatenate([values, knots[-1:]])
 
 
-def polyline_slopes(knots, ticks):
+@checked
+def polyline_slopes(knots: Knots, ticks: SegmentTicks):
     """Return the exact slopes D/N (ticks, n) of a `polyline`, in counts a tick.
 
     They are what velocity feed-forward needs; differences of the set-values (knots, ticks) would
     jump by a count.
     """
-    knots, ticks = _segments(knots, ticks)
+    _check_segments(knots, ticks)
     return np.repeat(np.diff(knots, axis=0) / ticks[:, None], ticks, axis=0)
 
 
-def rounding_spectrum(difference, ticks):
+@checked
+def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALUES)):
     """Return the amplitudes (ticks // 2 + 1,) of the rounding error's harmonics, in counts.
 
     For a move of `difference` counts in `ticks` ticks without a common factor, as coefficients of
@@ -177,9 +203,7 @@ def rounding_spectrum(difference, ticks):
     The residues of the line are those of a sawtooth in another order, and a multiplication of the
     ticks by r only permutes the harmonics; the mean, of ties alone, is 0 or 1/(2 N).
     """
-    ticks = int(whole("ticks", ticks, 1, HIGH))
-    difference = int(whole("difference", difference, LOW, HIGH))
-    if np.gcd(difference, ticks) != 1:
+    if math.gcd(difference, ticks) != 1:
         raise ValueError(
             f"difference: must have no common factor with {ticks} ticks; got {difference}."
         )
@@ -204,39 +228,46 @@ def checked_move(start, stop, ticks):
 def checked_ends(start, stop, names=("start", "stop")):
     """Return start and stop - start of moves, as `checked_move`; `names` are for messages."""
     first, last = names
-    start, stop = whole(first, start, LOW, HIGH), whole(last, stop, LOW, HIGH)
+    start = whole(first, start, LOW, HIGH)
+    stop = whole(last, stop, LOW, HIGH)
     try:
-        difference = stop - start
+        np.broadcast_shapes(start.shape, stop.shape)
     except ValueError:
         raise ValueError(
             f"{last}: must broadcast with {first} of shape {start.shape}; got shape {stop.shape}."
         ) from None
-    return start, whole(f"{last} - {first}", difference, LOW, HIGH)
+    return start, difference_of(start, stop, names)
 
 
-def one_move(start, stop, ticks):
-    """Return the same of the move of one axis, as whole numbers of Python."""
-    start, difference, ticks = checked_move(start, stop, ticks)
-    if difference.ndim:
+def difference_of(start, stop, names=("start", "stop")):
+    """Return stop - start, which must have 32 bits, too."""
+    first, last = names
+    return whole(f"{last} - {first}", stop - start, LOW, HIGH)
+
+
+def limit_setvalues(moves, ticks, way):
+    """Raise ValueError where set-values of so many moves are too many for one array.
+
+    `ticks` is how many a move takes; the message names the `way` to have them all the same.
+    """
+    if moves * (ticks + 1) > MOST_SETVALUES:
         raise ValueError(
-            f"start, stop: must be of one axis; got arrays of shape {difference.shape}."
+            f"ticks: set-values must be at most {MOST_SETVALUES} in all, and {way} yields them one "
+            f"by one; got {ticks} ticks of {moves} moves."
         )
-    return int(start), int(difference), int(ticks)
 
 
 def _first(ticks, tie):
     """Return the accumulator's first value, half of the ticks: N/2 up, just below it down."""
-    if tie not in tuple(TIES):
-        raise ValueError(f'tie: must be "up" or "down"; got {tie!r}.')
     return (ticks - TIES[tie]) // 2
 
 
-def _segments(knots, ticks):
-    knots, ticks = whole("knots", knots, LOW, HIGH), whole("ticks", ticks, 1, HIGH)
+def _check_segments(knots, ticks):
+    """Raise ValueError where knots and ticks don't fit, or a move is too far or too long."""
     if knots.ndim != 2 or ticks.ndim != 1 or len(knots) != len(ticks) + 1 or not len(ticks):
         raise ValueError(
             "knots: must be an array (k + 1, n) for ticks (k,) of k >= 1 segments; "
             f"got {knots.shape} for {ticks.shape}."
         )
-    checked_ends(knots[:-1], knots[1:])
-    return knots, ticks
+    difference_of(knots[:-1], knots[1:], ("knots[:-1]", "knots[1:]"))
+    limit_setvalues(knots.shape[1], int(ticks.sum()), "`line_ticks` of each segment")

@@ -1,44 +1,52 @@
 """Linear models of an axis, from valve command to joint angle, exact from tick to tick.
 
 Each plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
-command), `transfer`, `stepper` (the next state, for `simulate`), `command` (static inverse).
+command), `transfer`, `stepper` (the next state, for `follow`), `command` (static inverse).
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from operator import mul
 
 import numpy as np
 
-from ..arguments import positive
+from ..arguments import Angle, Finite, checked
+from .quantities import ComplexFrequencies, Quantity, Tick
 
 
 class _Linear:
-    """What the linear plants share; their fields must be above zero."""
+    """What the linear plants share."""
 
-    def __post_init__(self):
-        for field in fields(self):
-            value = positive(field.name, getattr(self, field.name))
-            object.__setattr__(self, field.name, value)
-
-    def command(self, rate, position=0.0):
+    @checked
+    def command(self, rate: Finite, position: Angle = 0.0):
         """Return the command that gives a steady rate, in rad/s; the same at every position."""
         return rate / self.gain
 
-    def rest(self, position):
+    @checked
+    def rest(self, position: Angle):
         """Return the state at rest at a position, in rad."""
         return (position,) + (0.0,) * (len(self.matrices()[1]) - 1)
 
-    def transfer(self, s):
-        """Return the angle over the command at complex frequencies s, in rad/s."""
-        s = np.asarray(s, complex)
+    @checked
+    def transfer(self, s: ComplexFrequencies):
+        """Return the angle over the command at complex frequencies s, in rad/s.
+
+        Raises
+        ------
+        ValueError
+            If a frequency is a pole.
+        """
         A, B = self.matrices()
         eye = np.eye(len(B))
-        response = np.linalg.solve(s[..., None, None] * eye - A, np.broadcast_to(
-            B[:, None], (*s.shape, len(B), 1)).astype(complex))  # fmt: skip
+        column = np.broadcast_to(B[:, None], (*s.shape, len(B), 1)).astype(complex)
+        try:
+            response = np.linalg.solve(s[..., None, None] * eye - A, column)
+        except np.linalg.LinAlgError:
+            raise ValueError("s: must be no pole of the plant; got one.") from None
         return response[..., 0, 0]
 
 
 @dataclass(frozen=True)
+@checked
 class Integrator(_Linear):
     """T0: x' = K u, the first-order model of the document's position loop.
 
@@ -50,7 +58,7 @@ class Integrator(_Linear):
     Raises
     ------
     ValueError
-        If the gain isn't above zero.
+        If the gain isn't a number from 1e-9 to 1e9.
 
     Examples
     --------
@@ -58,23 +66,26 @@ class Integrator(_Linear):
     array([0.005])
     """
 
-    gain: float
+    gain: Quantity
 
     def matrices(self):
         """Return A and B of state' = A state + B command."""
         return np.zeros((1, 1)), np.array([self.gain])
 
-    def discrete(self, tick):
+    @checked
+    def discrete(self, tick: Tick):
         """Return Ad and Bd of a command held for a tick, in s."""
-        return np.eye(1), np.array([self.gain * positive("tick", tick)])
+        return np.eye(1), np.array([self.gain * tick])
 
-    def stepper(self, tick):
+    @checked
+    def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        b = self.gain * positive("tick", tick)
+        b = self.gain * tick
         return lambda state, u: (state[0] + b * u,)
 
 
 @dataclass(frozen=True)
+@checked
 class Lag(_Linear):
     """T1: K / (s (lag s + 1)), a rate that follows the command with a lag.
 
@@ -88,7 +99,7 @@ class Lag(_Linear):
     Raises
     ------
     ValueError
-        If a number isn't above zero.
+        If a number isn't from 1e-9 to 1e9.
 
     Examples
     --------
@@ -97,28 +108,31 @@ class Lag(_Linear):
            [0.      , 0.606531]])
     """
 
-    gain: float
-    lag: float
+    gain: Quantity
+    lag: Quantity
 
     def matrices(self):
         """Return A and B of state' = A state + B command; the state is angle and rate."""
         return np.array([[0, 1], [0, -1 / self.lag]]), np.array([0, self.gain / self.lag])
 
-    def discrete(self, tick):
+    @checked
+    def discrete(self, tick: Tick):
         """Return Ad and Bd of a command held for a tick, in s."""
-        x = positive("tick", tick) / self.lag
+        x = tick / self.lag
         fall = -np.expm1(-x)  # 1 - exp(-x) loses its digits for a tick far below the lag
         moved = _beyond(x)
         Ad = np.array([[1, self.lag * fall], [0, np.exp(-x)]])
         return Ad, self.gain * np.array([self.lag * moved, fall])
 
-    def stepper(self, tick):
+    @checked
+    def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete(tick))
+        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete.unchecked(self, tick))
         return lambda state, u: (state[0] + a01 * state[1] + b0 * u, a11 * state[1] + b1 * u)
 
 
 @dataclass(frozen=True)
+@checked
 class Resonance(_Linear):
     """K w^2 / (s (s^2 + 2 zeta w s + w^2)): load and oil as mass and spring, small motions.
 
@@ -134,27 +148,30 @@ class Resonance(_Linear):
     Raises
     ------
     ValueError
-        If a number isn't above zero.
+        If a number isn't from 1e-9 to 1e9.
     """
 
-    gain: float
-    frequency: float
-    damping: float
+    gain: Quantity
+    frequency: Quantity
+    damping: Quantity
 
     def matrices(self):
         """Return A and B of state' = A state + B command; the state is angle, rate, change."""
-        w, zeta = self.frequency, self.damping
+        w = self.frequency
+        zeta = self.damping
         A = np.array([[0, 1, 0], [0, 0, 1], [0, -(w**2), -2 * zeta * w]])
         return A, np.array([0, 0, self.gain * w**2])
 
-    def discrete(self, tick):
+    @checked
+    def discrete(self, tick: Tick):
         """Return Ad and Bd of a command held for a tick, in s."""
         w = self.frequency
         return _held(*self.matrices(), np.array([1.0, w, w**2]), tick)
 
-    def stepper(self, tick):
+    @checked
+    def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        Ad, Bd = (m.tolist() for m in self.discrete(tick))
+        Ad, Bd = (m.tolist() for m in self.discrete.unchecked(self, tick))
         (_, a, b), (_, c, d), (_, e, f) = Ad
         g, h, i = Bd
 
@@ -166,6 +183,7 @@ class Resonance(_Linear):
 
 
 @dataclass(frozen=True)
+@checked
 class ValveResonance(_Linear):
     """K w^2 / (s (lag s + 1) (s^2 + 2 zeta w s + w^2)): a resonance behind a valve with a lag.
 
@@ -185,35 +203,42 @@ class ValveResonance(_Linear):
     Raises
     ------
     ValueError
-        If a number isn't above zero.
+        If a number isn't from 1e-9 to 1e9.
     """
 
-    gain: float
-    steady: float
-    frequency: float
-    damping: float
-    lag: float
+    gain: Quantity
+    steady: Quantity
+    frequency: Quantity
+    damping: Quantity
+    lag: Quantity
 
-    def command(self, rate, position=0.0):
+    @checked
+    def command(self, rate: Finite, position: Angle = 0.0):
         """Return the command that gives a steady rate, in rad/s; the same at every position."""
         return rate / self.steady
 
     def matrices(self):
         """Return A and B of state' = A state + B command; angle, rate, change, spool."""
-        w, zeta = self.frequency, self.damping
+        w = self.frequency
+        zeta = self.damping
         A = np.diag([1.0, 1.0, self.gain * w**2], 1)
         A[2, 1:3] = -(w**2), -2 * zeta * w
         A[3, 3] = -1 / self.lag
         return A, np.array([0, 0, 0, 1 / self.lag])
 
-    def discrete(self, tick):
+    @checked
+    def discrete(self, tick: Tick):
         """Return Ad and Bd of a command held for a tick, in s."""
         w = self.frequency
         return _held(*self.matrices(), np.array([1.0, w, w**2, w / self.gain]), tick)
 
-    def stepper(self, tick):
+    @checked
+    def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        rows = [[*a, b] for a, b in zip(*(m.tolist() for m in self.discrete(tick)), strict=True)]
+        rows = [
+            [*a, b]
+            for a, b in zip(*(m.tolist() for m in self.discrete.unchecked(self, tick)), strict=True)
+        ]
         return lambda state, u: tuple(sum(map(mul, row, (*state, u))) for row in rows)
 
 
@@ -225,7 +250,7 @@ def _held(A, B, units, tick):
     block = np.zeros((order + 1, order + 1))
     block[:order, :order] = A / units[:, None] * units  # else expm loses digits of small entries
     block[:order, order] = B / units
-    Ad = expm(block * positive("tick", tick))
+    Ad = expm(block * tick)
     return Ad[:order, :order] * units[:, None] / units, Ad[:order, order] * units
 
 

@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from ..arguments import whole
-from .interpolate import checked_move, one_move
+from ..arguments import Whole, checked
+from .interpolate import End, Ends, difference_of, limit_setvalues
 
-LONGEST = 65534  # ticks 2 M; the denominator 2 M^2 of a parabola must fit 32 bits
+MOST_TICKS = 65534  # 2 M; the denominator 2 M^2 of a parabola must fit 32 bits
+EvenTicks = Whole(2, MOST_TICKS)
 
 
-def rest_to_rest(start, stop, ticks):
+@checked
+def rest_to_rest(start: Ends, stop: Ends, ticks: EvenTicks):
     """Return the set-values of moves that speed up evenly for half of their ticks, then slow down.
 
     Parameters
@@ -26,33 +28,44 @@ def rest_to_rest(start, stop, ticks):
     Raises
     ------
     ValueError
-        As `time_bresenham`, or if `ticks` is odd or above its limit.
+        As `time_bresenham`, or if `ticks` is odd or above its limit; `rest_to_rest_ticks` yields
+        more set-values than one array may hold.
 
     Examples
     --------
     >>> rest_to_rest(0, 16, 8)
     array([ 0,  1,  2,  5,  8, 12, 14, 16, 16])
     """
-    start, difference, ticks = checked_move(start, stop, _even(ticks))
+    difference = difference_of(start, stop)
+    _check_even(ticks)
+    limit_setvalues(difference.size, ticks, "`rest_to_rest_ticks`")
     middle = ticks // 2
     scale = 2 * middle**2
     quotient, remainder = np.divmod(difference[..., None], scale)
     to_go = np.arange(ticks, -1, -1, dtype=np.int64)
-    rising, falling = to_go[:middle:-1] ** 2, to_go[middle:] ** 2
+    rising = to_go[:middle:-1] ** 2
+    falling = to_go[middle:] ** 2
     # difference * rising could leave 64 bits; remainder * rising < 2^31 * 2^30 can't.
     first = quotient * rising + (remainder * rising + middle**2) // scale
     last = difference[..., None] - quotient * falling + (middle**2 - remainder * falling) // scale
     return start[..., None] + np.concatenate([first, last], axis=-1)
 
 
-def rest_to_rest_ticks(start, stop, ticks):
+@checked
+def rest_to_rest_ticks(start: End, stop: End, ticks: EvenTicks):
     """Yield the set-values of `rest_to_rest` (start, stop, ticks) of one axis, tick by tick.
 
     Two remainder accumulators: one carries the speed, in units of 1/(2 M^2) of a count a tick with
     M half the ticks, the other the position. Both run across the middle without a new start, and no
     number leaves the 32-bit range.
     """
-    start, difference, ticks = one_move(start, stop, _even(ticks))
+    difference = int(difference_of(start, stop))
+    _check_even(ticks)
+    return _parabolas(start, difference, ticks)
+
+
+def _parabolas(start, difference, ticks):
+    """Yield `rest_to_rest_ticks`."""
     middle = ticks // 2
     scale = 2 * middle**2
     speed = divmod(difference, scale)
@@ -86,7 +99,6 @@ def _minus(a, b, scale):
     return a[0] - b[0], a[1] - b[1]
 
 
-def _even(ticks):
-    if np.ndim(ticks) or whole("ticks", ticks, 2, LONGEST) % 2:
-        raise ValueError(f"ticks: must be one even number; got {ticks!r}.")
-    return ticks
+def _check_even(ticks):
+    if ticks % 2:
+        raise ValueError(f"ticks: must be one even number; got {ticks}.")

@@ -1,71 +1,43 @@
-"""Position loops, tick by tick, and what came of them."""
+"""Set-values through position loops, tick by tick, and what came of them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import MethodType
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import finite, positive, real, whole
+from ..arguments import Positive, Rule, bounded_array, checked, shown
+from ..surfaces.linkage import check_stroke
+from .hydraulics import spool_at
+from .loop import Loop
+from .oil import Compressible, Rigid
+from .plant import Integrator, Lag, Resonance, ValveResonance
 from .stability import is_stable
 
-MAXIMA = {"feedforward": 2.0, "dead_band": 0.99}
+
+def one_or_each(*kinds):
+    """Return the annotation of one object of some classes, or of a sequence, one for each axis."""
+    says = " or ".join(kind.__name__ for kind in kinds)
+
+    def check(name, value):
+        if isinstance(value, kinds):
+            return value
+        if not isinstance(value, (list, tuple)):
+            raise ValueError(f"{name}: must be of class {says}, or a list; got {shown(value)}.")
+        for i, one in enumerate(value):
+            if not isinstance(one, kinds):
+                raise ValueError(f"{name}[{i}]: must be of class {says}; got {shown(one)}.")
+        return tuple(value)
+
+    return Annotated[object, Rule(f"{says} or a list of them", check)]
 
 
-@dataclass(frozen=True)
-class Loop:
-    """A sampled position loop with encoder and valve: wanted rate = Kv e + Ki (integral of e).
-
-    Parameters
-    ----------
-    gain : float
-        Kv in 1/s: wanted rate over following error. The document's controller gain is Kv / K.
-    tick : float
-        Sampling period, in s.
-    integral : float
-        Ki in 1/s^2; 0 for a P loop. The sum waits while the valve is fully open.
-    feedforward : float
-        Share of the exact slope of the set-values that is added to the wanted rate, 0 to 2.
-    delay : int
-        Whole ticks between the measurement and the command that answers it.
-    count : float
-        Angle of an encoder count, in rad; 0 for an ideal encoder.
-    limit : float
-        Largest command; 1 is the fully open valve.
-    dead_band : float
-        Share of full command in which the valve stays shut, below 1.
-    compensated : bool
-        Whether the command jumps over the dead band.
-
-    Raises
-    ------
-    ValueError
-        If a number is beyond its range.
-    """
-
-    gain: float
-    tick: float
-    integral: float = 0.0
-    feedforward: float = 0.0
-    delay: int = 0
-    count: float = 0.0
-    limit: float = 1.0
-    dead_band: float = 0.0
-    compensated: bool = False
-
-    def __post_init__(self):
-        for field in fields(self)[:-1]:
-            name, value = field.name, getattr(self, field.name)
-            if name == "delay":
-                if np.ndim(whole(name, value, 0, 1000)):
-                    raise ValueError(f"{name}: must be one whole number; got {value!r}.")
-                continue
-            check = positive if name in ("gain", "tick", "limit") else finite
-            value = check(name, value)
-            if not 0 <= value <= MAXIMA.get(name, np.inf):
-                raise ValueError(
-                    f"{name}: must lie between 0 and {MAXIMA.get(name, 'infinity')}; got {value!r}."
-                )
-            object.__setattr__(self, name, value)
+Plants = one_or_each(Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible)
+Loops = one_or_each(Loop)
+Setvalues = Annotated[ArrayLike, Rule("(ticks + 1,) or (ticks + 1, n) float", bounded_array, "rad")]
+Slopes = Annotated[ArrayLike, Rule("(ticks,) or (ticks, n) float", bounded_array, "rad/s")]
 
 
 @dataclass(frozen=True)
@@ -122,26 +94,35 @@ class Track:
         """Return the share of ticks in which the valve of each axis was fully open."""
         return np.mean(self.saturated, axis=0)
 
-    def settling(self, tolerance):
+    @checked
+    def settling(self, tolerance: Positive):
         """Return the time after which no axis' error is above a tolerance, in rad; in s.
 
         It is infinite where the last error still is.
         """
-        outside = np.abs(self.error) > positive("tolerance", tolerance)
+        outside = np.abs(self.error) > tolerance
         outside = outside.reshape(len(outside), -1).any(axis=1)
         if outside[-1]:
             return np.inf
         return self.tick * (int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0)
 
 
-def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
+@checked
+def follow(
+    plant: Plants,
+    loop: Loops,
+    setvalues: Setvalues,
+    *,
+    slopes: Slopes | None = None,
+    inverse: Callable | None = None,
+):
     """Run set-values through position loops and the axes that they move.
 
     Parameters
     ----------
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a sequence of them
+    plant : Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible or a list of them
         One for each axis, or one for all.
-    loop : Loop or a sequence of them
+    loop : Loop or a list of them
         One for each axis, or one for all; one tick for all.
     setvalues : (ticks + 1,) or (ticks + 1, n) float
         Of one axis or of n, in rad. Each axis starts at rest at its first.
@@ -159,30 +140,43 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     Raises
     ------
     ValueError
-        If the arguments don't fit each other, or an axis runs out of its cylinder's stroke.
+        If the arguments don't fit each other, or set-values or an axis leave the cylinder's
+        stroke.
 
     Examples
     --------
     >>> from tunneller_lib.motion import Integrator, Loop
     >>> ramp = 0.001 * np.arange(1001)
-    >>> simulate(Integrator(0.5), Loop(10, tick=0.01), ramp).error[-1].round(6)
+    >>> follow(Integrator(0.5), Loop(10, tick=0.01), ramp).error[-1].round(6)
     np.float64(0.01)
     """
-    values = real("setvalues", setvalues)
-    if values.ndim not in (1, 2) or len(values) < 2 or not np.all(np.isfinite(values)):
+    values = setvalues
+    if values.ndim not in (1, 2) or len(values) < 2 or not values.size:
         raise ValueError(
-            "setvalues: must be finite and of shape (ticks + 1,) or (ticks + 1, n) with ticks >= 1;"
+            "setvalues: must be of shape (ticks + 1,) or (ticks + 1, n) with ticks >= 1 and n >= 1;"
             f" got shape {values.shape}."
         )
     columns = values.reshape(len(values), -1)
     axes = columns.shape[1]
-    plants, loops = _each("plant", plant, axes), _each("loop", loop, axes)
+    plants = _for_each_axis("plant", plant, axes)
+    loops = _for_each_axis("loop", loop, axes)
     if len({one.tick for one in loops}) > 1:
-        raise ValueError(f"loop: all axes must share one tick; got {[o.tick for o in loops]} s.")
-    slopes = _slopes(slopes, values, loops)
+        ticks = shown([one.tick for one in loops])
+        raise ValueError(f"loop: all axes must share one tick; got {ticks} s.")
+    for one, column in zip(plants, columns.T, strict=True):
+        if isinstance(one, (Rigid, Compressible)):
+            check_stroke(column, one.axis.low, one.axis.high, "setvalues")
+    if inverse is not None:
+        _try(inverse, columns[0, 0])
     runs = [
-        _run(*parts, inverse or parts[0].command)
-        for parts in zip(plants, loops, columns.T.tolist(), slopes.T.tolist(), strict=True)
+        _run(*parts, _own_inverse(parts[0]) if inverse is None else inverse)
+        for parts in zip(
+            plants,
+            loops,
+            columns.T.tolist(),
+            _slope_columns(slopes, values, loops).T.tolist(),
+            strict=True,
+        )
     ]
     states = tuple(np.array(run[0]) for run in runs)
     shape = (-1, *values.shape[1:])
@@ -191,20 +185,68 @@ def simulate(plant, loop, setvalues, *, slopes=None, inverse=None):
     limit = np.array([one.limit for one in loops]) if values.ndim == 2 else loops[0].limit
     ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
     stable = tuple(
-        None if inverse else is_stable(*parts) for parts in zip(plants, loops, ranges, strict=True)
+        is_stable.unchecked(*parts) if inverse is None else None
+        for parts in zip(plants, loops, ranges, strict=True)
     )
     saturated = np.abs(command) >= limit
     return Track(loops[0].tick, values, position, command, saturated, states, stable)
 
 
+def _for_each_axis(name, value, axes):
+    """Return one item for each axis."""
+    if not isinstance(value, tuple):
+        return [value] * axes
+    if len(value) != axes:
+        raise ValueError(f"{name}: must be one, or one for each of {axes} axes; got {len(value)}.")
+    return value
+
+
+def _slope_columns(slopes, values, loops):
+    """Return the slopes (ticks, n), zero where no loop asks for them."""
+    wanted = (len(values) - 1, *values.shape[1:])
+    if slopes is None:
+        if any(loop.feedforward for loop in loops):
+            raise ValueError("slopes: a loop with feed-forward needs them; got None.")
+        slopes = np.zeros(wanted)
+    if slopes.shape != wanted:
+        raise ValueError(f"slopes: must be of shape {wanted}; got {slopes.shape}.")
+    return slopes.reshape(len(slopes), -1)
+
+
+def _try(inverse, position):
+    """Raise ValueError where a caller's own inverse doesn't answer with a number."""
+    try:
+        answer = inverse(0.0, float(position))
+        good = bool(abs(answer) <= np.inf)
+    except Exception as error:
+        raise ValueError(
+            f"inverse: must be a function of rate and position; got {shown(error)}."
+        ) from error
+    if not good:
+        raise ValueError(f"inverse: must return a number; got {shown(answer)}.")
+
+
+def _own_inverse(plant):
+    """Return a plant's own static inverse, without checks."""
+    if isinstance(plant, (Rigid, Compressible)):
+        return MethodType(spool_at, plant.axis)
+    return MethodType(plant.command.unchecked, plant)
+
+
 def _run(plant, loop, setvalues, slopes, inverse):
     """Return states and commands of one axis, in plain floats: arrays of one would be slow."""
-    step, state = plant.stepper(loop.tick), plant.rest(setvalues[0])
-    gain, share, count, limit = loop.gain, loop.feedforward, loop.count, loop.limit
-    growth, dead = loop.integral * loop.tick, loop.dead_band
+    step = plant.stepper.unchecked(plant, loop.tick)
+    state = plant.rest(setvalues[0])
+    gain = loop.gain
+    share = loop.feedforward
+    count = loop.count
+    limit = loop.limit
+    dead = loop.dead_band
+    growth = loop.integral * loop.tick
     summed = 0.0
     waiting = [0.0] * loop.delay
-    states, commands = [state], []
+    states = [state]
+    commands = []
     for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
         position = state[0]
         if count:
@@ -233,25 +275,3 @@ def _opened(u, dead):
     """Return how far a valve opens whose first `dead` share of the command does nothing."""
     beyond = abs(u) - dead
     return 0.0 if beyond <= 0 else (beyond if u > 0 else -beyond) / (1 - dead)
-
-
-def _each(name, value, axes):
-    """Return one item for each axis."""
-    if not isinstance(value, Sequence):
-        return [value] * axes
-    if len(value) != axes:
-        raise ValueError(f"{name}: must be one, or one for each of {axes} axes; got {len(value)}.")
-    return list(value)
-
-
-def _slopes(slopes, values, loops):
-    """Return the slopes (ticks, n), zero where no loop asks for them."""
-    wanted = (len(values) - 1, *values.shape[1:])
-    if slopes is None:
-        if any(loop.feedforward for loop in loops):
-            raise ValueError("slopes: a loop with feed-forward needs them; got None.")
-        slopes = np.zeros(wanted)
-    slopes = real("slopes", slopes)
-    if slopes.shape != wanted or not np.all(np.isfinite(slopes)):
-        raise ValueError(f"slopes: must be finite and of shape {wanted}; got {slopes.shape}.")
-    return slopes.reshape(len(slopes), -1)

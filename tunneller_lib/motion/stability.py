@@ -4,50 +4,58 @@ Gains are Kv, the wanted rate over the following error, in 1/s; what a plant's o
 doesn't matter, because the static inverse divides by it.
 """
 
-from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
-from ..arguments import finite, not_negative, positive, whole
-from .plant import Lag, Resonance
+from ..arguments import Angles, Whole, Wholes, checked
+from .loop import MOST_DELAY, Loop
+from .oil import Compressible, Rigid
+from .plant import Integrator, Lag, Resonance, ValveResonance
+from .quantities import Quantity, Quantity0, Tick, Ticks
+
+LinearPlant = Integrator | Lag | Resonance | ValveResonance
+Plant = LinearPlant | Rigid | Compressible
 
 
-def delay_limit(tick, delay=0):
+@checked
+def delay_limit(tick: Tick, delay: Whole(0, MOST_DELAY) = 0):
     """Return the gain limit of T0 under a P loop with whole ticks of delay, in 1/s.
 
     2 sin(pi / (2 (2 m + 1))) / T for a tick T in s and a delay of m ticks: where the roots of
     z^m (z - 1) + Kv T leave the unit circle. Without delay 2 / T.
     """
-    m = whole("delay", delay, 0, 1000)
-    return 2 * np.sin(np.pi / (2 * (2 * m + 1))) / positive("tick", tick)
+    return 2 * np.sin(np.pi / (2 * (2 * delay + 1))) / tick
 
 
-def lag_limit(lag, tick):
+@checked
+def lag_limit(lag: Quantity, tick: Tick):
     """Return the gain limit of T1, with a lag in s, under a P loop with a tick in s, in 1/s.
 
     Jury's criterion for z^2 + (Kv b1 - 1 - a) z + a + Kv b0, with a = exp(-T/lag); as the tick
     vanishes nothing limits the gain, as the lag vanishes 2 / T does.
     """
-    lag, tick = positive("lag", lag), positive("tick", tick)
     Ad, Bd = Lag(1.0, lag).discrete(tick)
-    a, b1 = Ad[1, 1], Bd[0]
+    a = Ad[1, 1]
+    b1 = Bd[0]
     b0 = tick * Bd[1] - b1  # tau (1 - a) - a T, for b1 + b0 = T (1 - a)
     turning = Bd[1] / b0 if b0 > 0 else np.inf
     alternating = 2 * (1 + a) / (b1 - b0) if b1 > b0 else np.inf
     return min(turning, alternating)
 
 
-def integral_limits(integral, tick):
+@checked
+def integral_limits(integral: Quantity, tick: Tick):
     """Return the least and the greatest gain of T0 under a PI loop without delay, in 1/s.
 
     Ki T and (4 + Ki T^2) / (2 T), for `integral` Ki in 1/s^2 and a tick T in s: Jury's criterion
     for z^2 + (Kv T - 2) z + 1 - Kv T + Ki T^2. The range is empty from Ki T^2 = 4 on.
     """
-    integral, tick = positive("integral", integral), positive("tick", tick)
     return integral * tick, (4 + integral * tick**2) / (2 * tick)
 
 
-def resonance_limit(frequency, damping, lag=0.0):
+@checked
+def resonance_limit(frequency: Quantity, damping: Quantity, lag: Quantity0 = 0.0):
     """Return the gain limit 2 zeta w of a resonance under a continuous P loop, in 1/s.
 
     Routh's criterion for s^3 + 2 zeta w s^2 + w^2 s + Kv w^2, with the `frequency` w in rad/s and
@@ -55,12 +63,12 @@ def resonance_limit(frequency, damping, lag=0.0):
     multiplies it by (1 + 2 zeta w lag + (w lag)^2) / (1 + 2 zeta w lag)^2; small swings of T3 also
     divide it by `Hydraulics.swing`.
     """
-    rate = 2 * positive("damping", damping) * positive("frequency", frequency)
-    x = not_negative("lag", lag)
-    return rate * (1 + rate * x + (frequency * x) ** 2) / (1 + rate * x) ** 2
+    rate = 2 * damping * frequency
+    return rate * (1 + rate * lag + (frequency * lag) ** 2) / (1 + rate * lag) ** 2
 
 
-def sampled_resonance_limit(frequency, damping, tick):
+@checked
+def sampled_resonance_limit(frequency: Quantity, damping: Quantity, tick: Tick):
     """Return the gain limit of a resonance under a P loop with a tick in s, in 1/s.
 
     Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d = exp(-2 zeta w T)
@@ -68,9 +76,14 @@ def sampled_resonance_limit(frequency, damping, tick):
     which the first to fail is the limit. As the tick vanishes it is `resonance_limit`.
     """
     Ad, Bd = Resonance(1.0, frequency, damping).discrete(tick)
-    t, d = Ad[1, 1] + Ad[2, 2], np.exp(-2 * damping * frequency * tick)
-    h1, h2, h3 = Bd[0], (Ad @ Bd)[0], (Ad @ Ad @ Bd)[0]
-    b2, b1 = h1, h2 - (1 + t) * h1
+    t = Ad[1, 1] + Ad[2, 2]
+    d = np.exp(-2 * damping * frequency * tick)
+    # The first three answers to a command that lasts one tick give the numerator.
+    h1 = Bd[0]
+    h2 = (Ad @ Bd)[0]
+    h3 = (Ad @ Ad @ Bd)[0]
+    b2 = h1
+    b1 = h2 - (1 + t) * h1
     b0 = h3 - (1 + t) * h2 + (t + d) * h1
     # (1 - d)(1 - t + d), whose second factor loses its digits for short ticks; it is a mean step.
     constant = -np.expm1(-2 * damping * frequency * tick) * (b2 + b1 + b0) / tick
@@ -81,17 +94,25 @@ def sampled_resonance_limit(frequency, damping, tick):
     return float(min(limits))
 
 
-def closed_loop(plant, loop):
+@checked
+def closed_loop(plant: LinearPlant, loop: Loop):
     """Return the matrix that takes a linear closed loop from tick to tick.
 
     The state is the plant's, the integral of the error, and the commands that a `loop` with a
     delay still holds back, oldest first; set-values are zero and the valve doesn't saturate.
     """
-    Ad, Bd = plant.discrete(loop.tick)
-    order, m = len(Bd), loop.delay
+    return _matrix(plant, loop, loop.gain)
+
+
+def _matrix(plant, loop, gain):
+    """Return `closed_loop` with another gain, in 1/s."""
+    Ad, Bd = plant.discrete.unchecked(plant, loop.tick)
+    order = len(Bd)
+    m = loop.delay
     matrix = np.zeros((order + 1 + m, order + 1 + m))
     command = np.zeros(len(matrix))
-    command[0], command[order] = plant.command(-loop.gain), plant.command(1.0)
+    command[0] = plant.command.unchecked(plant, -gain)
+    command[order] = plant.command.unchecked(plant, 1.0)
     matrix[:order, :order] = Ad
     matrix[order, [0, order]] = -loop.integral * loop.tick, 1
     if m == 0:
@@ -105,17 +126,22 @@ def closed_loop(plant, loop):
     return matrix
 
 
-def is_stable(plant, loop, angles=(0.0,)):
+@checked
+def is_stable(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     """Return whether a closed loop is stable in small motions about rest.
 
     T2 and T3 are judged by their linear models at each of the joint angles `angles`, in rad;
     encoder, dead band and limit of the valve are left out.
     """
-    models = {plant.linear(angle) for angle in angles} if hasattr(plant, "linear") else {plant}
-    return all(bool(_radius(model, loop) < 1) for model in models)
+    if isinstance(plant, LinearPlant):
+        models = {plant}
+    else:
+        models = {plant.linear.unchecked(plant, angle) for angle in np.ravel(angles).tolist()}
+    return all(bool(_radius(model, loop, loop.gain) < 1) for model in models)
 
 
-def eigenvalue_limit(plant, loop, *, side="upper"):
+@checked
+def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "lower"] = "upper"):
     """Return the gain at which a stable linear loop stops being stable, in 1/s.
 
     Parameters
@@ -138,13 +164,12 @@ def eigenvalue_limit(plant, loop, *, side="upper"):
     ValueError
         If the loop isn't stable to begin with.
     """
-    if side not in ("upper", "lower"):
-        raise ValueError(f'side: must be "upper" or "lower"; got {side!r}.')
     factor = 1.25 if side == "upper" else 0.8
-    return _first_unstable(lambda g: _radius(plant, replace(loop, gain=g)) - 1, loop.gain, factor)
+    return _first_unstable(lambda g: _radius(plant, loop, g) - 1, loop.gain, factor)
 
 
-def continuous_limit(plant):
+@checked
+def continuous_limit(plant: LinearPlant):
     """Return the gain at which the continuous P loop of a linear plant turns unstable, in 1/s."""
     A, B = plant.matrices()
     column = np.outer(B, np.eye(len(B))[0]) * plant.command(1.0)
@@ -153,33 +178,35 @@ def continuous_limit(plant):
     return _first_unstable(growth, start, 1.25)
 
 
-def ripple(plant, gain, tick, harmonic=1):
+@checked
+def ripple(
+    plant: LinearPlant, gain: Quantity, tick: Ticks, harmonic: Wholes("(...) int", 1, 10**6) = 1
+):
     """Return the velocity ripple of a plant with set-values in steps, as a share of the speed.
 
     2 |G(2 pi i k / T)| for harmonic k, set-values every T = `tick` s and the closed continuous P
     loop G of a `gain` in 1/s: a staircase is a ramp and a sawtooth of one step's height, v T.
     It doesn't depend on the speed. The amplitude is that of a sine; tick and harmonic broadcast.
     """
-    tick, gain = np.asarray(tick, float), positive("gain", gain)
-    if not np.all(tick > 0):
-        raise ValueError(f"tick: must be above zero, in s; got {tick!r}.")
     open_loop = plant.command(gain) * plant.transfer(2j * np.pi * harmonic / tick)
     return 2 * np.abs(open_loop / (1 + open_loop))
 
 
-def _radius(plant, loop):
-    return np.max(np.abs(np.linalg.eigvals(closed_loop(plant, loop))))
+def _radius(plant, loop, gain):
+    return np.max(np.abs(np.linalg.eigvals(_matrix(plant, loop, gain))))
 
 
 def _first_unstable(growth, start, factor):
     """Return where a function of the gain, negative at its start, turns positive."""
     from scipy.optimize import brentq
 
-    if not growth(finite("gain", start)) < 0:
+    if not growth(start) < 0:
         raise ValueError(f"gain: the search must start from a stable loop; got {start:g} 1/s.")
-    low, high = start, start * factor
+    low = start
+    high = start * factor
     while growth(high) < 0:
-        low, high = high, high * factor
+        low = high
+        high = high * factor
         if not 1e-9 < high / start < 1e9:
             return np.inf if factor > 1 else 0.0
     return float(brentq(growth, *sorted((low, high)), xtol=1e-14 * high, rtol=1e-14))

@@ -5,16 +5,20 @@ most urgent first; a more urgent task interrupts the others at once.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from ..arguments import instance, whole
+from ..arguments import Rule, Whole, Wholes, checked, shown
 
-LONGEST = 2**40
+LONGEST = 2**40  # units of time
+MOST_RELEASES = 200_000  # of a run; then it takes about a second
+
+Time = Whole(1, LONGEST)
+Times = Wholes("(k,) int", 1, LONGEST)
 
 
 @dataclass(frozen=True)
+@checked
 class Task:
     """A task that is released again and again.
 
@@ -28,16 +32,24 @@ class Task:
     Raises
     ------
     ValueError
-        If period or cost isn't a whole number above zero.
+        If period or cost isn't a whole number from 1 to 2^40.
     """
 
     name: str
-    period: int
-    cost: int
+    period: Time
+    cost: Time
 
-    def __post_init__(self):
-        for name in ("period", "cost"):
-            object.__setattr__(self, name, _one(name, getattr(self, name)))
+
+def _tasks(name, value):
+    if not isinstance(value, (list, tuple)) or not value:
+        raise ValueError(f"{name}: must be a list of at least one task; got {shown(value)}.")
+    for i, one in enumerate(value):
+        if not isinstance(one, Task):
+            raise ValueError(f"{name}[{i}]: must be of class Task; got {shown(one)}.")
+    return tuple(value)
+
+
+Tasks = Annotated[list, Rule("list of Task", _tasks)]
 
 
 class Slice(NamedTuple):
@@ -48,11 +60,11 @@ class Slice(NamedTuple):
     stop: int
 
 
-class Job(NamedTuple):
-    """One release of a task, and when it was done."""
+class Release(NamedTuple):
+    """One release of a task: when it was, and when the work was done."""
 
     name: str
-    release: int
+    released: int
     done: int
 
 
@@ -65,17 +77,19 @@ class HandOver(NamedTuple):
     starved: tuple
 
 
-def load(tasks):
+@checked
+def utilisation(tasks: Tasks):
     """Return the share of the processor that tasks take."""
-    return sum(task.cost / task.period for task in _checked(tasks))
+    return sum(task.cost / task.period for task in tasks)
 
 
-def response_times(tasks):
+@checked
+def response_times(tasks: Tasks):
     """Return the longest time from release to end of each task, released all at once.
 
     Parameters
     ----------
-    tasks : sequence of Task
+    tasks : list of Task
         In order of priority.
 
     Returns
@@ -90,11 +104,11 @@ def response_times(tasks):
     >>> response_times([*fast, Task("slow", 9000, 2000)])
     [100, 400, 2900]
     """
-    tasks = _checked(tasks)
     return [_response(tasks[:i], task.cost, task.period, math.inf) for i, task in enumerate(tasks)]
 
 
-def background_response(tasks, cost):
+@checked
+def background_response(tasks: Tasks, cost: Time):
     """Return the longest time that work of a `cost` takes when all tasks are more urgent.
 
     Raises
@@ -102,32 +116,54 @@ def background_response(tasks, cost):
     ValueError
         If the tasks leave nothing of the processor.
     """
-    tasks = _checked(tasks)
     _leaves_time(tasks)
-    return _response(tasks, _one("cost", cost), LONGEST, math.inf)
+    return _response(tasks, cost, LONGEST, math.inf)
 
 
-def schedule(tasks, horizon):
+@checked
+def schedule(tasks: Tasks, horizon: Time):
     """Run tasks, all released at 0, event by event up to a horizon.
 
     Returns
     -------
     slices : list of Slice
         Who has the processor, in order of time; gaps are idle.
-    jobs : list of Job
-        Every release that was done before the horizon, in order of its end.
+    done : list of Release
+        Every release whose work was done before the horizon, in order of its end.
+
+    Raises
+    ------
+    ValueError
+        If there are more than 200 000 releases up to the horizon.
     """
-    tasks, horizon = _checked(tasks), _one("horizon", horizon)
-    releases = [0] * len(tasks)
+    releases = _releases(tasks, horizon)
+    if releases > MOST_RELEASES:
+        raise ValueError(
+            f"horizon: must be after at most {MOST_RELEASES} releases; got {horizon}, which is "
+            f"after {releases}."
+        )
+    return _run(tasks, horizon)
+
+
+def _releases(tasks, horizon):
+    """Return how often tasks are released before a horizon."""
+    return sum(-(-horizon // task.period) for task in tasks)
+
+
+def _run(tasks, horizon):
+    """Return `schedule`."""
+    coming_release = [0] * len(tasks)
     waiting = []  # (priority, release, work left), the most urgent first
-    now, slices, jobs = 0, [], []
+    now = 0
+    slices = []
+    done = []
     while now < horizon:
         for i, task in enumerate(tasks):
-            while releases[i] <= now:
-                waiting.append((i, releases[i], task.cost))
-                releases[i] += task.period
+            while coming_release[i] <= now:
+                waiting.append((i, coming_release[i], task.cost))
+                coming_release[i] += task.period
         waiting.sort()
-        coming = min(*releases, horizon)
+        coming = min(*coming_release, horizon)
         if not waiting:
             now = coming
             continue
@@ -138,23 +174,24 @@ def schedule(tasks, horizon):
         else:
             slices.append(Slice(tasks[i].name, now, stop))
         if stop == now + left:
-            jobs.append(Job(tasks[i].name, release, stop))
+            done.append(Release(tasks[i].name, release, stop))
         else:
             waiting.append((i, release, left - (stop - now)))
         now = stop
-    return slices, jobs
+    return slices, done
 
 
-def hand_over(tasks, costs, ticks, *, depth=1):
+@checked
+def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
     """Run the preparation of segments in the time that tasks leave, and their interpolation.
 
     Parameters
     ----------
-    tasks : sequence of Task
+    tasks : list of Task
         All more urgent than the preparation; the first is the interpolation.
-    costs : sequence of int
+    costs : (k,) int
         What the preparation of each segment costs.
-    ticks : sequence of int
+    ticks : (k,) int
         How many ticks of the interpolation each segment lasts.
     depth : int
         How many segments may wait, ready or in work; 1 is a double buffer.
@@ -169,24 +206,25 @@ def hand_over(tasks, costs, ticks, *, depth=1):
     Raises
     ------
     ValueError
-        If the lists don't match, or the tasks can't keep their periods or leave no time.
+        If the lists don't match, the tasks can't keep their periods or leave no time, or their
+        pattern only repeats after more than 200 000 releases.
 
     Notes
     -----
     Tunnelling robot, section 4.4 and Fig. 7. A double buffer is never starved if
     `background_response` of the dearest segment is at most the shortest segment's time.
     """
-    tasks, depth = _checked(tasks), _one("depth", depth)
-    costs = [_one("costs", cost) for cost in costs]
-    ticks = [_one("ticks", number) for number in ticks]
-    if len(costs) != len(ticks) or not costs:
-        raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
+    costs, ticks = _segments(costs, ticks)
     _leaves_time(tasks)
     idle, cycle = _idle(tasks)
     tick = tasks[0].period
-    ready, needed, started = [], [0], []
+    ready = []
+    needed = [0]
+    started = []
     for k, (cost, number) in enumerate(zip(costs, ticks, strict=True)):
-        free = max(ready[-1] if ready else 0, started[k - depth] if k >= depth else 0)
+        # The preparation goes on when the segment before is ready and a place is free.
+        before = ready[-1] if ready else 0
+        free = max(before, started[k - depth] if k >= depth else 0)
         ready.append(_finish(idle, cycle, free, cost))
         started.append(-(-max(needed[k], ready[k]) // tick) * tick)
         needed.append(started[k] + number * tick)
@@ -194,19 +232,32 @@ def hand_over(tasks, costs, ticks, *, depth=1):
     return HandOver(tuple(ready), tuple(needed[:-1]), tuple(started), starved)
 
 
-def buffer_depth(tasks, costs, ticks):
+@checked
+def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
     """Return the least depth with which no segment but the first is waited for, or None.
 
     The arguments (tasks, costs, ticks) are those of `hand_over`.
     """
+    _segments(costs, ticks)
     for depth in range(1, len(costs) + 1):
         if not any(hand_over(tasks, costs, ticks, depth=depth).starved[1:]):
             return depth
     return None
 
 
+def _segments(costs, ticks):
+    """Return costs and ticks as lists, which must be of one length and not empty."""
+    for name, values in (("costs", costs), ("ticks", ticks)):
+        if values.ndim != 1 or not values.size:
+            raise ValueError(f"{name}: must be a list, not empty; got shape {values.shape}.")
+    if len(costs) != len(ticks):
+        raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
+    return costs.tolist(), ticks.tolist()
+
+
 def _response(urgent, cost, latest, otherwise):
-    time, wanted = 0, cost
+    time = 0
+    wanted = cost
     while time != wanted:
         time = wanted
         if time > latest:
@@ -218,7 +269,13 @@ def _response(urgent, cost, latest, otherwise):
 def _idle(tasks):
     """Return the idle stretches of one cycle after which the tasks' pattern repeats."""
     cycle = math.lcm(*(task.period for task in tasks))
-    slices, _ = schedule(tasks, cycle)
+    releases = _releases(tasks, cycle)
+    if releases > MOST_RELEASES:
+        raise ValueError(
+            f"tasks: their pattern must repeat after at most {MOST_RELEASES} releases; "
+            f"got {releases} in the least common multiple of their periods."
+        )
+    slices, _ = _run(tasks, cycle)
     edges = [0, *(edge for one in slices for edge in one[1:]), cycle]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a], cycle
 
@@ -238,21 +295,9 @@ def _finish(idle, cycle, start, cost):
 
 
 def _leaves_time(tasks):
-    if math.inf in response_times(tasks) or load(tasks) >= 1:
+    share = utilisation(tasks)
+    if math.inf in response_times(tasks) or share >= 1:
         raise ValueError(
             "tasks: must keep their periods and leave time for the preparation; "
-            f"got a load of {100 * load(tasks):.1f} %."
+            f"got a utilisation of {100 * share:.1f} %."
         )
-
-
-def _checked(tasks):
-    if not isinstance(tasks, Sequence) or not tasks:
-        raise ValueError(f"tasks: must be a sequence of at least one task; got {tasks!r}.")
-    return [instance("tasks", task, Task) for task in tasks]
-
-
-def _one(name, value):
-    number = whole(name, value, 1, LONGEST)
-    if number.ndim:
-        raise ValueError(f"{name}: must be one whole number; got an array {number.shape}.")
-    return int(number)

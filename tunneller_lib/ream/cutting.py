@@ -9,8 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
-from ..motion import simulate as follow
-from ..motion.servo import Track
+from ..motion import Track, follow
 from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid
 from ..removal.dexel import Shape

@@ -7,8 +7,7 @@ import numpy as np
 
 from ..arguments import checked
 from ..exact import dot, norm
-from ..motion import polyline
-from ..motion import simulate as follow
+from ..motion import follow, polyline
 from ..paths import geodesic_inverse, project_chord
 from .pairs import Loops, Plants, check_linear, check_ticks
 from .planning import Plan, Pose, join_knots

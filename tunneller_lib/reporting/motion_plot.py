@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from ..arguments import Each, Finite, Positive, Wholes, checked, shown
-from ..motion import Loop, simulate
+from ..motion import Loop, follow
 from ..motion.tasks import HandOver, Task, schedule
 from .kinds import Series
 from .style import COLOURS, Colour
@@ -94,7 +94,7 @@ def draw_responses(ax: Axes, models: dict, loop: Loop, setvalues: Series):
         A `Track` for each name.
     """
     _check_names("models", models)
-    tracks = {name: simulate(model, loop, setvalues) for name, model in models.items()}
+    tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
     for name, track in tracks.items():
         ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
     unstable = [name for name, track in tracks.items() if track.stable == (False,)]

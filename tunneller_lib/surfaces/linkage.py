@@ -2,11 +2,43 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Angles, Length, Sign, checked
+from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
 from .machine import Machine
+
+
+def _joint_angles(name, value):
+    # One angle is a float from here on: `_triangle` tells by that how to compute.
+    if type(value) is float and -MOST <= value <= MOST:
+        return value
+    return bounded_array(name, value)[()]
+
+
+JointAngles = Annotated[ArrayLike, Rule("(...) float", _joint_angles, "rad")]
+
+
+def check_stroke(angle, low, high, name="angle"):
+    """Raise ValueError where a joint angle isn't from `low` to `high`, all in rad.
+
+    The `name` is for the message; NaN is outside, too.
+    """
+    # In a simulation floats come one by one: a comparison of Python is ten times as fast.
+    if isinstance(angle, float):
+        if low <= angle <= high:
+            return
+        first = angle
+    else:
+        outside = ~((low <= angle) & (angle <= high))
+        if not outside.any():
+            return
+        first = angle[outside][0]
+    raise ValueError(
+        f"{name}: must lie within the stroke, {low:.4g} to {high:.4g} rad; got {first:.4g} rad."
+    )
 
 
 @dataclass(frozen=True)
@@ -44,7 +76,7 @@ class Linkage:
     Examples
     --------
     >>> lever = Linkage(0.45, 0.11, 1.3, -1, 0.05, 0.028, 0.2)
-    >>> float(lever.length(0.0).round(4))
+    >>> round(lever.length(0.0), 4)
     0.4337
     """
 
@@ -72,44 +104,60 @@ class Linkage:
         return whole, whole - math.pi / 4 * self.rod**2
 
     @checked
-    def length(self, angle: Angles):
+    def length(self, angle: JointAngles):
         """Return the cylinder's length, in m, at joint angles."""
         return self._triangle(angle, self.sense)[0]
 
     @checked
-    def arm(self, angle: Angles):
+    def arm(self, angle: JointAngles):
         """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
         return self._triangle(angle, self.sense)[1]
 
     @checked
-    def displacements(self, angle: Angles):
+    def displacements(self, angle: JointAngles):
         """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
         whole, ring = self.areas
         arm = abs(self._triangle(angle, self.sense)[1])
         plus, minus = (whole, ring) if self.sense > 0 else (ring, whole)
-        plus, minus = plus * arm, minus * arm
+        plus = plus * arm
+        minus = minus * arm
         if self.pair:
             mirrored = abs(self._triangle(angle, -self.sense)[1])
             first, second = (ring, whole) if self.sense > 0 else (whole, ring)
-            plus, minus = plus + first * mirrored, minus + second * mirrored
+            plus = plus + first * mirrored
+            minus = minus + second * mirrored
         return plus, minus
 
     @checked
-    def volumes(self, angle: Angles, low: Angle, high: Angle):
+    def volumes(self, angle: JointAngles, low: Angle, high: Angle):
         """Return the oil volumes of the plus and the minus side, in m^3, at joint angles.
 
         `low` and `high` are the angles at the ends of the stroke; hoses and ports are no part.
+
+        Raises
+        ------
+        ValueError
+            If an angle isn't within the stroke, where a volume would be below zero.
         """
+        # A simulation asks for one angle after the other: it is to lose no time here.
+        if not (isinstance(angle, float) and low <= angle <= high):
+            check_stroke(angle, low, high)
         whole, ring = self.areas
-        shortest, longest = sorted(self._triangle(end, self.sense)[0] for end in (low, high))
+        at_low = self._triangle(low, self.sense)[0]
+        at_high = self._triangle(high, self.sense)[0]
+        shortest = min(at_low, at_high)
+        longest = max(at_low, at_high)
         length = self._triangle(angle, self.sense)[0]
-        pushing, pulling = whole * (length - shortest), ring * (longest - length)
+        pushing = whole * (length - shortest)
+        pulling = ring * (longest - length)
         plus, minus = (pushing, pulling) if self.sense > 0 else (pulling, pushing)
-        if self.pair:
+        if self.pair:  # the mirrored cylinder, whose limits are the same: as far to either side
             length = self._triangle(angle, -self.sense)[0]
-            pushing, pulling = whole * (length - shortest), ring * (longest - length)
+            pushing = whole * (length - shortest)
+            pulling = ring * (longest - length)
             first, second = (pulling, pushing) if self.sense > 0 else (pushing, pulling)
-            plus, minus = plus + first, minus + second
+            plus = plus + first
+            minus = minus + second
         return plus, minus
 
     @checked
@@ -123,7 +171,7 @@ class Linkage:
         if not (low < high and 0 < gamma[0] and gamma[1] < np.pi):
             raise ValueError(
                 "stroke: between the limits gamma must stay inside 0 to 180 deg; "
-                f"got {np.degrees(gamma[0]):.1f} to {np.degrees(gamma[1]):.1f} deg."
+                f"got {math.degrees(gamma[0]):.4g} to {math.degrees(gamma[1]):.4g} deg."
             )
         if self.pair and not math.isclose(-low, high):
             raise ValueError(
@@ -163,7 +211,7 @@ def linkages(machine: Machine):
     --------
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
     >>> lift, swing = linkages(REFERENCE_MACHINE)
-    >>> float(lift.length(0.0).round(4))
+    >>> round(lift.length(0.0), 4)
     0.4347
     """
     scale = machine.R / 0.80

@@ -1,0 +1,70 @@
+"""Examples for the room motion."""
+
+import numpy as np
+
+from tunneller_lib.motion import (
+    Compressible,
+    Hydraulics,
+    Integrator,
+    Lag,
+    Loop,
+    Resonance,
+    Rigid,
+    Track,
+    ValveResonance,
+    follow,
+    reference_axes,
+)
+from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
+from tunneller_lib.surfaces import REFERENCE_MACHINE
+
+THETA, PHI = reference_axes(REFERENCE_MACHINE)
+TASKS = [Task("line", 5000, 400), Task("servo", 5000, 600), Task("watch", 20_000, 1500)]
+RAMP = np.linspace(0.0, 0.1, 30)
+
+INSTANCES = {
+    Compressible: Compressible(PHI),
+    HandOver: HandOver((1,), (0,), (5,), (1,)),
+    Hydraulics: THETA,
+    Integrator: Integrator(0.5),
+    Lag: Lag(0.5, 0.02),
+    Loop: Loop(10.0, 0.005),
+    Release: Release("line", 0, 400),
+    Resonance: Resonance(0.5, 100.0, 0.15),
+    Rigid: Rigid(THETA),
+    Slice: Slice("line", 0, 400),
+    Task: TASKS[0],
+    Track: follow(Integrator(0.5), Loop(10.0, 0.005), RAMP),
+    ValveResonance: ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004),
+}
+
+SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
+LINEAR = {"plant": INSTANCES[Resonance]}
+
+CALLS = {
+    "Compressible.derivative": {"state": (0.1, 0.2, 8e6, 9e6, 0.1)},
+    "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
+    "Hydraulics.natural_frequency": {"angle": 0.1},
+    "Hydraulics.sides": {"angle": 0.1},
+    "Hydraulics.swing": {"angle": 0.1},
+    "follow": {"plant": INSTANCES[Rigid], "loop": INSTANCES[Loop], "setvalues": RAMP},
+    "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
+    "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
+    "rest_to_rest": {"ticks": 8},
+    "rest_to_rest_ticks": {"ticks": 8},
+    "rounding_spectrum": {"difference": 5, "ticks": 12},
+    "export.setvalue_table": {"setvalues": [[0, 0], [3, -2]], "names": ["theta", "phi"]},
+    "stability.closed_loop": LINEAR,
+    "stability.continuous_limit": LINEAR,
+    "stability.eigenvalue_limit": LINEAR,
+    "stability.is_stable": {"plant": INSTANCES[Compressible], "angles": (0.0, 0.1)},
+    "stability.ripple": LINEAR,
+    "tasks.Task": {"name": "line"},
+    "tasks.background_response": {"tasks": TASKS, "cost": 10_000},
+    "tasks.buffer_depth": SEGMENTS,
+    "tasks.hand_over": SEGMENTS,
+    "tasks.response_times": {"tasks": TASKS},
+    "tasks.schedule": {"tasks": TASKS, "horizon": 100_000},
+    "tasks.utilisation": {"tasks": TASKS},
+    "tick_counts": {"times": [0.0, 0.5, 1.1]},
+}

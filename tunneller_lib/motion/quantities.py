@@ -1,0 +1,90 @@
+"""What the sizes, gains and times of axes and loops may be, said for annotations.
+
+The ranges are far wider than any machine's; within them no product of a few overflows and no
+power of a loop's matrix does.
+"""
+
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Rule, bounded_array, not_negative, positive, shown
+
+LEAST, MOST = 1e-9, 1e9  # of gains, frequencies, damping ratios and times
+
+
+def Number(low, high, *, unit="", or_zero=False):
+    """Return the annotation of one number from `low`, above zero, to `high`.
+
+    `or_zero` lets zero pass; `unit` is what docstrings have to name.
+    """
+    also = "0 or " if or_zero else ""
+
+    def check(name, value):
+        if type(value) is float and low <= value <= high:  # as nearly always: the short way
+            return value
+        number = (not_negative if or_zero else positive)(name, value)
+        if not (low <= number <= high or (or_zero and number == 0)):
+            raise ValueError(f"{name}: must be {also}from {low:g} to {high:g}; got {shown(value)}.")
+        return number
+
+    return Annotated[float, Rule("float", check, unit)]
+
+
+def _share(most):
+    def check(name, value):
+        number = not_negative(name, value)
+        if number > most:
+            raise ValueError(f"{name}: must be from 0 to {most:g}; got {shown(value)}.")
+        return number
+
+    return check
+
+
+def Share(most):
+    """Return the annotation of one number from 0 to `most`."""
+    return Annotated[float, Rule("float", _share(most))]
+
+
+def _ticks(name, value):
+    array = bounded_array(name, value)
+    wrong = ~((array >= LEAST) & (array <= MOST))
+    if wrong.any():
+        raise ValueError(
+            f"{name}: must be from {LEAST:g} to {MOST:g} s, above zero; got {array[wrong][0]:g} s."
+        )
+    return array
+
+
+def _torque(name, value):
+    number = bounded_array(name, value)
+    if number.ndim or abs(number) > 1e15:
+        raise ValueError(f"{name}: must be one number of at most 1e15 in size; got {shown(value)}.")
+    return float(number)
+
+
+def _complex_frequencies(name, value):
+    try:
+        array = np.asarray(value, complex)
+    except Exception:  # ragged lists, text, somebody's class
+        array = None
+    if array is None or isinstance(value, np.ma.MaskedArray) or np.asarray(value).dtype == bool:
+        raise ValueError(f"{name}: must hold numbers in a regular array; got {shown(value)}.")
+    with np.errstate(over="ignore"):
+        size = np.abs(array)
+    wrong = ~((size >= 1e-50) & (size <= 1e50))
+    if wrong.any():
+        raise ValueError(
+            f"{name}: must be from 1e-50 to 1e50 rad/s in size; got {array[wrong][0]:g}."
+        )
+    return array
+
+
+Quantity = Number(LEAST, MOST)
+Quantity0 = Number(LEAST, MOST, or_zero=True)
+Tick = Number(LEAST, MOST, unit="s")
+Ticks = Annotated[ArrayLike, Rule("(...) float", _ticks, "s")]
+Size = Number(1e-15, 1e15)  # of hydraulics, whose SI units are far apart: Pa, m^3, m^3/s/Pa^0.5
+Torque = Annotated[float, Rule("float", _torque, "N m")]
+ComplexFrequencies = Annotated[ArrayLike, Rule("(...) complex", _complex_frequencies, "rad/s")]
