@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from tunneller_lib.envelopes.jet import Jet, variables
+from tunneller_lib.envelopes.jet import Jet, jet_variables
 from tunneller_lib.replica import rod_cases, rod_methods
 from tunneller_lib.surfaces import Torus
 
-_x, _y = variables(0.3, -0.2)
+_x, _y = jet_variables(0.3, -0.2)
 _LINES = rod_cases.vertical_lines(np.random.default_rng(1), 3)
 
 INSTANCES = {
