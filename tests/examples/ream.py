@@ -6,7 +6,6 @@ from tunneller_lib.motion import Hydraulics, Integrator, Loop, reference_axes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import Circuit, cutting_circuit
 from tunneller_lib.ream import Cut, Fault, Limits, Plan, Pose, carve, knot_fault, plan
-from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -23,7 +22,6 @@ MOVES = {"lengths": [0.1, 0.2], "positions": np.zeros((3, 2)), "ground": [0.001,
 INSTANCES = {
     Circuit: CIRCUIT,
     Cut: CUT,
-    DexelGrid: CUT.wall,
     Fault: knot_fault(PLAN),
     Hydraulics: AXES[0],
     Integrator: AXIS["plant"],
@@ -44,9 +42,11 @@ CALLS = {
     "encoder_fault": AXIS,
     "following_fault": AXIS,
     "lap_volume": {"advance": 0.05},
+    "overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
     "plan": COARSE,
     "scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},
+    "standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,
 }
