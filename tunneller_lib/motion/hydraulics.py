@@ -14,9 +14,12 @@ from ..surfaces.linkage import JointAngles, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Torque
 
-DISPLACEMENTS = Linkage.displacements.unchecked
-VOLUMES = Linkage.volumes.unchecked
 STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cylinder's stroke
+
+
+# Of a linkage and an angle, for loops: nothing is checked but that the angle is in the stroke.
+displacements_at = Linkage.displacements.unchecked
+volumes_at = Linkage.volumes.unchecked
 
 
 def sides_at(axis, angle):
@@ -24,7 +27,7 @@ def sides_at(axis, angle):
 
     Nothing is checked, as in the functions below: simulations call them many times a tick.
     """
-    plus, minus = DISPLACEMENTS(axis.linkage, angle)
+    plus, minus = displacements_at(axis.linkage, angle)
     load = load_at(axis, angle)
     return (plus, minus / plus, load), (minus, plus / minus, -load)
 
@@ -198,8 +201,8 @@ class Hydraulics:
 
     def _oil(self, angle):
         """Return displacements, in m^3/rad, and volumes with the hoses, in m^3, of both sides."""
-        volumes = VOLUMES(self.linkage, angle, self.low, self.high)
-        displacements = DISPLACEMENTS(self.linkage, angle)
+        volumes = volumes_at(self.linkage, angle, self.low, self.high)
+        displacements = displacements_at(self.linkage, angle)
         return *displacements, *(volume + self.hose for volume in volumes)
 
     @checked

@@ -7,11 +7,11 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Finite, Rule, bounded_array, checked, shown
+from ..arguments import Angle, Finite, Rule, checked
 from ..surfaces.linkage import check_stroke
-from .hydraulics import DISPLACEMENTS, VOLUMES, Hydraulics, load_at, sides_at, speed
+from .hydraulics import Hydraulics, displacements_at, load_at, sides_at, speed, volumes_at
 from .plant import Lag, ValveResonance
-from .quantities import Tick
+from .quantities import Tick, moderate_array
 
 LAMINAR = 1e5  # Pa, below which the flow through a land turns from its root to a straight line
 PHASE = 0.2  # rad of the fastest resonance, the longest step of the integration
@@ -20,11 +20,9 @@ MOST_STEPS = 1000  # in a tick
 
 
 def _state(name, value):
-    array = bounded_array(name, value)
-    if array.shape != (5,) or np.any(np.abs(array) > 1e15):
-        raise ValueError(
-            f"{name}: must be five numbers of at most 1e15 in size; got {shown(value)}."
-        )
+    array = moderate_array(name, value)
+    if array.shape != (5,):
+        raise ValueError(f"{name}: must be five numbers; got shape {array.shape}.")
     return tuple(array.tolist())
 
 
@@ -193,8 +191,8 @@ def _slopes(axis, state, u):
     angle, rate, first, second, spool = state
     if not axis.low <= angle <= axis.high:
         raise _out_of_stroke(axis, angle)
-    plus, minus = DISPLACEMENTS(axis.linkage, angle)
-    plus_volume, minus_volume = VOLUMES(axis.linkage, angle, axis.low, axis.high)
+    plus, minus = displacements_at(axis.linkage, angle)
+    plus_volume, minus_volume = volumes_at(axis.linkage, angle, axis.low, axis.high)
     opened = axis.flow * spool
     if spool > 0:
         inflow = opened * _root(axis.supply - first)

@@ -57,21 +57,32 @@ def _ticks(name, value):
     return array
 
 
+def moderate_array(name, value):
+    """Return `value` as a float array (...) of numbers not above 1e15 in size."""
+    array = bounded_array(name, value)
+    if array.size and np.abs(array).max() > 1e15:
+        raise ValueError(
+            f"{name}: must hold numbers of at most 1e15 in size; got {np.abs(array).max():g}."
+        )
+    return array
+
+
 def _torque(name, value):
-    number = bounded_array(name, value)
-    if number.ndim or abs(number) > 1e15:
-        raise ValueError(f"{name}: must be one number of at most 1e15 in size; got {shown(value)}.")
+    number = moderate_array(name, value)
+    if number.ndim:
+        raise ValueError(f"{name}: must be one number; got {shown(value)}.")
     return float(number)
 
 
 def _complex_frequencies(name, value):
     try:
-        array = np.asarray(value, complex)
-    except Exception:  # ragged lists, text, somebody's class
-        array = None
-    if array is None or isinstance(value, np.ma.MaskedArray) or np.asarray(value).dtype == bool:
+        array = np.asarray(value)
+    except Exception:  # ragged lists, somebody's class
+        array = np.asarray(None)
+    if array.dtype.kind not in "iufc" or isinstance(value, np.ma.MaskedArray):
         raise ValueError(f"{name}: must hold numbers in a regular array; got {shown(value)}.")
     with np.errstate(over="ignore"):
+        array = array.astype(complex)
         size = np.abs(array)
     wrong = ~((size >= 1e-50) & (size <= 1e50))
     if wrong.any():

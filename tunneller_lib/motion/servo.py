@@ -8,12 +8,13 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Positive, Rule, bounded_array, checked, shown
+from ..arguments import Positive, Rule, checked, shown
 from ..surfaces.linkage import check_stroke
 from .hydraulics import spool_at
 from .loop import Loop
 from .oil import Compressible, Rigid
 from .plant import Integrator, Lag, Resonance, ValveResonance
+from .quantities import moderate_array
 from .stability import is_stable
 
 
@@ -36,8 +37,10 @@ def one_or_each(*kinds):
 
 Plants = one_or_each(Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible)
 Loops = one_or_each(Loop)
-Setvalues = Annotated[ArrayLike, Rule("(ticks + 1,) or (ticks + 1, n) float", bounded_array, "rad")]
-Slopes = Annotated[ArrayLike, Rule("(ticks,) or (ticks, n) float", bounded_array, "rad/s")]
+Setvalues = Annotated[
+    ArrayLike, Rule("(ticks + 1,) or (ticks + 1, n) float", moderate_array, "rad")
+]
+Slopes = Annotated[ArrayLike, Rule("(ticks,) or (ticks, n) float", moderate_array, "rad/s")]
 
 
 @dataclass(frozen=True)
@@ -150,13 +153,12 @@ def follow(
     >>> follow(Integrator(0.5), Loop(10, tick=0.01), ramp).error[-1].round(6)
     np.float64(0.01)
     """
-    values = setvalues
-    if values.ndim not in (1, 2) or len(values) < 2 or not values.size:
+    if setvalues.ndim not in (1, 2) or len(setvalues) < 2 or not setvalues.size:
         raise ValueError(
             "setvalues: must be of shape (ticks + 1,) or (ticks + 1, n) with ticks >= 1 and n >= 1;"
-            f" got shape {values.shape}."
+            f" got shape {setvalues.shape}."
         )
-    columns = values.reshape(len(values), -1)
+    columns = setvalues.reshape(len(setvalues), -1)
     axes = columns.shape[1]
     plants = _for_each_axis("plant", plant, axes)
     loops = _for_each_axis("loop", loop, axes)
@@ -168,28 +170,21 @@ def follow(
             check_stroke(column, one.axis.low, one.axis.high, "setvalues")
     if inverse is not None:
         _try(inverse, columns[0, 0])
-    runs = [
-        _run(*parts, _own_inverse(parts[0]) if inverse is None else inverse)
-        for parts in zip(
-            plants,
-            loops,
-            columns.T.tolist(),
-            _slope_columns(slopes, values, loops).T.tolist(),
-            strict=True,
-        )
-    ]
+    wanted = columns.T.tolist()
+    rates = _slope_columns(slopes, setvalues, loops).T.tolist()
+    runs = [_run(*one, inverse) for one in zip(plants, loops, wanted, rates, strict=True)]
     states = tuple(np.array(run[0]) for run in runs)
-    shape = (-1, *values.shape[1:])
+    shape = (-1, *setvalues.shape[1:])
     position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
     command = np.array([run[1] for run in runs]).T.reshape(shape)
-    limit = np.array([one.limit for one in loops]) if values.ndim == 2 else loops[0].limit
+    limit = np.array([one.limit for one in loops]) if setvalues.ndim == 2 else loops[0].limit
     ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
-    stable = tuple(
-        is_stable.unchecked(*parts) if inverse is None else None
-        for parts in zip(plants, loops, ranges, strict=True)
-    )
+    if inverse is None:
+        stable = tuple(map(is_stable.unchecked, plants, loops, ranges))
+    else:
+        stable = (None,) * axes
     saturated = np.abs(command) >= limit
-    return Track(loops[0].tick, values, position, command, saturated, states, stable)
+    return Track(loops[0].tick, setvalues, position, command, saturated, states, stable)
 
 
 def _for_each_axis(name, value, axes):
@@ -235,6 +230,8 @@ def _own_inverse(plant):
 
 def _run(plant, loop, setvalues, slopes, inverse):
     """Return states and commands of one axis, in plain floats: arrays of one would be slow."""
+    if inverse is None:
+        inverse = _own_inverse(plant)
     step = plant.stepper.unchecked(plant, loop.tick)
     state = plant.rest(setvalues[0])
     gain = loop.gain
