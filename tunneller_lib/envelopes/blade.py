@@ -90,8 +90,11 @@ class BladeRing:
         return (radius * np.cos(arc / radius), radius * np.sin(arc / radius), along * np.cos(slope))
 
     @checked
-    def mesh(self, n: Whole(1, 2000), blade: Whole(-1000, 1000) = 0):
-        """Return a grid (n, n, 3) of points of a blade, in m, counted from the first one."""
+    def mesh(self, n: Whole(1, 500), blade: Whole(-1000, 1000) = 0):
+        """Return a grid (n, n, 3) of points of a blade, in m, with n from 1 to 500.
+
+        The blades are counted from the first one, `blade` 0.
+        """
         s, t = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
         c = np.cos(2 * np.pi * blade / self.blades)
         d = np.sin(2 * np.pi * blade / self.blades)
@@ -108,7 +111,7 @@ def blade_distances(
     near: Length0,
     far: Length,
     *,
-    n: Whole(2, 1000) = 121,
+    n: Whole(2, 500) = 121,
 ):
     """Return how far a truncated cone stays from the first blade and from both its neighbours.
 
@@ -125,7 +128,7 @@ def blade_distances(
     near, far : float
         Where the rulings begin and end, as distances from the vertex, in m.
     n : int
-        Points are compared on a grid n by n of each blade.
+        Points are compared on a grid n by n of each blade; from 2 to 500.
 
     Returns
     -------
