@@ -17,7 +17,8 @@ DRAW_IN_SPACE = {"machine_scene", "scene", "tunnel_scene"}
 READ_NOTEBOOKS = {"contents_table", "draw_map", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
 
-DRAWING, AXES = figure(height=2, width=3)
+DRAWING, _ = figure(height=2, width=3)
+_, AXES = figure(height=2, width=3)  # never shown: it fills up
 PIXELS = np.zeros((4, 5, 3), dtype=np.uint8)
 RECORD = Record("01_machine")
 RECORD.root = Path(tempfile.mkdtemp())

@@ -198,7 +198,14 @@ def draw_ruling(ax: Axes, torus: Torus, y: Finite, z: Finite):
     -------
     dots : list of matplotlib.lines.Line2D
         Where they meet; the one of greatest x is in colour.
+
+    Raises
+    ------
+    ValueError
+        If the ruling is ten times farther away than the torus reaches.
     """
+    if np.hypot(y, z) > 10 * (torus.r + torus.R):
+        raise ValueError(f"y, z: must be within ten sizes of the torus; got ({y:g}, {z:g}) m.")
     half = np.sqrt(max(torus.R**2 - y**2, 0))
     turn = np.linspace(0, 2 * np.pi, 361)
     for radius, sheet in ((torus.r + half, "torus"), (torus.r - half, "inner sheet")):

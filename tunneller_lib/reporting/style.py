@@ -39,14 +39,6 @@ COLOURS = {
     "plane": "#CC79A7",
 }
 
-
-def _colour(name, value):
-    if not isinstance(value, str) or value not in COLOURS:
-        raise ValueError(f"{name}: must be a name in COLOURS; got {shown(value)}.")
-    return value
-
-
-Colour = Annotated[str, Rule("str", _colour)]
 ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
 
 STYLE = {
@@ -69,6 +61,15 @@ STYLE = {
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
 }
+
+
+def _colour(name, value):
+    if not isinstance(value, str) or value not in COLOURS:
+        raise ValueError(f"{name}: must be a name in COLOURS; got {shown(value)}.")
+    return value
+
+
+Colour = Annotated[str, Rule("str", _colour)]
 
 
 @checked
