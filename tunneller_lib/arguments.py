@@ -285,8 +285,9 @@ def _first(array, wrong):
 
 def bounded_array(name, value):
     """Return `value` as a float array (...) of numbers not above 1e100 in size."""
-    array = finite_array(name, value)
+    array = real(name, value)
     if not _within(array, MOST):
+        finite_array(name, array)
         far = np.abs(array) > MOST
         raise ValueError(
             f"{name}: must hold numbers of at most {MOST:g} in size; got {_first(array, far)}."
