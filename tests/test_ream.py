@@ -322,7 +322,7 @@ def test_starved_plan_costs_time_and_no_count():
         (lambda: simulate(lap(), Integrator(0.5), LOOP, cost=9), "cost: needs tasks"),
         (lambda: carve(lap(), np.zeros((9, 2))), "position: must be"),
         (lambda: carve(3, np.zeros((9, 2))), "plan: must be of class Plan"),
-        (lambda: starved(lap(), None, 5), "tasks: must be a sequence"),
+        (lambda: starved(lap(), None, 5), "tasks: must be a list"),
         (lambda: starved(lap(), [Task("line", 5000, 400)], 2**31), "cost: must"),
         (lambda: lap(count=1e-300), "count: must lie between"),
         (lambda: lap(rest=1e30), "rest: must be at most"),
