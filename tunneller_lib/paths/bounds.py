@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Rule, Whole, bounded_array
 
-MOST_POINTS = 10_000_000  # of all paths of a call together: a few hundred megabytes
+MOST_POINTS = 5_000_000  # of all paths of a call together: a few seconds, some hundred megabytes
 
 
 def row(name, value):
@@ -18,7 +18,7 @@ def row(name, value):
     return array
 
 
-Count = Whole(2, MOST_POINTS)
+Count = Whole(2, 1_000_000)
 Row = Annotated[ArrayLike, Rule("(n,) float", row)]
 
 

@@ -16,7 +16,7 @@ from ..surfaces import Torus
 from .bounds import Count, check_points
 
 STEP = 0.08  # tube radii, the longest step of an integration
-LONGEST = 500  # tube radii, of a geodesic that is integrated: some seconds
+LONGEST = 200  # tube radii, of a geodesic that is integrated: two seconds
 
 
 def _rows_of_positions(name, value):
@@ -158,7 +158,8 @@ class Geodesic:
         Parameters
         ----------
         n : int
-            Number of points, both ends included, from 2 to 10,000,000 of all geodesics together.
+            Number of points, both ends included, from 2 to a million, and at most 5 million of
+            all geodesics together.
 
         Returns
         -------
@@ -182,10 +183,10 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     azimuth : (...) float
         Directions, in rad; they broadcast with p.
     length : (...) float
-        In m, at most 500 tube radii; a negative one goes backwards.
+        In m, at most 200 tube radii; a negative one goes backwards.
     n : int
-        Number of points, equally spaced in arc, both ends included, from 2 to 10,000,000 of all
-        geodesics together.
+        Number of points, equally spaced in arc, both ends included, from 2 to a million, and at
+        most 5 million of all geodesics together.
 
     Returns
     -------
@@ -197,7 +198,7 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     Raises
     ------
     ValueError
-        If a length is above 500 tube radii, or n isn't a whole number of at least 2.
+        If a length is above 200 tube radii, or n isn't a whole number of at least 2.
 
     Notes
     -----

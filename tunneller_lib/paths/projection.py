@@ -32,7 +32,8 @@ def project_chord(
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends P and Q, in rad; they broadcast.
     n : int
-        Number of points, both ends included, from 2 to 10,000,000 of all paths together.
+        Number of points, both ends included, from 2 to a million, and at most 5 million of all
+        paths together.
     spacing : {"chord", "tangent", "arc"}
         Equal steps along the chord, as the document does; equal steps of angle as seen from the
         centre of a sphere through P and Q with the normals' half-angle b, which needs two
