@@ -328,7 +328,7 @@ REFUSED = [
     ({"depth = 0.02": "depth = -0.02"}, "[machine] depth: must be one finite number, not below"),
     ({"along = 40": "along = -2"}, "[wall] along, around: must hold whole numbers"),
     ({"thickness = 0.1": "thickness = -1"}, "[wall] thickness: must be"),
-    ({"delay = 1": "delay = -1"}, "[controller] delay: must hold whole numbers"),
+    ({"delay = 1": "delay = -1"}, "[controller] delay: must be one whole number from 0 to 100"),
     ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
