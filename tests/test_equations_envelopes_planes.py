@@ -84,7 +84,7 @@ def test_eq06_planes_to_points():
     assert np.allclose(plane_to_point(n, h), expected, rtol=1e-12)
     back = point_to_plane(expected)  # no two planes have one point
     assert np.allclose(back[0], n) and np.allclose(back[1], h)
-    with pytest.raises(ValueError, match=r"nor have the direction \(0, 0, -1\)"):
+    with pytest.raises(ValueError, match=r"must not have the direction \(0, 0, -1\)"):
         plane_to_point((0, 0, -1), 1)
 
 

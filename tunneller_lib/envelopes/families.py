@@ -9,15 +9,7 @@ import numpy as np
 
 from ..arguments import LEAST, Length, checked, shown
 from .coordinates import add, cross_product, dot_product, times, unit_vector
-from .functions import (
-    Function,
-    HalfAngle,
-    Shift,
-    Turn,
-    Varying,
-    coordinates,
-    vectors,
-)  # fmt: skip
+from .functions import Function, HalfAngle, Shift, Turn, Varying, coordinates, vectors
 from .jet import Jet
 
 

@@ -11,15 +11,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import (
-    LEAST,
-    Rule,
-    bounded_array,
-    directions,
-    finite,
-    real,
-    shown,
-)  # fmt: skip
+from ..arguments import LEAST, Rule, bounded_array, directions, finite, real, shown
 from ..exact import norm
 from .jet import Jet
 
