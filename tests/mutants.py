@@ -22,7 +22,6 @@ import csv
 import fcntl
 import hashlib
 import importlib
-import importlib.util
 import io
 import itertools
 import json
@@ -39,6 +38,7 @@ import time
 import tomllib
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -295,7 +295,7 @@ def run(tree, tests, limit, *, bare, passing=()):
     limit : float
         Most seconds of processor time.
     bare : bool
-        Whether notebooks, and with them the packages that they need, are left out.
+        Whether pytest is to do without what notebooks need.
     passing : iterable of str
         Tests that are left out.
     """
@@ -327,7 +327,7 @@ def report(tree, tests, limit, verdict, bare, passing):
     for name in list(sys.modules):  # ours are those of the copy
         if name.split(".")[0] in ("tunneller_lib", "tests", "report"):
             del sys.modules[name]
-    sys.stdout = sys.stderr = open(os.devnull, "w")
+    sys.stdout = sys.stderr = said = io.StringIO()
     first = First()
     options = ["-x", "-q", "--tb=short", "-p", "no:cacheprovider"]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # for what is warm
@@ -335,8 +335,9 @@ def report(tree, tests, limit, verdict, bare, passing):
         options += ["-o", "addopts=--doctest-modules --strict-markers"]
     options += [word for test in passing for word in ("--deselect", test)]
     exit_code = pytest.main([*options, *tests], plugins=[first])
-    none = exit_code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED)
-    replace(verdict, json.dumps([first.name or ("(no test ran)" if none else ""), first.why]))
+    if not first.name and exit_code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+        first.name, first.why = "(no test ran)", said.getvalue()[-2000:]
+    replace(verdict, json.dumps([first.name, first.why]))
 
 
 def warm_up():
@@ -348,7 +349,7 @@ def warm_up():
     os.environ.update(settings)
     sys.dont_write_bytecode = True
     for name in HEAVY:
-        if importlib.util.find_spec(name.split(".")[0]):
+        with suppress(ModuleNotFoundError):
             importlib.import_module(name)
 
 
@@ -378,7 +379,7 @@ def judge(mutant, lots, bare):
     lots : list of (list of str, float)
         Tests that run together, and the processor time that they take on what is unaltered.
     bare : bool
-        Whether these are tests for which a bare Python is enough.
+        Whether pytest is to do without what notebooks need.
     """
     target = _tree / mutant.file
     before, after = mutant.lines()
@@ -546,7 +547,7 @@ def times(pool, wanted, known, bare):
 
     Those that can't run for want of a package aren't there.
     """
-    file = BUILD / ("times.json" if bare else "times-notebooks.json")
+    file = BUILD / "times.json"
     kept = json.loads(file.read_text()) if file.exists() else {}
     found = kept.get(known, {})
     jobs = [pool.submit(time_of, test, bare) for test in wanted if test not in found]
@@ -581,10 +582,12 @@ def try_all(mutants, known, given, explained):
     if not waiting:
         return
     warm_up()
+    bare = "nbval" not in sys.modules
+    if bare and last == NOTEBOOKS:
+        sys.exit("Notebooks need nbval, which isn't here; without them: --no-notebooks.")
     fork = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(given.workers, mp_context=fork, initializer=own_tree) as pool:
         for lot in range(last + 1):
-            bare = lot < NOTEBOOKS
             plans = {}
             for mutant in waiting:
                 was = known.get(mutant.key())
