@@ -83,8 +83,8 @@ def _extremes(foot, e, r, R):
     height, slope = foot[..., 1], e[..., 1]
     P = dot(foot, foot) - r * r - R * R + 2 * (r * slope) ** 2
     Q = 2 * r * r * slope * height
-    single = 4 * P**3 + 27 * Q**2 > 0
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # a line 1e100 away has a cube that is infinite
+        single = 4 * P**3 + 27 * Q**2 > 0
         scale = 2 * np.sqrt(np.abs(P) / 3)
         ratio = np.where(scale > 0, 3 * Q / (P * scale), 0)
         angle = np.arccos(np.clip(ratio, -1, 1)) / 3
