@@ -450,6 +450,20 @@ def test_geodesic_direct_refuses_to_go_very_far(length):
         geodesic_direct(MACHINE, (0, 0), 0.1, length)
 
 
+@pytest.mark.parametrize("turns", [1e6, -1e10])
+def test_geodesic_direct_takes_hardly_longer_after_many_turns(turns):
+    turn = 2 * np.pi * turns
+    near = geodesic_direct(MACHINE, (0.3, 0.2), 0.4, 1, 5)
+    for p, azimuth in (
+        ((0.3, 0.2), 0.4 + turn),
+        ((0.3, 0.2 + turn), 0.4),
+        ((0.3 + turn, 0.2), 0.4),
+    ):
+        far = geodesic_direct(MACHINE, p, azimuth, 1, 5)
+        np.testing.assert_allclose(far.point, near.point, atol=4e-16 * abs(turn))
+        assert far.position[0] == pytest.approx(p) and far.azimuth[0] == pytest.approx(azimuth)
+
+
 def test_geodesic_direct_refuses_more_points_than_memory_holds():
     p = np.zeros((1000, 2))
     for call in (

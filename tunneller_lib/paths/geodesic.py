@@ -16,6 +16,7 @@ from ..surfaces import Torus
 from .bounds import Count, check_points
 
 STEP = 0.08  # tube radii, the longest step of an integration
+MANY_TURNS = 30.0  # rad
 LONGEST = 200  # tube radii, of a geodesic that is integrated: two seconds
 
 
@@ -216,6 +217,11 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     check_points(n, theta.shape)
     start = np.stack([theta, phi, azimuth]).reshape(3, -1)
+    # After many turns rounding moves an angle by more than the solver's tolerance, which then takes
+    # ever smaller steps: whole turns are taken off first and put back last.
+    turned = np.abs(start) > MANY_TURNS
+    turns = np.where(turned, start - reduced(start), 0)
+    start = np.where(turned, reduced(start), start)
     whole = length.ravel()
     # Geodesics of no answer (`Geodesic.points`) have neither direction nor length.
     sound = np.isfinite(azimuth + length).ravel() & (torus.r + torus.R * np.cos(start[1]) > 0)
@@ -244,6 +250,12 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
         )
         if way.success:
             found[:, sound] = way.y.reshape(3, -1, n)
+    found = np.where(turned[..., None], found + turns[..., None], found)
     found = found.reshape(3, *theta.shape, n)
     position = np.stack(found[:2], axis=-1)
     return GeodesicPoints(torus, length[..., None] * steps, position, found[2])
+
+
+def reduced(angle):
+    """Return angles from -pi to pi, untouched where they are there already."""
+    return np.where(np.abs(angle) <= np.pi, angle, np.remainder(angle + np.pi, 2 * np.pi) - np.pi)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..surfaces import Torus
-from .geodesic import Geodesic
+from .geodesic import Geodesic, reduced
 from .geodesic_classes import inner, outer
 from .geodesic_root import integrate, solve
 
@@ -153,9 +153,9 @@ def _normal_form(torus, p, q):
     p, q = np.broadcast_arrays(p, q)
     start = p.reshape(-1, 2)
     stop = q.reshape(-1, 2)
-    phi1 = _reduced(start[:, 1])
-    phi2 = _reduced(stop[:, 1])
-    turn = _reduced(stop[:, 0] - start[:, 0])
+    phi1 = reduced(start[:, 1])
+    phi2 = reduced(stop[:, 1])
+    turn = reduced(stop[:, 0] - start[:, 0])
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
     swap = np.abs(phi2) > np.abs(phi1)
     a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
@@ -268,8 +268,3 @@ def _geodesic(torus, p, q, ends, ways):
     answers = ways.length, first, last, ends.side * ways.c, ways.kind, ways.kind != "none"
     shape = p.shape[:-1]
     return Geodesic(torus, p, q, *(v.reshape(shape)[()] for v in (*answers, certificate)))
-
-
-def _reduced(angle):
-    """Return angles from -pi to pi, untouched where they are there already."""
-    return np.where(np.abs(angle) <= np.pi, angle, np.remainder(angle + np.pi, 2 * np.pi) - np.pi)
