@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from tests.envelopes_zoo import CURVES, MOTIONS, RULED
-from tunneller_lib.envelopes.families import helicoid, helix, helix_lines, ruled, tangents, turning
+from tunneller_lib.envelopes.families import (
+    helicoid,
+    helix,
+    helix_lines,
+    ruled,
+    tangent_lines,
+    turning,
+)
 
 V = np.array([-0.8, 0.1, 1.3])
 STEP = 1e-5
@@ -60,7 +67,7 @@ def test_helicoid_moves_by_its_pitch():
 
 def test_helix_lines_run_from_tangents_to_a_helicoid():
     s, t = np.linspace(-2, 3, 7), np.linspace(0.1, 1.7, 7)
-    np.testing.assert_array_equal(ruled(helix_lines)(s, t), ruled(tangents(helix))(s, t))
+    np.testing.assert_array_equal(ruled(helix_lines)(s, t), ruled(tangent_lines(helix))(s, t))
     across = ruled(lambda s: helix_lines(s, np.pi / 2))
     x, y, z = across(s, 1 + 0 * s)  # every line meets the axis at t = 1, level with its start
     np.testing.assert_allclose([x, y, z - 0.4 * s], 0, atol=1e-15)

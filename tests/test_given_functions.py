@@ -46,7 +46,7 @@ DOORS = {
     "motion": lambda f: families.moving_cone(f, 0.3)(S, T),
     "motion, jets": lambda f: families.moving_cone(f, 0.3)(*jet_variables(S, T)),
     "curve, channel": lambda f: families.channel(f, 0.3)(S, T),
-    "curve, tangents": lambda f: families.tangents(f)(S),
+    "curve, tangents": lambda f: families.tangent_lines(f)(S),
     "lines": lambda f: families.ruled(f)(*jet_variables(S, T)),
     "vertex": lambda f: families.turning(f, f, 0.3)(S),
 }

@@ -20,7 +20,7 @@ from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan, standing
 from tunneller_lib.removal import DexelGrid
-from tunneller_lib.reporting.pictures import write as write_picture
+from tunneller_lib.reporting.pictures import write_picture
 from tunneller_lib.reporting.style import ERROR_MAP
 from tunneller_lib.reporting.tunnel_scene import cut_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile

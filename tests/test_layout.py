@@ -177,3 +177,28 @@ def test_notebook_title_is_a_question(path):
 @every_notebook
 def test_notebook_is_numbered(path):
     assert re.fullmatch(r"\d\d_[a-z0-9_]+", path.stem)
+
+
+def own_names(path):
+    """Return the public names that a module defines at its top."""
+    tree = ast.parse(path.read_text())
+    return [
+        node.name
+        for node in tree.body
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and not node.name.startswith("_")
+    ]
+
+
+def test_a_name_has_one_meaning_in_the_library():
+    where = {}
+    for path in MODULES:
+        for name in own_names(path):
+            where.setdefault(name, []).append(name_of(path))
+    assert not {name: paths for name, paths in where.items() if len(paths) > 1}
+
+
+def test_no_module_hides_behind_a_name_of_its_room():
+    for package in LIBRARY.rglob("__init__.py"):
+        modules = {path.stem for path in package.parent.glob("*.py")}
+        names = {name for path in package.parent.glob("*.py") for name in own_names(path)}
+        assert not modules & names, f"{name_of(package)}: {modules & names}"

@@ -240,7 +240,7 @@ def draw_wall(job, cut, path, say):
         return []
     say(f"writing {path}")
     pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
-    return [str(pictures.write(path, pixels))]
+    return [str(pictures.write_picture(path, pixels))]
 
 
 def run_scene(options):
@@ -255,7 +255,7 @@ def run_scene(options):
     if options.share < 1:
         say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
     plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
-    return {"files": [str(pictures.write(out, plotter))]}
+    return {"files": [str(pictures.write_picture(out, plotter))]}
 
 
 def run_animate(options):
@@ -266,7 +266,7 @@ def run_animate(options):
     job, cut = read(options, out)
     count = options.frames
     every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
-    return {"files": [str(pictures.write(out, counted(every, count)))]}
+    return {"files": [str(pictures.write_picture(out, counted(every, count)))]}
 
 
 def counted(pictures, count):

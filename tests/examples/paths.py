@@ -27,6 +27,7 @@ INSTANCES = {
 _ENDS = {"p": (0.3, 0.2), "q": (-0.4, 0.1)}
 
 CALLS = {
+    "ChordPath.__call__": {"t": [0.0, 0.5, 1.0]},
     "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
                   "line": "-"},
     "Circuit.knots": {"tolerance": 1e-3},

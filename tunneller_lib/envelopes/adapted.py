@@ -9,10 +9,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..arguments import Reals, checked
-from .coordinates import cross_product
 from .functions import Function, as_jet, coordinates, one_number
 from .isotropic import contact_point, isotropic_derivatives, normal
 from .jet import EXPONENTS, Jet, compose, differentiated, inverse, jet_variables
+from .triples import cross_product
 
 # |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.

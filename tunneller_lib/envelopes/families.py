@@ -8,9 +8,9 @@ and motions to give them stand below.
 import numpy as np
 
 from ..arguments import LEAST, Length, checked, shown
-from .coordinates import add, cross_product, dot_product, times, unit_vector
 from .functions import Function, HalfAngle, Shift, Turn, Varying, coordinates, vectors
 from .jet import Jet
+from .triples import add, cross_product, dot_product, times, unit_vector
 
 
 @checked
@@ -173,7 +173,7 @@ def cubic(s: Varying, bend: Shift = 1.0):
 
 
 @checked
-def tangents(curve: Function(1)):
+def tangent_lines(curve: Function(1)):
     """Return the tangents of a curve, as lines for `ruled`.
 
     Parameters

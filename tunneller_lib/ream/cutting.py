@@ -13,7 +13,7 @@ from ..motion import Track, follow
 from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid
 from ..removal.dexel import Shape
-from .pairs import Loops, Plants, check_ticks
+from .both_axes import Loops, Plants, check_ticks
 from .planning import Plan, Pose, Run
 from .wall import intact_wall, overbreak, standing
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from ..arguments import checked
+from .both_axes import Loops, Plants
 from .faults import (
     check_unheld,
     count_fault,
@@ -13,7 +14,6 @@ from .faults import (
     setpoint_fault,
     tangent_sphere_fault,
 )
-from .pairs import Loops, Plants
 from .planning import Plan, Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, setpoint_fault, count_fault

@@ -9,7 +9,7 @@ from ..arguments import checked
 from ..exact import dot, norm
 from ..motion import follow, polyline
 from ..paths import geodesic_inverse, project_chord
-from .pairs import Loops, Plants, check_linear, check_ticks
+from .both_axes import Loops, Plants, check_linear, check_ticks
 from .planning import Plan, Pose, join_knots
 from .sensitivity import (
     geodesic_bend,

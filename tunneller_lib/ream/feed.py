@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
 from ..motion import Hydraulics
-from .pairs import Pair
+from .both_axes import Pair
 
 
 def _bound(name, value):

@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import checked
 from ..exact import dot, norm
 from ..motion import Compressible, Lag, Resonance, Rigid
-from .pairs import Loops, Plants, check_linear, check_ticks
+from .both_axes import Loops, Plants, check_linear, check_ticks
 from .planning import Plan
 
 HARMONICS = 64  # of the encoder's rounding

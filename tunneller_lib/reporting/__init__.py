@@ -11,6 +11,7 @@ __all__ = [
     "COLOURS",
     "ERROR_MAP",
     "Record",
+    "cone_plot",
     "contents_table",
     "draw_map",
     "ending",

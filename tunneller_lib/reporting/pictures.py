@@ -20,7 +20,7 @@ PAGE = """<body>
     </p>"""
 
 
-def write(path, content):
+def write_picture(path, content):
     """Write a scene, a picture or those of an animation, whole or not at all.
 
     Parameters
