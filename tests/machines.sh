@@ -5,7 +5,8 @@
 #
 # Needs debootstrap, for ARM64 qemu-user-static, and some 10 GB in FOLDER, /var/tmp/machines unless
 # told. What is committed is tried. With names only those promises are tried, and their rows
-# replaced: debian12 blas-NAME dispatch noise oldest debian13 sid plain python3.12 arm64.
+# replaced: debian12 blas-NAME dispatch noise oldest debian13 sid plain python3.12 arm64. What is
+# written by hand below the table stays.
 set -euo pipefail
 checkout=$(cd "$(dirname "$0")/.." && pwd)
 folder=$(realpath -m "${1:-/var/tmp/machines}")
@@ -126,6 +127,7 @@ if asked arm64; then
     try arm64 'part of the tests of the library, two notebooks' 'Debian 12 on ARM64, emulated' visitor 'make environment && bash tests/arm64.sh'
 fi
 
+notes=$(sed -n '/^## /,$p' "$checkout/tests/machines.md")
 {
     echo '# Promises and machines'
     echo
@@ -134,4 +136,6 @@ fi
     echo '| promise | machine | result |'
     echo '| --- | --- | --- |'
     cat "$rows"/*
+    echo
+    echo "$notes" # written by hand, kept
 } >"$checkout/tests/machines.md"
