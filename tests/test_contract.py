@@ -1,4 +1,4 @@
-"""The contract of every public name: an answer, or a ValueError of one sentence, and soon.
+"""The contract of public functions: an answer, or a ValueError of one sentence, and soon.
 
 Public is what a room's `__all__` lists: functions, classes with their methods, and modules with
 theirs. What each argument may be is read from the annotations, which `arguments.checked` enforces.
@@ -198,7 +198,7 @@ odd = st.one_of(
 
 @every_call
 @settings(
-    max_examples=many(40, 500), deadline=None, database=None, derandomize=True,
+    max_examples=many(40, 200), deadline=None, database=None, derandomize=True,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 @given(data=st.data())

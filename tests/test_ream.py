@@ -174,7 +174,7 @@ def test_bounds_keep_valves_flow_and_volume():
         ),
         ({"axes": reference_axes(REFERENCE_MACHINE), "valve": 3.0}, "valve: must be at most 1"),
         ({"feed": "a"}, "feed: must hold real numbers"),
-        ({"feed": 1e-200}, "feed: must be zero or from 1e-100 to 1e\\+100 in size"),
+        ({"feed": 1e-200}, "feed: must be from 1e-100 to 1e\\+100 in size"),
     ],
 )
 def test_limits_refuse(options, message):
@@ -337,7 +337,7 @@ def test_starved_plan_costs_time_and_no_count():
         (lambda: lap(Limits(feed=1e-6, acceleration=0.5)), "laps: must take at most 5000000 ticks"),
         (lambda: lap(step=1e-9), r"^step: must leave at most 1000000 setpoints; got 1e-09 m, "),
         (lambda: lap(step=1e-99), "step: must leave at most 1000000 setpoints; got 1e-99 m, "),
-        (lambda: lap(step=1e-310), "step: must be zero or from 1e-100"),
+        (lambda: lap(step=1e-310), "step: must be from 1e-100"),
         (lambda: lap(tick=1e-9),
          r"^times: must be at most 2\^31 - 1 ticks of 1e-09 s; got \S+ s\.$"),
         (lambda: lap(laps=[1, 2]), "laps: must be one whole number"),

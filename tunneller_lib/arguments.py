@@ -326,9 +326,7 @@ def coordinate(name, value):
 
 def size(name, value):
     """Return `value` as a float, which must be one number from 1e-100 to 1e100."""
-    number = positive(name, value)
-    sizes(name, number)
-    return number
+    return _sized(name, positive(name, value), "from")
 
 
 def size_or_zero(name, value):
@@ -382,12 +380,16 @@ def near_points(name, value):
 
 def sizes(name, value):
     """Return `value`, an array (...) of lengths, each zero or from 1e-100 to 1e100 in size."""
+    return _sized(name, value, "zero or from")
+
+
+def _sized(name, value, rule):
     array = np.abs(value)
     wrong = ~((array == 0) | (array >= LEAST) & (array <= MOST))
     if wrong.any():
         raise ValueError(
-            f"{name}: must be zero or from {LEAST:g} to {MOST:g} in size, whose square is a "
-            f"number; got {_first(np.asarray(array), wrong)}."
+            f"{name}: must be {rule} {LEAST:g} to {MOST:g} in size, whose square is a number; "
+            f"got {_first(np.asarray(array), wrong)}."
         )
     return value
 
@@ -397,7 +399,7 @@ def directions(name, value):
     array = finite_points(name, value)
     if not np.all(np.any(array != 0, axis=-1)):
         raise ValueError(f"{name}: must not be zero; got (0, 0, 0).")
-    sizes(name, np.abs(array).max(axis=-1))
+    _sized(name, np.abs(array).max(axis=-1), "from")
     return array
 
 

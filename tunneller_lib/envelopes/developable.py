@@ -75,7 +75,7 @@ def tangent_planes(curve: Function(1), s: Reals):
     Raises
     ------
     ValueError
-        If one of the points is one of inflexion.
+        As by `curve_derivatives`, or if one of the points is one of inflexion.
     """
     point, velocity, acceleration, _ = curve_derivatives.unchecked(curve, s)
     n = _binormal(velocity, acceleration)
@@ -106,7 +106,7 @@ def osculating_cone(curve: Function(1), s: Reals):
     Raises
     ------
     ValueError
-        If one of the points is one of inflexion.
+        As by `curve_derivatives`, or if one of the points is one of inflexion.
 
     Notes
     -----

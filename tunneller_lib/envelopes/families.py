@@ -301,9 +301,11 @@ def cyclide(x: Varying, y: Varying):
     Raises
     ------
     ValueError
-        If numbers x and y are both zero; a jet isn't finite there.
+        If numbers x and y are both below 1e-100 in size; a jet isn't finite there.
     """
     if not isinstance(x, Jet) and not isinstance(y, Jet):
         if np.any(np.maximum(np.abs(x), np.abs(y)) < LEAST):
-            raise ValueError("x, y: must not both be zero, where f has no value; got such a pair.")
+            raise ValueError(
+                "x, y: must not both be below 1e-100, where f has no value; got such a pair."
+            )
     return y * y / (x * x + y * y)

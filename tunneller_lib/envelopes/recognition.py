@@ -91,8 +91,9 @@ def recognise(
     ValueError
         If `surface` is no function of two variables or returns something else; if there are
         fewer points, one where the surface isn't defined and smooth, or, for all
-        kinds but the first two, one of Gaussian curvature 0, where planes are no model of it; or
-        if an option doesn't belong to the kind or is out of range.
+        kinds but the first two, one of Gaussian curvature 0 or infinite, where planes are no model
+        of it, or with derivatives above 1e90; or if an option doesn't belong to the kind or is out
+        of range.
 
     Notes
     -----

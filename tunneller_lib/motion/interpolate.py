@@ -214,31 +214,6 @@ def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALU
     return np.where(k == 0, mean, 1 / (2 * ticks * np.where(k == 0, 1, sine)))
 
 
-def checked_move(start, stop, ticks):
-    """Return start, stop - start and ticks of moves, each within its 32-bit range.
-
-    start broadcasts with the difference, whose shape is that of the moves.
-    """
-    ticks = whole("ticks", ticks, 1, HIGH)
-    if ticks.ndim:
-        raise ValueError(f"ticks: must be one whole number; got an array of shape {ticks.shape}.")
-    return *checked_ends(start, stop), ticks
-
-
-def checked_ends(start, stop, names=("start", "stop")):
-    """Return start and stop - start of moves, as `checked_move`; `names` are for messages."""
-    first, last = names
-    start = whole(first, start, LOW, HIGH)
-    stop = whole(last, stop, LOW, HIGH)
-    try:
-        np.broadcast_shapes(start.shape, stop.shape)
-    except ValueError:
-        raise ValueError(
-            f"{last}: must broadcast with {first} of shape {start.shape}; got shape {stop.shape}."
-        ) from None
-    return start, difference_of(start, stop, names)
-
-
 def difference_of(start, stop, names=("start", "stop")):
     """Return stop - start, which must have 32 bits, too."""
     first, last = names

@@ -33,7 +33,7 @@ class _Linear:
         Raises
         ------
         ValueError
-            If a frequency is a pole.
+            If a frequency is a pole, or isn't from 1e-50 to 1e50 rad/s in size.
         """
         A, B = self.matrices()
         eye = np.eye(len(B))

@@ -54,7 +54,7 @@ class Track:
     setvalue, position : (ticks + 1, ...) float
         Wanted and reached, in rad, at the beginning and after each tick.
     command : (ticks, ...) float
-        Opening of the valve that is asked for during each tick, from -1 to 1.
+        Opening of the valve that is asked for during each tick, at most the loop's `limit` in size.
     saturated : (ticks, ...) bool
         Whether the command was limited.
     states : tuple of (ticks + 1, order) float

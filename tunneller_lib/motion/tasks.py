@@ -111,6 +111,8 @@ def response_times(tasks: Tasks):
 def background_response(tasks: Tasks, cost: Time):
     """Return the longest time that work of a `cost` takes when all tasks are more urgent.
 
+    Infinite where it would be beyond 2^40.
+
     Raises
     ------
     ValueError

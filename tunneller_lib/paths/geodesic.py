@@ -128,7 +128,7 @@ class Geodesic:
         rho sin(azimuth), in m, the same all along.
     kind : (...) str
         "meridian", "outer", "inner" (over the inner equator of a ring torus), "point" (the ends
-        coincide), or "none" where an end isn't on the working sheet or isn't finite.
+        coincide), or "none" where an end isn't on the working sheet.
     converged : (...) bool
         Whether there is an answer; its turned angle is met to 1e-9 rad.
     certificate : (...) str

@@ -250,8 +250,7 @@ def check_unheld(plan):
     """Raise ValueError if the plan waits between setpoints."""
     if np.any(np.diff(plan.s[:-1]) <= 0):
         raise ValueError(
-            "plan: must not wait between setpoints, but for its `following_fault` alone; "
-            "got one that does."
+            "plan: must not wait between setpoints, whose path is compared; got one that does."
         )
 
 

@@ -37,7 +37,7 @@ Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
 @dataclass(frozen=True)
 @checked
 class Limits:
-    """What bounds the feed of the cutter; a number alone bounds nothing if it is infinite.
+    """What bounds the feed of the cutter; volume, flow and valve bound nothing where infinite.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ class Limits:
     Raises
     ------
     ValueError
-        If a number isn't above zero, or a limit needs axes that aren't given.
+        If a number isn't above zero or is out of its range, the valve above 1 but not infinite, or
+        a limit needs axes that aren't given.
     """
 
     feed: Size

@@ -25,7 +25,7 @@ class Egg(Section):
     Raises
     ------
     ValueError
-        If a isn't one finite number above zero.
+        If a isn't one number from 1e-100 to 1e100.
 
     Notes
     -----

@@ -93,8 +93,8 @@ class Rod:
     ------
     ValueError
         If an end isn't one finite point, the radius is negative, `ends` is another word, or a
-        number is too small or too great for its square: radius, length and direction must be 0
-        or from 1e-100 to 1e100, and no coordinate above that.
+        number is too small or too great for its square: radius and length must be 0 or from 1e-100
+        to 1e100, and no coordinate above that.
 
     Notes
     -----

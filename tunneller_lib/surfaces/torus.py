@@ -27,7 +27,7 @@ class Torus:
     Raises
     ------
     ValueError
-        If a radius isn't one finite number above zero.
+        If a radius isn't one number from 1e-100 to 1e100.
 
     Notes
     -----
@@ -287,7 +287,7 @@ class Torus:
             distance = np.sqrt(beyond * beyond + y * y)
             on_axis, on_ring = rho == 0, distance == 0
             # Adding 1 to both sides of 0/0 picks theta = 0 on the axis, phi = 0 on the ring.
-            scale = eps * self.R / (distance + on_ring) + 0.0 * distance  # NaN at infinity
+            scale = eps * self.R / (distance + on_ring)
             radius = sigma * self.r + scale * (beyond + on_ring)
             opposed = beyond < 0 if sigma == eps else beyond > 0
             if np.any(opposed):
