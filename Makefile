@@ -16,10 +16,10 @@ export MALLOC_TRIM_THRESHOLD_ := 4000000000
 # One thread each, so that last digits repeat, and none waits where the browser wants to draw.
 ALONE := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 
-# Runs without a screen: pictures repeat, too, because Mesa draws them, and by software, whichever
-# graphics card there is.
+# Runs without a screen: pictures repeat, too, because Mesa draws them where it is installed, and no
+# graphics card's own library.
 MESA := $(wildcard /usr/share/glvnd/egl_vendor.d/50_mesa.json)
-HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 LIBGL_ALWAYS_SOFTWARE=1 \
+HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	$(if $(MESA),__EGL_VENDOR_LIBRARY_FILENAMES=$(MESA)) \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
