@@ -206,7 +206,8 @@ def own_name(path):
 
     Those would name another folder: a job may be called ``...toml``.
     """
-    return path.stem if path.stem.strip(".") else "job"
+    stem = path.name.rpartition(".")[0] or path.name  # pathlib's own differs since Python 3.14
+    return stem if stem.strip(".") else "job"
 
 
 def run_cut(options):

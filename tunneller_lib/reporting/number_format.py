@@ -92,7 +92,7 @@ def significant(name, value, digits):
         if isinstance(value, int):
             return str(value)
         raise ValueError(f"{name}: digits must say how many of {value} are meant.")
-    if not isinstance(digits, int) or not 1 <= digits <= 12:
+    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= 12:
         raise ValueError(f"{name}: digits must be an integer from 1 to 12; got {shown(digits)}.")
     scientific = f"{value:.{digits - 1}e}"
     if value == 0 or -3 <= int(scientific.partition("e")[2]) < digits:
