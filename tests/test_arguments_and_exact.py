@@ -1,5 +1,6 @@
 """Validation, and the arithmetic that keeps digits, judged in fractions and by mpmath."""
 
+from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -150,3 +151,17 @@ def test_sizes_and_near_points_refuse_what_has_none(value):
     if abs(value) > 1:
         with pytest.raises(ValueError, match=r"^x: must hold numbers of at most 1e[+]100 in size"):
             arguments.near_points("x", [1.0, 0, value])
+
+
+def test_function_that_takes_other_arguments_is_refused():
+    @arguments.checked
+    def tell(say: Callable[[str], object]):
+        return say("a")
+
+    assert tell(str.upper) == "A" and tell(lambda text, times=2: times * text) == "aa"
+    assert tell(print) is None  # written in C, or of any arguments
+    for other in (lambda: 0, lambda text, times: 0, lambda *, text: 0):
+        with pytest.raises(ValueError, match=r"^say: must be a function of 1 argument; got <"):
+            tell(other)
+    with pytest.raises(ValueError, match=r"^say: must be a function; got 'a'\.$"):
+        tell("a")

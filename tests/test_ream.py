@@ -167,7 +167,7 @@ def test_bounds_keep_valves_flow_and_volume():
         ({"acceleration": -1.0}, "acceleration: must be one finite number above zero"),
         ({"volume": np.nan}, "volume: must be one number above zero"),
         ({"flow": 1e-4}, "axes: must be given for a limit of flow"),
-        ({"axes": (1, 2)}, "axes: must be of class Hydraulics"),
+        ({"axes": (1, 2)}, r"axes\[0\]: must be of class Hydraulics"),
         (
             {"axes": reference_axes(REFERENCE_MACHINE)[:1], "valve": 0.5},
             "axes: must be two, theta's and phi's; got 1",

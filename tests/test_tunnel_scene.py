@@ -4,6 +4,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import PIL.Image
 import pytest
 
 from tunneller_lib.motion import Integrator, Loop
@@ -14,6 +15,7 @@ from tunneller_lib.reporting.scene import shoot
 from tunneller_lib.reporting.tunnel_scene import (
     OPENED,
     SCALAR,
+    cut_picture,
     cut_pictures,
     cut_scene,
     posed_machine,
@@ -138,6 +140,10 @@ def test_pictures_show_the_run_from_first_to_last(cut):
     pictures = list(cut_pictures(few, 3, width=320))
     assert [picture.shape for picture in pictures] == [(200, 320, 3)] * 3
     assert all(np.any(a != b) for a, b in pairwise(pictures))
+    # the scene that changes from tick to tick shows what a new one would
+    [wall] = stages(few, [last(few)])
+    alone = cut_picture(few, last(few), wall=wall)
+    np.testing.assert_array_equal(pictures[-1], PIL.Image.fromarray(alone).resize((320, 200)))
     with pytest.raises(
         ValueError, match=r"^count: must be one whole number from 2 to 10000; got 1"
     ):

@@ -132,8 +132,8 @@ def _check(values, rules):
 def rule_of(annotation):
     """Return the `Rule` of an annotation.
 
-    That is one of this module's types, a class, a `Literal` of words, `bool`, or one of these with
-    None.
+    That is one of this module's types, a class, a `Literal` of words, `bool`, ``Callable`` or
+    ``Callable[[str, ..], object]`` by the number of its arguments, or one of these with None.
     """
     if get_origin(annotation) is Annotated:
         return annotation.__metadata__[0]
@@ -143,8 +143,10 @@ def rule_of(annotation):
         return _any_of(get_args(annotation))
     if annotation is bool:
         return Rule("bool", _truth)
-    if annotation is Callable or get_origin(annotation) is Callable:
+    if annotation is Callable:
         return Rule("callable", _callable)
+    if get_origin(annotation) is Callable:
+        return _taking(len(get_args(annotation)[0]))
     if isinstance(annotation, type):
         return Rule(annotation.__name__, lambda name, value: instance(name, value, annotation))
     raise TypeError(f"{annotation!r} is no annotation that arguments are checked by")
@@ -198,6 +200,27 @@ def _callable(name, value):
     if not callable(value) or isinstance(value, type):
         raise ValueError(f"{name}: must be a function; got {shown(value)}.")
     return value
+
+
+def _taking(count):
+    """Return the rule of a function that can be called with so many arguments."""
+
+    def check(name, value):
+        _callable(name, value)
+        try:
+            signature = inspect.signature(value)
+        except (TypeError, ValueError):  # one written in C may not tell
+            return value
+        try:
+            signature.bind(*range(count))
+        except TypeError:
+            plural = "" if count == 1 else "s"
+            raise ValueError(
+                f"{name}: must be a function of {count} argument{plural}; got {shown(value)}."
+            ) from None
+        return value
+
+    return Rule("callable", check)
 
 
 def instance(name, value, kind):

@@ -125,7 +125,7 @@ class Job:
         return 1.5 * self.plan["tolerance"]
 
     @checked
-    def simulated(self, say: Callable | None = None):
+    def simulated(self, say: Callable[[str], object] | None = None):
         """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")

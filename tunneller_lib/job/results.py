@@ -44,7 +44,7 @@ Summary = Annotated[dict, Rule("dict", _summary)]
 
 
 @checked
-def summarise(job: Job, cut: Cut, say: Callable | None = None):
+def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     """Return the numbers of a job, in SI units, ready for JSON.
 
     Parameters
@@ -145,7 +145,7 @@ def summary_text(numbers: Summary):
 
 
 @checked
-def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable):
+def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[[str], object]):
     """Write the files of a job into a folder, but pictures.
 
     Parameters

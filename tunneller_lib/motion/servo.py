@@ -117,7 +117,7 @@ def follow(
     setvalues: Setvalues,
     *,
     slopes: Slopes | None = None,
-    inverse: Callable | None = None,
+    inverse: Callable[[float, float], float] | None = None,
 ):
     """Run set-values through position loops and the axes that they move.
 

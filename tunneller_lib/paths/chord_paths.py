@@ -39,7 +39,7 @@ class ChordPath:
     """
 
     name: str
-    way: Callable
+    way: Callable[[Torus, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
     colour: str
     line: str | tuple
 

@@ -2,8 +2,9 @@
 
 from typing import Annotated
 
-from ..arguments import Rule, shown
+from ..arguments import Rule, rule_of
 from ..motion import Compressible, Integrator, Lag, Loop, Resonance, Rigid
+from ..motion.servo import one_or_each
 
 
 def Pair(*kinds):
@@ -11,20 +12,16 @@ def Pair(*kinds):
 
     One alone is taken twice.
     """
-    says = ", ".join(kind.__name__ for kind in kinds)
+    one_or_two = rule_of(one_or_each(*kinds))
 
     def check(name, value):
-        pair = (value, value) if isinstance(value, kinds) else value
-        if not isinstance(pair, (list, tuple)):
-            raise ValueError(f"{name}: must be of class {says}, or a pair; got {shown(value)}.")
+        found = one_or_two.check(name, value)
+        pair = found if isinstance(found, tuple) else (found, found)
         if len(pair) != 2:
             raise ValueError(f"{name}: must be two, theta's and phi's; got {len(pair)}.")
-        for one in pair:
-            if not isinstance(one, kinds):
-                raise ValueError(f"{name}: must be of class {says}; got {shown(one)}.")
-        return tuple(pair)
+        return pair
 
-    return Annotated[tuple, Rule(f"{says} or a pair", check)]
+    return Annotated[tuple, Rule(f"{', '.join(kind.__name__ for kind in kinds)} or a pair", check)]
 
 
 Plants = Pair(Integrator, Lag, Resonance, Rigid, Compressible)

@@ -114,7 +114,7 @@ def simulate(
     cost: Cost | None = None,
     shape: Shape = (400, 720),
     thickness: Length = 0.1,
-    say: Callable | None = None,
+    say: Callable[[str], object] | None = None,
 ):
     """Run a plan and cut the wall.
 
@@ -173,7 +173,7 @@ def carve(
     pose: Pose | None = None,
     shape: Shape = (400, 720),
     thickness: Length = 0.1,
-    say: Callable | None = None,
+    say: Callable[[str], object] | None = None,
 ):
     """Cut the wall with joints that are where they are said to be.
 

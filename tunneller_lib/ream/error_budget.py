@@ -22,7 +22,12 @@ OF_AXES = following_fault, encoder_fault
 
 @checked
 def budget(
-    plan: Plan, plant: Plants, loop: Loops, *, pose: Pose | None = None, say: Callable | None = None
+    plan: Plan,
+    plant: Plants,
+    loop: Loops,
+    *,
+    pose: Pose | None = None,
+    say: Callable[[str], object] | None = None,
 ):
     """Return the faults of a planned lap, each switched on alone.
 

@@ -21,7 +21,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 @checked
 def compute_blocks(
-    survey: Callable,
+    survey: Callable[[tuple], np.ndarray],
     blocks: list,
     folder: str | os.PathLike,
     *,

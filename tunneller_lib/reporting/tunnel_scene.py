@@ -32,6 +32,10 @@ BAR = {
     "position_x": 0.925,
     "position_y": 0.2,
 }
+KEPT = {
+    "reset_camera": False,
+    "render": False,
+}  # neither the view nor the picture, while meshes change
 MOST_TICKS = 10**9
 
 
@@ -202,35 +206,47 @@ def cut_scene(
     tick = last if tick is None else _within_run(cut, tick)
     if wall is None:
         wall = cut.wall if tick == last else next(stages(cut, [tick]))
+    plotter = _uncut_tunnel(cut, opened)
+    _place(plotter, cut, tick, wall, limit, opened, bar)
+    return plotter
+
+
+def _uncut_tunnel(cut, opened):
+    """Return the scene of what no tick changes: the tunnel before and behind, and the camera."""
     plan = cut.plan
-    circuit = plan.circuit
-    start, stop = wall.lines.x[[0, -1]]
+    start, stop = cut.wall.lines.x[[0, -1]]
     behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
     plotter = scene.empty(parallel=False)
     plotter.window_size = WINDOW
-    plotter.title = f"The machine in the tunnel after {tick * plan.tick:.1f} s; colours: {SCALAR}"
     for ends in ((behind, start), (stop, stop + FRONT)):
-        mesh = tunnel_mesh(circuit.section, *ends, opened=opened)
+        mesh = tunnel_mesh(plan.circuit.section, *ends, opened=opened)
         plotter.add_mesh(mesh, color=COLOURS["tunnel"])
     plotter.view_vector(VIEW, viewup=(0, 0, 1))
     plotter.camera.zoom(ZOOM)
+    return plotter
+
+
+def _place(plotter, cut, tick, wall, limit, opened, bar):
+    """Put the wall, the machine and its path at a tick in the place of those before."""
+    seconds = tick * cut.plan.tick
+    plotter.title = f"The machine in the tunnel after {seconds:.1f} s; colours: {SCALAR}"
     millimetres = 1e3 * limit
     plotter.add_mesh(
-        wall_mesh(wall, circuit, opened=opened),
+        wall_mesh(wall, cut.plan.circuit, opened=opened),
+        name="wall",
         scalars=SCALAR,
         cmap=ERROR_MAP,
         clim=(-millimetres, millimetres),
         below_color=COLOURS["tunnel"],
         show_scalar_bar=bar,
-        reset_camera=False,
+        **KEPT,
         scalar_bar_args=dict(BAR),
     )
-    for mesh, look in posed_machine(cut, tick):
-        plotter.add_mesh(mesh, reset_camera=False, **look)
+    for number, (mesh, look) in enumerate(posed_machine(cut, tick)):
+        plotter.add_mesh(mesh, name=f"part {number}", **KEPT, **look)
     if tick:
         path = scene.curve(cut.centres[: tick + 1 : max(1, tick // 500)], 0.004)
-        plotter.add_mesh(path, color=COLOURS["chord"], reset_camera=False)
-    return plotter
+        plotter.add_mesh(path, name="path", color=COLOURS["chord"], **KEPT)
 
 
 def _within_run(cut, tick):
@@ -274,6 +290,10 @@ def cut_pictures(
         Red, green, blue.
     """
     ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
+    plotter = _uncut_tunnel(cut, opened=True)
     for tick, wall in zip(ticks, stages(cut, ticks), strict=True):
-        pixels = cut_picture(cut, int(tick), wall=wall, limit=limit)
+        _place(plotter, cut, int(tick), wall, limit, opened=True, bar=True)
+        plotter.render()
+        pixels = plotter.screenshot(return_img=True)
         yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))
+    plotter.close()
