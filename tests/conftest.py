@@ -14,6 +14,7 @@ import pytest
 from hypothesis import settings
 
 from report.sources import draws_scenes
+from tests.verdicts import judge  # noqa: F401 - a fixture of all tests
 
 ROOT = Path(__file__).parents[1]
 OWN = (".py", ".pyc")  # followed by imports

@@ -14,6 +14,8 @@ from tests.basic_listing import PRINTED, REPAIRS, run
 from tests.symbols_tunneller import CHORDS, EXAMPLE_CONE, H, R, close, development, f, h, u, zero
 from tunneller_lib.paths import ConeChord
 
+READS = ["report/ledger/*"]
+
 TABLE = np.array([
     [0.0, 0.0, 1.4142, 1.4142, 0.0],
     [0.1, 2.7813, 1.2875, 1.3057, 0.0183],
@@ -48,49 +50,60 @@ def exact_table():
     return np.array(rows, dtype=float)
 
 
+def same_digits(shown, truth):
+    """Tell whether all four digits that are shown are the true ones."""
+    return np.all(np.abs(np.round(truth, 4) - shown) < 1e-9)
+
+
 def differing(rows):
     """Return the cells whose four digits aren't the printed ones."""
-    return {tuple(cell) for cell in np.argwhere(np.abs(np.round(rows, 4) - TABLE) > 1e-9).tolist()}
+    return {cell for cell in np.ndindex(TABLE.shape) if not same_digits(TABLE[cell], rows[cell])}
 
 
-def test_table():
-    truth = exact_table()
-    assert TABLE.size == 55 and differing(truth) == set(MISPRINTS)
+def test_table(judge):
+    truth, corrected = exact_table(), TABLE.copy()
     for cell, digits in MISPRINTS.items():
-        assert round(truth[cell], 4) == digits
+        corrected[cell] = digits
+    assert TABLE.size == 55 and differing(truth) == set(MISPRINTS)
+    judge("table", same_digits(TABLE, truth), right=same_digits(corrected, truth))
     # A second way, in floats: the library's table, by feet and development.
     table = ConeChord(*EXAMPLE_CONE).table(np.arange(11) / 10)
     table[:, 1] = np.degrees(table[:, 1])
     assert close(table, truth, 100)
 
 
-@pytest.mark.parametrize("row", [4, 7])
-def test_table_difference_misprint(row):
+@pytest.mark.parametrize(("name", "row"), [("table-row4", 4), ("table-row7", 7)])
+def test_table_difference_misprint(judge, name, row):
     _, _, LN, NN, printed = TABLE[row]
     corrected = MISPRINTS[row, 4]
-    assert round(NN - LN, 4) == corrected != printed  # against the printed row's own columns
+    own = NN - LN  # by the printed row's own columns
+    judge(name, same_digits(printed, own), right=same_digits(corrected, own))
     # A second way: to thirty digits.
     assert round(exact_table()[row, 4], 4) == corrected
 
 
-def test_table_angle_misprint():
+def test_table_angle_misprint(judge):
     *_, point = development()
     chord = {R: 1, H: 1, h: sp.Rational(1, 2), f: sp.Rational(1, 4), u: sp.Rational(3, 5)}
     angle = sp.N(sp.atan2(point[1], point[0]).subs(chord) * 180 / sp.pi, 30)
     printed, corrected = sp.Rational(267542, 10000), sp.Rational(267541, 10000)
     unit = sp.Rational(1, 10000)
-    assert abs(angle - corrected) < unit / 2 < abs(angle - printed)
+    judge("table-row6", bool(abs(angle - printed) < unit / 2),
+          right=bool(abs(angle - corrected) < unit / 2))  # fmt: skip
     # A second way, in floats: the library's table.
     table = ConeChord(*EXAMPLE_CONE).table(0.6)
     assert round(np.degrees(table[1]), 4) == float(corrected)
 
 
-def test_table_columns():
+def test_table_columns(judge):
     # "The radii ... to the geodesic line and to the approximating data points, respectively."
     truth = exact_table()
-    geodesic, approximation = truth[:, 3], truth[:, 2]
-    assert np.max(np.abs(TABLE[:, 2] - geodesic)) > 0.02  # as the text orders them
-    assert np.max(np.abs(TABLE[:, [2, 3]].T - [approximation, geodesic])) < 6e-5
+    approximation, geodesic = truth[:, 2], truth[:, 3]
+
+    def are(*columns):  # but for three misprints in the last place, which no order explains
+        return np.max(np.abs(TABLE[:, 2:4].T - columns)) < 6e-5
+
+    judge("table-columns", are(geodesic, approximation), right=are(approximation, geodesic))
     # A second way: the order in which the listing prints them; its NN is the development's.
     assert PRINTED[240].endswith("LN, NN, NN-LN")
     assert "NN=SQR(ND1^2+ND2^2)" in PRINTED[160]
@@ -107,21 +120,27 @@ def listing_error(values, repaired):
     return np.max(np.abs(rows - table))
 
 
-def test_listing_as_printed():
-    with pytest.raises(ZeroDivisionError):  # at u = 0, in line 200
-        run(*EXAMPLE_CONE, 10)
-    rows = np.array(run(*EXAMPLE_CONE, 10, repaired=ALL))
-    assert differing(rows) == set(MISPRINTS)
+def prints_the_table(repaired):
+    """Tell whether the listing, some lines of it repaired, prints the table, misprints aside."""
+    try:
+        rows = run(*EXAMPLE_CONE, 10, repaired=repaired)
+    except ZeroDivisionError:  # at u = 0, in line 200
+        return False
+    return differing(np.array(rows)) == set(MISPRINTS)
+
+
+def test_listing_as_printed(judge):
+    judge("listing", prints_the_table(()), right=prints_the_table([180]))
+    assert prints_the_table(ALL)
     # A second way, on other cones: the library's table.
     for values in ((2, 1, 0.5, 0.3, 10), (4, 3, 1, 0.4, 5), (1, 2, 0.5, 0.1, 20)):
         assert listing_error(values, ALL) < 1e-8
 
 
-def test_listing_180():
+def test_listing_180(judge):
     # The roots of A n^2 + B n + C are divided by 2A, not by A A.
-    printed, corrected = "A2=A*A", "A2=2*A"
-    assert printed in PRINTED[180] and corrected in REPAIRS[180]
-    assert differing(np.array(run(*EXAMPLE_CONE, 10, repaired=[180]))) == set(MISPRINTS)
+    assert "A2=A*A" in PRINTED[180] and "A2=2*A" in REPAIRS[180]
+    judge("listing-180", prints_the_table([]), right=prints_the_table([180]))
     # A second way, on another cone: P lies at S from the apex.
     others = [line for line in ALL if line != 180]
     start = run(1, 2, 0.5, 0.25, 10, repaired=others)[0]
@@ -129,12 +148,13 @@ def test_listing_180():
     assert abs(run(1, 2, 0.5, 0.25, 10, repaired=ALL)[0][2] - 5**0.5) < 1e-9
 
 
-def test_listing_120():
+def test_listing_120(judge):
     # PH is 2 pi R/S; without R it is right on the table's cone alone.
     others = [line for line in ALL if line != 120]
+    other_cone = (2, 1, 0.5, 0.25, 10)
     assert listing_error((*EXAMPLE_CONE, 10), others) < 1e-8
-    assert listing_error((2, 1, 0.5, 0.25, 10), others) > 1
-    assert listing_error((2, 1, 0.5, 0.25, 10), ALL) < 1e-8
+    judge("listing-120", listing_error(other_cone, others) < 1e-8,
+          right=listing_error(other_cone, ALL) < 1e-8)  # fmt: skip
     # A second way: the whole development, f = 1, has the base circle 2 pi R for its arc.
     for repaired, whole in ((others, False), (ALL, True)):
         *_, (_, degrees, *_) = run(0.5, 3, 1, 0.25, 10, repaired=repaired)
@@ -142,36 +162,50 @@ def test_listing_120():
         assert bool(abs(arc - 2 * np.pi * 0.5) < 1e-8) is whole
 
 
-def test_listing_100():
-    with pytest.raises(NameError):
-        run(*EXAMPLE_CONE, 10, repaired=[180], fold_case=False)
+def test_listing_100(judge):
+    def runs(fold_case):
+        try:
+            return bool(run(*EXAMPLE_CONE, 10, repaired=[180], fold_case=fold_case))
+        except NameError:
+            return False
+
+    judge("listing-100", cases={"case is ignored": runs(fold_case=True),
+                                "case counts": runs(fold_case=False)})  # fmt: skip
     folded = run(*EXAMPLE_CONE, 10, repaired=[180])
     assert run(*EXAMPLE_CONE, 10, repaired=[100, 180], fold_case=False) == folded
 
 
-def test_listing_130():
+def test_listing_130(judge):
     others = [line for line in ALL if line != 130]
-    assert len(run(*EXAMPLE_CONE, 5, repaired=others)) == 11  # runs past u = 1, to u = 2
-    assert run(*EXAMPLE_CONE, 5, repaired=others)[-1][0] == 2
+
+    def ends_at_one(steps):
+        return run(*EXAMPLE_CONE, steps, repaired=others)[-1][0] == 1
+
+    judge("listing-130", cases={"ten steps": ends_at_one(10), "five steps": ends_at_one(5)})
+    assert run(*EXAMPLE_CONE, 5, repaired=others)[-1][0] == 2  # past the end
     assert [row[0] for row in run(*EXAMPLE_CONE, 5, repaired=ALL)] == [0, 0.2, 0.4, 0.6, 0.8, 1]
 
 
-def test_listing_150_160():
+def test_listing_150_160(judge):
     # TTH = TAN(TH) puts Q a quarter turn from P; ATN has the wrong branch past 90 degrees.
     others = [line for line in ALL if line not in (150, 160)]
-    for values, off in (((*EXAMPLE_CONE, 10), False), ((1, 1, 0.5, 0.3, 10), True),
-                        ((4, 3, 1, 0.4, 10), True)):  # fmt: skip
-        assert bool(listing_error(values, others) > 0.01) is off
-        assert listing_error(values, ALL) < 1e-8
+    places = {"f = 1/4": (*EXAMPLE_CONE, 10), "f = 0.3": (1, 1, 0.5, 0.3, 10),
+              "phi past a right angle": (4, 3, 1, 0.4, 10)}  # fmt: skip
+    off = {case: listing_error(values, others) for case, values in places.items()}
+    judge("listing-150-160", cases={case: error < 1e-8 for case, error in off.items()})
+    assert off["f = 0.3"] > 0.01 and off["phi past a right angle"] > 0.01
+    assert all(listing_error(values, ALL) < 1e-8 for values in places.values())
 
 
-def test_listing_230():
+def test_listing_230(judge):
     # On the cone the nearer of the two feet is always the one on M's side of the axis.
     reach, alpha = sp.symbols("reach alpha", positive=True)
     side = [(s * reach * sp.cos(alpha) - h * sp.sin(alpha)) ** 2 for s in (1, -1)]
     assert zero(side[1] - side[0] - 4 * reach * h * sp.sin(alpha) * sp.cos(alpha))
+    nearer = []
     for values in CHORDS:
         chord = ConeChord(*values)
         centres = chord.chord_point(np.linspace(0, chord.turn, 50))
         away = np.linalg.norm(chord.cone.feet(centres) - centres[:, None], axis=-1)
-        assert np.all(away[:, 0] < away[:, 1])
+        nearer.append(np.all(away[:, 0] < away[:, 1]))
+    judge("listing-230", bool(nearer and all(nearer)))
