@@ -27,7 +27,9 @@ from report.sources import (
 )
 from report.state import State, replace
 
-PDF = ROOT / "report" / "report.pdf"
+DOCUMENTS = ("report", "corrigenda")
+PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
+PDF = PDFS["report"]
 FIGURE_LIST = ROOT / "figures" / "README.md"
 USUAL = 10.0  # s that a notebook may take of which nothing is known
 
@@ -137,7 +139,7 @@ def without_scenes_that_cannot_be_drawn(stale):
 
 
 def write_report():
-    """Write the PDF if it is stale; return the exit code."""
+    """Write the PDFs if they are stale; return the exit code."""
     begun = time.monotonic()
     forget_deleted_notebooks()
     sources, state = report_sources(), State(ROOT, "report")
@@ -147,14 +149,15 @@ def write_report():
     from report.compile import ReportFailed, compile_report
 
     try:
-        pdf = compile_report()
+        made = {name: compile_report(name=name) for name in DOCUMENTS}
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
     replace(FIGURE_LIST, figure_list().encode())
-    replace(PDF, pdf)
+    for name, pdf in made.items():
+        replace(PDFS[name], pdf)
     seconds = time.monotonic() - begun
-    state.save(sources, file_digests(ROOT, [PDF, FIGURE_LIST]), seconds)
+    state.save(sources, file_digests(ROOT, [*PDFS.values(), FIGURE_LIST]), seconds)
     say(f"report/report.pdf, {seconds:.1f} s")
     return 0
 

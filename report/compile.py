@@ -1,4 +1,4 @@
-"""Compile report.typ, so that the same sources give the same bytes everywhere."""
+"""Compile the report and the corrigenda: the same sources give the same bytes everywhere."""
 
 import json
 import re
@@ -34,13 +34,15 @@ def inputs(root=ROOT):
     return {"hash": results_digest(root)[:16], "versions": json.dumps(versions(root))}
 
 
-def compile_report(root=ROOT):
-    """Return the report as the bytes of a PDF.
+def compile_report(root=ROOT, name="report"):
+    """Return the report, or another of the documents beside it, as the bytes of a PDF.
 
     Parameters
     ----------
     root : pathlib.Path
         The folder that holds report, figures, notebooks, tests and environment.txt.
+    name : str
+        Of the source, without its suffix.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def compile_report(root=ROOT):
     """
     try:
         pdf, warnings = typst.compile_with_warnings(
-            root / "report" / "report.typ",
+            root / "report" / f"{name}.typ",
             root=root,
             ignore_system_fonts=True,
             sys_inputs=inputs(root),
@@ -57,7 +59,7 @@ def compile_report(root=ROOT):
             pdf_standards="a-2b",  # to be kept: fonts, colours and date inside
         )
     except typst.TypstError as error:
-        raise ReportFailed(f"report.typ: {error.diagnostic}") from None
+        raise ReportFailed(f"{name}.typ: {error.diagnostic}") from None
     if warnings:
-        raise ReportFailed(f"report.typ: {warnings[0].diagnostic}")
+        raise ReportFailed(f"{name}.typ: {warnings[0].diagnostic}")
     return pdf

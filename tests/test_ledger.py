@@ -18,6 +18,8 @@ FILES = sorted((ROOT / "report" / "ledger").glob("*.toml"))
 LEDGER = {id: row for file in FILES for id, row in tomllib.loads(file.read_text()).items()}
 VERDICTS = {"holds", "corrected", "refuted", "imprecise", "ambiguous", "not reproduced"}
 ORIGINS = {"author", "transcription", "undecidable"}
+SEVERITIES = {"result", "local", "cosmetic"}
+MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
 
 
 @cache
@@ -35,9 +37,16 @@ def proofs_in(path):
 @pytest.mark.parametrize("id", LEDGER)
 def test_row_is_whole(id):
     row = LEDGER[id]
-    assert list(row) == ["where", "claim", "verdict", "origin", "says", "proof", "seen"]
+    holds, tried = row["verdict"] == "holds", row["verdict"] != "not reproduced"
+    fields = ["where", "claim", "verdict", "origin"]
+    fields += ["severity"] if tried and not holds else []
+    fields += [field for field in ("part_of", "same_as") if field in row]
+    fields += ["effect"] if id in MENDED else []
+    assert list(row) == [*fields, "says", "proof", "seen"]
     assert all(row[key] == row[key].strip() for key in row)
     assert all(row[key] for key in row if key not in ("origin", "seen"))
+    assert row.get("severity", "local") in SEVERITIES
+    assert row.get("effect", ".").endswith(".")
     assert row["claim"].endswith(".") and row["says"].endswith(".")
     assert row["verdict"] in VERDICTS
     assert row["origin"] in ({""} if row["verdict"] == "holds" else ORIGINS)
@@ -50,14 +59,27 @@ def test_row_has_a_proof(id):
     assert name in proofs_in(path)
 
 
-MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
-
-
 @pytest.mark.parametrize("id", MENDED)
 def test_correction_is_proved_in_two_ways(id):
     path, _, name = LEDGER[id]["proof"].partition("::")
     first, mark, second = proofs_in(path)[name].partition("# A second way")
-    assert mark and " assert" in first and "assert" in second
+    assert mark and ("judge(" in first or " assert" in first) and "assert" in second
+
+
+@pytest.mark.parametrize("id", [id for id, row in LEDGER.items() if "part_of" in row])
+def test_detail_belongs_to_a_row_that_is_as_wrong_as_the_worst_of_them(id):
+    whole = LEDGER[id]["part_of"]
+    parts = [row for row in LEDGER.values() if row.get("part_of") == whole]
+    order = ["cosmetic", "local", "result"]
+    assert LEDGER[whole]["verdict"] == LEDGER[id]["verdict"]
+    assert LEDGER[whole]["where"].split(", ")[0] == LEDGER[id]["where"].split(", ")[0]
+    assert LEDGER[whole]["severity"] == max((p["severity"] for p in parts), key=order.index)
+
+
+def test_slip_that_stands_twice_names_where_it_stands_first():
+    for row in LEDGER.values():
+        if "same_as" in row:
+            assert "same_as" not in LEDGER[row["same_as"]]
 
 
 @cache

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from report.build import FIGURE_LIST, PDF, figure_list
+from report.build import DOCUMENTS, FIGURE_LIST, PDFS, figure_list
 from report.compile import ReportFailed, compile_report
 from report.sources import ROOT, cells, figure_files, notebooks, records
 
@@ -24,17 +24,18 @@ KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
 
 @pytest.fixture(scope="module")
 def compiled():
-    return compile_report()
+    return {name: compile_report(name=name) for name in DOCUMENTS}
 
 
-def test_report_is_what_its_sources_give(compiled):
-    if compiled != PDF.read_bytes():  # not an assertion, which would print two PDFs
-        pytest.fail("report.pdf is stale: `make report` renews it.", pytrace=False)
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_report_is_what_its_sources_give(compiled, name):
+    if compiled[name] != PDFS[name].read_bytes():  # not an assertion, which would print two PDFs
+        pytest.fail(f"{name}.pdf is stale: `make report` renews it.", pytrace=False)
 
 
 def test_report_of_a_copy_has_the_same_bytes(copy, compiled):
     """The folder, the time, the code and what was built before leave no trace."""
-    assert compile_report(copy) == compiled
+    assert compile_report(copy) == compiled["report"]
 
 
 def test_every_record_names_its_cell():
@@ -121,4 +122,4 @@ def test_no_result_is_typed_in_the_report():
 def test_every_figure_of_the_pdf_has_its_text():
     texts = [path.read_text() for path in (ROOT / "report").rglob("*.typ")]
     figures = sum(len(re.findall(r'#fig\("', text)) for text in texts)
-    assert PDF.read_bytes().count(b"/Alt") >= figures > 0
+    assert PDFS["report"].read_bytes().count(b"/Alt") >= figures > 0
