@@ -140,7 +140,7 @@ def test_example31_four_principal_positions(judge):
     for k in np.flatnonzero(cones.gouges):
         ruling = cones.contact[k] - cones.vertex[k]
         step, rest = np.linalg.lstsq(rates[0], ruling, rcond=None)[:2]
-        assert np.all(rest < 1e-20)
+        assert rest.size == 1 and np.all(rest < 1e-20)
         assert np.linalg.norm(np.cross(rates[1] @ step, ruling)) < 1e-10
     assert np.count_nonzero(cones.gouges) == 4
 
