@@ -86,7 +86,8 @@ def test_eq14_eq15_normal(judge):
 
 
 def test_eq16_quadratic(judge):
-    printed, orders = EQ16, []
+    printed = EQ16
+    orders = []
     for first in (sp.resultant(EQ13, EQ15, n3), sp.resultant(EQ13, EQ14, n2)):
         second = (EQ14, n2) if first.has(n2) else (EQ15, n3)
         eliminated = sp.resultant(first, *second)
@@ -158,11 +159,12 @@ def test_numeric_example(judge):
                               "to the digits printed": np.all(as_printed)})  # fmt: skip
     assert as_printed.tolist() == [[True, False, True]] * 2  # n2 of either foot is off
     radii = [sp.sqrt(sp.simplify((foot - centre).dot(foot - centre))) for foot in feet]
-    printed, corrected = [1.366563, 8.39997], 12 / root5 + 4
-    assert zero([radii[0] - (12 / root5 - 4), radii[1] - corrected])
+    printed = [1.366563, 8.39997]
+    corrected = [12 / root5 - 4, 12 / root5 + 4]
+    assert zero([radii[0] - corrected[0], radii[1] - corrected[1]])
     judge("example-radius-1", right_to(6, printed[0], float(radii[0])))
     judge("example-radius-2", right_to(5, printed[1], float(radii[1])),
-          right=right_to(5, float(corrected), float(radii[1])))  # fmt: skip
+          right=right_to(5, float(corrected[1]), float(radii[1])))  # fmt: skip
     # Where 8.39997 comes from: n1 and n2 of this foot with n3 of the other.
     mixed = sp.Matrix([feet[1][0], feet[1][1], feet[0][2]]) - centre
     assert abs(mixed.norm() - printed[1]) < 6e-6
