@@ -79,13 +79,14 @@ def test_eq17_labels(judge):
     chord = {R: 1, H: 1, h: sp.Rational(1, 2), f: sp.Rational(1, 4), u: sp.Rational(1, 2)}
     length = sp.sqrt(point.dot(point))
 
-    def is_the_point(angle):
+    def off(angle):
         polar = sp.Matrix([sp.cos(angle), sp.sin(angle)]) * length
-        return bool(sp.N((polar - point).subs(chord).norm()) < 1e-12)
+        return float(sp.N((polar - point).subs(chord).norm()))
 
     printed = 2 * sp.pi * R / sp.sqrt(H**2 + R**2)  # Phi, by its definition beside Fig. 9
     corrected = sp.atan2(point[1], point[0])  # phi
-    judge("eq17", is_the_point(printed), right=is_the_point(corrected))
+    judge("eq17", off(printed) < 1e-12, right=off(corrected) < 1e-12)
+    assert off(printed) > 1
     # A second way, in numbers: the library's point of the development has that angle.
     for values in CHORDS:
         chord = ConeChord(*values)
@@ -141,14 +142,14 @@ def test_eq18_chain(judge):
         assert close(chord.azimuth(1.0), 2 * np.pi * values[3])  # Theta_f
     # A second way, without the development: a tape laid about the cone along the circle of its
     # rim, from one azimuth to another, is S phi long by the definition of phi.
-    turns = np.linspace(0, 1, 200_001)
+    shares = np.linspace(0, 1, 200_001)
     for radius, height, *_ in CHORDS:
         slant = np.sqrt(radius**2 + height**2)
-        for azimuth in (0.1, 1.0, 2.5):
-            tape = radius * np.array([np.cos(azimuth * turns), np.sin(azimuth * turns)])
+        for turn in (0.1, 1.0, 2.5):
+            tape = radius * np.array([np.cos(turn * shares), np.sin(turn * shares)])
             rolled = np.sum(np.hypot(*np.diff(tape))) / slant  # phi
-            assert abs(slant / radius * rolled - azimuth) < 1e-9
-            assert abs(slant / radius - azimuth) > 0.1
+            assert abs(slant / radius * rolled - turn) < 1e-9
+            assert abs(slant / radius - turn) > 0.1
 
 
 def test_eq18_branch(judge):

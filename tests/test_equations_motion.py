@@ -416,6 +416,7 @@ def test_listing_continuation(judge):
             return False
         return sum(name == "rectangle" for name, *_ in program.drawn) == 11
 
+    assert "rectangle('Position',\n" in matlab_listing.PRINTED
     judge("line-continuation", runs([]), right=runs(["continuation"]))
     with pytest.raises(SyntaxError, match=r"rectangle\('Position',$"):
         matlab_listing.run(repaired=[])
