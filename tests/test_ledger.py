@@ -24,13 +24,17 @@ SEVERITIES = {"result", "local", "cosmetic"}
 MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
 
 
+def line_of(node):
+    return node.lineno
+
+
 @cache
 def proofs_in(path):
     """Return the source of each test of a file, by its name."""
     text = (ROOT / path).read_text()
     lines = text.splitlines(keepends=True)
     return {
-        e.name: "".join(lines[e.lineno - 1 : e.end_lineno])
+        e.name: "".join(lines[min([e, *e.decorator_list], key=line_of).lineno - 1 : e.end_lineno])
         for e in ast.parse(text).body
         if isinstance(e, ast.FunctionDef) and e.name.startswith("test_")
     }
@@ -165,7 +169,7 @@ def test_every_listing_line_that_is_mended_has_a_row():
 def proof_tree(id):
     """Return a row's proof as syntax, and its module."""
     path, _, name = LEDGER[id]["proof"].partition("::")
-    [tree] = ast.parse(proofs_in(path)[name]).body
+    [tree] = ast.parse(proofs_in(path)[name]).body  # from its decorators on
     return tree, importlib.import_module(path.removesuffix(".py").replace("/", "."))
 
 
