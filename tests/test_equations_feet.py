@@ -27,6 +27,8 @@ from tests.symbols_tunneller import (
     m2,
     m3,
     n1,
+    n2,
+    n3,
     r,
     t,
     u,
@@ -36,6 +38,8 @@ from tests.symbols_tunneller import (
 from tunneller_lib.paths import project_chord
 from tunneller_lib.replica.quartics import foot_quartic
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+READS = ["report/ledger/*"]
 
 DEGREES = sp.pi / 180
 
@@ -63,9 +67,9 @@ def feet_product():
     return sp.Poly(sum(c * (m1**2 + m3**2) ** (p // 2) for (p,), c in even.terms()), n1)
 
 
-def test_eq10_no_cubic():
+def test_eq10_no_cubic(judge):
     truth = feet_product()
-    assert truth.degree() == 4 and zero(truth.coeff_monomial(n1**3))
+    judge("eq10", truth.degree() == 4 and zero(truth.coeff_monomial(n1**3)))
     # The roots (m1/rho)(sigma r +- ...) sum to zero: r + r - r - r.
     rho, p, q = sp.symbols("rho p q")
     roots = [m1 / rho * (sigma * r + eps * (p if sigma > 0 else q)) for sigma, eps in SIGNS]
@@ -84,7 +88,7 @@ def test_eq10_no_cubic():
             assert close(np.sort(first[i]), np.array(sorted(map(float, exact))), 1e2 * torus.R)
 
 
-def test_eq10_back_substitution():
+def test_eq10_back_substitution(judge):
     # Not given for N: n3 = m3 n1 / m1 and, on one of the two circles, n2 = m2 (W - sigma r)/(...).
     rho, d = sp.symbols("rho d")
     for sigma, eps in SIGNS:
@@ -92,6 +96,12 @@ def test_eq10_back_substitution():
         assert zero(m2 * (W - sigma * r) / (rho - sigma * r) - eps * R * m2 / d)
     assert vanishes_at_feet(THIRD)
     torus, centre = Torus(1, 4), (2.0, 1.0, 3.0)
+    quartic = eq11_corrected(0)
+    roots = sp.Poly(quartic.subs(EXAMPLE), n1).nroots(n=15)
+    solved = close(np.sort(torus.feet(centre)[:, 0]), np.array(sorted(map(float, roots))), 100)
+    judge("eq10-back-substitution",
+          cases={"n1": n1 in quartic.free_symbols and solved,
+                 "n2 and n3": {n2, n3} <= quartic.free_symbols})  # fmt: skip
     reach = np.hypot(centre[0], centre[2])
     for foot in torus.feet(centre):
         W, third = foot[0] * reach / centre[0], centre[2] * foot[0] / centre[0]
@@ -104,48 +114,63 @@ def coefficient(power, m1_power=4):
     return m1**m1_power * feet_product().coeff_monomial(n1**power)
 
 
-def test_eq11_N4():
-    s, (nu4, _) = m1**2 + m3**2, eq11_corrected_nu()
+def N4_by_feet():
+    """Return N4 over m1^4 for M and the torus of EXAMPLE, in numbers.
+
+    N1 as printed, which holds, is minus N4 times the sum of the triple products of the feet's n1.
+    """
+    N1 = 8 * r**2 * R**2 * (m1**2 + m3**2) * m1**7 * m2**2
+    feet = Torus(1, 4).feet((2, 1, 3))[:, 0]
+    triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
+    return -float((N1 / m1**4).subs(EXAMPLE)) / triples
+
+
+def test_eq11_N4(judge):
+    s, (nu4, nu0) = m1**2 + m3**2, eq11_corrected_nu()
     printed, corrected = m1**4 * s * nu4, m1**4 * s**2 * nu4
-    assert zero(corrected - coefficient(4)) and not zero(printed - coefficient(4))
-    # A second way, by degrees: every coefficient's must fall by one as n1's rises.
-    whole = {p: eq11_corrected(4).coeff(n1, p) for p in (2, 1, 0)} | {4: corrected}
+    truth = coefficient(4)
+    judge("eq11-N4", zero(printed - truth), right=zero(corrected - truth))
+    # A second way, by degrees: every coefficient's must fall by one as n1's power rises.
+    whole = {4: corrected, 2: eq11_printed()["N2"], 1: eq11_printed()["N1"], 0: m1**8 * nu0}
     lengths = (r, R, *m)
     assert {sp.Poly(c, *lengths).total_degree() + p for p, c in whole.items()} == {16}
     assert sp.Poly(printed, *lengths).total_degree() + 4 == 14
+    # And in numbers.
+    wanted = N4_by_feet()
+    assert abs(float((corrected / m1**4).subs(EXAMPLE)) / wanted - 1) < 1e-9
+    assert abs(float((printed / m1**4).subs(EXAMPLE)) / wanted - 1) > 0.9
 
 
-def test_eq11_nu4():
+def test_eq11_nu4(judge):
     printed, (corrected, _) = eq11_printed()["nu4"], eq11_corrected_nu()
-    s = m1**2 + m3**2
-    assert zero(s**2 * corrected - coefficient(4, 0))
-    assert not zero(s**2 * printed - coefficient(4, 0))
+    s, truth = m1**2 + m3**2, coefficient(4, 0)
+    judge("eq11-nu4", zero(s**2 * printed - truth), right=zero(s**2 * corrected - truth))
     assert zero(corrected - ((s + r**2 + m2**2) ** 2 - 4 * r**2 * s))
     assert (printed - corrected).subs(EXAMPLE) == 64  # 2 (m3^2 - m2^2) m1^2
-    # A second way, in numbers: N1, which holds, is minus N4 times the sum of the feet's triple
-    # products.
-    feet, values = Torus(1, 4).feet((2, 1, 3))[:, 0], {**EXAMPLE}
-    triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
-    wanted = -float(coefficient(1, 0).subs(values)) / triples
+    # A second way, in numbers: N4 by the feet, and by N1.
+    wanted = N4_by_feet()
     for form, right in ((corrected, True), (printed, False)):
-        assert bool(abs(float((s**2 * form).subs(values)) / wanted - 1) < 1e-9) is right
+        assert bool(abs(float((s**2 * form).subs(EXAMPLE)) / wanted - 1) < 1e-9) is right
 
 
-def test_eq11_nu2_N2():
+def test_eq11_nu2_N2(judge):
     printed = eq11_printed()
-    assert zero(printed["N2"] - coefficient(2))
     s = m1**2 + m3**2
+    judge("eq11-N2", zero(printed["N2"] - coefficient(2)))
+    judge("eq11-nu2", zero(-2 * m1**2 * s * printed["nu2"] - coefficient(2, 0)))
     short = (r**2 + R**2) * (s - r**2) ** 2 + (2 * r**2 + R**2) * (s + r**2) * m2**2 + r**2 * m2**4
     assert zero(printed["nu2"] - short)
 
 
-def test_eq11_N1():
-    assert zero(eq11_printed()["N1"] - coefficient(1))
+def test_eq11_N1(judge):
+    judge("eq11-N1", zero(eq11_printed()["N1"] - coefficient(1)))
 
 
-def test_eq11_nu0():
+def test_eq11_nu0(judge):
     printed, (_, corrected) = eq11_printed()["nu0"], eq11_corrected_nu()
-    assert zero(m1**4 * corrected - coefficient(0, 0))
+    truth = coefficient(0, 0)
+    judge("eq11-nu0", zero(m1**4 * printed - truth), right=zero(m1**4 * corrected - truth))
+    judge("eq11-N0", zero(m1**8 * corrected - coefficient(0)))
     s, e = m1**2 + m3**2, r**2 - R**2
     short = e**2 * (s - r**2) ** 2 + 2 * r**2 * e * (s + r**2) * m2**2 + r**4 * m2**4
     assert zero(corrected - short)
@@ -153,52 +178,62 @@ def test_eq11_nu0():
     head = e * (r**2 + R**2) * (r**4 + (m3**2 - 2 * r**2) * m3**2) * m3**2
     mended_head = printed - head + e**2 * (r**4 + (m3**2 - 2 * r**2) * m3**2)
     mended_bracket = printed - 2 * e * R**2 * (-2 * r**2 + 2 * m3**2 + m1**2) * m1**2
-    for wrong in (printed, mended_head, mended_bracket):
+    for wrong in (mended_head, mended_bracket):
         assert not zero(wrong - corrected)
     assert zero(mended_head + mended_bracket - printed - corrected)
     assert sp.Poly(head, r, R, *m).total_degree() == 10  # among terms of degree 8
     # A second way, in numbers: N0 is N4 times the product of the feet's n1.
-    wanted = float(coefficient(4, 0).subs(EXAMPLE)) * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
+    wanted = N4_by_feet() * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
     for form, right in ((corrected, True), (printed, False)):
         assert bool(abs(float((m1**4 * form).subs(EXAMPLE)) / wanted - 1) < 1e-9) is right
 
 
-def test_eq11_quartic():
+def test_eq11_quartic(judge):
     # Corrected, Eqs 10 and 11 have exactly the n1 of the four feet as roots; printed, they don't.
-    assert zero(eq11_corrected(0) - feet_product().as_expr())
-    printed = eq11_printed()
-    quartic = sum(printed[f"N{p}"] * n1**p for p in range(5))
+    printed = sum(eq11_printed()[f"N{p}"] * n1**p for p in range(5))
+    corrected, feet = eq11_corrected(), feet_product()
+
+    def has_feet(form):  # but for a factor free of n1
+        quartic = sp.Poly(form, n1)
+        return sp.expand(feet.LC() * quartic.as_expr() - quartic.LC() * feet.as_expr()) == 0
+
+    judge("eq11", has_feet(printed), right=has_feet(corrected))
+    assert sp.expand(corrected - m1**4 * feet.as_expr()) == 0
     # A second way, in numbers: the library's feet, by no polynomial.
     foot = Torus(1, 4).feet((2, 1, 3))[:, 0]
     wrong, right = (
         sp.lambdify(n1, e.subs(EXAMPLE) / abs(e.subs(EXAMPLE).subs(n1, 0)))
-        for e in (quartic, eq11_corrected())
+        for e in (printed, corrected)
     )
     assert np.min(np.abs(wrong(foot))) > 0.1 and close(right(foot), 0, 100)
     for torus in TORI:
         points = draw(12, 3, 40)
+        values = (torus.r, torus.R, *points)
         expected = [
-            at(eq11_corrected(0).coeff(n1, p), (r, R, *m), (torus.r, torus.R, *points))
-            * np.ones(40)
+            at(sp.cancel(corrected.coeff(n1, p) / m1**4), (r, R, *m), values) * np.ones(40)
             for p in (4, 3, 2, 1, 0)
         ]
         scale = (1 + torus.r + torus.R) ** 8
         assert close(foot_quartic(torus, points.T), np.transpose(expected), scale)
 
 
-def test_eq11_common_factor():
+def test_eq11_common_factor(judge):
     printed = eq11_printed()
     coefficients = [printed[name] for name in ("N4", "N2", "N1", "N0")]
     assert all(sp.rem(c, m1**4, m1) == 0 for c in coefficients)
     assert not all(sp.rem(sp.expand(c), m1**5, m1) == 0 for c in coefficients)
-    # At m1 = 0 all vanish and the printed quartic says nothing; the feet exist all the same.
-    assert all(c.subs(m1, 0) == 0 for c in coefficients)
+
+    def tell(place):  # the quartic isn't 0 = 0
+        return any(c.subs(m1, place) != 0 for c in coefficients)
+
+    judge("eq11-common-factor", cases={"m1 = 2": tell(2), "m1 = 0": tell(0)})
+    # At m1 = 0 the feet exist all the same.
     feet = Torus(1, 4).feet((0, 1, 3))
     assert close(Torus(1, 4).implicit(feet), 0, 1e3) and close(feet[:, 0], 0)
     assert np.ptp(feet[:, 2]) > 1
 
 
-def test_nearest_foot():
+def test_nearest_foot(judge):
     # |MN| = |R - d+|, R + d+, |R - d-|, R + d-, with d- >= d+: the distances of M from the
     # meridian circles' centres. The first is least where d+ + d- > 2R, and nowhere else.
     near, far = sp.symbols("near far", positive=True)
@@ -216,22 +251,28 @@ def test_nearest_foot():
         assert np.array_equal(first, plus + minus > 2 * torus.R)
         assert 0 < np.sum(first) < len(first)
     # On the working sheet alone the nearest point is the working foot.
+    nearest_of_sheet = []
     for torus in TORI[:3]:
         sheet = np.arccos(-torus.r / torus.R) * np.linspace(-1, 1, 4001)
         turns = np.pi * np.linspace(-1, 1, 101)[:, None]
         for centre in torus.point(*draw(17, 8, 2).T) * 0.6:
             least = np.linalg.norm(torus.point(turns, sheet) - centre, axis=-1).min()
             away = np.linalg.norm(torus.foot(centre) - centre)
-            assert away <= least < 1.01 * away + 0.01 * torus.R
+            assert least < 1.01 * away + 0.01 * torus.R
+            nearest_of_sheet.append(away <= least)
     # A chord within the joint limits whose middle has another foot nearest: R/r = 10.
     ends = Torus(1, 10).point(np.arcsin([-0.8, 8 / 17]), 0.0)
     middle = np.mean(ends, axis=0)
     away = np.linalg.norm(Torus(1, 10).feet(middle) - middle, axis=-1)
     assert np.argmin(away) == 2 and away[0] - away[2] > 1.9
-    assert close(np.linalg.norm(Torus(1, 10).foot(middle) - middle), away[0], 10)
+    working = np.linalg.norm(Torus(1, 10).foot(middle) - middle)
+    assert close(working, away[0], 10)
+    judge("nearest-foot",
+          cases={"on the working sheet": len(nearest_of_sheet) == 24 and all(nearest_of_sheet),
+                 "on both sheets": working <= np.min(away)})  # fmt: skip
 
 
-def test_greatest_n1_foot():
+def test_greatest_n1_foot(judge):
     # Between the joint limits the working foot has the greatest n1. W = n1 rho / m1, so that
     # W(+,+) - W(+,-) = 2R(rho - r)/d+ > 0 beyond the ring, and
     # W(+,+) - W(-,+) = 2r - R (g(rho + r) - g(rho - r)), g(s) = s/sqrt(s^2 + m2^2), whose slope
@@ -241,23 +282,36 @@ def test_greatest_n1_foot():
     assert zero(slope - m2**2 / (s**2 + m2**2) ** sp.Rational(3, 2))
     assert sp.simplify(slope.diff(s) / s / m2**2).subs({s: 1, m2: 1}) < 0
     margin = d**3 - R * (d**2 - s**2)  # d = d+, s = rho - r: least at d = 2R/3
-    (least,) = sp.solve(margin.diff(d), d)
-    assert least == 2 * R / 3
-    assert zero(margin.subs(d, least) - R * (s**2 - 4 * R**2 / 27))  # so s > 2R/sqrt(27) will do
+    (lowest,) = sp.solve(margin.diff(d), d)
+    assert lowest == 2 * R / 3
+    assert zero(margin.subs(d, lowest) - R * (s**2 - 4 * R**2 / 27))  # so s > 2R/sqrt(27) will do
     # Within the limits s >= (r + R cos 40) cos(95/2) - r, enough for all R > 5r/2.
     reach = (r + R * sp.cos(40 * DEGREES)) * sp.cos(sp.Rational(95, 2) * DEGREES) - r
     excess = sp.expand(reach - 2 * R / sp.sqrt(27))
     assert excess.coeff(r) < 0 and sp.N(excess.subs({r: 2, R: 5})) > 0
+
+    def is_working(choose, torus, centres):  # the root that is chosen, at each centre
+        first = torus.feet(centres)[..., 0]
+        assert np.all(np.isfinite(first))
+        return np.all(choose(first, axis=-1) == 0)
+
+    greatest, least = [], []
     for torus in (Torus(1, 2.5), Torus(1, 8), Torus(1, 10)):
         ends = torus.point(*positions(14, 4000).T).reshape(2, 2000, 3)
         share = np.random.default_rng(15).uniform(size=(2000, 1))
         centres = ends[0] + share * (ends[1] - ends[0])
-        assert np.all(np.argmax(torus.feet(centres)[..., 0], axis=-1) == 0)
-    # Deep inside, m1 > 0 alone isn't enough.
-    assert np.argmax(Torus(1, 10).feet((1.05, 0.5, 0))[:, 0]) == 2
+        greatest.append(is_working(np.argmax, torus, centres))
+        least.append(is_working(np.argmin, torus, centres))
+    deep = 1.05, 0.5, 0  # m1 > 0 alone isn't enough
+    greatest_there = is_working(np.argmax, Torus(1, 10), deep)
+    judge("working-foot",
+          cases={"the greatest, between the limits": len(greatest) == 3 and all(greatest),
+                 "the least, between the limits": any(least),
+                 "the greatest, deep inside": greatest_there})  # fmt: skip
+    assert np.argmax(Torus(1, 10).feet(deep)[:, 0]) == 2
 
 
-def test_fairly_equal_separation():
+def test_fairly_equal_separation(judge):
     # "Parameterizing in equal increments from P to Q": on a meridian, seen from the tube's centre,
     # tan(phi) = (2t - 1) tan(half), where half is half the angle between the end normals.
     half = sp.symbols("half", positive=True)
@@ -267,6 +321,15 @@ def test_fairly_equal_separation():
     even = (1 + sp.tan(half * (2 * u - 1)) / sp.tan(half)) / 2
     assert zero(((2 * t - 1) * sp.tan(half)).subs(t, even) - sp.tan(half * (2 * u - 1)))
     limits = np.radians([(10, -40), (10, 40)])
+
+    def fairly_equal(reach):  # steps that differ by less than a tenth
+        ends = np.radians([(10, -reach), (10, reach)])
+        steps = np.diff(project_chord(Torus(1, 10), *ends, 101)[:, 1])
+        return steps.max() / steps.min() < 1.1
+
+    judge("fairly-equal",
+          cases={"ends 20 degrees apart": fairly_equal(10),
+                 "ends 80 degrees apart": fairly_equal(40)})  # fmt: skip
     for spacing in ("chord", "tangent", "arc"):
         path = project_chord(Torus(1, 10), *limits, 101, spacing=spacing)[:, 1]
         steps = np.diff(path)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import sympy as sp
+from scipy.optimize import fsolve
 
 from tunneller_lib.paths import (
     CHORD_PATHS,
@@ -14,6 +15,8 @@ from tunneller_lib.paths import (
 )
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
+READS = ["report/ledger/*"]
+
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 
@@ -22,48 +25,102 @@ def pairs(n):
     return np.random.default_rng(33).uniform(LOW, HIGH, (2, n, 2))
 
 
-def test_several_geodesics():
-    # They do meet on a ring; on the machine's sheet one is proved to be enough.
+def test_several_geodesics(judge):
+    # On the machine's torus three that differ: the short way, and both ways round the axis.
+    torus = MACHINE.torus
+    p, q = np.radians([(-30, 20), (20, -10)])
+    lengths, leads = [], []
+    for turns, degrees, guess in ((0, 114.0, 0.9), (-1, -54.5, 4.6), (1, 106.0, 6.4)):
+
+        def miss(way, turns=turns):
+            return geodesic_direct(torus, p, *way).position[-1] - q - [2 * np.pi * turns, 0]
+
+        azimuth, length = fsolve(miss, (np.radians(degrees), guess), xtol=1e-12)
+        lengths.append(length)
+        leads.append(np.max(np.abs(miss((azimuth, length)))) < 1e-12)
+    apart = np.min(np.diff(lengths)) > 1
+    judge("geodesic-several", len(leads) == 3 and all(leads) and apart)
+    assert abs(lengths[0] - geodesic_inverse(torus, p, q).length) < 1e-12
+    assert np.allclose(lengths[1:], [4.61918, 6.36557], rtol=0, atol=1e-5)
+    # On a ring several are about as long; on the machine's sheet one is proved to be the shortest.
     ring = competing_geodesics(Torus(3, 1), (0, 0.8), (3.1, -0.3))
     assert ring.converged.all() and len(set(ring.length.round(6))) == 6
-    assert geodesic_inverse(MACHINE.torus, *pairs(2000)).certified.all()
+    assert geodesic_inverse(torus, *pairs(2000)).certified.all()
 
 
-def test_geodesic_is_one_root():
+def test_geodesic_is_one_root(judge):
     # Clairaut's integral follows from the equations; with it one unknown is left.
-    s, r, R = sp.symbols("s r R", positive=True)
+    s, r, R, c = sp.symbols("s r R c", positive=True)
     phi, alpha = sp.Function("phi")(s), sp.Function("alpha")(s)
     rho = r + R * sp.cos(phi)
-    turning = {phi.diff(s): sp.cos(alpha) / R, alpha.diff(s): sp.sin(phi) * sp.sin(alpha) / rho}
+    rates = {phi: sp.cos(alpha) / R, alpha: sp.sin(phi) * sp.sin(alpha) / rho}
+    turning = {unknown.diff(s): rate for unknown, rate in rates.items()}
     assert sp.simplify(sp.diff(rho * sp.sin(alpha), s).subs(turning)) == 0
+
+    def simultaneous(rates):  # none can be solved without the other
+        return all(rates[one].has(other) for one, other in ((phi, alpha), (alpha, phi)))
+
+    by_clairaut = {unknown: rate.subs(alpha, sp.asin(c / rho)) for unknown, rate in rates.items()}
+    judge("geodesic-odes",
+          cases={"as the equations stand": simultaneous(rates),
+                 "with Clairaut's constant": simultaneous(by_clairaut)})  # fmt: skip
     p, q = pairs(2000)
     found = geodesic_inverse(MACHINE.torus, p, q)
     end = geodesic_direct(MACHINE.torus, p, found.azimuth1, found.length).point[:, -1]
     assert np.max(np.linalg.norm(end - MACHINE.torus.point(*q.T), axis=-1)) < 1e-12
 
 
-def test_geodesic_by_no_trial():
+def first_arrival(ways, level):
+    """Return the theta at which each way first crosses the parallel phi = level, inf where none."""
+    met = []
+    for theta, phi in np.moveaxis(ways.position, -1, 1):
+        crossed = np.sign(phi - level) != np.sign(phi[0] - level)
+        i = np.argmax(crossed)
+        share = (level - phi[i - 1]) / (phi[i] - phi[i - 1])
+        met.append(theta[i - 1] + share * (theta[i] - theta[i - 1]) if i else np.inf)
+    return np.array(met)
+
+
+def test_geodesic_by_no_trial(judge):
     # Always found: near and far, on tori that differ by a thousand times.
+    found = []
     for ratio in (4, 40, 4000):
-        found = geodesic_inverse(Torus(1 / ratio, 1), *pairs(20_000))
-        assert found.converged.all() and found.certified.all()
+        ways = geodesic_inverse(Torus(1 / ratio, 1), *pairs(20_000))
+        assert ways.certified.all()
+        found.append(ways.converged)
     # A second way, without Clairaut: geodesics in a fan of directions meet the end's parallel
     # farther and farther round, so that there is one direction to find, and no other.
     torus, p, q = MACHINE.torus, (-0.9, -0.5), (0.3, 0.6)
     fan = np.linspace(0.02, 1.45, 60)
-    ways = geodesic_direct(torus, p, fan, 3.0, 3001)
-    met = []
-    for theta, phi in np.moveaxis(ways.position, -1, 1):
-        i = np.argmax(phi > q[1])
-        met.append(np.interp(q[1], phi[i - 1 : i + 1], theta[i - 1 : i + 1]) if i else np.inf)
-    met = np.array(met)
+    met = first_arrival(geodesic_direct(torus, p, fan, 3.0, 3001), q[1])
     reach = np.isfinite(met)
     assert reach[:40].all() and np.all(np.diff(met[reach]) > 0)
     direction = np.interp(q[0], met[reach], fan[reach])
     assert abs(direction - geodesic_inverse(torus, p, q).azimuth1) < 1e-3
+    judge("geodesic-hit-and-miss",
+          cases={"directions tried": not reach.all(),
+                 "one root in a bracket": not np.all(found)})  # fmt: skip
+    # And for many pairs, from the end that is farther from the equator: from there every
+    # direction comes to the other's parallel, but for those that turn up by the node.
+    fan = np.linspace(np.pi - 0.005, 0.4, 160)
+    for p, q in zip(*pairs(25), strict=True):
+        (_, far), (_, near) = sorted([p, q], key=lambda end: -abs(end[1]))
+        start, end = (0, abs(far)), (abs(p[0] - q[0]), near * np.sign(far))
+        met = first_arrival(geodesic_direct(torus, start, fan, 3.0, 601), end[1])
+        count = np.sum(np.isfinite(met))
+        assert np.isfinite(met[:count]).all() and np.all(np.diff(met[:count]) > 0)
+        assert met[0] < end[0] < met[count - 1]
+        direction = np.interp(end[0], met[:count], fan[:count])
+        assert abs(direction - geodesic_inverse(torus, start, end).azimuth1) < 1e-3
 
 
-def test_geodesic_in_real_time(monkeypatch):
+def operations(*formulas):
+    """Return how many operations formulas take, common parts computed once."""
+    parts, whole = sp.cse(formulas)
+    return sum(map(sp.count_ops, [*(value for _, value in parts), *whole]))
+
+
+def test_geodesic_in_real_time(judge, monkeypatch):
     # A handful of short sums, once for a whole path: no search of unknown length.
     rounds = []
 
@@ -73,15 +130,44 @@ def test_geodesic_in_real_time(monkeypatch):
 
     integrate = geodesic_root.integrate
     monkeypatch.setattr(geodesic_root, "integrate", counted)
-    number = []
+    number, lengths = [], []
     for p, q in zip(*pairs(300), strict=True):
-        rounds.clear()
-        assert geodesic_inverse(MACHINE.torus, p, q).converged
-        number.append(len(rounds))
+        before = len(rounds)
+        found = geodesic_inverse(MACHINE.torus, p, q)
+        assert found.converged
+        lengths.append(found.length)
+        number.append(len(rounds) - before)
     assert set(rounds) == {NODES_OF_WORKING_SHEET} and max(number) <= 5 and np.mean(number) < 3.5
 
+    # Operations: a chord's point and its angles; a step of Runge and Kutta's for a waypoint; a
+    # term of the quadratures for the angle, its rate and the length.
+    x, y, z, r, R, c, phi, alpha = sp.symbols("x y z r R c phi alpha", real=True)
+    chord = 3 + operations(sp.atan2(-z, x), sp.atan2(y, sp.sqrt(x**2 + z**2) - r))
+    turning = sp.sin(alpha) / (r + R * sp.cos(phi))
+    step = 4 * operations(turning, sp.cos(alpha) / R, sp.sin(phi) * turning) + 3 * 18
+    s, low, width, a0, A, B, E, dc, dA, dB, dE = sp.symbols("s low width a0 A B E dc dA dB dE")
+    grown = sp.exp(low + width * s)
+    sin2 = sp.tan(a0 * (grown - 1 / grown)) ** 2
+    sin2 = sin2 / (1 + sin2)
+    far, drho = c + 2 * R * (E + B * sin2), dc + 2 * R * (dE + dB * sin2)
+    D = A + B * sin2
+    density = (grown + 1 / grown) / sp.sqrt((far + c) * D)
+    spread = drho / far + (drho + dc) / (2 * (far + c)) + (dA + dB * sin2) / (2 * D)
+    term = operations(c / far * density, far * density, (dc - c * spread) / far * density)
+    waypoints = 32
+    path = waypoints * step + max(number) * NODES_OF_WORKING_SHEET * (term + 3)
 
-def test_geodesic_is_approximated():
+    def unsuited(work, ticks):  # by an order of magnitude, measured by what the chord takes
+        return bool(work / ticks > 10 * chord)
+
+    ticks = np.median(lengths) / 0.06 / 0.005  # of a segment, at 60 mm/s and 200 Hz
+    judge("geodesic-real-time",
+          cases={"a waypoint a tick, in the fast task": unsuited(path, waypoints),
+                 "a path a segment, in the slow task": unsuited(path, ticks)})  # fmt: skip
+    assert 1000 < path < 10_000
+
+
+def test_geodesic_is_approximated(judge):
     p, q = pairs(2000)
     corners = np.array([(LOW, HIGH), (LOW, (HIGH[0], LOW[1]))]).swapaxes(0, 1)
     p, q = np.concatenate([p, corners[0]]), np.concatenate([q, corners[1]])
@@ -90,8 +176,9 @@ def test_geodesic_is_approximated():
     excess = path_length(torus, CHORD_PATHS["tangent spheres"], p, q) / geodesic.length - 1
     path = CHORD_PATHS["tangent spheres"](torus, p, q, np.linspace(0, 1, 17))
     aside = np.max(np.abs(geodesic.points(65).deviation(path)), axis=-1)
-    assert np.max(excess) < 5e-4 and np.median(excess) < 1e-6
-    assert np.max(aside) < 0.0125 and np.median(aside) < 2e-4
+    nearly_as_short = np.max(excess) < 5e-4 and np.median(excess) < 1e-6
+    close_by = np.max(aside) < 0.0125 and np.median(aside) < 2e-4
+    judge("geodesic-approximated", nearly_as_short and close_by)
     joint = path_length(torus, CHORD_PATHS["joint space"], p, q) / geodesic.length - 1
     assert np.median(joint) > 500 * np.median(excess)
     # About one middle, chords of half the length deviate an eighth as much.

@@ -11,8 +11,10 @@ import sympy as sp
 from tests.symbols_tunneller import close
 from tunneller_lib.surfaces import Egg
 
+READS = ["report/ledger/*"]
 
-def test_fig4_section():
+
+def test_fig4_section(judge):
     size = sp.symbols("a", positive=True)
     roof, wall, floor = size, 3 * size, size / 2
     # C1: the centres of two blended arcs lie on one line with their common point.
@@ -21,10 +23,17 @@ def test_fig4_section():
         [offset - (wall - roof), offset**2 + drop**2 - (wall - floor) ** 2], [offset, drop]
     )
     assert centres == [(2 * size, 3 * size / 2)]  # with 5a/2: a triangle 3-4-5
+    # The wall's arc goes on in the floor's: their common point lies on both centres' line.
     blend = sp.Matrix([2 * size, 0]) + wall * sp.Matrix([-4, -3]) / 5
     assert blend == sp.Matrix([-2 * size / 5, -9 * size / 5])
-    assert (blend - sp.Matrix([0, -3 * size / 2])).norm() == floor
-    assert (2 * roof, roof + 3 * size / 2 + floor) == (2 * size, 3 * size)  # the box as printed
+    wall_centre, floor_centre = sp.Matrix([2 * size, 0]), sp.Matrix([0, -3 * size / 2])
+    on_both = (blend - floor_centre).norm() == floor and (blend - wall_centre).norm() == wall
+    [(across, down)] = centres
+    blended = across == wall - roof and sp.Matrix([across, down]).norm() == wall - floor
+    box = 2 * roof, roof + down + floor  # width and height
+    judge("fig4", bool(on_both and blended and box == (2 * size, 3 * size)))
+    line = sp.Matrix.hstack(blend - floor_centre, wall_centre - floor_centre)
+    assert line.det() == 0
 
     egg = Egg(0.5)
     assert [arc.radius for arc in egg.arcs] == [0.5, 1.5, 0.25, 1.5]

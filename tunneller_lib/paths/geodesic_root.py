@@ -14,6 +14,7 @@ BLOCK = 4096  # pairs at a time, so that the quadrature's arrays stay in the cac
 ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
 NEAR = 1e-5  # rad
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
+ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
 
 _leggauss = cache(legendre.leggauss)  # an eigenvalue problem each time
 
@@ -186,7 +187,8 @@ def _start(family, torus, a, b, angle):
     # From x to u, kept off both ends of the class.
     guess = np.where(x > 0, X * np.arctanh(np.clip(x / X, 0, 0.95)), 0.99 * x)
     guess = np.where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
-    # Steps are judged against |u| and this scale, lest a root near zero be sought for ever; with
-    # b > 0 it would let them end too early near the inner equator.
-    scale = np.where(b <= 0, np.sin(a / 2), 0)
+    # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
+    # b > 0 so large a scale would let them end too early near the inner equator, where roots are
+    # small themselves; one that asks for steps of rounding size doesn't.
+    scale = np.where(b <= 0, np.sin(a / 2), ROUNDING)
     return guess, scale, -np.sqrt(rho_a / (2 * torus.R))
