@@ -86,9 +86,9 @@ def printed_eq05():
 
 def test_eq05_T4_T3_T1(judge):
     printed, _, _ = printed_eq05()
-    for power in (4, 3, 1):
+    for name, power in {"eq05-T4": 4, "eq05-T3": 3, "eq05-T1": 1}.items():
         truth = line_polynomial().coeff_monomial(t**power)
-        judge(f"eq05-T{power}", zero(printed[power] - truth))
+        judge(name, zero(printed[power] - truth))
 
 
 def test_eq05_T2(judge):

@@ -361,6 +361,21 @@ def test_geodesic_between_points_of_a_parallel_leaves_it(torus, phi):
     assert middle[0] == pytest.approx(turn / 2 - 0.2, abs=1e-13) and abs(middle[1]) > abs(phi)
 
 
+@pytest.mark.parametrize("torus", [MACHINE, Torus(1, 1), RING], ids=str)
+@pytest.mark.parametrize("off", [0, 1e-12, 1e-10, 1e-8, 1e-6])
+def test_geodesic_that_leaves_its_farther_end_along_the_parallel_is_found(torus, off):
+    # There Newton's unknown is zero, or near it, and steps don't shrink below their rounding.
+    rng = np.random.default_rng(5)
+    lengths = torus.R * rng.uniform(1e-4, 0.5, 40)
+    swings = rng.uniform(0, 1.2, 40) * rng.choice([1, 1e-3, 1e-8], 40)
+    starts = np.stack([rng.uniform(-0.5, 0.5, 40), swings], axis=-1)
+    azimuth = np.pi / 2 + off
+    ways = [geodesic_direct(torus, p, azimuth, s) for p, s in zip(starts, lengths, strict=True)]
+    found = geodesic_inverse(torus, starts, np.array([way.position[-1] for way in ways]))
+    assert np.all(found.converged)
+    np.testing.assert_allclose(found.length, lengths, rtol=0, atol=1e-14 * torus.R)
+
+
 @pytest.mark.parametrize("torus", [MACHINE, RING, Torus(1e6, 1e3)], ids=str)
 @pytest.mark.parametrize("share", [1e-9, 0.1, 0.9, 0.999])
 def test_geodesic_along_the_outer_equator_while_it_is_the_shortest(torus, share):
