@@ -85,7 +85,7 @@ def _unmarked(found):
         if token.text != "mended":
             result.append(token)
             continue
-        end = _closing(found, 0)
+        end = closing(found, 0)
         inner = [
             Token("sign" if t.kind == "text" else t.kind, t.text.strip('"'), t.spaced, True)
             for t in found[1:end]
@@ -97,7 +97,7 @@ def _unmarked(found):
     return result
 
 
-def _closing(found, at):
+def closing(found, at):
     """Return where the parenthesis closes that opens at a place."""
     depth = 0
     for place in range(at, len(found)):
@@ -305,7 +305,7 @@ class _Parser:
         if self.next.text != "(":
             parts = [self.take()]
         else:
-            end = _closing(self.rest, 0)
+            end = closing(self.rest, 0)
             parts, self.rest = self.rest[1:end], self.rest[end + 1 :]
         if not parts or any(part.kind not in ("word", "number") for part in parts):
             raise UnknownMath("An index must be made of letters and numbers.")

@@ -66,8 +66,10 @@ def to_sympy(node, vectors=None, bound=None):
         case "over", (above, below):
             return of(above) / of(below)
         case "power", (base, exponent):
-            base = of(base)
-            return _times(base, base, "dot") if _is_vector(base) else base ** of(exponent)
+            base, exponent = of(base), of(exponent)
+            if _is_vector(base) and exponent != 2:
+                raise UnknownMath(f"A vector to the power {exponent}.")
+            return base.dot(base) if _is_vector(base) else base**exponent
         case "abs", (inner,):
             inner = of(inner)
             return sp.sqrt(inner.dot(inner)) if _is_vector(inner) else sp.Abs(inner)
