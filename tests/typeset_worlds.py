@@ -14,6 +14,9 @@ defined
     Letters that the display itself defines.
 tolerance
     Allowed error over the size of the terms, if not 1e-9.
+
+"eq11/printed" names worlds for that form alone, "eq03/case" those in which an imprecise form, as
+printed, is true.
 """
 
 from functools import cache
@@ -40,7 +43,10 @@ WORLDS = {}
 
 
 def worlds(*names, count=4):
-    """Register a function of a generator as what makes the worlds of equations."""
+    """Register a function of a generator as what makes the worlds of these equations.
+
+    WORLDS then holds a function of a seed, which returns `count` of them.
+    """
 
     def register(make):
         for name in names:
@@ -93,7 +99,7 @@ def on_either_sheet(rng):
 
 
 @worlds("eq03", count=2)
-def on_cyclide(rng):
+def on_cyclide(rng, w=None):
     """A torus seen in a mirror ball is a cyclide; its coefficients are fitted to points of it."""
     torus, centre, rho = some_torus(rng), np.array([0.3, 0.4, -0.5]), rng.uniform(0.5, 1.5)
     points = torus.point(*rng.uniform(-3, 3, (2, 400))) - centre
@@ -105,10 +111,15 @@ def on_cyclide(rng):
     terms = [x**j * y**k * z**m for _, j, k, m in powers]
     square = x * x + y * y + z * z
     found = np.linalg.lstsq(np.transpose(terms), -((square - rho**2) ** 2), rcond=None)[0]
-    w = rng.uniform(1.5, 2)  # homogeneous: any multiple is the same point
+    w = rng.uniform(1.5, 2) if w is None else w  # homogeneous: any multiple is the same point
     names = ["k_" + "".join(map(str, power)) for power in powers]
     return {**dict(zip(names, found, strict=True)), "w": w, "x": w * x[0], "y": w * y[0],
             "z": w * z[0], "rho": rho, "tolerance": 1e-8}  # fmt: skip
+
+
+@worlds("eq03/case", count=2)
+def on_cyclide_with_its_weight(rng):
+    return on_cyclide(rng, 1.0)
 
 
 @worlds("eq04")
@@ -153,6 +164,12 @@ def gradient(rng):
     rates = [quartic_along(torus, n, axis).coef[1] for axis in np.eye(3)]
     return {"r": torus.r, "R": torus.R, "bold n": n, "E_N": n @ n, "gradient f": np.array(rates),
             **numbered("n", n)}  # fmt: skip
+
+
+@worlds("eq07/case")
+def direction_of_gradient(rng):
+    world = gradient(rng)
+    return {**world, "gradient f": world["gradient f"] / 4}
 
 
 @worlds("eq08", "eq09")
@@ -317,6 +334,13 @@ def on_development(rng):
             "Phi": 2 * np.pi * np.sin(chord.cone.half_angle)}  # fmt: skip
 
 
+@worlds("eq18/case")
+def on_narrow_development(rng):
+    chord, u = ConeChord(*rng.uniform((1, 2, 0.5, 0.1), (2, 3, 1, 0.2))), rng.uniform(0.2, 0.9)
+    return {**of_chord(chord), "u": u, "phi.alt": chord.table(u)[1],
+            "theta": float(chord.azimuth(u))}  # fmt: skip
+
+
 @worlds("eq19")
 def line_and_plane(rng):
     """The line's point in the plane, as the mixture of its ends that the plane annuls."""
@@ -327,9 +351,14 @@ def line_and_plane(rng):
     return {**pairs, **numbered("m", point, 0), **numbered("M", plane, 0)}
 
 
+@worlds("cone-point/case")
+def on_quarter_turn(rng):
+    return on_chord(rng, ConeChord(*rng.uniform((1, 2, 0.5), (2, 3, 1)), 0.25))
+
+
 @worlds("cone-point")
-def on_chord(rng):
-    chord = some_chord(rng)
+def on_chord(rng, chord=None):
+    chord = chord or some_chord(rng)
     theta = chord.turn * rng.uniform(0.2, 0.4)
     P, Q, M = chord.chord_point([0.0, chord.turn, theta])
     return {**of_chord(chord), "theta": theta, "Theta": chord.turn, "P": P, "Q": Q, "M": M,
