@@ -99,6 +99,7 @@ def test_statements_and_words():
         ("x_(a + b)", "letters and numbers"),
         ("x_()", "letters and numbers"),
         ("f(x)", r"f\(: a function or a product"),
+        ("n_1(x)/2", r"n\(: a function or a product"),
         ("sqrt x", "right behind it"),
         ('"atan2"(y)', "Expected 2 arguments, found 1"),
         ("upright(d)", "imaginary unit only"),

@@ -11,7 +11,6 @@ NUMPY = {
     "atan": np.arctan, "atan2": np.arctan2, "Abs": np.abs, "floor": np.floor,
 }  # fmt: skip
 TOLERANCE = 1e-9
-ABOUT = {"values", "truth", "outside", "defined", "tolerance"}  # what isn't a letter
 COMPARED = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
 
 

@@ -291,9 +291,9 @@ class _Parser:
             return Node("call", (name, *self.arguments(COUNTS.get(name, 1))))
         if token.kind == "word" and len(name) > 1 and name not in LETTERS:
             raise UnknownMath(f"Unknown word {name!r}.")
-        if self.opens():
-            raise UnknownMath(f"{name}(: a function or a product? Write a blank for a product.")
         index = self.index()
+        if self.opens():  # Typst would take it along into a fraction
+            raise UnknownMath(f"{name}(: a function or a product? Write a blank for a product.")
         if self.next.text == "'" and self.take():
             name += "'"
         return Node("symbol", (name, index))
