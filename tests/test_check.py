@@ -16,8 +16,8 @@ def reached(monkeypatch):
     return asked
 
 
-def test_prose_reaches_the_report_and_the_pages_alone(reached):
-    expected = ["tests/test_report.py", "tests/test_site.py"]
+def test_prose_reaches_the_report_the_pages_and_the_equations_alone(reached):
+    expected = ["tests/test_report.py", "tests/test_site.py", "tests/test_typeset.py"]
     assert reached("report/sections/rods.typ") == expected
 
 
