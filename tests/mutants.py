@@ -311,9 +311,8 @@ def run(tree, tests, limit, *, bare, passing=()):
         return "(no end)", ""
     if verdict.exists():
         return json.loads(verdict.read_text())
-    if child.exitcode < 0:
-        return "(no end)" if child.exitcode == -signal.SIGXCPU else "(crash)", ""
-    sys.exit("pytest could not be run at all.")
+    # ended by a signal, or by a fault that leaves the interpreter
+    return "(no end)" if child.exitcode == -signal.SIGXCPU else "(crash)", ""
 
 
 def report(tree, tests, limit, verdict, bare, passing):
@@ -612,7 +611,11 @@ def try_all(mutants, known, given, explained):
                 jobs[job] = mutant, max(lot, was.lot), tuple(sorted(left))
             for count, done in enumerate(as_completed(jobs), start=1):
                 mutant, reached, left = jobs[done]
-                by = done.result()
+                try:
+                    by = done.result()
+                except Exception as problem:  # of the judges, not of the fault: tried next time
+                    say(f"{lot + 1}: {count}/{len(jobs)} {mutant}: not judged, {problem!r}")
+                    continue
                 known.put(mutant.key(), Verdict(by, now, reached, () if by else left))
                 say(f"{lot + 1}: {count}/{len(jobs)} {mutant}: {by or 'not noticed'}")
 
