@@ -23,32 +23,45 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.blade import cone_distance
-from tunneller_lib.envelopes.conics import cone_vertex
+from tunneller_lib.envelopes.conics import cone_vertex, osculating_conic
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.isotropic import contact_point, isotropic_derivatives, normal
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
 
+READS = ["report/ledger/*"]
 
-def test_theorem16_envelopes_of_cones():
+
+def test_theorem16_envelopes_of_cones(judge):
+    solved, others = [], []
     for motion in MOTIONS.values():
         surface = moving_cone(motion, SMALL)
-        assert recognise(surface, *GRID, "cone", half_angle=SMALL, model="space").residual < 1e-10
+        right = recognise(surface, *GRID, "cone", half_angle=SMALL, model="space")
         wrong = recognise(surface, *GRID, "cone", half_angle=SMALL + 0.1, model="space")
-        assert wrong.residual > 1e-3
+        solved.append(right.residual < 1e-10)
+        others.append(wrong.residual > 1e-3)
     for surface in GENERAL.values():
-        assert recognise(surface, *GRID, "cone", model="space").residual > 1e-3
+        others.append(recognise(surface, *GRID, "cone", model="space").residual > 1e-3)
+    assert len(solved) == 6 and len(others) == 9
+    judge("cones-thm16", all(solved) and all(others))
 
 
-def test_prop17_positive_curvature():
+def test_prop17_positive_curvature(judge):
     vertex, angle = np.array([0, 0, -2.0]), np.arcsin(0.5)
     sphere = directions(np.random.default_rng(5), 4000)
     distance = cone_distance(sphere, vertex, (0, 0, 1), angle, 0.1, 10.0)
     assert np.mean(distance < -1e-3) > 0.9
-    cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
+    ellipsoid, steps = GENERAL["ellipsoid"], np.array([-2, -1, 0, 1, 2]) * 1e-3
+    cones = hyperosculating_cones(ellipsoid, *GRID, half_angle=0.3, model="space")
     assert cones.gouges.all()
+    enters = []
+    for k, i in enumerate(cones.index):  # points of the surface next to the contact
+        near = np.meshgrid(GRID[0][i] + steps, GRID[1][i] + steps)
+        tool = cones.vertex[k], cones.axis[k], 0.3, 0.5 * cones.distance[k], 2 * cones.distance[k]
+        enters.append(cone_distance(np.stack(ellipsoid(*near), axis=-1), *tool).min() < -1e-9)
+    judge("cones-prop17", len(enters) >= 40 and all(enters))
 
 
-def test_eq17_to_eq20_prop18_surface_and_graph():
+def test_eq17_to_eq20_prop18_surface_and_graph(judge):
     a, b = 0.5, 0.3
     jet = example(*jet_variables(a, b))
     r = np.array(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)))
@@ -59,28 +72,32 @@ def test_eq17_to_eq20_prop18_surface_and_graph():
         (b**2 - a**2 - 1) * fy + 2 * a * b * fx - 2 * b * value,
         2 * a * fx + 2 * b * fy - 2 * value,
     ]) / square  # fmt: skip
-    assert np.allclose(r, printed, atol=1e-13)
+    same = np.allclose(r, printed, atol=1e-13)  # (20) as printed
     back = isotropic_derivatives(r, normal(a, b))
     assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
     n = np.array(normal(a, b))  # (17) to (19) as printed
     printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
-    assert np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
+    there = np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
     # The surface has these normals: derivatives of its points are across them.
     s, w = jet_variables(a, b)
     f4 = example(s, w)
     moving = contact_point(s, w, f4, differentiated(f4, 0), differentiated(f4, 1))
-    for order in ((1, 0), (0, 1)):
-        step = sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b), strict=True))
-        assert abs(step) < 1e-12
+    steps = [sum(c.derivative(*order) * n for c, n in zip(moving, normal(a, b), strict=True))
+             for order in ((1, 0), (0, 1))]  # fmt: skip
+    judge("cones-eq17", same and there and np.max(np.abs(steps)) < 1e-12)
 
 
-def test_eq21_normal():
-    n = np.stack(normal(0.4, -1.3), axis=-1)
-    assert np.isclose(np.linalg.norm(n), 1) and np.allclose(n[:2] / (n[2] + 1), (0.4, -1.3))
+def test_eq21_normal(judge):
+    a, b = place = np.array([0.4, -1.3])
+    printed = np.array([2 * a, 2 * b, 1 - a**2 - b**2]) / (a**2 + b**2 + 1)
+    back = printed[:2] / (printed[2] + 1)
+    judge("cones-eq21", np.isclose(np.linalg.norm(printed), 1) and np.allclose(back, place))
+    assert np.allclose(normal(a, b), printed, atol=1e-15)
 
 
-def test_eq22_prop19_vertex():
+def test_eq22_prop19_vertex(judge):
     rng = np.random.default_rng(6)
+    returns = []
     for _ in range(20):
         vertex, axis, angle = rng.normal(size=3), directions(rng, 1)[0], rng.uniform(0.2, 1.3)
         points = cone_points(vertex, axis, angle)
@@ -90,21 +107,40 @@ def test_eq22_prop19_vertex():
         assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
         here = dict(zip((x, y, u, v), (*points[0, :2], U, V), strict=True))
         printed = sp.Matrix(eq22(points[0, 2], slope @ [V, -U], slope @ [U, V])).subs(here)
-        assert np.allclose(np.array(printed.T, float)[0], found, rtol=1e-9, atol=1e-9)
+        printed = np.array(printed.T, float)[0]
+        assert np.allclose(printed, found, rtol=1e-9, atol=1e-9)
+        returns.append(np.allclose(printed, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2))
+    judge("cones-eq22", len(returns) == 20 and all(returns))
 
 
-def test_prop20_side():
+def test_prop20_side(judge):
     x0, y0 = np.random.default_rng(7).uniform(0.3, 1.2, (2, 30))
     cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
+    as_said = []
     for k in range(len(cones.vertex)):
         i = cones.index[k]
         points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
         opposite = 2 * circle_centre(points) - (x0[i], y0[i])
         side = np.sign(np.array(normal(*opposite)) @ (cones.contact[k] - cones.vertex[k]))
         assert side == cones.side[k]
+        as_said.append(side == np.sign(cones.axis[k] @ cones.normal[k]))  # where the cone lies
+    judge("cones-prop20", len(as_said) >= 60 and all(as_said))
 
 
-def test_remark21_distance():
+def test_remark21_distance(judge):
     cones = hyperosculating_cones(example, *GRID, half_angle=ANGLE)
     measured = np.linalg.norm(cones.vertex - cones.contact, axis=1)
     assert np.allclose(measured, cones.distance, atol=1e-9)
+    # As printed, by (20) and (22): from the circle over which the cone's planes lie.
+    z, a, b = sp.symbols("z a b")
+    vertex = sp.lambdify((x, y, u, v, z, a, b), eq22(z, a, b))
+    printed = []
+    for k, i in enumerate(cones.index):
+        here = np.array([GRID[0][i], GRID[1][i]])
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        centre = circle_centre(points) - here
+        jet = example(*jet_variables(*here))
+        r = contact_point(*here, jet.value, jet.derivative(1, 0), jet.derivative(0, 1))
+        m = vertex(*here, *centre, *osculating_conic(centre, jet))
+        printed.append(np.linalg.norm(np.subtract(m, r)))
+    judge("cones-remark21", len(printed) >= 40 and np.allclose(printed, cones.distance, atol=1e-9))

@@ -43,6 +43,8 @@ from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
+READS = ["report/ledger/*"]
+
 HALF = Fraction(1, 2)
 PLOT = [5, 7, 10, 12, 15, 17, 20, 22, 25, 27, 30]
 FAST = [Task("interpolation", 5000, 400), Task("servo", 5000, 600)]
@@ -79,7 +81,7 @@ def exact(start, stop, ticks):
 # ---- 4: set-values and controllers ----------------------------------------------------------
 
 
-def test_position_control():
+def test_position_control(judge):
     # A controller that is only fed the set-values lags a ramp by v / Kv, whatever the plant.
     v, Kv, s, K, tau = sp.symbols("v K_v s K tau", positive=True)
     for plant in (K / s, K / (s * (tau * s + 1))):
@@ -87,20 +89,25 @@ def test_position_control():
         assert sp.simplify(sp.limit(s * error, s, 0) - v / Kv) == 0
     ramp = 0.1 * 0.005 * np.arange(2001)
     for plant in (Integrator(0.5), Lag(0.5, 0.02)):
-        track = follow(plant, Loop(10.0, 0.005), ramp)
-        assert track.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
+        alone = follow(plant, Loop(10.0, 0.005), ramp)
+        assert alone.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
     ahead = follow(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
-    assert abs(ahead.error[-1]) < 1e-9
     whole = follow(plant, Loop(10.0, 0.005, integral=20.0), ramp)
-    assert abs(whole.error[-1]) < 1e-9
+    tracks = {"set-values alone": alone, "the slope fed forward": ahead, "an integral part": whole}
+    left = {kind: abs(track.error[-1]) < 1e-9 for kind, track in tracks.items()}
+    judge("position-control", cases=left)
+    assert left["the slope fed forward"] and left["an integral part"]
 
 
-def test_resonance_intervals():
-    # Not short in itself but short against the resonance's period: at one period the ripple is
-    # worst, and the first-order model can't show it.
+def test_resonance_intervals(judge):
+    # Not short in itself but short against the resonance's period: at one period, half of the
+    # loop's own time, the ripple is worst, and the first-order model can't show it.
     plant, w = Resonance(0.5, 100.0, 0.15), 100.0
     period = 2 * np.pi / w
     at_period, shorter = ripple(plant, 8.0, period), ripple(plant, 8.0, period / 10)
+    assert period < 0.51 / 8.0  # the loop's time is 1/Kv
+    judge("resonance-intervals", cases={"a tenth of the resonance's period": shorter < 0.01,
+                                        "half of the loop's time": at_period < 0.01})  # fmt: skip
     assert at_period > 0.5 and shorter < 2e-3 * at_period
     assert at_period > 3 * ripple(Integrator(0.5), 8.0, period)
     # 2 |G| for harmonic 1: a velocity of height 2 v per sine, from the sawtooth of height v T.
@@ -109,7 +116,7 @@ def test_resonance_intervals():
     assert sp.simplify(sawtooth * 2 * sp.pi / T) == 2 * v
 
 
-def test_straight_moves():
+def test_straight_moves(judge):
     # A straight line of the joints is not the tangent-sphere path between the same points; with
     # points N taken closer together the difference falls with the square of their distance.
     torus = REFERENCE_MACHINE.torus
@@ -121,27 +128,35 @@ def test_straight_moves():
         straight = (knots[:-1] + knots[1:]) / 2
         gap = torus.point(*middle.T) - torus.point(*straight.T)
         away.append(np.max(np.linalg.norm(gap, axis=-1)))
-    assert away[0] > 1e-4
+    judge("straight-moves", cases={"to a tenth of a millimetre, 40 segments": away[2] < 1e-4,
+                                   "the same, 10 segments": away[0] < 1e-4})  # fmt: skip
     assert away[0] / away[1] > 3.5 and away[1] / away[2] > 3.5
 
 
-def test_equal_increments():
+def test_equal_increments(judge):
     # "increments of equal displacement during an equal time interval"
     assert len({*np.diff(PLOT).tolist()}) == 2
+    equal = {True: [], False: []}
     for difference in range(-60, 61):
         for ticks in range(1, 30):
             steps = {*np.diff(time_bresenham(0, difference, ticks)).tolist()}
             assert steps <= {difference // ticks, difference // ticks + 1}
-            assert (len(steps) == 1) == (difference % ticks == 0)
+            divides = difference % ticks == 0
+            assert (len(steps) == 1) == divides
+            equal[divides].append(len(steps) == 1)
             off = ticks * time_bresenham(0, difference, ticks) - np.arange(ticks + 1) * difference
             assert np.max(np.abs(off)) <= ticks / 2  # half a count
+    assert equal[True] and equal[False]
+    judge("equal-increments", cases={"N divides D": all(equal[True]),
+                                     "N doesn't divide D": any(equal[False])})  # fmt: skip
 
 
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
 
 
-def test_float_time():
-    # How long a microcontroller takes can't be had here; how many operations it takes can.
+def test_float_time(judge):
+    judge("float-time", missing="a microcontroller of its kind, whose time could be taken")
+    # How many operations it takes can be counted.
     rng = np.random.default_rng(4)
     numbers = (rng.uniform(-2, 2, (5000, 2)) * 2.0 ** rng.integers(-30, 30, (5000, 2))).astype("f4")
     for a, b in [*numbers, (1.5, -1.5), (0, 2.5), (3, 0), (1, -1 + 2.0**-24), (16777215, 1)]:
@@ -160,58 +175,76 @@ def test_float_time():
     assert soft_float.Counted.operations > 10 * ticks * sum(operations_a_tick())
 
 
-def test_dda_errors():
+def test_dda_errors(judge):
     worst = []
     for ticks in (1_000, 10_000, 100_000):
         difference = 3337 * ticks // 10_000
         ideal = np.arange(ticks + 1) * difference / ticks
         dda = INTERPOLATORS["DDA, single precision"](0, difference, ticks)
         worst.append(np.max(np.abs(dda - ideal)))
-    assert worst[0] < worst[1] < worst[2]
+    judge("dda", worst[0] < worst[1] < worst[2])
     assert worst[2] > 10 and worst[2] > 10 * worst[1]
 
 
-def test_scaled_fraction():
+def test_scaled_fraction(judge):
+    rounded = []
     for start, stop, ticks in [(5, 30, 10), (-7, 1000, 37), (0, 1, 999), (3, -400, 64)]:
-        setvalues = time_bresenham(start, stop, ticks).tolist()
-        assert setvalues == [floor(y + HALF) for y in exact(start, stop, ticks)]
-        assert setvalues[-1] == stop
+        setvalues = time_bresenham(start, stop, ticks)
+        assert setvalues.dtype.kind == "i" and setvalues[-1] == stop
+        rounded.append(setvalues.tolist() == [floor(y + HALF) for y in exact(start, stop, ticks)])
+    judge("scaled-fraction", len(rounded) == 4 and all(rounded))
 
 
-def test_carry():
-    # At each tick the set-value and the fraction in the accumulator make up the exact line.
+def test_carry(judge):
+    # At each tick the set-value and the fraction in the accumulator make up the exact line: what
+    # the one gains the other loses.
+    together = []
+    carries = set()
     for start, stop, ticks in [(5, 30, 10), (30, 5, 10), (0, 7, 9)]:
         block = FunctionBlock(structured_text())
         block(bLoad=True, nStart=start, nStop=stop, nTicks=ticks)
+        setvalues = []
         for y in exact(start, stop, ticks):
+            setvalues.append(block.state["nSet"])
             fraction = Fraction(block.state["nRest"] - ticks // 2, ticks)
-            assert block.state["nSet"] + fraction == y
+            together.append(setvalues[-1] + fraction == y)
             assert 0 <= block.state["nRest"] < ticks
             block(bLoad=False)
+        carries |= {step - (stop - start) // ticks for step in np.diff(setvalues).tolist()}
+    judge("carry", len(together) == 32 and all(together) and carries == {0, 1})
 
 
-def test_major_axis():
+def test_major_axis(judge):
     # As the conventional algorithm counts the steps of the longer axis, no axis moves by more
     # than one; with fewer steps, as with time, some must.
+    longest = {"counted": [], "fewer": []}
     for dx, dy in [(10, 3), (4, 9), (-7, 5), (6, -6)]:
         major = max(abs(dx), abs(dy))
-        assert np.max(np.abs(np.diff(time_bresenham([0, 0], [dx, dy], major)))) == 1
-        assert np.max(np.abs(np.diff(time_bresenham([0, 0], [dx, dy], major - 1)))) > 1
+        for kind, ticks in (("counted", major), ("fewer", major - 1)):
+            steps = np.diff(time_bresenham([0, 0], [dx, dy], ticks))
+            longest[kind].append(np.max(np.abs(steps)))
+    judge("major-axis", len(longest["counted"]) == 4 and max(longest["counted"]) <= 1)
+    assert min(longest["counted"]) == 1 and min(longest["fewer"]) > 1
 
 
 # ---- 4.2: slopes above 1 --------------------------------------------------------------------
 
 
-def test_slope_above_one():
+def test_slope_above_one(judge):
     # Once a move, as the listing prepares it; in whole numbers the remainder needs a product too.
     text = structured_text()
     preparation, tick = text.split("\nELSE\n")
-    assert (preparation.count(" / nTicks"), preparation.count(" MOD ")) == (1, 1)
-    assert not any(operator in tick for operator in ("/", "MOD", "*"))
+    once = (preparation.count(" / nTicks"), preparation.count(" MOD ")) == (1, 1)
+    never = not any(operator in tick for operator in ("/", "MOD", "*"))
+    fractions = []
     for difference, ticks in [(25, 10), (7, 3), (1000, 37)]:
+        slope = Fraction(difference, ticks)  # nx, and nxi is the quotient
         quotient = difference // ticks
+        assert slope > 1
+        fractions.append(slope - quotient == Fraction(difference % ticks, ticks))
         assert difference % ticks == difference - quotient * ticks
         assert difference % ticks != difference - quotient
+    judge("division-modulo", once and never and len(fractions) == 3 and all(fractions))
     block = FunctionBlock(text)
     assert line(block, 0, 1000, 37) == time_bresenham(0, 1000, 37).tolist()
 
@@ -219,9 +252,11 @@ def test_slope_above_one():
 # ---- 4.3: the listing -----------------------------------------------------------------------
 
 
-def test_listing_plot():
+def test_listing_plot(judge):
     t, y = run_listing(0, 10, 5, 30, 1)
-    assert y == PLOT and t == list(range(11))
+    off = [abs(value - ideal) for value, ideal in zip(y, exact(5, 30, 10), strict=True)]
+    judge("line-plot", y == PLOT and (y[0], y[-1]) == (5, 30) and max(off) <= HALF)
+    assert t == list(range(11))
     assert run_listing(0, 10, 5, 30, 1, number=float)[1] == PLOT
     found = listing(0, 10, 5, 30, 1)
     assert (found[0].tolist(), found[1].tolist()) == (t, PLOT)
@@ -235,17 +270,22 @@ def test_listing_plot():
     assert time_bresenham(5, 30, 10).tolist() == [5, 8, 10, 13, 15, 18, 20, 23, 25, 28, 30]
 
 
-def test_listing_floats():
+def test_listing_floats(judge):
     # nx and e are no integers; in floating point some ties tip over. Scaled by N nothing does.
+    def as_in_whole_numbers(ticks, k):
+        return run_listing(0, ticks, 0, k, 1, number=float)[1] == in_whole_numbers(ticks, k)
+
+    def in_whole_numbers(ticks, k):
+        return time_bresenham(0, k, ticks, tie="down").tolist()
+
+    judge("line-float", cases={"0 to 25 in ten steps": as_in_whole_numbers(10, 25),
+                               "0 to 13 in thirty steps": as_in_whole_numbers(30, 13)})  # fmt: skip
+    assert as_in_whole_numbers(10, 25)
     _, rounded = run_listing(0, 30, 0, 13, 1, number=float)
-    wanted, found = (
-        {k: run_listing(0, 30, 0, k, 1, number=number)[1] for k in range(1, 200)}
-        for number in (Fraction, float)
-    )
-    odd = [k for k in wanted if found[k] != wanted[k]]
-    assert odd and all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30), strict=True))
-    assert all(time_bresenham(0, k, 30, tie="down").tolist() == wanted[k] for k in wanted)
-    # A second way: the library's copy and the text itself tip over where it does.
+    assert all(abs(a - b) <= 1 for a, b in zip(rounded, exact(0, 13, 30), strict=True))
+    for k in range(1, 200):
+        assert run_listing(0, 30, 0, k, 1)[1] == in_whole_numbers(30, k)
+    # The library's copy and the text itself tip over where it does.
     for ticks in range(1, 65):
         differences = np.arange(-2 * ticks, 2 * ticks + 1)
         rows = [run_listing(0, ticks, 0, int(k), 1, number=float)[1] for k in differences]
@@ -255,22 +295,36 @@ def test_listing_floats():
         assert program.drawn[0][2] == listing(0, ticks, 0, difference, 1)[1].tolist()
 
 
-def test_listing_slope():
-    for T, end in [(Fraction(1, 2), 55), (2, 17)]:
-        assert run_listing(0, 10, 5, 30, T)[1][-1] == end  # printed: the slope of a second
+def test_listing_slope(judge):
+    ends = {HALF: 55, Fraction(1): 30, Fraction(2): 17}  # as printed: the slope of a second
+
+    def arrives(slope):
+        found = [run_listing(0, 10, 5, 30, T, steps_of=slope(T)) for T in ends]
+        return len(found) == 3 and all((t[-1], y[-1]) == (10, 30) for t, y in found)
+
+    judge("line-sampling", arrives(lambda T: 1), right=arrives(lambda T: T))
+    mended = {T: run_listing(0, 10, 5, 30, T, steps_of=T)[1] for T in ends}
+    for T, end in ends.items():
+        assert run_listing(0, 10, 5, 30, T)[1][-1] == end
         assert listing(0, 10, 5, 30, float(T))[1][-1] == end
-        t, y = run_listing(0, 10, 5, 30, T, steps_of=T)
-        assert (t[-1], y[-1]) == (10, 30)
-        # A second way: the text itself, and the integer line.
+    # A second way: the text itself, and the integer line.
+    for T, end in ends.items():
         for repaired, last in ((["continuation"], end), (["continuation", "slope"], 30)):
             program = matlab_listing.run(T=T, number=Fraction, repaired=repaired)
             assert program.drawn[0][2][-1] == last
         ticks = int(tick_counts([0, 10], float(T))[0])
-        assert y == time_bresenham(5, 30, ticks, tie="down").tolist()
+        in_whole_numbers = time_bresenham(5, 30, ticks, tie="down").tolist()
+        assert program.drawn[0][2] == mended[T] == in_whole_numbers
 
 
-def test_listing_division():
+def test_listing_division(judge):
     # "simulate int division command of modern CPUs": theirs truncates.
+    def simulates(y1, y2):
+        by_cpu = run_listing(0, 10, y1, y2, 1, int_division=trunc)
+        return run_listing(0, 10, y1, y2, 1) == by_cpu
+
+    judge("line-division", cases={"a rising line": simulates(5, 30),
+                                  "a falling line": simulates(30, 5)})  # fmt: skip
     assert (trunc(-2.5), floor(-2.5)) == (-2, -3)
     assert run_listing(0, 10, 30, 5, 1, int_division=trunc)[1][-1] == 10
     assert listing(0, 10, 30, 5, 1, division="truncate")[1][-1] == 10
@@ -280,20 +334,36 @@ def test_listing_division():
     assert line(block, 30, 5, 10) == time_bresenham(30, 5, 10).tolist()
 
 
-def test_listing_quadrants():
-    for start, stop in [(5, 30), (30, 5), (-5, -30), (-30, -5), (-7, 8), (8, -7), (3, 3)]:
-        for ticks in (1, 7, 10):
-            printed = run_listing(0, ticks, start, stop, 1)[1]
-            assert printed == time_bresenham(start, stop, ticks, tie="down").tolist()
-            assert printed[-1] == stop
+def test_listing_quadrants(judge):
+    quadrants = [(5, 30), (30, 5), (-5, -30), (-30, -5), (-7, 8), (8, -7), (3, 3)]
+    moves = [(start, stop, ticks) for start, stop in quadrants for ticks in (1, 7, 10)]
+
+    def works(line_of, tie):
+        return all(line_of(*move) == time_bresenham(*move, tie=tie).tolist() for move in moves)
+
+    def by(division):
+        def points(start, stop, ticks):
+            return run_listing(0, ticks, start, stop, 1, int_division=division)[1]
+
+        return points
+
+    # The ifs of the exported text: with a division that truncates they make it work.
+    completed = works(lambda *move: line(FunctionBlock(structured_text()), *move), "up")
+    judge("line-quadrants", cases={
+        "a division that truncates": completed and not works(by(trunc), "down"),
+        "floor, as printed": completed and not works(by(floor), "down")})  # fmt: skip
+    assert all(by(floor)(*move)[-1] == move[1] for move in moves)
 
 
-def test_listing_ties():
+def test_listing_ties(judge):
     # e > emax lets a tie pass: half a count goes down, also where the move goes down.
     up, down = run_listing(0, 10, 0, 25, 1)[1], run_listing(0, 10, 0, -25, 1)[1]
-    assert down != [-y for y in up]
-    assert [y - x for y, x in zip(up, exact(0, 25, 10), strict=True)][1] == -HALF
-    assert [y - x for y, x in zip(down, exact(0, -25, 10), strict=True)][1] == -HALF
+    offs = [[y - x for y, x in zip(found, exact(0, stop, 10), strict=True)]
+            for found, stop in ((up, 25), (down, -25))]  # fmt: skip
+    judge("line-ties", cases={
+        "to half a count": all(abs(off) <= HALF for row in offs for off in row),
+        "for a line and its mirror image alike": down == [-y for y in up]})  # fmt: skip
+    assert [row[1] for row in offs] == [-HALF, -HALF]
     # On its way back a move meets the same points all the same.
     assert run_listing(0, 10, 25, 0, 1)[1] == up[::-1]
     for tie in ("up", "down"):
@@ -301,12 +371,16 @@ def test_listing_ties():
         assert time_bresenham(25, 0, 10, tie=tie).tolist() == line_up[::-1].tolist()
 
 
-def test_listing_ideal_line():
+def test_listing_ideal_line(judge):
     y1, y2, t1, t2, t = sp.symbols("y1 y2 t1 t2 t")
     nx = (y2 - y1) / (t2 - t1)
     printed, corrected = y1 + t * nx, y1 + (t - t1) * nx
-    assert sp.simplify(printed.subs(t, t1) - y1) != 0
-    assert sp.simplify(corrected.subs(t, t1) - y1) == sp.simplify(corrected.subs(t, t2) - y2) == 0
+
+    def joins_the_ends(form):
+        off = form.subs(t, t1) - y1, form.subs(t, t2) - y2
+        return all(sp.simplify(one) == 0 for one in off)
+
+    judge("line-ideal", joins_the_ends(printed), right=joins_the_ends(corrected))
     assert sp.simplify(printed.subs(t1, 0) - corrected.subs(t1, 0)) == 0
     # A second way, the text itself: run from t1 = 3, the line drawn ends far from the circles,
     # repaired it passes through them.
@@ -316,27 +390,60 @@ def test_listing_ideal_line():
         assert (ideal[2][0] - circles[2][0], ideal[2][-1] - circles[2][-1]) == (off, off)
 
 
-def test_listing_rectangles():
+def test_listing_rectangles(judge):
     # A rectangle of height nxi must be above zero: only slopes of 1 and more are drawn.
-    heights = {floor(Fraction(k, 10)): k for k in (25, 10, 7, 0, -7, -25)}
-    assert {h for h in heights if h <= 0} == {0, -1, -3}
-    assert floor(Fraction(25, 10)) > 0
-    for k, h in ((25, 2), (7, 0), (-7, -1)):
+    def heights(k):
         drawn = matlab_listing.run(y1=0, y2=k).drawn
-        rectangles = [corner for name, *_, corner in drawn if name == "rectangle"]
-        assert len(rectangles) == 11 and {corner[3] for corner in rectangles} == {h}
+        return [corner[3] for name, *_, corner in drawn if name == "rectangle"]
+
+    def shown(k):
+        return len(heights(k)) == 11 and all(height > 0 for height in heights(k))
+
+    judge("line-rectangles", cases={"a slope of 2.5": shown(25), "a slope of 1": shown(10),
+                                    "a slope of 0.7": shown(7), "of 0": shown(0),
+                                    "of -0.7": shown(-7), "of -2.5": shown(-25)})  # fmt: skip
+    assert shown(10) and not shown(7)
+    for k in (25, 10, 7, 0, -7, -25):
+        assert heights(k) == [floor(Fraction(k, 10))] * 11
 
 
-def test_listing_continuation():
+def test_listing_continuation(judge):
     # In MATLAB a line that breaks off inside brackets must end in three dots.
+    def runs(repaired):
+        try:
+            program = matlab_listing.run(repaired=repaired)
+        except SyntaxError:
+            return False
+        return sum(name == "rectangle" for name, *_ in program.drawn) == 11
+
+    assert "rectangle('Position',\n" in matlab_listing.PRINTED
+    judge("line-continuation", runs([]), right=runs(["continuation"]))
     with pytest.raises(SyntaxError, match=r"rectangle\('Position',$"):
         matlab_listing.run(repaired=[])
-    matlab_listing.run()
+    # A second way, by MATLAB's rule alone: in each line of the listing, dots joined, all brackets
+    # that it opens are closed.
+    printed = matlab_listing.PRINTED
+    corrected = printed.replace(*matlab_listing.REPAIRS["continuation"])
+    for text, fault in ((printed, ["rectangle('Position',", "[t-T/2"]), (corrected, [])):
+        open_lines = []
+        for code in re.sub(r"\.\.\.\n", " ", text).splitlines():
+            opened = [code.count(bracket) for bracket in "([{"]
+            closed = [code.count(bracket) for bracket in ")]}"]
+            if opened != closed:
+                open_lines.append(code.split()[0])
+        assert open_lines == fault
 
 
-def test_listing_thousand_entries():
+def test_listing_thousand_entries(judge):
     # zeros(1000,1) holds the example; a longer move writes beyond it, where MATLAB lets it grow.
-    assert len(matlab_listing.run().y_array) == 1000 > 11
+    def hold(ticks):
+        program = matlab_listing.run(t2=ticks)
+        arrays = program.t_array, program.y_array
+        return len(program.drawn[0][1]) == ticks + 1 and all(len(a) == 1000 for a in arrays)
+
+    judge("line-arrays", cases={"the example's ten ticks": hold(10), "999 ticks": hold(999),
+                                "1000 ticks": hold(1000)})  # fmt: skip
+    assert hold(10) and hold(999)
     program = matlab_listing.run(t2=1500)
     assert len(program.y_array) == 1501
     # The set-values themselves need no array: one at a time comes out of the same few numbers.
@@ -344,31 +451,36 @@ def test_listing_thousand_entries():
     assert line(block, 5, 30, 1500) == time_bresenham(5, 30, 1500).tolist()
 
 
-def test_listing_axes():
+def test_listing_axes(judge):
     # axis([0 t2+1 0 y2+5]) holds the printed example, but no falling and no negative line.
     def inside(y1, y2):
-        return all(0 <= y <= y2 + 5 for y in run_listing(0, 10, y1, y2, 1)[1])
+        drawn = matlab_listing.run(y1=y1, y2=y2).drawn
+        _, t, y, _ = drawn[0]
+        name, (left, right, low, high) = drawn[-1]
+        assert name == "axis" and len(y) == 11
+        return left <= min(t) and max(t) <= right and low <= min(y) and max(y) <= high
 
     assert matlab_listing.run().drawn[-1] == ("axis", [0, 11, 0, 35])
-    assert inside(5, 30)
-    assert not inside(30, 5) and not inside(-30, -5)
+    held = {"5 to 30": inside(5, 30), "falling": inside(30, 5), "negative": inside(-30, -5)}
+    judge("line-axes", cases=held)
+    assert held["5 to 30"] and not held["falling"] and not held["negative"]
 
 
-def test_line_each_axis():
+def test_line_each_axis(judge):
     start, stop = np.array([5, -3, 0, 100]), np.array([30, 4, 0, -900])
     together = time_bresenham(start, stop, 17)
-    for axis in range(4):
-        block = FunctionBlock(structured_text())
-        assert line(block, int(start[axis]), int(stop[axis]), 17) == together[axis].tolist()
+    alone = [line(FunctionBlock(structured_text()), int(first), int(last), 17)
+             for first, last in zip(start, stop, strict=True)]  # fmt: skip
+    judge("line-axis-each", len(alone) == 4 and alone == together.tolist())
 
 
-def test_time_axis():
+def test_time_axis(judge):
     rng = np.random.default_rng(5)
     knots = rng.integers(-(2**15), 2**15, (30, 7))
     times = np.concatenate([[0], np.cumsum(rng.uniform(0.02, 0.7, 29))])
     ticks = tick_counts(times, 0.005)
     at = np.concatenate([[0], np.cumsum(ticks)])
-    assert np.array_equal(polyline(knots, ticks)[at], knots)
+    judge("time-axis", np.array_equal(polyline(knots, ticks)[at], knots))
     assert np.max(np.abs(at * 0.005 - times)) <= 0.0025 + 1e-12
     assert rest_to_rest(knots[0], knots[1], 40)[:, -1].tolist() == knots[1].tolist()
 
@@ -385,27 +497,30 @@ def operations_a_tick():
     return additions, sum(line.count("IF n") for line in dearest)
 
 
-def test_numerically_efficient():
-    assert operations_a_tick() == (4, 2)  # of which one each counts the ticks, for all axes
+def test_numerically_efficient(judge):
+    few = operations_a_tick() == (4, 2)  # of which one each counts the ticks, for all axes
     tick = structured_text().split("\nELSE\n")[1]
-    assert not any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
+    dear = any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
     declared = re.findall(r": (\w+);", structured_text())
-    assert set(declared) == {"BOOL", "DINT"}
+    judge("numerically-efficient", few and not dear and set(declared) == {"BOOL", "DINT"})
     # Bit for bit the exact line, so that nothing is paid for in accuracy.
     block = FunctionBlock(structured_text())
     assert line(block, -7, 1000, 37) == [floor(y + HALF) for y in exact(-7, 1000, 37)]
 
 
-def test_two_tasks():
+def test_two_tasks(judge):
     tasks = [*FAST, Task("segments", 100_000, 30_000)]
     _, releases = schedule(tasks, 400_000)
     longest = [max(r.done - r.released for r in releases if r.name == t.name) for t in tasks]
     assert longest == response_times(tasks)
-    # The slow task disturbs neither of the fast ones.
-    assert longest[:2] == response_times(FAST)
+    # The slow task disturbs neither of the fast ones, and comes to its end itself.
+    undisturbed = longest[:2] == response_times(FAST)
+    in_time = all(time <= task.period for time, task in zip(longest, tasks, strict=True))
+    judge("two-tasks", undisturbed and in_time)
 
 
-def test_figure_seven():
+def test_figure_seven(judge):
+    judge("fig7", missing="the drawing, of which the text handed down has the caption alone")
     # What the substitute draws, row by row, is what the text says of the lost drawing.
     cost, ticks = 30_000, [20, 22, 18, 20]
     run = hand_over(FAST, [cost] * 4, ticks)
@@ -429,11 +544,18 @@ def test_figure_seven():
     np.testing.assert_allclose(spans["starved"], [[0, starts[0]]])
 
 
-def test_preparation_time():
+def test_preparation_time(judge):
     cost = 30_000
     response = background_response(FAST, cost)
     enough = math.ceil(response / FAST[0].period)
-    assert not any(hand_over(FAST, [cost] * 6, [enough] * 6).starved[1:])
-    assert all(hand_over(FAST, [cost] * 6, [enough - 1] * 6).starved[1:])
+
+    def waited_for(ticks):
+        """Return of which segments but the first the preparation is too late."""
+        return np.flatnonzero(hand_over(FAST, [cost] * 6, ticks).starved[1:]).tolist()
+
+    judge("preparation-time", cases={
+        "segments as long as the preparation": waited_for([enough] * 6) == [],
+        "shorter segments": waited_for([enough - 1] * 6) == []})  # fmt: skip
+    assert waited_for([enough - 1] * 6) == [0, 1, 2, 3, 4]
     one_short = [enough, enough, enough - 1, enough, enough, enough]
-    assert np.flatnonzero(hand_over(FAST, [cost] * 6, one_short).starved[1:]).tolist() == [2]
+    assert waited_for(one_short) == [2]

@@ -12,10 +12,13 @@ import pytest
 import sympy as sp
 
 from tunneller_lib.replica import rod_cases as cases
-from tunneller_lib.replica.rod_exact import exact_intervals, judge
+from tunneller_lib.replica.rod_exact import exact_intervals
+from tunneller_lib.replica.rod_exact import judge as missed_thin_thick
 from tunneller_lib.replica.rod_methods import METHODS, crossings, three_surfaces
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box, meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
+
+READS = ["report/ledger/*"]
 
 # The document's setting: a = 0, b = v, the line (qx, qy, z).
 vx, vy, vz, qx, qy, z, r, s = sp.symbols("vx vy vz qx qy z r s", real=True)
@@ -44,23 +47,35 @@ def float_rods(seed, n=2_000):
     return a, b, rng.uniform(0.1, 1, n), point, aim - point
 
 
-def test_point_in_cylinder():
+def test_point_in_cylinder(judge):
     # d is the distance from the axis, by the cross product, and m the share of it.
     share = p.dot(v) / vsq
     off = v * share - p
     assert zero(off.dot(v)) and zero(off.dot(off) * vsq - p.cross(v).dot(p.cross(v)))
-    rng = np.random.default_rng(0)
-    points = rng.uniform(-60, 160, (5_000, 3))
     axis = np.array(ROD.b)
-    m_ = points @ axis / (axis @ axis)
-    d = np.linalg.norm(m_[:, None] * axis - points, axis=-1)
-    assert np.array_equal(ROD.contains(points), (d <= 25) & (m_ >= 0) & (m_ <= 1))
+
+    def claimed(points):
+        m_ = points @ axis / (axis @ axis)
+        d = np.linalg.norm(m_[:, None] * axis - points, axis=-1)
+        return (d <= 25) & (m_ >= 0) & (m_ <= 1)
+
+    # A cylinder is made of discs on its axis, at right angles to it.
+    rng = np.random.default_rng(0)
+    along, size = rng.uniform((-0.5, 0), (1.5, 50), (5_000, 2)).T
+    x, y = rng.normal(size=(2, 5_000))
+    spokes = np.stack([x, y], axis=-1) * (size / np.hypot(x, y))[:, None]
+    made = along[:, None] * axis + spokes @ np.array([[0.8, 0, -0.6], [0, 1, 0]])
+    inside = (size <= 25) & (along >= 0) & (along <= 1)
+    judge("rod-point", inside.any() and np.array_equal(claimed(made), inside))
+    points = rng.uniform(-60, 160, (5_000, 3))
+    assert np.array_equal(ROD.contains(points), claimed(points))
 
 
-def test_without_loss_of_generality():
+def test_without_loss_of_generality(judge):
     # Shifted and turned so that a = 0 and the line runs along z, a line has the same answer.
     a, b, radius, point, u = float_rods(11, 300)
     found = meet_rods(a, b, radius, point, u)
+    same = []
     for i in range(300):
         along = u[i] / np.linalg.norm(u[i])
         side = np.cross(along, [1, 0, 0])
@@ -68,7 +83,9 @@ def test_without_loss_of_generality():
         turn = np.array([side, np.cross(along, side), along])
         lifted = Rod((0, 0, 0), turn @ (b[i] - a[i]), radius[i])
         again = lifted.meet_line(turn @ (point[i] - a[i]), (0, 0, np.linalg.norm(u[i])))
-        np.testing.assert_allclose(again, (found[0][i], found[1][i]), atol=1e-6)
+        same.append(np.allclose(again, (found[0][i], found[1][i]), rtol=1e-7, atol=1e-6))
+    assert 30 < np.count_nonzero(np.less_equal(*found)) < 270
+    judge("rod-general", len(same) == 300 and all(same))
     # In floats the turn rounds: of lines that touch, many then pass by, judged in whole numbers.
     a, b, radius, point, u = cases.tangents(np.random.default_rng(11), 500)
     turn = np.linalg.qr(np.random.default_rng(12).normal(size=(3, 3)))[0]
@@ -78,37 +95,58 @@ def test_without_loss_of_generality():
 
 
 @pytest.mark.parametrize("ends", ["flat", "round"])
-def test_convex_interval(ends):
+def test_convex_interval(judge, ends):
     a, b, radius, point, u = float_rods(1)
     enter, leave = meet_rods(a, b, radius, point, u, ends=ends)
+
+    def inside(i, t):
+        return Rod(a[i], b[i], radius[i], ends=ends).contains(point[i] + t[:, None] * u[i])
+
+    intervals, empty = [], []
     for i in np.flatnonzero(enter < leave)[:200]:
         t = np.linspace(enter[i] - 1, leave[i] + 1, 101)
-        inside = Rod(a[i], b[i], radius[i], ends=ends).contains(point[i] + t[:, None] * u[i])
-        assert np.array_equal(inside, (t >= enter[i]) & (t <= leave[i]))
+        intervals.append(np.array_equal(inside(i, t), (t >= enter[i]) & (t <= leave[i])))
+    for i in np.flatnonzero(enter > leave)[:200]:
+        empty.append(not inside(i, np.linspace(-5, 5, 101)).any())
+    assert len(intervals) == len(empty) == 200
+    judge("rod-convex", all(intervals) and all(empty))
 
 
-def test_wall_steps():
+def test_wall_steps(judge):
     share = p.dot(v) / vsq
     off = v * share - p
     first = off.dot(v * share)
-    assert zero(first) and zero(off.dot(off) - (first - off.dot(p)))
+    steps = [first, off.dot(off) - (first - off.dot(p))]
     # r^2 = -(v m - p).p, brought to one side; with m put in it is the quadratic over vsq.
     left = r**2 + v.dot(p) * share - p.dot(p)
-    assert zero(left - (r**2 + off.dot(p))) and zero(left - (r**2 - off.dot(off)))
+    steps += [left - (r**2 + off.dot(p)), left - (r**2 - off.dot(off))]
+    judge("rod-steps", all(zero(step) for step in steps))
 
 
-def test_wall_quadratic():
+def test_wall_quadratic(judge):
     printed = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
     share = p.dot(v) / vsq
     off = v * share - p
-    assert zero(printed - vsq * (r**2 - off.dot(off)))
+    distance = zero(printed - vsq * (r**2 - off.dot(off)))
     before = r**2 * vsq + (vq + vz * z) ** 2 - p.dot(p) * vsq
-    assert zero(printed - before)
+    judge("rod-quadratic", distance and zero(printed - before))
 
 
-def test_wall_solutions():
+def test_wall_solutions(judge):
     # "Either 0 or 2 solutions": a tangent has one, a line along the axis all or none.
     quadratic = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
+
+    def none_or_two(axis, beside):
+        values = dict(zip((vx, vy, vz, qx, qy, r), (*axis, *beside, 5), strict=True))
+        solutions = sp.solveset(quadratic.subs(values), z, sp.S.Reals)
+        return bool(solutions.is_finite_set) and len(solutions) in (0, 2)
+
+    through, past = none_or_two((3, 0, 4), (1, 2)), none_or_two((3, 0, 4), (1, 6))
+    judge("rod-solutions", cases={
+        "through the wall, or past it": through and past,
+        "a tangent": none_or_two((3, 0, 4), (1, 5)),
+        "along the axis, in the wall": none_or_two((0, 0, 4), (3, 4))})  # fmt: skip
+    assert through and past
     tangent = quadratic.subs({vx: 3, vy: 0, vz: 4, qx: 1, qy: r})
     assert sp.discriminant(tangent, z) == 0
     assert ROD.meet_line((40, 25, 0), UP)[0] == ROD.meet_line((40, 25, 0), UP)[1]
@@ -118,10 +156,19 @@ def test_wall_solutions():
     assert post.meet_line((0.6, 0.8, 0), UP) == (0, 2) and post.meet_line((1, 0.1, 0), UP) == EMPTY
 
 
-def test_wall_cancellation():
+def test_wall_cancellation(judge):
     # vz^2 - vsq = -h^2 in digits: for a tilt of 1e-9 nothing is left of it.
     assert zero(vz**2 - vsq + vx**2 + vy**2)
     a, b, u = np.zeros(3), np.array([1e-9, 0, 1.0]), np.array([0.0, 0, 1])
+
+    def solves(tilt):
+        roots = crossings(a, np.array([tilt, 0, 1]), 0.5, np.array([0.5, 0, 0]), u)[0][:2]
+        away = 0.5 * np.hypot(tilt, 1)
+        expected = [(0.5 - away) / tilt, (0.5 + away) / tilt]
+        return np.allclose(np.sort(roots), expected, rtol=1e-9, atol=1e-9)
+
+    judge("rod-leading", cases={"a tilt of 3 to 4": solves(0.75), "of 1e-9": solves(1e-9)})
+    assert solves(0.75)
     assert u[2] * b[2] * u[2] * b[2] - b @ b == 0
     enter, leave = Rod(a, b, 0.5).meet_line((0.5 - 1e-12, 0, 0), u)
     assert np.isclose(leave, 1 - 5e-10, atol=1e-12) and np.isclose(enter, -5e-10, atol=1e-12)
@@ -135,15 +182,20 @@ def test_wall_cancellation():
         assert zero(in_plane(quadratic).subs(z, root))
 
 
-def test_disc_at_a():
+def test_disc_at_a(judge):
     za = -vq / vz
     on_plane = p.subs(z, za)
-    assert zero(v.dot(on_plane)) and zero(on_plane.dot(on_plane) - q.dot(q) - vq**2 / vz**2)
+    in_the_plane = zero(v.dot(on_plane))
+    judge("rod-za", in_the_plane and zero(on_plane.dot(on_plane) - q.dot(q) - vq**2 / vz**2))
 
 
-def test_disc_at_b():
+def test_disc_at_b(judge):
     printed, corrected = vsq - vq / vz, (vsq - vq) / vz
-    assert not zero(v.dot(p.subs(z, printed) - v)) and zero(v.dot(p.subs(z, corrected) - v))
+
+    def in_the_plane_at_b(height):
+        return zero(v.dot(p.subs(z, height) - v))
+
+    judge("rod-zb", in_the_plane_at_b(printed), right=in_the_plane_at_b(corrected))
     assert zero(v.dot(p - v) - (vq + vz * z - vsq))  # the line above it is right
     # A second way: the judge in whole numbers, and the library, leave there and not as printed.
     values = {vx: 90, vy: 0, vz: 120, qx: 80, qy: 0}
@@ -157,12 +209,12 @@ def test_disc_at_b():
     assert zero((printed - corrected).subs(vz, 1))
 
 
-def test_disc_test_at_b():
+def test_disc_test_at_b(judge):
     # In the plane through b the share m is 1, so that |p - v| is the distance from the axis.
     share = p.dot(v) / vsq
     off, corrected = v * share - p, (vsq - vq) / vz
     assert zero(share.subs(z, corrected) - 1)
-    assert zero((off.dot(off) - (p - v).dot(p - v)).subs(z, corrected))
+    judge("rod-disc-b", zero((off.dot(off) - (p - v).dot(p - v)).subs(z, corrected)))
     # Lines leave by that disc where it holds, and by the wall where not.
     m_, s_ = np.random.default_rng(12).uniform([60, -25], [110, 25], (5_000, 2)).T
     points = np.stack([m_, s_, 0 * m_], axis=-1)
@@ -173,7 +225,7 @@ def test_disc_test_at_b():
     assert np.array_equal(np.isclose(leave, zb)[hit], on_disc[hit])
 
 
-def test_convex_volumes():
+def test_convex_volumes(judge):
     # A capsule: its wall between the ends, and of both balls what lies beyond them.
     a, b, radius, point, u = float_rods(13)
     t, accepted = crossings(a, b, radius, point, u)
@@ -187,8 +239,9 @@ def test_convex_volumes():
     enter, leave = meet_rods(a, b, radius, point, u, ends="round")
     hit = leave - enter > 1e-6
     found = np.array(found)[:, hit]
-    np.testing.assert_allclose(np.nanmin(found, axis=0), enter[hit], atol=1e-6)
-    np.testing.assert_allclose(np.nanmax(found, axis=0), leave[hit], atol=1e-6)
+    assert np.count_nonzero(hit) > 500
+    ends = np.nanmin(found, axis=0), np.nanmax(found, axis=0)
+    judge("rod-convex-volumes", np.allclose(ends, (enter[hit], leave[hit]), rtol=1e-7, atol=1e-6))
     # A ring isn't convex: between the least and the greatest crossing there is its hole.
     ring = Torus(2, 1)
     four = ring.meet_line((-4.0, 0, 0), (4.0, 0, 0))
@@ -197,22 +250,40 @@ def test_convex_volumes():
     assert np.sort(four)[1] < middle < np.sort(four)[2]
 
 
-def test_set_of_crossings():
+def test_set_of_crossings(judge):
     # "Either 0 or 2 values": one at a touch, three or four at rims.
+    def in_set(*lines):
+        """Return how many values the set of each line has."""
+        t, accepted = (row.reshape(4, -1).T for row in crossings(*lines))
+        return np.array([len({*row[ok].tolist()}) for row, ok in zip(t, accepted, strict=True)])
+
+    def none_or_two(counts):
+        return len(counts) > 0 and np.all((counts == 0) | (counts == 2))
+
     axis = np.array(ROD.a), np.array(ROD.b)
-    touch = crossings(*axis, 25.0, np.array([40.0, 25, 0]), np.array([0.0, 0, 1]))
-    assert len(np.unique(touch[0][touch[1]])) == 1
+    touch = in_set(*axis, 25.0, np.array([40.0, 25, 0]), np.array([0.0, 0, 1]))
+    anywhere = in_set(*float_rods(2))
+    rims = in_set(*cases.whole_rims(np.random.default_rng(2), 2_000))
+    judge("rod-set", cases={"lines at random": none_or_two(anywhere), "a touch": none_or_two(touch),
+                            "lines through a rim": none_or_two(rims)})  # fmt: skip
+    assert none_or_two(anywhere) and {*anywhere.tolist()} == {0, 2}
+    assert touch.tolist() == [1]
     accepted = crossings(*cases.whole_rims(np.random.default_rng(2), 2_000))[1]
     counts = np.bincount(accepted.sum(axis=0), minlength=5)
     assert counts[3] > 0 and counts[1] > 0
 
 
+def accepted_at_rim(lines):
+    """Return whether wall and disc are accepted where each line goes through a rim, at t = 0."""
+    t, accepted = crossings(*lines)
+    each = np.arange(len(lines[2]))
+    wall = accepted[np.argmin(np.abs(t[:2]), axis=0), each]
+    return wall, accepted[2 + np.argmin(np.abs(t[2:]), axis=0), each]
+
+
 def shares(kind, n=20_000):
-    """Return how often wall and disc are accepted at a rim, where t is 0, both, and none."""
-    t, accepted = crossings(*kind(np.random.default_rng(3), n))
-    line = np.arange(n)
-    wall = accepted[np.argmin(np.abs(t[:2]), axis=0), line]
-    disc = accepted[2 + np.argmin(np.abs(t[2:]), axis=0), line]
+    """Return how often wall and disc are accepted at a rim, both, and none."""
+    wall, disc = accepted_at_rim(kind(np.random.default_rng(3), n))
     return np.mean([wall, disc, wall & disc, ~(wall | disc)], axis=1)
 
 
@@ -240,22 +311,32 @@ def decisions(a, b, radius, point, closed):
     return 0 < share < 1, radius * radius > far
 
 
-def test_chance_at_rims():
+def test_chance_at_rims(judge):
     # "25 % both, 25 % none": two fair coins. They're nearly independent, but not fair.
+    a_quarter = []
     for kind, both, none in (
         (cases.vertical_lines, 0.30, 0.18),
         (cases.float_rims, 0.30, 0.18),
         (cases.whole_rims, 0.49, 0.06),
     ):
         found = shares(kind)
+        a_quarter.append(np.max(np.abs(found[2:] - 0.25)) < 0.02)
         assert np.all(found[:2] > 0.5) and found[2] > 0.27 and found[3] < 0.22
         np.testing.assert_allclose(found[2:], (both, none), atol=0.02)
         np.testing.assert_allclose(found[3], np.prod(1 - found[:2]), atol=0.02)
         assert np.all(found[:2] > found[2] + 0.01)  # one alone occurs, either one
-    # A second way: the document's formulas in plain floats, which are no different. Rounding goes
-    # either way alike, but equality is accepted: what closed comparisons have too often, open
-    # ones have too seldom.
-    lines = [array.tolist() for array in cases.vertical_lines(np.random.default_rng(5), 10_000)[:4]]
+    judge("rod-chance", len(a_quarter) == 3 and any(a_quarter))
+    # A second way: the document's formulas in plain floats, for rods and rims drawn here, which
+    # are no different. Rounding goes either way alike, but equality is accepted: what closed
+    # comparisons have too often, open ones have too seldom.
+    rng = np.random.default_rng(5)
+    a, axis, aside = rng.normal(size=(3, 10_000, 3))
+    radius = np.ldexp(rng.uniform(1, 2, 10_000), rng.integers(-7, 7, 10_000))
+    spoke = np.cross(axis, aside)
+    spoke *= (radius / np.sqrt(np.sum(spoke * spoke, axis=-1)))[:, None]
+    b = a + axis
+    rim = np.where(axis[:, 2:] > 0, b, a) + spoke
+    lines = [array.tolist() for array in (a, b, radius, rim)]
     closed, open_ = (
         np.array([decisions(*line, closed=kind) for line in zip(*lines, strict=True)])
         for kind in (True, False)
@@ -266,11 +347,16 @@ def test_chance_at_rims():
         assert np.all(np.abs(np.mean(accepted, axis=0) - 0.5) > 0.03)
 
 
-def failures(kind, method, n=1_500):
-    lines = kind(np.random.default_rng(4), n)
+def what_is_wrong(found, lines):
+    """Return which intervals are missed, thin or thick, by more than rounding."""
     a, b, radius, _, u = lines
     margin = 64 * np.finfo(float).eps * (radius + frame(a, b, u).run)
-    return np.sum(judge(METHODS[method](*lines), lines, margin), axis=-1)
+    return missed_thin_thick(found, lines, margin)
+
+
+def failures(kind, method, n=1_500):
+    lines = kind(np.random.default_rng(4), n)
+    return np.sum(what_is_wrong(METHODS[method](*lines), lines), axis=-1)
 
 
 def three_accepted(kind, n=4_000):
@@ -278,21 +364,20 @@ def three_accepted(kind, n=4_000):
     lines = kind(np.random.default_rng(1), n)
     surplus = crossings(*lines)[1].sum(axis=0) >= 3
     lines = tuple(row[surplus] for row in lines)
-    a, b, radius, _, u = lines
-    margin = 64 * np.finfo(float).eps * (radius + frame(a, b, u).run)
-    return lines, judge(three_surfaces(*lines), lines, margin)
+    return lines, what_is_wrong(three_surfaces(*lines), lines)
 
 
-def test_surplus_is_masked():
+def test_surplus_is_masked(judge):
     # At a rim that is accepted twice the least and the greatest are right ...
     lines, verdicts = three_accepted(cases.whole_rims)
     assert len(lines[2]) > 500 and not np.any(verdicts)
     # ... but along the axis a wrong root may be the outermost.
     _, (_, _, thick) = three_accepted(cases.nearly_parallel)
-    assert thick.any()
+    judge("rod-surplus", cases={"a rim accepted twice": not np.any(verdicts),
+                                "along the axis": not np.any(thick)})  # fmt: skip
 
 
-def test_edges_line_up():
+def test_edges_line_up(judge):
     # On a raster of 1 m lines go exactly through both rims, where wall and disc agree.
     def through_rims(xy):
         t, _ = crossings(
@@ -304,28 +389,44 @@ def test_edges_line_up():
     raster = np.stack(np.meshgrid(np.arange(-20.0, 111), np.arange(-25.0, 26)), axis=-1)
     raster = raster.reshape(-1, 2)
     anywhere = np.random.default_rng(14).uniform([-20, -25], [110, 25], raster.shape)
-    assert through_rims(raster) >= 20 and through_rims(anywhere) == 0
+    judge("rod-likely", through_rims(raster) >= 20 and through_rims(anywhere) == 0)
 
 
-def test_crack_makes_it_thin():
+def test_crack_makes_it_thin(judge):
     missed, thin, _ = failures(cases.float_rims, "three-surfaces")
     assert missed > 0 and thin > 0
+    # All lines that go far into the rod are thin or missed where wall and disc both miss the rim.
+    lines = cases.float_rims(np.random.default_rng(4), 4_000)
+    _, _, radius, _, u = lines
+    wall, disc = accepted_at_rim(lines)
+    enter, leave = exact_intervals(*lines)
+    far_in = (leave - enter) * np.linalg.norm(u, axis=-1) > 1e-3 * radius
+    crack = far_in & ~wall & ~disc
+    missed, thin, _ = what_is_wrong(three_surfaces(*lines), lines)
+    assert np.count_nonzero(crack) > 100
+    judge("rod-thin", np.all((missed | thin)[crack]))
     assert not failures(cases.float_rims, "exact").any()
 
 
-def test_epsilon_fix():
+def test_epsilon_fix(judge):
     # A share of the axis and a length get the same number: the unit of length decides.
+    gaps = failures(cases.whole_rims, "three-surfaces")[:2]
+    at_rims = failures(cases.whole_rims, "epsilon")[:2]
+    at_tangents = failures(cases.tangents, "epsilon")[:2]
+    judge("rod-epsilon", cases={"at rims of whole numbers": not np.any(at_rims),
+                                "at tangents": not np.any(at_tangents)})  # fmt: skip
+    assert np.all(gaps > 0) and not np.any(at_rims)
+    assert at_tangents[0] > 0  # missed still
     assert failures(cases.float_rims, "epsilon")[2] > 0  # too thick
-    assert failures(cases.tangents, "epsilon")[0] > 0  # and tangents are missed still
     thick = []
     for unit in (1.0, 1e-5):
         rod = (0, 0, 0), (0, 0, unit), unit
         found = METHODS["epsilon"](*rod, (1.5 * unit, 0, 0.5 * unit), (0.1, 0, 1))
         thick.append(found[0] <= found[1])
     assert thick == [False, True]
-    # A second way: fractions. A disc with that number added reaches a line half a radius beside
-    # the rod if the rod is small; and where a line touches, the discriminant is 0, in floats often
-    # below, and no epsilon is in it.
+    # In fractions: a disc with that number added reaches a line half a radius beside the rod if
+    # the rod is small; and where a line touches, the discriminant is 0, in floats often below, and
+    # no epsilon is in it.
     for unit, reached in ((Fraction(1), False), (Fraction(1, 10**5), True)):
         assert ((unit + Fraction(1, 10**5)) ** 2 >= (unit * 3 / 2) ** 2) is reached
     below = 0
@@ -349,7 +450,7 @@ def discriminant(a, b, radius, point, direction, number):
 
 
 @pytest.mark.parametrize(("tilt", "height"), [(3e-5, 1e4), (2e-4, 1e6), (5e-4, 1e9)])
-def test_scaled_epsilon(tilt, height):
+def test_scaled_epsilon(judge, tilt, height):
     # A slight tilt: the line is inside from half the height to the top.
     rod, p_ = Rod((0, 0, 0), (tilt, 0, height), 1.0), np.array([1 + tilt / 2, 0, 0])
     assert abs(rod.b[0]) + abs(rod.b[1]) < 0.001
@@ -358,9 +459,16 @@ def test_scaled_epsilon(tilt, height):
         arguments = np.array(rod.a), np.array(rod.b), 1.0, p_, np.array([0.0, 0, 1])
         return np.array(three_surfaces(*arguments, epsilon=epsilon)) / height
 
-    np.testing.assert_allclose(np.array(rod.meet_line(p_, UP)) / height, (0.5, 1), atol=1e-9)
-    np.testing.assert_allclose(share(0.00001), (1, 1), atol=1e-9)  # paper thin
-    np.testing.assert_allclose(share(0.001), (0, 1), atol=1e-9)  # twice too thick
+    def same(found, ends):
+        return np.allclose(found, ends, rtol=1e-7, atol=1e-9)
+
+    paper_thin = same(share(0.00001), (1, 1))
+    twice_too_thick = same(share(0.001), (0, 1))
+    own_way = same(np.array(rod.meet_line(p_, UP)) / height, (0.5, 1))
+    judge("rod-scaled", cases={
+        "it opens, and a greater number closes it": paper_thin and twice_too_thick,
+        "that is the only option": not own_way})  # fmt: skip
+    assert paper_thin and twice_too_thick and own_way
     # A second way: fractions. The line comes within 1 of the axis at half the height and stays
     # there; h^2 is less than a float of vsq can tell; and for a's disc, which the line passes
     # by, the greater epsilon is enough and the lesser isn't.
@@ -372,18 +480,21 @@ def test_scaled_epsilon(tilt, height):
     assert (1 + Fraction(1, 10**5)) ** 2 < beside**2 < (1 + Fraction(1, 10**3)) ** 2
 
 
-def test_two_volumes():
+def test_two_volumes(judge):
     # Right with room to spare, and for vz < 0 too once the planes are put in order ...
     a, b, radius, point, u = float_rods(5)
     exact, slab = (meet_rods(a, b, radius, point, u), METHODS["slab"](a, b, radius, point, u))
     clear = exact[1] - exact[0] > 1e-6
-    np.testing.assert_allclose(np.array(slab)[:, clear], np.array(exact)[:, clear], atol=1e-6)
+    assert np.count_nonzero(clear) > 500
+    right = np.allclose(np.array(slab)[:, clear], np.array(exact)[:, clear], rtol=1e-7, atol=1e-6)
     # ... but at the border it loses lines as the others do.
-    for kind in (cases.whole_rims, cases.tangents, cases.end_planes):
-        assert failures(kind, "slab")[0] > 0
+    kinds = cases.whole_rims, cases.tangents, cases.end_planes
+    lost = [failures(kind, "slab")[0] for kind in kinds]
+    judge("rod-volumes", cases={"with room to spare": right, "at the border": not any(lost)})
+    assert right and all(lost)
 
 
-def test_two_volumes_against_a_box():
+def test_two_volumes_against_a_box(judge):
     # A box that is wide: it touches the endless cylinder and the slab far from the rod.
     rod = Rod((0, 0, 0), (3, 0, 3), 1)
     low, high = np.array([-10.0, -1]), np.array([10.0, 1])
@@ -392,7 +503,7 @@ def test_two_volumes_against_a_box():
     common = max(endless[0], slab[0]), min(endless[1], slab[1])
     bottom, top = meet_box(rod, low, high)
     np.testing.assert_allclose((bottom, top), (-np.sqrt(0.5), 3 + np.sqrt(0.5)))
-    assert common[0] < bottom - 5 and common[1] > top + 5
+    judge("rod-generalize", common[0] < bottom - 5 and common[1] > top + 5)
     # A box that has no part of the rod may have parts of both.
     corners = np.array([4.5, -3.0]), np.array([8.0, 8.0])
     assert meet_box(Rod((0, 0, 0), (3, 3, 3), 1), *corners) == EMPTY
@@ -401,11 +512,14 @@ def test_two_volumes_against_a_box():
     assert max(endless[0], slab[0]) < min(endless[1], slab[1])
 
 
-def test_two_volumes_of_parallel_lines():
-    # Both intervals need m and s of the line alone, two products; the rest is the rod's.
+def test_two_volumes_of_parallel_lines(judge):
+    # "It doesn't lend": each line would need more than m and s, two products. Of both intervals
+    # all else is the rod's.
     quadratic = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
     of_line = in_plane(quadratic).free_symbols | in_plane(-vq / vz).free_symbols
-    assert of_line == {z, r, h, L, m, s}
+    of_rod = {r, h, L}
+    judge("rod-parallel", len(of_line - of_rod - {z}) > 2)
+    assert of_line == {z, *of_rod, m, s}
     # So one rod and many parallel lines have the answers of each line by itself.
     points = np.random.default_rng(15).uniform([-30, -35, 0], [120, 35, 1], (2_000, 3))
     together = METHODS["slab"](ROD.a, ROD.b, ROD.radius, points, UP)
@@ -432,7 +546,7 @@ def test_two_volumes_of_parallel_lines():
         np.testing.assert_allclose(leave[clear], last[clear], atol=1e-12 * size)
 
 
-def test_two_ellipses_and_a_rectangle():
+def test_two_ellipses_and_a_rectangle(judge):
     # The shadow, from the definition: whether any z is inside; against the closed set.
     rng = np.random.default_rng(6)
     m_, s_ = rng.uniform([-30, -35], [120, 35], (20_000, 2)).T
@@ -441,7 +555,7 @@ def test_two_ellipses_and_a_rectangle():
     shadow = ellipses[0] | ellipses[1] | ((np.abs(s_) <= 25) & (m_ >= 0) & (m_ <= d))
     points = np.stack([m_, s_, 0 * m_], axis=-1)
     enter, leave = ROD.meet_line(points, UP)
-    assert np.array_equal(enter <= leave, shadow)
+    judge("rod-shadow", np.array_equal(enter <= leave, shadow))
     # A disc's rim, seen from above, is an ellipse with the ratio vz/|v|.
     turn = sp.symbols("turn")
     tilt = sp.sqrt(L**2 - h**2) / L
@@ -450,10 +564,14 @@ def test_two_ellipses_and_a_rectangle():
     assert zero(rim.dot(rim) - r**2) and zero((rim[0] / tilt) ** 2 + rim[1] ** 2 - r**2)
 
 
-def test_eccentricity():
+def test_eccentricity(judge):
     # e = vz/|v| is the ratio of the axes; the eccentricity is |f . v|/|v|.
     ratio = sp.Rational(120, 150)
-    assert sp.Ellipse((0, 0), 25 * ratio, 25).eccentricity == sp.sqrt(1 - ratio**2) != ratio
+    ellipse = sp.Ellipse((0, 0), 25 * ratio, 25)
+    printed, corrected = ratio, sp.sqrt(1 - ratio**2)
+    assert corrected == sp.Rational(3, 5)
+    judge("rod-eccentricity", bool(ellipse.eccentricity == printed),
+          right=bool(ellipse.eccentricity == corrected))  # fmt: skip
     # A second way: a gardener's. Points of the rim as lines see it, found by the library at its
     # disc, have one sum of distances from two foci, as far from the centre as the eccentricity
     # says; from those that the printed one says they haven't, but for an axis at 45 degrees.
@@ -471,18 +589,24 @@ def test_eccentricity():
                 assert bool(np.ptp(total) < 1e-12) is holds
 
 
-def test_miss_conditions():
+def test_miss_conditions(judge):
     # As printed, m < r e throws away half of the lower ellipse.
-    printed = 16 < 25 * 0.8
-    enter, leave = ROD.meet_line((16, 0, 0), UP)
-    assert printed and leave - enter > 40
-    # With -r e the rule is right but not sharp; |s| <= r, m >= -k, m <= d + k is exact.
     m_, s_ = np.random.default_rng(7).uniform([-30, -35], [120, 35], (20_000, 2)).T
     enter, leave = ROD.meet_line(np.stack([m_, s_, 0 * m_], axis=-1), UP)
+
+    def misses(least):
+        """Tell whether all lines with |s| > r, m < least or m > d + r e miss."""
+        told = (np.abs(s_) > 25) | (m_ < least) | (m_ > 110)
+        return np.count_nonzero(told) > 1_000 and np.all(enter[told] > leave[told])
+
+    judge("rod-miss", misses(25 * 0.8), right=misses(-25 * 0.8))
+    first, last = ROD.meet_line((16, 0, 0), UP)
+    assert 16 < 25 * 0.8 and last - first > 40
+    # With -r e the rule is right but not sharp; |s| <= r, m >= -k, m <= d + k is exact.
     loose = (np.abs(s_) > 25) | (m_ < -20) | (m_ > 110)
     k = 0.8 * np.sqrt(np.maximum(625 - s_**2, 0))
     sharp = (np.abs(s_) > 25) | (m_ < -k) | (m_ > 90 + k)
-    assert not np.any(loose & (enter <= leave)) and np.any(~loose & (enter > leave))
+    assert np.any(~loose & (enter > leave))
     assert np.array_equal(sharp, enter > leave)
     # A second way: the judge in whole numbers, on a raster, where borders are met exactly; with
     # e = 4/5 the sharp rule is one of whole numbers, too.
@@ -501,7 +625,7 @@ def test_miss_conditions():
         assert 100 < np.count_nonzero(printed & ~missed)
 
 
-def test_filter_by_two_products():
+def test_filter_by_two_products(judge):
     # What the filter lets through and yet misses: the corners about the ellipses' outer halves.
     d, e = sp.symbols("d e", positive=True)
     radius = sp.symbols("R", positive=True)
@@ -512,23 +636,26 @@ def test_filter_by_two_products():
     m_, s_ = ms.T
     filtered = (np.abs(s_) > 25) | (m_ < -20) | (m_ > 110)
     assert not np.any(filtered & ~missed)
+    judge("rod-filter", np.count_nonzero(filtered & missed) > 0.5 * np.count_nonzero(missed))
     left = np.mean(missed & ~filtered) * 230**2
     assert abs(left / ((4 - np.pi) * 25**2 * 0.8) - 1) < 0.05
     assert np.count_nonzero(filtered) > 0.98 * np.count_nonzero(missed)
 
 
-def test_four_crossings():
+def test_four_crossings(judge):
     k = sp.sqrt(L**2 - h**2) / L * sp.sqrt(r**2 - s**2)
-    for centre in (0, h):
-        for sign in (1, -1):
-            at = centre + sign * k
-            assert zero(((at - centre) * L / sp.sqrt(L**2 - h**2)) ** 2 + s**2 - r**2)
+    crossed = []
+    for centre, listed in ((0, (-k, k)), (h, (h - k, h + k))):
+        for at in listed:
+            ellipse = ((at - centre) * L / sp.sqrt(L**2 - h**2)) ** 2 + s**2 - r**2
+            crossed.append(zero(ellipse))
+    judge("rod-crossings", len(crossed) == 4 and all(crossed))
     # They ascend as listed only if d >= 2k: a short rod's ellipses overlap.
     enter, leave = Rod((0, 0, 0), (9, 0, 12), 25).meet_line((4.5, 15, 0), UP)
     assert 16 > 9 - 16 and np.isclose(leave - enter, 15 / 0.8)  # from disc to disc
 
 
-def test_components():
+def test_components(judge):
     # Entry by disc a where |m| <= k, else by the wall; exit by disc b where |d - m| <= k.
     m_, s_ = np.random.default_rng(8).uniform([-20, -25], [110, 25], (20_000, 2)).T
     enter, leave = ROD.meet_line(np.stack([m_, s_, 0 * m_], axis=-1), UP)
@@ -537,21 +664,37 @@ def test_components():
     hit = enter <= leave
     first = np.where(m_ <= k, -90 * m_ / 120, wall[0])
     last = np.where(m_ >= 90 - k, 120 + 90 * (90 - m_) / 120, wall[1])
-    np.testing.assert_allclose(enter[hit], first[hit], atol=1e-9)
-    np.testing.assert_allclose(leave[hit], last[hit], atol=1e-9)
+    assert np.count_nonzero(hit) > 5_000
+    entered = np.allclose(enter[hit], first[hit], rtol=1e-7, atol=1e-9)
+    left = np.allclose(leave[hit], last[hit], rtol=1e-7, atol=1e-9)
+    judge("rod-components", entered and left)
 
 
-def test_always_reliable():
+def test_always_reliable(judge):
     # The place of m decides without a crack at rims. A line in the border is decided by the last
     # bit of s and m unless the test has a guard of that size, which is free of scale.
     for kind in cases.GENERATORS:
         assert not failures(kind, "exact", 500).any()
-    a, b, radius, point, u = cases.tangents(np.random.default_rng(9), 2_000)
-    axis = frame(a, b, u)
-    side = np.abs(np.einsum("ni,ni->n", point - axis.start, axis.across))
-    unguarded = side <= radius
+
+    def beside(lines):
+        """Return |s|, in floats, and whether a line meets its rod, in whole numbers."""
+        a, b, _, point, u = lines
+        axis = frame(a, b, u)
+        side = np.abs(np.einsum("ni,ni->n", point - axis.start, axis.across))
+        return side, np.less_equal(*exact_intervals(*lines))
+
+    def unguarded(lines):
+        side, meets = beside(lines)
+        return meets.any() and np.array_equal(side <= lines[2], meets)
+
+    rims = cases.whole_rims(np.random.default_rng(9), 2_000)
+    touching = cases.tangents(np.random.default_rng(9), 2_000)
+    judge("rod-reliable", cases={"at rims": unguarded(rims),
+                                 "in the border": unguarded(touching)})  # fmt: skip
+    assert unguarded(rims) and beside(touching)[1].all()
+    a, b, radius, point, u = touching
     enter, leave = meet_rods(a, b, radius, point, u)
-    assert not unguarded.all() and np.all(enter <= leave)
+    assert np.all(enter <= leave)
     # f = (vx, vy)/|(vx, vy)| is 0/0 for a vertical axis, za = -v.q/vz for a horizontal one.
     flat = sp.Matrix([vx, vy]) / sp.sqrt(vx**2 + vy**2)
     assert flat.subs({vx: 0, vy: 0}).has(sp.nan)
@@ -569,8 +712,9 @@ def test_always_reliable():
         assert np.array_equal(scaled, np.multiply((enter, leave), k))
 
 
-def test_part_two():
-    # The line grown to a box, and the truncated cone; the note stops before either.
+def test_part_two(judge):
+    judge("rod-part-two", missing="part two: the note stops before it")
+    # The line grown to a box, and the truncated cone.
     lying = Rod((0, 0, 0), (8, 0, 0), 2)
     np.testing.assert_allclose(meet_box(lying, (3, 1), (4, 9)), (-np.sqrt(3), np.sqrt(3)))
     low, high = np.array([70.0, 5]), np.array([100.0, 20])

@@ -1,6 +1,8 @@
 """The ledger of claims: every row whole, every proof there, every equation judged."""
 
 import ast
+import importlib
+import inspect
 import json
 import re
 import tomllib
@@ -22,13 +24,17 @@ SEVERITIES = {"result", "local", "cosmetic"}
 MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
 
 
+def line_of(node):
+    return node.lineno
+
+
 @cache
 def proofs_in(path):
     """Return the source of each test of a file, by its name."""
     text = (ROOT / path).read_text()
     lines = text.splitlines(keepends=True)
     return {
-        e.name: "".join(lines[e.lineno - 1 : e.end_lineno])
+        e.name: "".join(lines[min([e, *e.decorator_list], key=line_of).lineno - 1 : e.end_lineno])
         for e in ast.parse(text).body
         if isinstance(e, ast.FunctionDef) and e.name.startswith("test_")
     }
@@ -154,3 +160,61 @@ def test_every_equation_of_the_robot_has_a_row_of_its_name(number):
 def test_every_listing_line_that_is_mended_has_a_row():
     rows = " ".join(id for id in LEDGER if id.startswith("listing-"))
     assert all(str(number) in rows for number in REPAIRS)
+
+
+# ---- proofs find verdicts, in two ways that share nothing -----------------------------------
+
+
+@cache
+def proof_tree(id):
+    """Return a row's proof as syntax, and its module."""
+    path, _, name = LEDGER[id]["proof"].partition("::")
+    [tree] = ast.parse(proofs_in(path)[name]).body  # from its decorators on
+    return tree, importlib.import_module(path.removesuffix(".py").replace("/", "."))
+
+
+def calls_of(tree, name):
+    return [n for n in ast.walk(tree) if isinstance(n, ast.Call) and ast.unparse(n.func) == name]
+
+
+@pytest.mark.parametrize("id", LEDGER)
+def test_proof_finds_the_verdict_of_its_row(id):
+    tree, _ = proof_tree(id)
+    assert f'"{id}"' in proofs_in(LEDGER[id]["proof"].partition("::")[0])[tree.name]
+    assert "judge" in [argument.arg for argument in tree.args.args]
+    for call in calls_of(tree, "judge"):
+        evidence = [*call.args[1:], *(k.value for k in call.keywords if k.arg != "missing")]
+        evidence = [v for e in evidence for v in (e.values if isinstance(e, ast.Dict) else [e])]
+        assert not any(isinstance(e, ast.Constant) for e in evidence), "evidence is computed"
+
+
+# What a second way may share with the first: data, symbols, comparisons, and what is judged itself.
+SHARED = {"judge", "zero", "close", "draw", "at"}
+JUDGED = {"run"}  # the printed programs
+
+
+def ours(thing):
+    return (getattr(thing, "__module__", None) or "").split(".")[0] in ("tunneller_lib", "tests")
+
+
+def functions_of_ours(nodes, module):
+    """Return the study's functions that syntax names, imported, the module's own, or methods."""
+    every = [n for node in nodes for n in ast.walk(node)]
+    names = {n.id for n in every if isinstance(n, ast.Name)} - SHARED
+    found = {n for n in names if inspect.isfunction(f := getattr(module, n, None)) and ours(f)}
+    classes = [c for c in vars(module).values() if inspect.isclass(c) and ours(c)]
+    called = {n.func.attr for n in every if isinstance(n, ast.Call) and hasattr(n.func, "attr")}
+    return found | {name for name in called if any(hasattr(c, name) for c in classes)}
+
+
+@pytest.mark.parametrize("id", MENDED)
+def test_second_way_shares_no_function_with_the_first(id):
+    path, _, name = LEDGER[id]["proof"].partition("::")
+    source = proofs_in(path)[name]
+    line = source[: source.index("# A second way")].count("\n") + 1
+    tree, module = proof_tree(id)
+    first = [node for node in tree.body if node.lineno < line]
+    second = [node for node in tree.body if node.lineno >= line]
+    assert first and second
+    both = functions_of_ours(first, module) & functions_of_ours(second, module)
+    assert both <= JUDGED, f"both ways use {both}"

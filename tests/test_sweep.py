@@ -105,7 +105,7 @@ def test_sweep_refuses_another_number_of_processes(tmp_path, jobs):
 def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveyed):
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         address = cluster.scheduler_address
         there = compute_blocks(atlas.survey, FEW, tmp_path / "there", scheduler=address)
     for one, other in zip(loaded(there), loaded(surveyed), strict=True):
