@@ -13,12 +13,24 @@ ROOT = Path(__file__).parents[1]
 END = re.compile(r"(?<=[.:;])\s+(?=[A-Z#+*_])|\n\n|\n(?=[+-] )")
 NUMBER = re.compile(r'#num\(\s*"([^"]+)",\s*"([^"]+)"\s*\)')
 CALL = re.compile(r'#\w+\(\s*"[^"]*"(?:,\s*\w*:?\s*"[^"]*")*\s*\)')
-SMALL = set("a an and are as at by for from in is it its of on or s that the to was which with".split())
+SMALL = set(
+    "a an and are as at by for from in is it its of on or s that the to was which with".split()
+)
+
+COUNTS = "zero one two three four five six seven eight nine ten eleven twelve".split()
+# What has another stem and the same meaning.
+ONE = {word: str(number) for number, word in enumerate(COUNTS)} | {
+    "deep": "depth",
+    "high": "height",
+    "long": "length",
+    "wide": "width",
+}
 
 # What says of which kind a number is among those that it stands for.
 STATISTICS = {
-    "most": "at most|at worst|up to|worst|largest|longest|greatest|highest|maximum|limit|to",
-    "least": "at least|least|smallest|shortest|lowest|minimum|from",
+    "most": "at most|most(?! of)|no more than|at worst|up to|worst|largest|longest|greatest|highest"
+    "|widest|thickest|maximum|limit",
+    "least": "at least|least|smallest|shortest|lowest|minimum",
     "median": "median",
     "mean": "mean|average",
     "rms": "rms",
@@ -75,8 +87,8 @@ def uses(text, file=""):
 
 
 def stem(word):
-    """Return a word without its ending, so that "lengths" and "length" are one."""
-    word = word.lower()
+    """Return a word without its ending: "lengths" and "length" are one, "two" and "2", "deep"."""
+    word = ONE.get(word.lower(), word.lower())
     for ending in ("ing", "ed", "es", "s", "e", "ly"):
         if word.endswith(ending) and len(word) - len(ending) >= 4:
             word = word[: -len(ending)]
@@ -86,7 +98,8 @@ def stem(word):
 
 def stems(text):
     """Return the stems of the words that carry meaning."""
-    return {stem(word) for word in re.findall(r"[^\W\d_]+", text) if word.lower() not in SMALL}
+    words = re.findall(r"[^\W\d_]+|\d+", text)
+    return {stem(word) for word in words if word.lower() not in SMALL}
 
 
 def statistics(text):

@@ -1,4 +1,11 @@
-"""Words around numbers: a sentence names what its number is, and of which kind."""
+"""Words around numbers: a sentence names what its number is, and of which kind.
+
+A number is named by a word of its record's name that stands between the numbers before and after
+it. Number words and digits are one ("four cones" names "share with 4 cones"), and so are deep and
+depth, long and length. The kind of a number (worst, least, median, mean, rms) that its record's name
+says is said in the sentence; what stands right before it ("at most", "in the median") is borne out
+by the record's name, or by the record, where that's a bound.
+"""
 
 import json
 import re
@@ -27,7 +34,9 @@ def of_another_kind(use):
     """Return what kinds of number the sentence and the record's name disagree about."""
     named = statistics(use.name)
     said = statistics(use.sentence)
-    last = re.search(r"(at most|up to|at worst|at least|worst|median|mean|rms)\W*$", use.before)
+    last = re.search(
+        r"(at most|no more than|up to|at worst|at least|worst|median|mean|rms)\W*$", use.before
+    )
     claimed = statistics(last[0]) if last else set()
     return (named - said) | (claimed - named if not bounded(use) else set())
 
@@ -43,7 +52,7 @@ def test_sentence_says_of_which_kind_its_number_is(use):
 
 
 def test_wrong_words_are_noticed():
-    wrong = Use("11_rivals", "worst aside", " leaves it by ", " leaves it by  in length", "", "")
+    wrong = Use("11_rivals", "worst aside", " is longer by ", " is longer by  in length", "", "")
     assert unnamed(wrong)
-    [median] = uses('It is at most #num("11_rivals", "median excess") longer, an excess.')
+    [median] = uses('It is at most #num("11_rivals", "median aside") longer, an aside.')
     assert of_another_kind(median) == {"median", "most"}
