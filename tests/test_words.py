@@ -2,9 +2,9 @@
 
 A number is named by a word of its record's name that stands between the numbers before and after
 it. Number words and digits are one ("four cones" names "share with 4 cones"), and so are deep and
-depth, long and length. The kind of a number (worst, least, median, mean, rms) that its record's name
-says is said in the sentence; what stands right before it ("at most", "in the median") is borne out
-by the record's name, or by the record, where that's a bound.
+depth, long and length. If the record's name says the kind of its number (worst, least, median,
+mean, rms), the sentence says it, too. What stands right before a number ("at most", "up to") is
+borne out by the record's name, or by the record, where that's a bound.
 """
 
 import json
