@@ -106,3 +106,78 @@ def statistics(text):
     """Return which statistics a text speaks of."""
     kinds = STATISTICS.items()
     return {kind for kind, words in kinds if re.search(rf"\b({words})\b", text, re.I)}
+
+
+# Words that compare, and number words from two on.
+COMPARATIVES = (
+    "closer nearer shorter longer better worse faster slower more fewer less greater larger "
+    "smaller higher lower wider narrower deeper thicker thinner farther milder twice half double "
+    "triple tenfold twentyfold hundredfold"
+).split()
+SUPERLATIVES = (
+    "closest nearest shortest longest best worst fastest slowest most fewest least greatest "
+    "largest smallest highest lowest widest narrowest deepest thickest thinnest"
+).split()
+CLAIMS = re.compile(rf"\b({'|'.join([*COMPARATIVES, *SUPERLATIVES, *COUNTS[2:]])})\b", re.I)
+EXTREME = "largest|greatest|longest|shortest|least|worst|fastest|nearest"
+QUANTITY = (
+    "error|excess|deviation|following error|contour error|gain|step|segment|distance|feed|constant "
+    "feed|foot|of the feet|root"
+)
+
+# What compares or counts and is no result, with the reason.
+FREE = {
+    rf"\b({EXTREME}) ({QUANTITY})s?\b": "a quantity's name: of a set its extreme is meant",
+    r"\b(largest|longest) (in|seen in) a\b": "such a name, with what it's the extreme of",
+    r"\bshortest path\b|\bproved? shortest\b": "what a geodesic is, as the proof says",
+    r"\bworst over all\b": "names a table's columns",
+    r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
+    r"\btwo (such )?(joints|cylinders|nodes)\b": "a number that belongs to the machine or torus",
+    r"\b(two|three) documents\b": "what the study has before it",
+    r"\b(three surfaces|two volumes|one-third rule|third rule|one to two)\b": "a method's name",
+    r"\bten (equal )?steps\b": "a division that's chosen",
+    r"\bhalf[- ](angles?|a turn)\b": "an angle",
+    r"\b(upper|lower) disc\b": "a place in the drawing",
+    r"\b(more|less) than N\b": "a threshold that's chosen",
+    r'"[^"]*"': "a document's own words",
+}
+
+
+def bracketed(text, start):
+    """Return what stands between the bracket at a place and the one that closes it."""
+    depth = 0
+    for place in range(start, len(text)):
+        depth += {"[": 1, "]": -1}.get(text[place], 0)
+        if depth == 0:
+            return text[start + 1 : place]
+    raise ValueError(f"{text[start : start + 40]!r}: the bracket isn't closed.")
+
+
+def captions(text):
+    """Return the captions in a source of the report."""
+    opened = re.compile(r"#(?:fig|tabular)\((?:[^()\"]|\"[^\"]*\")*\)(?=\[)|\bcaption: (?=\[)")
+    return [bracketed(text, place.end()) for place in opened.finditer(text)]
+
+
+def worded(sentence):
+    """Return the words of a sentence, without calls, labels and code; a formula is N."""
+    words = re.sub(r"`[^`]*`|@[\w-]+|<[\w-]+>", " ", plain(sentence))
+    return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
+
+
+def claims(text):
+    """Return words that compare or count without a record: not made by num, than or count.
+
+    A superlative is backed by a record of its sentence whose name says that kind.
+    """
+    found = []
+    for sentence in END.split(text):
+        backed = {kind for _, name in NUMBER.findall(sentence) for kind in statistics(name)}
+        words = worded(sentence)
+        for free in FREE:
+            words = re.sub(free, " ", words, flags=re.I)
+        for word in CLAIMS.findall(words):
+            kinds = statistics(word) if word.lower() in SUPERLATIVES else set()
+            if not kinds or not kinds <= backed:
+                found.append(word)
+    return found

@@ -5,6 +5,10 @@ it. Number words and digits are one ("four cones" names "share with 4 cones"), a
 depth, long and length. If the record's name says the kind of its number (worst, least, median,
 mean, rms), the sentence says it, too. What stands right before a number ("at most", "up to") is
 borne out by the record's name, or by the record, where that's a bound.
+
+In captions, findings and the abstract a word that compares or counts comes from a record, by num,
+than or count; `prose.FREE` lists the few patterns that are no results. A superlative may stand
+beside a record whose name says it.
 """
 
 import json
@@ -12,7 +16,19 @@ import re
 
 import pytest
 
-from tests.prose import ROOT, Use, sources, statistics, stems, uses
+from tests.prose import (
+    FREE,
+    ROOT,
+    Use,
+    bracketed,
+    captions,
+    claims,
+    sources,
+    statistics,
+    stems,
+    uses,
+    worded,
+)
 
 READS = ["report/*"]
 
@@ -56,3 +72,38 @@ def test_wrong_words_are_noticed():
     assert unnamed(wrong)
     [median] = uses('It is at most #num("11_rivals", "median aside") longer, an aside.')
     assert of_another_kind(median) == {"median", "most"}
+
+
+TEXTS = {path.stem: path.read_text("utf-8") for path in sources()}
+ABSTRACT = bracketed(TEXTS["report"], re.search(r"abstract: (?=\[)", TEXTS["report"]).end())
+CAPTIONS = [(name, caption) for name, text in TEXTS.items() for caption in captions(text)]
+SHORT = [*CAPTIONS, ("findings", TEXTS["findings"]), ("abstract", ABSTRACT)]
+
+
+@pytest.mark.parametrize(("file", "text"), SHORT, ids=[name for name, _ in SHORT])
+def test_what_compares_or_counts_comes_from_a_record(file, text):
+    assert claims(text) == [], " ".join(text.split())
+
+
+def test_every_caption_is_read():
+    calls = sum(len(re.findall(r"#(?:fig|tabular|figure)\(", text)) for text in TEXTS.values())
+    assert len(CAPTIONS) >= calls > 100
+
+
+@pytest.mark.parametrize("free", FREE)
+def test_every_free_pattern_is_used(free):
+    assert any(re.search(free, worded(text), re.I) for _, text in SHORT)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("The rule gains more on short chords, and twice as much there.", ["more", "twice"]),
+        ("Five paths; the plane section is best.", ["Five", "best"]),
+        ('The worst excess is #num("11_rivals", "worst excess"), the least too.', ["least"]),
+        ('It is #than("11_rivals", "rule", "more") than that of #count("12_atlas", "paths").', []),
+        ("Largest error of two joints, in ten steps.", []),
+    ],
+)
+def test_claims_without_a_record_are_noticed(text, words):
+    assert claims(text) == words
