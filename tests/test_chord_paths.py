@@ -1,6 +1,7 @@
 """Paths that could stand in for a geodesic, and their lengths."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -202,3 +203,37 @@ def test_atlas_knows_every_path():
 def test_prose_counts_every_path(file, sentence):
     text = (ROOT / file).read_text(encoding="utf-8").lower()
     assert sentence.format(in_words(len(CHORD_PATHS))).lower() in text
+
+
+# Typst's and LaTeX's signs, and what they are in Python.
+SIGNS = {r"\\": "\\", r"\,": "", r"\tfrac23": "2/3", r"\mathbf ": "", "bold(m)": "m",
+         "bold(n)": "n", "_0": "0", " (": "*(", "d(": "d*(", "3 d": "3*d"}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("file", "before"),
+    [
+        ("report/sections/geodesics.typ", r"\$bold\(m\)\$ is replaced by \$"),
+        ("notebooks/10_law.ipynb", r"In code: put[^$]*\$"),
+    ],
+    ids=["report", "notebook"],
+)
+def test_recipe_of_the_third_rule_is_the_library_s(file, before):
+    """As the text states it, with outward normals and the depth below the surface."""
+    text = (ROOT / file).read_text(encoding="utf-8")
+    [formula] = re.findall(before + r"([^$]+)\$", text)
+    for sign, plain in SIGNS.items():
+        formula = formula.replace(sign, plain)
+    torus = MACHINE.torus
+    p, q = pairs(50)
+    start, stop = (points(torus, joint)[:, None] for joint in (p, q))
+    m = start + T[:, None] * (stop - start)
+    foot = torus.foot(m)
+    n, n0 = (torus.normal(*torus.angles(point)) for point in (m, (start + stop) / 2))
+    assert np.all(np.sum(n * foot, axis=-1) > 0)  # outwards
+    d = np.sum((foot - m) * n, axis=-1, keepdims=True)
+    shifted = eval(formula, {"m": m, "d": d, "n": n, "n0": n0})
+    way = CHORD_PATHS["one-third rule"](torus, p, q, T)
+    np.testing.assert_allclose(np.stack(torus.angles(shifted), axis=-1), way, atol=1e-12)
+    other = eval(formula.replace("-", "+", 1), {"m": m, "d": d, "n": n, "n0": n0})
+    assert np.max(np.abs(np.stack(torus.angles(other), axis=-1) - way)) > 1e-3

@@ -81,6 +81,31 @@ def test_bound_is_stored_and_not_the_value(record, root):
     assert stored(root)["numbers"]["residual"] == {"bound": 1e-12, "text": "1e-12", "unit": ""}
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "order"),
+    [(1, 2, "less"), (2.0, np.float64(1.999), "greater"), (-1, 0, "less"), (0.0, -1e-9, "greater")],
+)
+def test_order_is_stored_as_a_word(record, root, first, second, order):
+    assert record.order("one against the other", first, second) == order
+    assert stored(root)["orders"] == {"one against the other": {"order": order}}
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        (float("nan"), 1.0, "it: first: must be finite; got nan."),
+        (1.0, float("inf"), "it: second: must be finite; got inf."),
+        ("1", 2.0, "it: first: must be one number; got '1'."),
+        (1.0, 1.0000001, "it: the two must differ by more than 1e-06 of the greater; got 1.0 and"),
+        (0, 0, "it: the two must differ by more than 1e-06 of the greater; got 0 and 0."),
+    ],
+)
+def test_order_is_refused(record, root, first, second, message):
+    with pytest.raises(ValueError, match=message.replace(".", r"\.")):
+        record.order("it", first, second)
+    assert not (root / "report").exists()
+
+
 def test_last_bits_are_not_stored(record, root):
     record("sum", 0.1 + 0.2, "", digits=2)
     assert stored(root)["numbers"]["sum"]["value"] == 0.3

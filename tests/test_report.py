@@ -1,5 +1,6 @@
 """The report: made from its sources alone, every record used and every use recorded."""
 
+import json
 import re
 import shutil
 
@@ -18,8 +19,14 @@ READS = [
     "tests/mutants.*",
 ]
 
-USE = re.compile(r'\b(num|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
-KINDS = {"num": "numbers", "tabular": "tables", "fig": "figures"}
+USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+KINDS = {
+    "num": "numbers",
+    "count": "numbers",
+    "than": "orders",
+    "tabular": "tables",
+    "fig": "figures",
+}
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +94,11 @@ def copy(tmp_path):
     [
         ('#num("none", "it")', "file not found"),
         ('#num("a", "it")', "Notebook a records nothing named 'it' among its numbers."),
+        ('#than("a", "it", "less")', "Notebook a records nothing named 'it' among its orders."),
+        ('#than("a", "one", "longer")', "records 'one' as less, which isn't 'longer'."),
+        ('#than("a", "one", "shortish")', "records 'one' as less, which isn't 'shortish'."),
+        ('#count("a", "half")', "Notebook a counts nothing as 'half'."),
+        ('#rows-of("tunneller", "right")', "The ledger has no verdict 'right'."),
         ('#tab("a", "it")', "Notebook a records nothing named 'it' among its tables."),
         ('#fig("a", "it", [])', "Notebook a records nothing named 'it' among its figures."),
         ('#mark("eq99")', "The ledger has no row 'eq99'."),
@@ -94,7 +106,9 @@ def copy(tmp_path):
     ],
 )
 def test_wrong_use_is_refused(copy, text, message):
-    (copy / "report" / "numbers" / "a.json").write_text("{}")
+    half = {"value": 0.5, "unit": "", "digits": 1, "text": "0.5", "cell": 1}
+    recorded = {"numbers": {"half": half}, "orders": {"one": {"order": "less", "cell": 1}}}
+    (copy / "report" / "numbers" / "a.json").write_text(json.dumps(recorded))
     (copy / "report" / "report.typ").write_text(f'#import "lib.typ": *\n{text}')
     with pytest.raises(ReportFailed) as error:
         compile_report(copy)

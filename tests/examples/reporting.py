@@ -41,6 +41,7 @@ INSTANCES = {
 CALLS = {
     "Record": {"notebook": "01_machine"},
     "Record.__call__": {"name": "length", "value": 1.5, "unit": "m", "digits": 3},
+    "Record.order": {"name": "arm against leg", "first": 1.5, "second": 2.0},
     "Record.figure": {"picture": PIXELS, "name": "stripes", "alt": "Stripes."},
     "Record.table": {"name": "t", "columns": ["x / m"], "rows": [[0.5]], "decimals": 2},
     "machine_plot.draw_plan_view": {"phi": 0.3},

@@ -83,8 +83,8 @@ def _one_third_rule(torus, p, q, t):
     """Return the path on a torus from p to q that mixes the normals at M(t) and in the middle.
 
     Our proposal: a third of M's own normal and two thirds of the middle's cancel the leading term
-    of the tangent-sphere path's error. In practice M is shifted by two thirds of its depth times
-    the difference of the normals, then projected.
+    of the tangent-sphere path's error. In practice m becomes m - 2/3 d (n - n0) before it is
+    projected: d is its depth below the surface, n its own outward normal, n0 the middle's.
     """
     m, middle = _chord(torus, p, q, t)
     normal = _normal(torus, m)

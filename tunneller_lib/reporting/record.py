@@ -6,6 +6,7 @@ this module writes there.
 
 import io
 import json
+import math
 import os
 import re
 import sys
@@ -24,6 +25,7 @@ from .number_format import cell, decimals_of, exponent, number, significant, ste
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
+CLOSE = 1e-6  # relative difference below which no order is told
 MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
 PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
 
@@ -48,6 +50,8 @@ class Record:
     '1.10 m'
     >>> record("residual, worst", 3.1e-14, "m", below=1e-12)
     'at most 1e-12 m'
+    >>> record.order("arm against leg", 1.0987, 1.2)
+    'less'
     """
 
     @checked
@@ -100,6 +104,39 @@ class Record:
         entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
         self._merge("numbers", name, entry)
         return f"{text} {unit}".strip()
+
+    @checked
+    def order(self, name: Line, first: object, second: object):
+        """Record which of two numbers is the lesser, so that words can be held against it.
+
+        Parameters
+        ----------
+        name : str
+            What is compared with what; the report asks for it by this name.
+        first, second : int or float, of Python or numpy
+            The numbers, in one unit.
+
+        Returns
+        -------
+        order : str
+            ``"less"`` or ``"greater"``: what the first is.
+
+        Raises
+        ------
+        ValueError
+            If one isn't finite, or they differ by less than a part in a million: then the order
+            isn't the same on every machine.
+        """
+        first = number(f"{name}: first", first)
+        second = number(f"{name}: second", second)
+        if math.isclose(first, second, rel_tol=CLOSE, abs_tol=0.0):
+            raise ValueError(
+                f"{name}: the two must differ by more than {CLOSE:g} of the greater; "
+                f"got {first} and {second}."
+            )
+        order = "less" if first < second else "greater"
+        self._merge("orders", name, {"order": order})
+        return order
 
     @checked
     def table(self, name: Line, columns: Lines, rows: Rows, *, decimals: Decimals = None):

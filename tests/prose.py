@@ -1,0 +1,183 @@
+"""The report's prose as tests read it: sentences, the records that they use, the words around them.
+
+A sentence can be wrong though each of its numbers is right: "at most" before a median, "shorter"
+for longer, the number of another record. What can be told from the words themselves is told here.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+END = re.compile(r"(?<=[.:;])\s+(?=[A-Z#+*_])|\n\n|\n(?=[+-] )")
+NUMBER = re.compile(r'#num\(\s*"([^"]+)",\s*"([^"]+)"\s*\)')
+CALL = re.compile(r'#\w+\(\s*"[^"]*"(?:,\s*\w*:?\s*"[^"]*")*\s*\)')
+SMALL = set(
+    "a an and are as at by for from in is it its of on or s that the to was which with".split()
+)
+
+COUNTS = "zero one two three four five six seven eight nine ten eleven twelve".split()
+# What has another stem and the same meaning.
+ONE = {word: str(number) for number, word in enumerate(COUNTS)} | {
+    "deep": "depth",
+    "high": "height",
+    "long": "length",
+    "wide": "width",
+}
+
+# What says of which kind a number is among those that it stands for.
+STATISTICS = {
+    "most": "at most|most(?! of)|no more than|at worst|up to|worst|largest|longest|greatest|highest"
+    "|widest|thickest|maximum|limit",
+    "least": "at least|least|smallest|shortest|lowest|minimum",
+    "median": "median",
+    "mean": "mean|average",
+    "rms": "rms",
+}
+
+
+@dataclass(frozen=True)
+class Use:
+    """One `#num` of a sentence.
+
+    Parameters
+    ----------
+    notebook, name : str
+        The record.
+    before, around : str
+        The words just before it, and those between the numbers before and after it.
+    sentence : str
+        All words of the sentence.
+    file : str
+        Where it stands.
+    """
+
+    notebook: str
+    name: str
+    before: str
+    around: str
+    sentence: str
+    file: str
+
+
+def sources(root=ROOT):
+    """Return the files of prose, report.typ last."""
+    report = root / "report"
+    return [*sorted((report / "sections").glob("*.typ")), report / "report.typ"]
+
+
+def plain(text):
+    """Return a text without its calls."""
+    return CALL.sub(" ", text)
+
+
+def uses(text, file=""):
+    """Return the uses of numbers in a text."""
+    found = []
+    for sentence in END.split(text):
+        places = list(NUMBER.finditer(sentence))
+        ends = [0, *(place.end() for place in places)]
+        starts = [*(place.start() for place in places[1:]), len(sentence)]
+        for place, start, end in zip(places, ends, starts, strict=False):
+            before = plain(sentence[start : place.start()])
+            around = before + " " + plain(sentence[place.end() : end])
+            found.append(Use(*place.groups(), before, around, plain(sentence), file))
+    return found
+
+
+def stem(word):
+    """Return a word without its ending: "lengths" and "length" are one, "two" and "2", "deep"."""
+    word = ONE.get(word.lower(), word.lower())
+    for ending in ("ing", "ed", "es", "s", "e", "ly"):
+        if word.endswith(ending) and len(word) - len(ending) >= 4:
+            word = word[: -len(ending)]
+            break
+    return word[:6]
+
+
+def stems(text):
+    """Return the stems of the words that carry meaning."""
+    words = re.findall(r"[^\W\d_]+|\d+", text)
+    return {stem(word) for word in words if word.lower() not in SMALL}
+
+
+def statistics(text):
+    """Return which statistics a text speaks of."""
+    kinds = STATISTICS.items()
+    return {kind for kind, words in kinds if re.search(rf"\b({words})\b", text, re.I)}
+
+
+# Words that compare, and number words from two on.
+COMPARATIVES = (
+    "closer nearer shorter longer better worse faster slower more fewer less greater larger "
+    "smaller higher lower wider narrower deeper thicker thinner farther milder twice half double "
+    "triple tenfold twentyfold hundredfold"
+).split()
+SUPERLATIVES = (
+    "closest nearest shortest longest best worst fastest slowest most fewest least greatest "
+    "largest smallest highest lowest widest narrowest deepest thickest thinnest"
+).split()
+CLAIMS = re.compile(rf"\b({'|'.join([*COMPARATIVES, *SUPERLATIVES, *COUNTS[2:]])})\b", re.I)
+EXTREME = "largest|greatest|longest|shortest|least|worst|fastest|nearest"
+QUANTITY = (
+    "error|excess|deviation|following error|contour error|gain|step|segment|distance|feed|constant "
+    "feed|foot|of the feet|root"
+)
+
+# What compares or counts and is no result, with the reason.
+FREE = {
+    rf"\b({EXTREME}) ({QUANTITY})s?\b": "a quantity's name: of a set its extreme is meant",
+    r"\b(largest|longest) (in|seen in) a\b": "such a name, with what it's the extreme of",
+    r"\bshortest path\b|\bproved? shortest\b": "what a geodesic is, as the proof says",
+    r"\bworst over all\b": "names a table's columns",
+    r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
+    r"\btwo (such )?(joints|cylinders|nodes)\b": "a number that belongs to the machine or torus",
+    r"\b(two|three) documents\b": "what the study has before it",
+    r"\b(three surfaces|two volumes|one-third rule|third rule|one to two)\b": "a method's name",
+    r"\bten (equal )?steps\b": "a division that's chosen",
+    r"\bhalf[- ](angles?|a turn)\b": "an angle",
+    r"\b(upper|lower) disc\b": "a place in the drawing",
+    r"\b(more|less) than N\b": "a threshold that's chosen",
+    r'"[^"]*"': "a document's own words",
+}
+
+
+def bracketed(text, start):
+    """Return what stands between the bracket at a place and the one that closes it."""
+    depth = 0
+    for place in range(start, len(text)):
+        depth += {"[": 1, "]": -1}.get(text[place], 0)
+        if depth == 0:
+            return text[start + 1 : place]
+    raise ValueError(f"{text[start : start + 40]!r}: the bracket isn't closed.")
+
+
+def captions(text):
+    """Return the captions in a source of the report."""
+    opened = re.compile(r"#(?:fig|tabular)\((?:[^()\"]|\"[^\"]*\")*\)(?=\[)|\bcaption: (?=\[)")
+    return [bracketed(text, place.end()) for place in opened.finditer(text)]
+
+
+def worded(sentence):
+    """Return the words of a sentence, without calls, labels and code; a formula is N."""
+    words = re.sub(r"`[^`]*`|@[\w-]+|<[\w-]+>", " ", plain(sentence))
+    return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
+
+
+def claims(text):
+    """Return words that compare or count without a record: not made by num, than or count.
+
+    A superlative is backed by a record of its sentence whose name says that kind.
+    """
+    found = []
+    for sentence in END.split(text):
+        backed = {kind for _, name in NUMBER.findall(sentence) for kind in statistics(name)}
+        words = worded(sentence)
+        for free in FREE:
+            words = re.sub(free, " ", words, flags=re.I)
+        for word in CLAIMS.findall(words):
+            kinds = statistics(word) if word.lower() in SUPERLATIVES else set()
+            if not kinds or not kinds <= backed:
+                found.append(word)
+    return found

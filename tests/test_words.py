@@ -1,0 +1,109 @@
+"""Words around numbers: a sentence names what its number is, and of which kind.
+
+A number is named by a word of its record's name that stands between the numbers before and after
+it. Number words and digits are one ("four cones" names "share with 4 cones"), and so are deep and
+depth, long and length. If the record's name says the kind of its number (worst, least, median,
+mean, rms), the sentence says it, too. What stands right before a number ("at most", "up to") is
+borne out by the record's name, or by the record, where that's a bound.
+
+In captions, findings and the abstract a word that compares or counts comes from a record, by num,
+than or count; `prose.FREE` lists the few patterns that are no results. A superlative may stand
+beside a record whose name says it.
+"""
+
+import json
+import re
+
+import pytest
+
+from tests.prose import (
+    FREE,
+    ROOT,
+    Use,
+    bracketed,
+    captions,
+    claims,
+    sources,
+    statistics,
+    stems,
+    uses,
+    worded,
+)
+
+READS = ["report/*"]
+
+USES = [use for path in sources() for use in uses(path.read_text("utf-8"), path.stem)]
+
+
+def bounded(use):
+    """Tell whether a record is itself a bound."""
+    numbers = json.loads((ROOT / "report" / "numbers" / f"{use.notebook}.json").read_text("utf-8"))
+    return "bound" in numbers["numbers"][use.name]
+
+
+def unnamed(use):
+    """Tell whether the words between the neighbouring numbers lack all of the record's name."""
+    return not stems(use.name) & stems(use.around)
+
+
+def of_another_kind(use):
+    """Return what kinds of number the sentence and the record's name disagree about."""
+    named = statistics(use.name)
+    said = statistics(use.sentence)
+    last = re.search(
+        r"(at most|no more than|up to|at worst|at least|worst|median|mean|rms)\W*$", use.before
+    )
+    claimed = statistics(last[0]) if last else set()
+    return (named - said) | (claimed - named if not bounded(use) else set())
+
+
+@pytest.mark.parametrize("use", USES, ids=lambda use: f"{use.file}-{use.name}")
+def test_sentence_names_its_number(use):
+    assert not unnamed(use), f"{use.name!r} isn't named in: {' '.join(use.around.split())!r}"
+
+
+@pytest.mark.parametrize("use", USES, ids=lambda use: f"{use.file}-{use.name}")
+def test_sentence_says_of_which_kind_its_number_is(use):
+    assert not of_another_kind(use), " ".join(use.sentence.split())
+
+
+def test_wrong_words_are_noticed():
+    wrong = Use("11_rivals", "worst aside", " is longer by ", " is longer by  in length", "", "")
+    assert unnamed(wrong)
+    [median] = uses('It is at most #num("11_rivals", "median aside") longer, an aside.')
+    assert of_another_kind(median) == {"median", "most"}
+
+
+TEXTS = {path.stem: path.read_text("utf-8") for path in sources()}
+ABSTRACT = bracketed(TEXTS["report"], re.search(r"abstract: (?=\[)", TEXTS["report"]).end())
+CAPTIONS = [(name, caption) for name, text in TEXTS.items() for caption in captions(text)]
+SHORT = [*CAPTIONS, ("findings", TEXTS["findings"]), ("abstract", ABSTRACT)]
+
+
+@pytest.mark.parametrize(("file", "text"), SHORT, ids=[name for name, _ in SHORT])
+def test_what_compares_or_counts_comes_from_a_record(file, text):
+    assert claims(text) == [], " ".join(text.split())
+
+
+def test_every_caption_is_read():
+    calls = sum(len(re.findall(r"#(?:fig|tabular|figure)\(", text)) for text in TEXTS.values())
+    assert len(CAPTIONS) >= calls > 100
+
+
+@pytest.mark.parametrize("free", FREE)
+def test_every_free_pattern_is_used(free):
+    assert any(re.search(free, worded(text), re.I) for _, text in SHORT)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("The rule gains more on short chords, and twice as much there.", ["more", "twice"]),
+        ("Five paths; the plane section is best.", ["Five", "best"]),
+        ('The worst excess is #num("11_rivals", "worst excess"), the least too.', ["least"]),
+        ('It is #than("11_rivals", "rule", "more") than that of #count("12_atlas", "paths").', []),
+        ("Largest error of two joints, in ten steps.", []),
+    ],
+)
+def test_claims_without_a_record_are_noticed(text, words):
+    assert claims(text) == words
