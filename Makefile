@@ -24,7 +24,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site test long check lab browser atlas bench mutants format lock clean
+.PHONY: help environment report stale site test long check lab browser atlas bench mutants words format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -67,6 +67,9 @@ bench: ## time the library against others, in an environment of its own
 
 mutants: environment ## plant faults in the library and see that the tests notice (hours)
 	@$(HEADLESS) $(BIN)/python tests/mutants.py
+
+words: environment ## plant faults in the words and see that the tests notice (half an hour)
+	@$(HEADLESS) $(BIN)/python -m tests.text_faults
 
 format: environment ## put the sources into the common form
 	@$(BIN)/ruff check --fix-only --quiet

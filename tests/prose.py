@@ -153,10 +153,14 @@ def bracketed(text, start):
     raise ValueError(f"{text[start : start + 40]!r}: the bracket isn't closed.")
 
 
+CAPTION = re.compile(
+    r"#(?:fig|tabular)\((?:[^()\"]|\"[^\"]*\")*\)(?=\[)|\b(?:caption|abstract): (?=\[)"
+)
+
+
 def captions(text):
-    """Return the captions in a source of the report."""
-    opened = re.compile(r"#(?:fig|tabular)\((?:[^()\"]|\"[^\"]*\")*\)(?=\[)|\bcaption: (?=\[)")
-    return [bracketed(text, place.end()) for place in opened.finditer(text)]
+    """Return the captions in a source of the report, and its abstract."""
+    return [bracketed(text, place.end()) for place in CAPTION.finditer(text)]
 
 
 def worded(sentence):

@@ -23,6 +23,7 @@ from tests.prose import (
     bracketed,
     captions,
     claims,
+    plain,
     sources,
     statistics,
     stems,
@@ -75,14 +76,36 @@ def test_wrong_words_are_noticed():
 
 
 TEXTS = {path.stem: path.read_text("utf-8") for path in sources()}
-ABSTRACT = bracketed(TEXTS["report"], re.search(r"abstract: (?=\[)", TEXTS["report"]).end())
 CAPTIONS = [(name, caption) for name, text in TEXTS.items() for caption in captions(text)]
-SHORT = [*CAPTIONS, ("findings", TEXTS["findings"]), ("abstract", ABSTRACT)]
+SHORT = [*CAPTIONS, ("findings", TEXTS["findings"])]
 
 
 @pytest.mark.parametrize(("file", "text"), SHORT, ids=[name for name, _ in SHORT])
 def test_what_compares_or_counts_comes_from_a_record(file, text):
     assert claims(text) == [], " ".join(text.split())
+
+
+def figures():
+    """Yield each figure's section, name, and the words of its caption and of what it shows."""
+    for section, text in TEXTS.items():
+        for place in FIGURE.finditer(text):
+            notebook, name = place.groups()
+            numbers = json.loads((ROOT / "report" / "numbers" / f"{notebook}.json").read_text())
+            shown = numbers["figures"][name]["alt"]
+            own = name.replace("_", " ")
+            caption = plain(bracketed(text, place.end()))
+            yield section, name, stems(f"{caption} {own}"), stems(f"{shown} {own}")
+
+
+FIGURE = re.compile(r'#fig\(\s*"([^"]+)",\s*"([^"]+)"(?:[^()"]|"[^"]*")*\)(?=\[)')
+FIGURES = list(figures())
+
+
+@pytest.mark.parametrize(("section", "name", "said", "shown"), FIGURES, ids=[f[1] for f in FIGURES])
+def test_caption_fits_its_own_figure_better_than_others(section, name, said, shown):
+    for where, other, _, also_shown in FIGURES:
+        if where == section and other != name:
+            assert len(said & shown) > len(said & also_shown), f"as well for {other}"
 
 
 def test_every_caption_is_read():

@@ -10,6 +10,7 @@ result is tests/text_faults.csv, with the score of each kind in its head.
 
 import argparse
 import csv
+import json
 import os
 import random
 import re
@@ -21,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.prose import NUMBER, sources
+from tests.prose import CAPTION, NUMBER, bracketed, sources
 from tests.typeset_faults import faults as equation_faults
 from tests.typst_math import tokens
 
@@ -43,9 +44,8 @@ STATISTICS = {
 ORDERS = {
     "closer": "farther", "shorter": "longer", "longer": "shorter", "fewer": "more", "more": "less",
     "less": "more", "smaller": "larger", "larger": "smaller", "better": "worse", "worse": "better",
-    "best": "worst", "faster": "slower", "slower": "faster", "greater": "less", "below": "above",
-    "most": "least", "least": "most", "farther": "closer", "first": "last", "never": "always",
-    "none": "all", "all": "none",
+    "best": "worst", "faster": "slower", "slower": "faster", "greater": "less",
+    "most": "least", "least": "most", "farther": "closer", "never": "always",
 }  # fmt: skip
 COUNTS = "two three four five six seven eight nine ten".split()
 
@@ -145,16 +145,12 @@ def statistics(rng):
 
 
 def told(path):
-    """Return the spans of a file's captions; of findings and abstract all."""
+    """Return the spans of a file's captions and abstract; of the findings all."""
     text = path.read_text("utf-8")
     if path.stem == "findings":
         return [(0, len(text))]
-    spans = [
-        m.span(1) for m in re.finditer(r"#(?:fig|tabular)\([^)]*\)\[(.*?)\n?\](?=\s)", text, re.S)
-    ]
-    if path.stem == "report":
-        spans.append((text.index("abstract: ["), text.index("#if not web")))
-    return spans
+    starts = [place.end() + 1 for place in CAPTION.finditer(text)]
+    return [(start, start + len(bracketed(text, start - 1))) for start in starts]
 
 
 def in_told(kind, pattern, change, rng):
@@ -173,17 +169,21 @@ def in_told(kind, pattern, change, rng):
 
 def orders(rng):
     """A word of order."""
-    words = "|".join(ORDERS)
-    yield from in_told("order", rf"\b({words})\b(?![^\[\n]*\", \")", lambda m: ORDERS[m[1]], rng)
+    yield from in_told("order", rf"\b({'|'.join(ORDERS)})\b", lambda match: ORDERS[match[1]], rng)
 
 
 def counts(rng):
-    """A number word."""
+    """A number word, or the record that it comes from."""
 
-    def next_one(match):
-        return COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)]
+    def another(match):
+        if match[1]:
+            return COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)]
+        numbers = json.loads(read(f"report/numbers/{match[2]}.json"))["numbers"]
+        names = [name for name in numbers if name != match[3]]
+        return f'#count("{match[2]}", "{rng.choice(names)}")'
 
-    yield from in_told("count", rf"\b({'|'.join(COUNTS)})\b", next_one, rng)
+    pattern = rf'\b({"|".join(COUNTS)})\b|#count\("([^"]+)", "([^"]+)"\)'
+    yield from in_told("count", pattern, another, rng)
 
 
 def records(rng):
