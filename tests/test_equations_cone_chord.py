@@ -298,16 +298,45 @@ def test_good_approximation(judge):
                                   "by what is between them": across < 0.01 * length})  # fmt: skip
 
 
+def steps_along(chord, steps):
+    """Return the lengths of steps on the development, of equal u and of equal t along the chord."""
+    share = np.linspace(0, 1, steps + 1)
+    P, Q = chord.chord_point([0.0, chord.turn])
+    feet = chord.cone.feet(P + share[:, None] * (Q - P))[:, 0]
+    turned = np.unwrap(np.arctan2(feet[:, 1], feet[:, 0]))
+    plain = chord.cone.development(np.linalg.norm(feet, axis=-1), turned)
+    return [np.linalg.norm(np.diff(path, axis=0), axis=-1) for path in (chord.path(share), plain)]
+
+
+def unevenness(steps):
+    return steps.max() / steps.min()
+
+
 def test_equal_steps_along_chord(judge):
     # "Obviously will not produce equally spaced points N": nor does the path's own rule exactly.
-    chord, step = ConeChord(*EXAMPLE_CONE), np.linspace(0, 1, 11)
-    P, Q = chord.chord_point([0.0, chord.turn])
-    feet = chord.cone.feet(P + step[:, None] * (Q - P))[:, 0]
-    plane = chord.cone.development(
-        np.linalg.norm(feet, axis=-1), np.arctan2(feet[:, 1], feet[:, 0])
-    )
-    plain = np.linalg.norm(np.diff(plane, axis=0), axis=-1)
-    by_azimuth = np.linalg.norm(np.diff(chord.path(step), axis=0), axis=-1)
-    spread = plain.max() / plain.min(), by_azimuth.max() / by_azimuth.min()
-    judge("equal-steps", spread[0] > 1.2)
-    assert spread[1] < spread[0]
+    by_azimuth, plain = steps_along(ConeChord(*EXAMPLE_CONE), 10)
+    judge("equal-steps", unevenness(plain) > 1.2)
+    assert unevenness(by_azimuth) < unevenness(plain)
+
+
+def test_steps_of_equal_u(judge):
+    # "Close to equal", let it be a quarter more or less: the example's ten steps are, a wide
+    # turn's aren't; and only from f = 1/4 on, of these, is it worth more than equal t.
+    found = {f: [unevenness(steps) for steps in steps_along(ConeChord(1, 1, 0.5, f), 10)]
+             for f in (0.1, 0.25, 0.4)}  # fmt: skip
+    judge("close-to-equal", cases={"a quarter turn": found[0.25][0] < 1.25,
+                                   "four tenths of a turn": found[0.4][0] < 1.25})  # fmt: skip
+    assert np.round(found[0.25], 3).tolist() == [1.189, 1.280]
+    assert np.round(found[0.4], 2).tolist() == [1.98, 3.14]
+    assert np.round(found[0.1], 3).tolist() == [1.035, 1.013]
+    # By the definition, without the library: the example's azimuths, feet and lengths. The foot
+    # of M is its projection on the ruling; steps are straight on the development.
+    start, stop = 2**0.5, 0.5**0.5
+    turn = np.pi / 2 * 0.5**0.5
+    share = np.linspace(0, 1, 11)
+    line = start + share * (stop * np.exp(1j * turn) - start)
+    tan = np.tan(np.angle(line) * 2**0.5)
+    with np.errstate(invalid="ignore"):
+        M = np.array([0.5 + 0 * tan, 0.5 * tan, 0.5 * (tan + 1)]) / (tan + 0.5)
+    foot = (np.hypot(M[0], M[1]) + M[2]) / 2**0.5 * np.exp(1j * np.angle(line))
+    assert abs(unevenness(np.abs(np.diff(foot))) - found[0.25][0]) < 1e-9

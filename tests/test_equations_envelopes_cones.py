@@ -127,6 +127,23 @@ def test_prop20_side(judge):
     judge("cones-prop20", len(as_said) >= 60 and all(as_said))
 
 
+def test_prop20_any_place(judge):
+    # Places all round the circle, far and near, instead of the opposite one.
+    x0, y0 = np.random.default_rng(20).uniform(0.3, 1.2, (2, 30))
+    cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
+    turns = np.concatenate([np.linspace(0.1, 6.1, 13), [1e-3, -1e-3]])
+    as_said = []
+    for k, i in enumerate(cones.index):
+        centre = circle_centre(cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE))
+        start = np.array([x0[i], y0[i]]) - centre
+        c, s = np.cos(turns), np.sin(turns)
+        there = centre + np.stack([c * start[0] - s * start[1], s * start[0] + c * start[1]], -1)
+        sides = np.stack(normal(*there.T), axis=-1) @ (cones.contact[k] - cones.vertex[k])
+        lies = np.sign(cones.axis[k] @ cones.normal[k])  # the half space that holds the cone
+        as_said.append(np.all(np.sign(sides) == lies))
+    judge("cones-prop20-any", len(as_said) >= 60 and all(as_said))
+
+
 def test_remark21_distance(judge):
     cones = hyperosculating_cones(example, *GRID, half_angle=ANGLE)
     measured = np.linalg.norm(cones.vertex - cones.contact, axis=1)

@@ -28,6 +28,44 @@ READS = ["report/ledger/*"]
 MACHINE, EGG = REFERENCE_MACHINE, Egg(0.5)
 
 
+# Where the text refers to its list: sections and numbers, in its order.
+CITED = {"2": "[1]", "3.3": "[2, 3, 4] [5, 6, 7]", "3.3.1": "[8]", "4": "[10]",
+         "4.1": "[12] [11] [13]", "4.2": "[13]"}  # fmt: skip
+
+
+def numbers(citations):
+    return [int(number) for number in re.findall(r"\d+", citations)]
+
+
+def test_list_of_references(judge):
+    # Thirteen works are listed; the text was searched for brackets with numbers.
+    times = {number: 0 for number in range(1, 14)}
+    for citations in CITED.values():
+        for number in numbers(citations):
+            times[number] += 1
+    judge("references", cases={f"[{number}]": count > 0 for number, count in times.items()})
+    assert [number for number, count in times.items() if count == 0] == [9]
+    assert [number for number, count in times.items() if count == 2] == [13]
+
+
+def test_novel_scheme(judge):
+    judge("novel", missing="the literature before it, in which nobody here has searched")
+    # Nothing is cited for the scheme itself: neither in the abstract nor in the conclusions, and
+    # in 3.3 geodesics only. What the text cites of its parts is the condition of the foot and the
+    # line of a plotter.
+    assert not {"abstract", "5", "appendix"} & CITED.keys()
+    assert numbers(CITED["3.3"]) == list(range(2, 8)) and numbers(CITED["3.3.1"]) == [8]
+    # Its parts are old: the foot of a point is where the distance is least.
+    torus, rng = MACHINE.torus, np.random.default_rng(19)
+    p, q = (torus.point(*rng.uniform(-0.6, 0.6, (2, 20))) for _ in range(2))
+    middle = (p + q) / 2
+    angles = torus.angles(torus.foot(middle))
+    least = np.linalg.norm(torus.point(*angles) - middle, axis=-1)
+    for step in np.radians([(0.01, 0), (-0.01, 0), (0, 0.01), (0, -0.01)]):
+        beside = torus.point(angles[0] + step[0], angles[1] + step[1])
+        assert np.all(np.linalg.norm(beside - middle, axis=-1) > least)
+
+
 def test_geodesic_isn_t_always_shortest(judge):
     # The outer equator is a geodesic. Along it neighbours meet again after pi/sqrt(K), where
     # K = 1/(R (r + R)): before the half turn, from where on it isn't the shortest way.
@@ -144,6 +182,48 @@ def test_wanted_path_is_no_geodesic(judge):
     share = np.sum(move * around, axis=-1) / np.linalg.norm(move, axis=-1)
     clairaut = (MACHINE.r + MACHINE.R * np.cos(swing)) * share
     assert np.ptp(clairaut) > 0.5 * MACHINE.R
+
+
+def test_entire_trajectory(judge):
+    # All round the reference section, the ends of n segments on the wanted circuit, and between
+    # them the projected chord: how far its places are from where the wall wants them.
+    circuit = cutting_circuit(MACHINE, EGG)
+    whole = circuit.profile.perimeter
+
+    def off_the_wall(n):
+        ends = circuit.position(np.linspace(0, whole, n + 1))
+        places = project_chord(MACHINE.torus, ends[:-1], ends[1:], 33).reshape(-1, 2)
+        y, z = circuit.in_tunnel(MACHINE.torus.point(*places.T)).T[1:]
+        return np.max(np.abs(EGG.depth(y, z) - (MACHINE.cutter_radius - MACHINE.depth)))
+
+    off = {n: off_the_wall(n) for n in (4, 32, 128, 256)}
+    judge("entire-trajectory", cases={"256 segments, to a millimetre": off[256] < 1e-3,
+                                      "32 segments, to a millimetre": off[32] < 1e-3})  # fmt: skip
+    assert off[256] < 0.25e-3 and off[32] > 10e-3 and off[4] > 100e-3
+    assert 3.9 < off[128] / off[256] < 4.1  # by the square of their length
+    # The straight lines of the joints between the same ends leave as much.
+    ends = circuit.position(np.linspace(0, whole, 257))
+    y, z = circuit.in_tunnel(MACHINE.torus.point(*((ends[1:] + ends[:-1]) / 2).T)).T[1:]
+    straight = np.max(np.abs(EGG.depth(y, z) - (MACHINE.cutter_radius - MACHINE.depth)))
+    assert 0.9 * off[256] < straight < 1.1 * off[256]
+
+
+def test_what_is_broken_into_segments(judge):
+    # The segments' ends are points N of the projected chord. On a meridian, and on the equator,
+    # that is the geodesic; between other positions it runs beside it.
+    torus = MACHINE.torus
+    moves = {"along a meridian": ((0.1, -0.3), (0.1, 0.4)),
+             "along the equator": ((-0.3, 0.0), (0.4, 0.0)),
+             "across both": ((-0.3, 0.2), (0.4, -0.3))}  # fmt: skip
+    aside = {}
+    for name, (p, q) in moves.items():
+        ends = project_chord(torus, p, q, 9)
+        P, Q = torus.point(*p), torus.point(*q)
+        on_chord = P + np.linspace(0, 1, 9)[:, None] * (Q - P)
+        np.testing.assert_allclose(torus.point(*ends.T), torus.foot(on_chord), atol=1e-12)
+        aside[name] = np.max(np.abs(geodesic_inverse(torus, p, q).points(65).deviation(ends)))
+    judge("path-broken", cases={name: off < 1e-12 for name, off in aside.items()})
+    assert 0.4e-3 < aside["across both"] < 0.45e-3
 
 
 def test_geodesics_leave_in_every_direction(judge):

@@ -15,15 +15,18 @@ import pytest
 import sympy as sp
 
 from tests import matlab_listing, soft_float
+from tests import structured_text as interpreter
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib.motion import (
+    Compressible,
     Integrator,
     Lag,
     Loop,
     Resonance,
     follow,
     polyline,
+    reference_axes,
     rest_to_rest,
     tick_counts,
     time_bresenham,
@@ -99,6 +102,66 @@ def test_position_control(judge):
     assert left["the slope fed forward"] and left["an integral part"]
 
 
+def test_encoders_and_valves(judge):
+    judge("encoders-and-valves", missing="the machine, and any size of what drives and measures it")
+    # In a model of that kind, two encoders of 16 bits, two loops and two valves with compressible
+    # oil behind them, both joints come to rest within half a count of their set-values.
+    count = 2 * np.pi / 2**16
+    start, stop = (np.rint(np.radians(pose) / count).astype(int) for pose in ((-20, -15), (15, 20)))
+    move = rest_to_rest(start, stop, 600).T
+    wanted = count * np.vstack([move, np.repeat(move[-1:], 600, axis=0)])
+    plants = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
+    track = follow(plants, [Loop(10.0, 0.005, count=count, delay=1)] * 2, wanted)
+    assert np.max(np.abs(track.error[600])) > 10 * count  # on their way they lag
+    assert np.max(np.abs(track.error[-100:])) < count / 2
+    assert not track.saturated.any()
+
+
+def away_from_line(gains, tick=0.001):
+    """Return the steady distance, in rad, from a line at 40 degrees run at 0.1 rad/s."""
+    way = np.array([np.cos(np.radians(40)), np.sin(np.radians(40))])
+    wanted = 0.1 * tick * np.arange(10_001)[:, None] * way
+    track = follow(Integrator(0.5), [Loop(gain, tick) for gain in gains], wanted)
+    return abs(np.cross([*way, 0], [*track.error[-1], 0])[2])
+
+
+def away_from_circle(gains, radius=0.3, tick=0.001):
+    """Return by how much, in rad, positions leave a circle run at 0.1 rad/s."""
+    turn = 0.1 / radius * tick * np.arange(20_001)
+    wanted = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    track = follow(Integrator(0.5), [Loop(gain, tick) for gain in gains], wanted)
+    return np.max(np.abs(np.hypot(*track.position[1000:].T) - radius))
+
+
+def test_independent_controllers(judge):
+    # On a straight line loops of one gain are late together; others leave it by
+    # v sin cos (1/Kv - 1/Kv'). From a curve they depart inwards, even if they are alike.
+    alike, unlike = (10.0, 10.0), (10.0, 8.0)
+    judge("independent-controllers", cases={
+        "a straight line, loops alike": away_from_line(alike) < 1e-9,
+        "a straight line, loops unlike": away_from_line(unlike) < 1e-9,
+        "a circle, loops alike": away_from_circle(alike) < 1e-9})  # fmt: skip
+    v, a, b, s = 0.1, *unlike, np.radians(40)
+    law = v * np.sin(s) * np.cos(s) * abs(1 / a - 1 / b)
+    assert away_from_line(unlike) == pytest.approx(law, rel=1e-6)
+    assert 1.2e-3 < law < 1.3e-3
+    inwards = 0.3 * (1 - 1 / np.hypot(1, v / 0.3 / a))
+    assert away_from_circle(alike) == pytest.approx(inwards, rel=0.02)
+    assert 1.6e-4 < inwards < 1.7e-4 and away_from_circle(unlike) > 6 * inwards
+    # The closed loop of an integrator is 1/(1 + p/Kv): on a circle its size is 1/hypot(1, w/Kv).
+    p, w, gain = sp.symbols("p w K_v", positive=True)
+    closed = 1 / (1 + p / gain)
+    assert sp.simplify(sp.Abs(closed.subs(p, sp.I * w)) - 1 / sp.sqrt(1 + (w / gain) ** 2)) == 0
+
+
+def moved_in_segments(whole):
+    """Return set-values, in rad, of equal moves of 6.5 ticks at 0.1 rad/s, or of `whole` ticks."""
+    fine, tick = 1e-7, 0.005
+    times = tick * (whole or 6.5) * np.arange(600)
+    knots = np.rint(0.1 * times / fine).astype(int)
+    return fine * polyline(knots[:, None], tick_counts(times, tick))[:, 0]
+
+
 def test_resonance_intervals(judge):
     # Not short in itself but short against the resonance's period: at one period, half of the
     # loop's own time, the ripple is worst, and the first-order model can't show it.
@@ -106,8 +169,16 @@ def test_resonance_intervals(judge):
     period = 2 * np.pi / w
     at_period, shorter = ripple(plant, 8.0, period), ripple(plant, 8.0, period / 10)
     assert period < 0.51 / 8.0  # the loop's time is 1/Kv
-    judge("resonance-intervals", cases={"a tenth of the resonance's period": shorter < 0.01,
-                                        "half of the loop's time": at_period < 0.01})  # fmt: skip
+    # And equal: where segments of 6.5 ticks get 6 or 7, ticks as short as that shake it, too.
+    shaken = []
+    for whole in (None, 6):
+        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(whole))
+        shaken.append(np.ptp(np.diff(track.position[1000:])) / 0.005 / 0.1)
+    assert 0.005 < period / 10 and shaken[0] > 0.08 and shaken[1] < 1e-9
+    judge("resonance-intervals", cases={
+        "a tenth of the resonance's period": shorter < 0.01,
+        "half of the loop's time": at_period < 0.01,
+        "shorter, segments rounded to it": bool(shaken[0] < 0.01)})  # fmt: skip
     assert at_period > 0.5 and shorter < 2e-3 * at_period
     assert at_period > 3 * ripple(Integrator(0.5), 8.0, period)
     # 2 |G| for harmonic 1: a velocity of height 2 v per sine, from the sawtooth of height v T.
@@ -147,8 +218,14 @@ def test_equal_increments(judge):
             off = ticks * time_bresenham(0, difference, ticks) - np.arange(ticks + 1) * difference
             assert np.max(np.abs(off)) <= ticks / 2  # half a count
     assert equal[True] and equal[False]
+    # From segment to segment: equal moves of 6.5 ticks get 6 or 7, and increments differ by 1/6.
+    rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (None, 6))
+    alike = [bool(np.ptp(steps) < 1.5e-7) for steps in (rounded, whole)]  # to a count and a half
+    assert rounded.max() / rounded.min() == pytest.approx(7 / 6, rel=1e-3)
     judge("equal-increments", cases={"N divides D": all(equal[True]),
-                                     "N doesn't divide D": any(equal[False])})  # fmt: skip
+                                     "N doesn't divide D": any(equal[False]),
+                                     "knots at whole ticks, to a count": alike[1],
+                                     "knots rounded to ticks, to a count": alike[0]})  # fmt: skip
 
 
 # ---- 4.1: Bresenham's line ------------------------------------------------------------------
@@ -227,7 +304,50 @@ def test_major_axis(judge):
     assert min(longest["counted"]) == 1 and min(longest["fewer"]) > 1
 
 
+def test_display_interpolation(judge):
+    judge("display-interpolation", missing="the paper [13], of which the abstract alone was read")
+    # What that abstract speaks of can be done so: along a polygon's row, as Bresenham counts its
+    # pixels, four more axes follow, three colours and the depth, each the exact line rounded.
+    rng = np.random.default_rng(13)
+    for _ in range(50):
+        start, stop = rng.integers(-1000, 1000, (2, 6))
+        ticks = int(max(1, np.max(np.abs(stop - start)[:2])))  # the longer axis on the screen
+        found = time_bresenham(start, stop, ticks).tolist()
+        for axis, first, last in zip(found, start.tolist(), stop.tolist(), strict=True):
+            assert axis == [floor(y + HALF) for y in exact(first, last, ticks)]
+    # The colours' slopes may be above 1, of which 4.2 speaks.
+    assert np.max(np.diff(time_bresenham([0, 0, 0], [9, 3, 250], 9))) > 1
+
+
 # ---- 4.2: slopes above 1 --------------------------------------------------------------------
+
+
+def restoring_division(number, divisor):
+    """Return quotient and remainder of whole numbers below 2^32 by shifts and subtractions."""
+    quotient = remainder = soft_float.Counted(0)
+    for bit in range(31, -1, -1):
+        remainder = (remainder << 1) + ((number >> bit) & 1)
+        quotient = quotient << 1
+        if remainder >= divisor:
+            remainder, quotient = remainder - divisor, quotient + 1
+    return quotient, remainder
+
+
+def test_fast_division(judge):
+    judge("fast-division", missing="a count of controllers, and one whose division could be timed")
+    # A controller without the command divides by shifts, comparisons and subtractions.
+    rng = np.random.default_rng(42)
+    pairs = [*rng.integers(1, 2**32, (200, 2)).tolist(), (0, 1), (2**32 - 1, 1), (7, 2**32 - 1)]
+    dearest = 0
+    for number, divisor in pairs:
+        soft_float.Counted.operations = 0
+        found = restoring_division(soft_float.Counted(number), soft_float.Counted(divisor))
+        assert found == divmod(number, divisor)
+        dearest = max(dearest, soft_float.Counted.operations)
+    assert dearest < 9 * 32
+    # Once a segment, not once a tick.
+    preparation, tick = structured_text().split("\nELSE\n")
+    assert preparation.count(" / nTicks") == 1 and "/" not in tick and "MOD" not in tick
 
 
 def test_slope_above_one(judge):
@@ -483,6 +603,41 @@ def test_time_axis(judge):
     judge("time-axis", np.array_equal(polyline(knots, ticks)[at], knots))
     assert np.max(np.abs(at * 0.005 - times)) <= 0.0025 + 1e-12
     assert rest_to_rest(knots[0], knots[1], 40)[:, -1].tolist() == knots[1].tolist()
+
+
+def test_axes_in_real_time(judge, monkeypatch):
+    # Counted while it runs, on slopes of all sizes and both signs: what a tick may cost doesn't
+    # depend on the move, and n axes cost n times that.
+    counted = dict.fromkeys(interpreter.OPERATORS, 0)
+
+    def counting(name, operate):
+        def operation(a, b):
+            counted[name] += 1
+            return operate(a, b)
+
+        return operation
+
+    for name, operate in interpreter.OPERATORS.items():
+        monkeypatch.setitem(interpreter.OPERATORS, name, counting(name, operate))
+    rng = np.random.default_rng(15)
+    blocks = [FunctionBlock(structured_text()) for _ in range(3)]
+    worst = {}
+    for size in (1, 100, 10**9):
+        for axes in (1, 2, 3):
+            for block in blocks[:axes]:
+                start, stop = rng.integers(-size, size + 1, 2).tolist()
+                block(bLoad=True, nStart=start, nStop=stop, nTicks=29)
+            costs = []
+            for _ in range(29):
+                counted.update(dict.fromkeys(counted, 0))
+                for block in blocks[:axes]:
+                    block(bLoad=False)
+                costs.append([counted["+"] + counted["-"], counted["<"] + counted[">="]
+                              + counted[">"], counted["/"] + counted["MOD"]])  # fmt: skip
+            worst[size, axes] = (np.max(costs, axis=0) / axes).tolist()
+    judge("axes-in-real-time", all(most <= 4 and compared <= 2 and divided == 0
+                                   for most, compared, divided in worst.values()))  # fmt: skip
+    assert len(worst) == 9 and max(worst.values()) == [4, 2, 0]
 
 
 # ---- 4.4: multitasking ----------------------------------------------------------------------

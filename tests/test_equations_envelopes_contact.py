@@ -1,0 +1,383 @@
+"""Envelopes of moving cones, sections 4 and 5: what contact is worth, and what solutions need.
+
+The verdicts stand in report/ledger/cone-envelopes.toml.
+"""
+
+import numpy as np
+import sympy as sp
+from mpmath import mp
+from scipy.optimize import brentq, fsolve
+
+from tests.symbols_envelopes import (
+    ANGLE,
+    EQ11,
+    EQ13,
+    EX31,
+    NAMES,
+    circle_centre,
+    cone_points,
+    example,
+    t,
+    tan,
+    u,
+    v,
+    x,
+    y,
+)
+from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
+from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
+from tunneller_lib.envelopes.isotropic import point_to_plane, surface_points
+from tunneller_lib.envelopes.jet import jet_variables
+
+READS = ["report/ledger/*"]
+
+z = sp.Symbol("z", real=True)
+WAYS = ((1, 0), (0, 1), (1, -1))
+
+
+def quartic(a, b):
+    return a**2 - b**2 + 0.3 * a**3 * b + 0.2 * b**4
+
+
+def order(gap):
+    """Return up to which order a function of a step vanishes with it, by steps of 1e-6 and 1e-7."""
+    first, second = gap(mp.mpf(10) ** -6), gap(mp.mpf(10) ** -7)
+    found = mp.log10(abs(first / second)) - 1
+    assert abs(found - mp.nint(found)) < 0.01
+    return int(mp.nint(found))
+
+
+def in_digits(form, *symbols):
+    """Return a function of mpmath's numbers: a form's value and first derivatives."""
+    return sp.lambdify(symbols, [form, *(form.diff(s) for s in symbols)], "mpmath")
+
+
+# ---- 4: contact of tools and of surfaces ----------------------------------------------------
+
+
+class Cyclide:
+    """Example 31's envelope, whose conics lie over circles through (0, 0), in 60 digits."""
+
+    across = y - sp.Rational(3, 10) - x / 5  # 0 on a line that crosses the circles
+    outline = 3 - x**2 - y**2  # 0 on the circle that all of them touch
+
+    def __init__(self, gap):
+        self.own, self.other = in_digits(EX31, x, y), in_digits(EX31 + gap, x, y)
+
+    def place(self, circle, step):
+        radius = mp.sqrt(3) / 2  # cot(30 degrees)/2
+        centre = radius * mp.cos(circle), radius * mp.sin(circle)
+        return centre[0] + radius * mp.cos(step), centre[1] + radius * mp.sin(step)
+
+    def crossing(self, circle):
+        line = sp.lambdify((x, y), self.across, "mpmath")
+        return mp.findroot(lambda step: line(*self.place(circle, step)), circle + 0.2)
+
+    def planes(self, circle, contact):
+        """Return the order in which a cone's planes meet the other surface's, both as graphs."""
+
+        def gap(step):
+            at = self.place(circle, contact + step)
+            return self.other(*at)[0] - self.own(*at)[0]
+
+        return order(gap)
+
+    def points(self, circle, contact):
+        """Return the orders in which points of the other surface leave the envelope."""
+        a, b = self.place(circle, contact)
+
+        def off(step, way):
+            p, q = a + step * way[0], b + step * way[1]
+            f, fx, fy = self.other(p, q)
+            r3 = 2 * (p * fx + q * fy - f) / (1 + p * p + q * q)  # Eq. 20
+            r1, r2 = p * r3 - fx, q * r3 - fy
+            return r3 * (r1 * r1 + r2 * r2 + r3 * r3) + 2 * (r1 * r1 + r3 * r3)
+
+        assert abs(off(0, (0, 0))) < 1e-50
+        return {order(lambda step, way=way: off(step, way)) for way in WAYS}
+
+
+def hyperboloid_contacts(n):
+    """Return orders of planes of surfaces whose points leave a hyperboloid with order n.
+
+    The hyperboloid of half axes 2, 2 and 1 is enveloped by cones of tan(theta) = 1/2 with
+    vertices on the circle of radius sqrt(5), axes tangent to it.
+    """
+    own = (x**2 + y**2) / 4 - z**2 - 1
+    aside = z - x / 10 - sp.Rational(1, 5)  # 0 along a curve of contact
+    other = in_digits(own + aside ** (n + 1) * (2 + x) / 20, x, y, z)
+    line = sp.lambdify((x, y, z), aside, "mpmath")
+
+    def plane(turn, time):
+        c, s = mp.cos(time), mp.sin(time)
+        up, out = 2 * mp.sin(turn), 2 * mp.cos(turn)
+        normal = [(out * c - s) / mp.sqrt(5), (out * s + c) / mp.sqrt(5), up / mp.sqrt(5)]
+        return normal, mp.sqrt(5) * (normal[0] * c + normal[1] * s)
+
+    def touched(turn, time):
+        normal, height = plane(turn, time)
+        scaled = [4 * normal[0] / height, 4 * normal[1] / height, -normal[2] / height]
+        assert abs((scaled[0] ** 2 + scaled[1] ** 2) / 4 - scaled[2] ** 2 - 1) < 1e-50
+        return scaled
+
+    orders = []
+    for time in (mp.mpf("0.3"), mp.mpf("1.2")):
+        contact = mp.findroot(lambda turn, at=time: line(*touched(turn, at)), (0.1, 0.3))
+
+        def gap(step, contact=contact, time=time):
+            normal, height = plane(contact + step, time)
+            start = touched(contact + step, time)
+            stretch = sum(a * b for a, b in zip(other(*start)[1:], normal, strict=True))
+
+            def same_normal(*unknown):
+                value, *slope = other(*unknown[:3])
+                return [value, *(a - unknown[3] * b for a, b in zip(slope, normal, strict=True))]
+
+            found = mp.findroot(same_normal, (*start, stretch))
+            return sum(found[i] * normal[i] for i in range(3)) - height
+
+        orders.append(order(gap))
+    return orders
+
+
+def test_contact_of_tools_is_contact_of_surfaces(judge):
+    as_said = []
+    with mp.workdps(60):
+        for n in (1, 2, 3, 4):
+            # Tool positions with contact of order n in the space of planes, along a curve that
+            # crosses them: so have, as points, the surface and the envelope.
+            surfaces = Cyclide(Cyclide.across ** (n + 1) * (1 + x * y) / 5)
+            for circle in (mp.mpf("0.3"), mp.mpf(1), mp.mpf("-0.2")):
+                contact = surfaces.crossing(circle)
+                assert surfaces.planes(circle, contact) == n
+                as_said.append(surfaces.points(circle, contact) == {n})
+            # And back: a surface that leaves an envelope with order n, as points, by the planes.
+            as_said.append(hyperboloid_contacts(n) == [n, n])
+        # The tool must move across its circles: along the curve that all of them touch, planes
+        # have order 3 or 5 and the surfaces only 1 or 2.
+        for power, planes, points in ((2, 3, {1}), (3, 5, {2})):
+            surfaces = Cyclide(Cyclide.outline**power * (1 + x * y) / 5)
+            for circle in (mp.mpf("0.3"), mp.mpf(1)):
+                assert surfaces.planes(circle, circle) == planes
+                assert surfaces.points(circle, circle) == points
+    judge("cones-contact-transfer", len(as_said) == 16 and all(as_said))
+
+
+def over(direction, place):
+    """Return the centre, from the place, of a special circle through it (Eq. 9)."""
+    way = np.array([np.cos(direction), np.sin(direction)])
+    return way * (1 + np.dot(place, place)) / 2 / (np.tan(ANGLE) - np.dot(place, way))
+
+
+def hyperosculating_directions(f, place):
+    """Return the directions of circles with contact of order 3, by Eq. 11 round the circle."""
+    jet = f(*jet_variables(*place))
+    eleven = sp.lambdify((u, v, *NAMES.values()), EQ11)
+    values = [float(jet.derivative(*i)) for i in NAMES]
+
+    def cubic(direction):
+        way = np.array([np.cos(direction), np.sin(direction)])
+        scale = np.tan(ANGLE) - np.dot(place, way)
+        return eleven(*over(direction, place), *values) * scale**3
+
+    around = np.linspace(0, 2 * np.pi, 721)
+    size = np.array([cubic(direction) for direction in around])
+    changes = np.flatnonzero(size[1:] * size[:-1] < 0)
+    return [brentq(cubic, around[i], around[i + 1], xtol=1e-14) for i in changes]
+
+
+def twice_tangent(f, place, start, apart):
+    """Return vertex, planes and points of a cone that touches f's surface here and `apart`."""
+    jet = f(*jet_variables(*place))
+    slope = np.array([float(jet.derivative(1, 0)), float(jet.derivative(0, 1))])
+    here = np.array([*place, float(jet.value)])
+    turn = apart / np.hypot(*over(start, place))
+
+    def conic_of(direction, b):
+        U, V = over(direction, place)
+        return (U, V), slope[0] * V - slope[1] * U, b
+
+    def left(unknown):
+        (U, V), a, b = conic_of(*unknown)
+        s, _ = jet_variables(turn, 0.0)
+        back = 1 - np.cos(s)
+        gap = here[2] + a * np.sin(s) + b * back
+        gap = gap - f(here[0] + V * np.sin(s) + U * back, here[1] - U * np.sin(s) + V * back)
+        value, rate = float(gap.value), float(gap.derivative(1, 0))
+        return [value / turn**2, (turn * rate - 2 * value) / turn**3]
+
+    _, _, b = osculating_conic(over(start, place), jet)
+    found, *_ = fsolve(
+        left, (start, b), xtol=1e-13, full_output=True
+    )  # as good as rounding lets it
+    found = conic_of(*found)
+    planes = conic(here, *found, np.array([0.0, turn]))
+    points = surface_points(f, planes[:, 0], planes[:, 1])
+    return cone_vertex(here, *found), point_to_plane(planes), points
+
+
+def test_doubly_tangent_cones_are_near(judge):
+    # A cone of the same angle that touches here and a little farther on: Newton's method from
+    # the cone in third-order contact, whose root of Eq. 11 is simple.
+    near = []
+    for f, places in ((example, ((0.5, 0.3), (0.3, 0.2))),
+                      (quartic, ((0.5, 0.3), (0.3, 0.2), (-0.4, 0.6)))):  # fmt: skip
+        for place in places:
+            starts = hyperosculating_directions(f, place)
+            assert len(starts) == hyperosculating_cones(f, *place, half_angle=ANGLE).count
+            jet = f(*jet_variables(*place))
+            for start in starts:
+                limit = cone_vertex((*place, float(jet.value)), over(start, place),
+                                    *osculating_conic(over(start, place), jet)[1:])  # fmt: skip
+                away = []
+                for apart in (0.02, 0.005):
+                    vertex, (n, h), points = twice_tangent(f, place, start, apart)
+                    # Both planes are the cone's and the surface's: they hold both points.
+                    assert np.max(np.abs(n @ vertex + h)) < 1e-9 * (1 + np.abs(vertex).max())
+                    assert np.max(np.abs(np.sum(n * points, axis=-1) + h)) < 1e-12
+                    assert np.linalg.norm(points[0] - points[1]) > apart / 2
+                    away.append(np.linalg.norm(vertex - limit))
+                near.append(away[1] < 0.3 * away[0] or away[0] < 1e-8)
+    judge("cones-doubly-tangent", len(near) == 22 and all(near))
+
+
+def saddle(s, t):
+    return [s, t, s**2 - t**2 + 0.3 * s**3 * t + 0.2 * t**4]
+
+
+def milled_width(place, start, beta, tolerance=1e-5):
+    """Return how wide a strip hyperosculating cones mill along a straight row of contacts.
+
+    The row runs at the angle beta from the direction conjugate to the first cone's ruling, all
+    cones are put there, and points across the row are measured from the nearest.
+    """
+    cone = hyperosculating_cones(saddle, *place, half_angle=ANGLE, model="space")
+    frame = adapted_frames(saddle, *np.array(place)[:, None], "space")
+    first, second, _ = frame.axes[0]
+    graph = tangent_graph(frame, frame.smooth)
+    bend = [[graph.derivative(2, 0)[0], graph.derivative(1, 1)[0]],
+            [graph.derivative(1, 1)[0], graph.derivative(0, 2)[0]]]  # fmt: skip
+    ruling = cone.contact[start] - cone.vertex[start]
+    p, q = np.array(bend) @ [ruling @ first, ruling @ second]
+    conjugate = np.arctan2(p, -q)
+    r = saddle(*jet_variables(*place))
+    slopes = np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in r], float)
+
+    def parameters(direction):
+        way = np.cos(direction) * first + np.sin(direction) * second
+        return np.linalg.lstsq(slopes, way, rcond=None)[0]
+
+    row = place + np.linspace(-0.25, 0.25, 251)[:, None] * parameters(conjugate + beta)
+    side = np.linspace(-0.12, 0.12, 97)
+    across = place + side[:, None] * parameters(conjugate + beta + np.pi / 2)
+    points = np.stack(saddle(*across.T), axis=-1)
+    cones = hyperosculating_cones(saddle, *row.T, half_angle=ANGLE, model="space")
+    picked = {125: np.flatnonzero(cones.index == 125)[start]}
+    for i, before in [*((i, i - 1) for i in range(126, 251)),
+                      *((i, i + 1) for i in range(124, -1, -1))]:  # fmt: skip
+        there = np.flatnonzero(cones.index == i)
+        steps = np.linalg.norm(cones.vertex[there] - cones.vertex[picked[before]], axis=-1)
+        picked[i] = there[np.argmin(steps)]
+        assert steps.min() < 0.02
+    left = np.array([
+        cone_distance(points, cones.vertex[k], cones.axis[k], ANGLE, 0.0, 3 * cones.distance[k])
+        for k in picked.values()
+    ]).min(axis=0)  # fmt: skip
+    assert left.min() > -1e-6 and left[[0, -1]].min() > tolerance
+    # Where the rest passes the tolerance, outwards from the row, by its fourth root.
+    fourth = np.maximum(left, 0) ** 0.25
+    ends = [np.interp(tolerance**0.25, fourth[half], np.abs(side[half]))
+            for half in (slice(48, None), slice(48, None, -1))]  # fmt: skip
+    return sum(ends)
+
+
+def test_widest_strips_across_the_conjugate_direction(judge):
+    # Cones put along rows in five directions through a point, and what they leave beside it.
+    betas = np.radians([45, 60, 90, 120, 135])
+    widest = []
+    for place, starts in (((0.3, 0.2), (3,)), ((0.1, 0.15), (1, 2, 3))):
+        for start in starts:
+            width = np.array([milled_width(place, start, beta) for beta in betas])
+            widest.append(np.argmax(width) == 2)
+            assert np.ptp(width / np.sin(betas)) < 0.05 * width[2]
+    judge("cones-widest", len(widest) == 4 and all(widest))
+
+
+# ---- 5: what solutions need -----------------------------------------------------------------
+
+
+def test_choice_that_jumps(judge):
+    # Example 31 has two nonmultiple conics of fourth order at a point: one taken at random, anew
+    # at each point, depends continuously on none, and yet each lies in the graph.
+    rng = np.random.default_rng(13)
+    a, b = rng.uniform(-0.8, 0.8, (2, 300))
+    cones = hyperosculating_cones(example, a, b, half_angle=ANGLE)
+    contained, jumps, last = [], 0, None
+    for i in np.argsort(a):
+        both = np.flatnonzero((cones.index == i) & (np.abs(cones.order4) < 1e-10)
+                              & (cones.multiplicity == 1))  # fmt: skip
+        if len(both) != 2:
+            continue  # too near a place where two fall together
+        k = rng.choice(both)
+        planes = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        size = 1 + np.abs(planes).max() ** 2
+        contained.append(np.max(np.abs(planes[:, 2] - example(*planes.T[:2]))) < 1e-7 * size)
+        centre = circle_centre(planes) / np.linalg.norm(circle_centre(planes))
+        side = np.sign(centre[0] * b[i] - centre[1] * a[i])
+        jumps += last is not None and side != last
+        last = side
+    assert jumps > 80
+    # What makes it inessential: nonmultiple solutions are branches that move with the point.
+    for f, place in ((example, (0.5, 0.3)), (quartic, (0.3, 0.2)), (quartic, (-0.4, 0.6))):
+        here = np.array(hyperosculating_directions(f, place))
+        for step in ((1e-4, 0), (0, 1e-4), (-1e-4, 1e-4)):
+            there = hyperosculating_directions(f, np.add(place, step))
+            assert len(there) == len(here) and np.max(np.abs(there - here)) < 1e-2
+    judge("cones-continuity", len(contained) > 200 and all(contained))
+
+
+def sextic(place):
+    """Return Eq. 13's coefficients for Example 31 at 30 degrees, from the highest down."""
+    here = {x: place[0], y: place[1], tan: 1 / mp.sqrt(3)}
+    jet = {}
+    for (i, j), name in NAMES.items():
+        derivative = sp.diff(EX31, *[x] * i, *[y] * j) if i + j else EX31
+        jet[name] = sp.lambdify((x, y), derivative, "mpmath")(*place)
+    equation = sp.Poly(EQ13, t)
+    numbers = sp.lambdify([*here, *jet], equation.all_coeffs(), "mpmath")
+    return numbers(*here.values(), *jet.values())
+
+
+def test_multiple_roots_are_unstable(judge):
+    # By how much the roots of Eq. 13 move when its coefficients err by a share of 1e-12 or 1e-8.
+    rng = np.random.default_rng(16)
+    errors = (mp.mpf(10) ** -12, mp.mpf(10) ** -8)
+    powers, lost = {}, {}
+    with mp.workdps(50):
+        radius = mp.sqrt(3)  # on this circle both generators are one
+        places = {"simple": (mp.mpf("0.5"), mp.mpf("0.3")),
+                  "double": (radius * mp.cos(0.7), radius * mp.sin(0.7))}  # fmt: skip
+        for kind, place in places.items():
+            coefficients = sextic(place)
+            roots = mp.polyroots(coefficients, maxsteps=500, extraprec=400)
+            # The double root is known to half of the digits, the simple ones to all.
+            apart = [min(abs(r - s) for s in roots if s is not r) for r in roots]
+            which = [i for i in range(6) if (apart[i] < 1e-15) == (kind == "double")]
+            assert which if kind == "simple" else len(which) == 2
+            root = mp.re(roots[which[0]])
+            moved, gone = [], 0
+            for _ in range(20):
+                way = rng.uniform(-1, 1, 7)
+                for error in errors:
+                    changed = [c * (1 + error * w) for c, w in zip(coefficients, way, strict=True)]
+                    near = mp.polyroots(changed, maxsteps=500, extraprec=400)
+                    nearest = min(near, key=lambda r: abs(r - root))
+                    moved.append(abs(nearest - root))
+                gone += abs(mp.im(nearest)) > abs(mp.re(nearest) - root)
+            ratios = [mp.log10(b / a) / 4 for a, b in zip(moved[::2], moved[1::2], strict=True)]
+            powers[kind], lost[kind] = (float(min(ratios)), float(max(ratios))), gone
+    keeps = 0.99 < powers["simple"][0] and powers["simple"][1] < 1.01 and lost["simple"] == 0
+    assert 0.49 < powers["double"][0] and powers["double"][1] < 0.51
+    judge("cones-stable-roots", keeps and lost["double"] > 0)
