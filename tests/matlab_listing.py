@@ -51,7 +51,7 @@ axis ([0 t2+1 0 y2+5]);
 REPAIRS = {
     "continuation": ("'Position',\n", "'Position', ...\n"),
     "slope": ("nx = k/j;", "nx = k/j*T;"),
-    "ideal line": ("y_ref(n) = y1 + t*nx;", "y_ref(n) = y1 + (t-t1)*nx;"),
+    "ideal line": ("y_ref(n) = y1 + t*nx;", "y_ref(n) = y1 + (t-t1)*k/j;"),
 }
 
 

@@ -16,9 +16,9 @@ def reached(monkeypatch):
     return asked
 
 
-def test_prose_reaches_the_report_the_pages_and_the_equations_alone(reached):
-    expected = ["tests/test_report.py", "tests/test_site.py", "tests/test_typeset.py"]
-    assert reached("report/sections/rods.typ") == expected
+def test_prose_reaches_the_report_the_pages_the_equations_and_the_words_alone(reached):
+    expected = ["report", "site", "typeset", "words"]
+    assert reached("report/sections/rods.typ") == [f"tests/test_{name}.py" for name in expected]
 
 
 def test_leaf_reaches_its_tests_its_doctests_and_its_notebook(reached):

@@ -508,6 +508,11 @@ def test_listing_ideal_line(judge):
         program = matlab_listing.run(t1=3, number=Fraction, repaired=repaired)
         circles, ideal = (entry for entry in program.drawn if entry[0] == "plot")
         assert (ideal[2][0] - circles[2][0], ideal[2][-1] - circles[2][-1]) == (off, off)
+    # With all that is mended, at another sampling time, too.
+    for T in (HALF, 2):
+        program = matlab_listing.run(t1=2, T=T, number=Fraction, repaired=matlab_listing.REPAIRS)
+        circles, ideal = (entry for entry in program.drawn if entry[0] == "plot")
+        assert (ideal[2][0], ideal[2][-1]) == (circles[2][0], circles[2][-1]) == (5, 30)
 
 
 def test_listing_rectangles(judge):

@@ -59,6 +59,9 @@ def test_groove_volume(judge):
 
     judge("groove-volume", is_volume(printed), right=is_volume(c * segment))
     assert zero(printed.subs(g, 2 * R) - 2 * sp.pi * V_L)  # the whole cylinder, 2 pi times
+    times = printed / (c * segment)  # as many times too large, the more the less the depth
+    assert zero(times.subs(g, R) - 2 * sp.pi)
+    assert round(float(times.subs(g, R / 10))) == 48
     sector = printed / (2 * sp.pi)
     assert zero((sector - c * segment).subs(g, R))  # a half cylinder is sector and segment
     # A second way, by quadrature; a third is measured in test_groove_along_a_wall.

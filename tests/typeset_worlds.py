@@ -347,6 +347,7 @@ def line_and_plane(rng):
     p, q, plane = signed(rng, 0.5, 1.5, (3, 4))
     pairs = {f"m_{i}{j}": p[i] * q[j] - p[j] * q[i]
              for i, j in ((0, 1), (0, 2), (0, 3), (2, 3), (3, 1), (1, 2))}  # fmt: skip
+    pairs |= {f"m_{i}{i}": 0 * p[i] for i in range(4)}  # as the document prints them
     point = (q @ plane) * p - (p @ plane) * q
     return {**pairs, **numbered("m", point, 0), **numbered("M", plane, 0)}
 

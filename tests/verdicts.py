@@ -1,4 +1,4 @@
-"""What a proof finds, and the verdict that follows: nobody types a verdict twice.
+"""What a proof finds, and the verdict that follows.
 
 A row of report/ledger names its proof, a test. The test hands `judge` what it found of the claim as
 printed, and of what the row says is right; the word that follows must be the row's. A verdict that
@@ -11,13 +11,14 @@ holds
 corrected
     It is false, and what the row puts in its place is true.
 refuted
-    It is false, and nothing can take its place.
+    It is false, and nothing of its form can take its place.
 imprecise
     It is true in some cases, or to some digits, and false in others; the text doesn't tell which.
 ambiguous
     It can be read in two ways, and is true in one and false in the other.
 not reproduced
-    What it speaks of isn't there to be tried.
+    We could neither confirm nor refute it: what that would take isn't there. Which that is, the
+    proof says in words, so that this verdict is a judgement.
 """
 
 import tomllib
