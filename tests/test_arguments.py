@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.shapes import CALLS
+from tests.calls import CALLS
 
 
 def made(call, lead, seed=0):

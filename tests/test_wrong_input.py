@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.shapes import CALLS
+from tests.calls import CALLS
 from tunneller_lib.paths import Circuit, ConeChord, cutting_circuit, project_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
 
