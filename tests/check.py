@@ -68,20 +68,22 @@ def reached(names, since="HEAD"):
         return ["tests", "tunneller_lib", "notebooks"]
     python = {name for name in names if name.endswith(".py")}
     code_changed = {name for name in python if not means_the_same(name, since)}
+
+    def reaches(text, *inside):  # imports are followed only if there is something to meet
+        files = needed(text, ROOT, inside) if code_changed else ()
+        return any(str(file.relative_to(ROOT)) in code_changed for file in files)
+
     found = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
     found = [name for name in found if (ROOT / name).exists()]
     for test in sorted((ROOT / "tests").glob("test_*.py")):
         name = str(test.relative_to(ROOT))
-        text = test.read_text(encoding="utf-8")
-        modules = {str(f.relative_to(ROOT)) for f in needed(text, ROOT, ("tests",))} | {name}
         read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
-        if modules & code_changed or name in names or read:
+        if name in names or read or reaches(test.read_text(encoding="utf-8"), "tests"):
             found.append(name)
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
-        modules = {str(file.relative_to(ROOT)) for file in needed(code(notebook), ROOT)}
-        data = {name for name in names if name in notebook_sources(notebook)}
-        if name in names or modules & code_changed or data - python:
+        data = names - python and (names - python) & notebook_sources(notebook).keys()
+        if name in names or data or reaches(code(notebook)):
             found.append(name)
     return found
 
