@@ -217,6 +217,17 @@ def test_eq11_quartic(judge):
         assert close(foot_quartic(torus, points.T), np.transpose(expected), scale)
 
 
+def test_four_coefficients(judge):
+    # Corrected, grouped as printed: what is added, multiplied and raised to a power.
+    printed, (nu4, nu0) = eq11_printed(), eq11_corrected_nu()
+    left = [printed[f"N{p}"] for p in range(5) if printed[f"N{p}"] != 0]
+    grouped = [m1**4 * (m1**2 + m3**2) ** 2 * nu4, printed["N2"], printed["N1"], m1**8 * nu0]
+    operations = sum(sp.count_ops(coefficient) for coefficient in grouped)
+    judge("four-coefficients", len(left) == 4 and operations < 200)
+    quartic = sum(c * n1**p for c, p in zip(grouped, (4, 2, 1, 0), strict=True))
+    assert zero(quartic - eq11_corrected())
+
+
 def test_eq11_common_factor(judge):
     printed = eq11_printed()
     coefficients = [printed[name] for name in ("N4", "N2", "N1", "N0")]

@@ -657,6 +657,13 @@ def operations_a_tick():
     return additions, sum(line.count("IF n") for line in dearest)
 
 
+def test_hardened_controller(judge):
+    judge("hardened-controller", missing="the controller: its make, its clock, its cycle")
+    # What a line asks of it, the counting of ticks done twice.
+    every = 2 * sum(operations_a_tick())
+    assert sum(operations_a_tick()) == 6 and every / 5e-3 < 1e6 / 400
+
+
 def test_numerically_efficient(judge):
     few = operations_a_tick() == (4, 2)  # of which one each counts the ticks, for all axes
     tick = structured_text().split("\nELSE\n")[1]

@@ -14,6 +14,15 @@ from tunneller_lib.surfaces import Egg
 READS = ["report/ledger/*"]
 
 
+def test_standard_section(judge):
+    judge("standard-section", missing="the standards of the world's sewers since 1850")
+    # One size gives all of the printed section: box and area scale with it.
+    for a in (0.1, 0.5, 3.0):
+        width, height = np.ptp(Egg(a).box, axis=0)
+        assert close([width, height], [2 * a, 3 * a], a)
+        assert round(Egg(a).area / a**2, 3) == 4.594
+
+
 def test_fig4_section(judge):
     size = sp.symbols("a", positive=True)
     roof, wall, floor = size, 3 * size, size / 2

@@ -11,6 +11,7 @@ from mpmath import mp
 
 from tests.symbols_tunneller import R, close, x, y, zero
 from tunneller_lib.paths import project_chord
+from tunneller_lib.ream import Limits
 from tunneller_lib.removal import (
     DexelGrid,
     advance_for_volume,
@@ -157,3 +158,26 @@ def test_single_change(judge):
     judge("single-change", cases={"in the arc": settles(got / wanted - 1),
                                   "in the chord's parameter": settles(error)})  # fmt: skip
     assert abs(got / wanted - 1) < 1e-13 and np.max(np.abs(error)) > 0.02
+
+
+def test_advance_by_ground_and_power(judge):
+    # A groove of each depth, straight, a thousand moves of a millimetre; the power that is there
+    # removes power/energy of ground in a second.
+    power, moves = 3e3, np.full(1000, 1e-3)
+
+    def feed(depth, energy):
+        limits = Limits(feed=0.1, acceleration=0.5, volume=power / energy)
+        ground = np.full(1000, removed_volume(0.2, 1.0, depth))
+        return limits.profile(moves, np.zeros((1001, 2)), ground)
+
+    deep, shallow = ([feed(depth, energy) for energy in (20e6, 40e6)] for depth in (0.02, 1e-3))
+
+    def dictated(place, feeds):  # by the ground: twice as hard, half as fast
+        soft, hard = (feed[place] for feed in feeds)
+        return bool(np.isclose(soft / hard, 2))
+
+    judge("advance-dictated", cases={"in the middle of a deep groove": dictated(500, deep),
+                                     "a millimetre from its start": dictated(1, deep),
+                                     "in a shallow groove": dictated(500, shallow)})  # fmt: skip
+    assert close([feed[1] for feed in deep], np.sqrt(2 * 0.5 * 1e-3))
+    assert close([feed[500] for feed in shallow], 0.1)
