@@ -11,8 +11,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 END = re.compile(r"(?<=[.:;])\s+(?=[A-Z#+*_])|\n\n|\n(?=[+-] )")
-NUMBER = re.compile(r'#num\(\s*"([^"]+)",\s*"([^"]+)"\s*\)')
-CALL = re.compile(r'#\w+\(\s*"[^"]*"(?:,\s*\w*:?\s*"[^"]*")*\s*\)')
+NUMBER = re.compile(r'#(?:num|count)\(\s*"([^"]+)",\s*"([^"]+)"\s*\)')
+CALL = re.compile(r'#\w+\(\s*"[^"]*"(?:,\s*(?:\w+: *)?(?:"[^"]*"|[\d.]+%))*,?\s*\)')
 SMALL = set(
     "a an and are as at by for from in is it its of on or s that the to was which with".split()
 )
@@ -36,17 +36,31 @@ STATISTICS = {
     "rms": "rms",
 }
 
+# Numbers that no word beside them tells apart, by section.
+ALIKE = {
+    "findings": {("median aside", "third rule's gain in position, median"),
+                 ("third rule's gain, median", "third rule's gain in position, median")},
+    "geodesics": {("leaving", "leaving by"), ("leaving", "aside, corner to corner"),
+                  ("leaving by", "aside, corner to corner"),
+                  ("law off, shortest", "law off, longest"),
+                  ("power of the next order", "power of the one-third rule"),
+                  ("worst excess", "worst excess, third rule"),
+                  ("worst aside", "worst aside, third rule"),
+                  ("third rule worse", "third rule worse from")},
+    "volume": {("advance", "advance for it")},
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Use:
-    """One `#num` of a sentence.
+    """One `#num` or `#count` of a sentence.
 
     Parameters
     ----------
     notebook, name : str
         The record.
-    before, around : str
-        The words just before it, and those between the numbers before and after it.
+    before, after : str
+        The words between it and the number before, and between it and the next.
     sentence : str
         All words of the sentence.
     file : str
@@ -56,15 +70,38 @@ class Use:
     notebook: str
     name: str
     before: str
-    around: str
+    after: str
     sentence: str
     file: str
+
+    @property
+    def around(self):
+        return f"{self.before} {self.after}"
+
+    def nearness(self, name):
+        """Return how near the words of a record's name stand: of each, 1/(3 + words between)."""
+        left, right = in_order(self.before)[::-1], in_order(self.after)
+        gaps = [
+            [side.index(word) for side in (left, right) if word in side] for word in stems(name)
+        ]
+        return sum(1 / (3 + min(gap)) for gap in gaps if gap)
 
 
 def sources(root=ROOT):
     """Return the files of prose, report.typ last."""
     report = root / "report"
     return [*sorted((report / "sections").glob("*.typ")), report / "report.typ"]
+
+
+UNREAD = {"geodesics"}  # files whose running text isn't read for words that compare
+
+
+def running(path):
+    """Return a file's text without captions and abstract; of the findings nothing is left."""
+    text = "" if path.stem == "findings" else path.read_text("utf-8")
+    for caption in captions(text):
+        text = text.replace(caption, " " * len(caption))
+    return text
 
 
 def plain(text):
@@ -81,8 +118,8 @@ def uses(text, file=""):
         starts = [*(place.start() for place in places[1:]), len(sentence)]
         for place, start, end in zip(places, ends, starts, strict=False):
             before = plain(sentence[start : place.start()])
-            around = before + " " + plain(sentence[place.end() : end])
-            found.append(Use(*place.groups(), before, around, plain(sentence), file))
+            after = plain(sentence[place.end() : end])
+            found.append(Use(*place.groups(), before, after, plain(sentence), file))
     return found
 
 
@@ -96,10 +133,22 @@ def stem(word):
     return word[:6]
 
 
+def in_order(text):
+    """Return the stems of a text's words in their order; a small word's is its own."""
+    words = re.findall(r"[^\W\d_]+|\d+", text)
+    return [word.lower() if word.lower() in SMALL else stem(word) for word in words]
+
+
 def stems(text):
     """Return the stems of the words that carry meaning."""
-    words = re.findall(r"[^\W\d_]+|\d+", text)
-    return {stem(word) for word in words if word.lower() not in SMALL}
+    return set(in_order(text)) - SMALL
+
+
+def as_well_exchanged(one, other):
+    """Tell whether the words fit two numbers of a notebook as well if these are exchanged."""
+    true = one.nearness(one.name) + other.nearness(other.name)
+    false = one.nearness(other.name) + other.nearness(one.name)
+    return true <= false + 1e-9  # sums of the same fractions in another order
 
 
 def statistics(text):
@@ -108,7 +157,7 @@ def statistics(text):
     return {kind for kind, words in kinds if re.search(rf"\b({words})\b", text, re.I)}
 
 
-# Words that compare, and number words from two on.
+# Words that compare, that speak of all cases, and number words from two on.
 COMPARATIVES = (
     "closer nearer shorter longer better worse faster slower more fewer less greater larger "
     "smaller higher lower wider narrower deeper thicker thinner farther milder twice half double "
@@ -118,11 +167,15 @@ SUPERLATIVES = (
     "closest nearest shortest longest best worst fastest slowest most fewest least greatest "
     "largest smallest highest lowest widest narrowest deepest thickest thinnest"
 ).split()
-CLAIMS = re.compile(rf"\b({'|'.join([*COMPARATIVES, *SUPERLATIVES, *COUNTS[2:]])})\b", re.I)
-EXTREME = "largest|greatest|longest|shortest|least|worst|fastest|nearest"
+NUMBERS = {*COUNTS, *"twice half double triple tenfold twentyfold hundredfold".split()}
+ALWAYS = ["never", "always"]
+CLAIMS = re.compile(
+    rf"\b({'|'.join([*COMPARATIVES, *SUPERLATIVES, *ALWAYS, *COUNTS[2:]])})\b", re.I
+)
+EXTREME = "largest|greatest|highest|longest|shortest|least|worst|fastest|nearest"
 QUANTITY = (
     "error|excess|deviation|following error|contour error|gain|step|segment|distance|feed|constant "
-    "feed|foot|of the feet|root"
+    "feed|foot|of the feet|root|count|response|axis|point|lap|one|depth|meeting|N"
 )
 
 # What compares or counts and is no result, with the reason.
@@ -137,8 +190,14 @@ FREE = {
     r"\b(three surfaces|two volumes|one-third rule|third rule|one to two)\b": "a method's name",
     r"\bten (equal )?steps\b": "a division that's chosen",
     r"\bhalf[- ](angles?|a turn)\b": "an angle",
-    r"\b(upper|lower) disc\b": "a place in the drawing",
-    r"\b(more|less) than N\b": "a threshold that's chosen",
+    r"\b(upper|lower) disc\b|\blower left\b|\blarger circle\b": "a place in the drawing",
+    r"\blower the\b": "a verb",
+    r"\bmore urgent\b": "an order of tasks that's given",
+    r"\bmore than (ten times the operations|a million such lines)\b": "held by the number's test",
+    r"\bat (most|least|worst)\b": "a statistic, which stands by its number",
+    r"\b(nearest and a farthest|nearest to the|highest of its section)\b": "a choice by a size",
+    r"\bgreatest of those\b": "a choice by a size",
+    r"\b(at its greatest|of greatest) N?": "a place that's meant",
     r'"[^"]*"': "a document's own words",
 }
 
@@ -165,23 +224,30 @@ def captions(text):
 
 def worded(sentence):
     """Return the words of a sentence, without calls, labels and code; a formula is N."""
-    words = re.sub(r"`[^`]*`|@[\w-]+|<[\w-]+>", " ", plain(sentence))
+    words = re.sub(r"//[^\n]*|`[^`]*`|@[\w-]+|<[\w-]+>", " ", plain(sentence))
     return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
 
 
 def claims(text):
     """Return words that compare or count without a record: not made by num, than or count.
 
-    A superlative is backed by a record of its sentence whose name says that kind.
+    They are backed by a record of their sentence whose name has them; a superlative, by one whose
+    name says that kind.
     """
     found = []
     for sentence in END.split(text):
-        backed = {kind for _, name in NUMBER.findall(sentence) for kind in statistics(name)}
+        names = " ".join(name for _, name in NUMBER.findall(sentence))
         words = worded(sentence)
         for free in FREE:
             words = re.sub(free, " ", words, flags=re.I)
         for word in CLAIMS.findall(words):
             kinds = statistics(word) if word.lower() in SUPERLATIVES else set()
-            if not kinds or not kinds <= backed:
+            named = re.search(rf"\b{word}\b", names, re.I)
+            if not named and (not kinds or not kinds <= statistics(names)):
                 found.append(word)
     return found
+
+
+def orders(text):
+    """Return the words of `claims` that aren't numbers: comparatives, superlatives, "never"."""
+    return [word for word in claims(text) if word.lower() not in NUMBERS]

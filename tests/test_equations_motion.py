@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from tests import matlab_listing, soft_float
+from tests import matlab_listing, prose, soft_float
 from tests import structured_text as interpreter
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
@@ -46,7 +46,7 @@ from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-READS = ["report/ledger/*"]
+READS = ["report/ledger/*", "report/sections/motion.typ"]
 
 HALF = Fraction(1, 2)
 PLOT = [5, 7, 10, 12, 15, 17, 20, 22, 25, 27, 30]
@@ -250,6 +250,8 @@ def test_float_time(judge):
             e = soft_float.add(e, minus_one)
         e = soft_float.add(soft_float.add(e, nx), nxi)
     assert soft_float.Counted.operations > 10 * ticks * sum(operations_a_tick())
+    said = prose.worded((prose.ROOT / "report" / "sections" / "motion.typ").read_text("utf-8"))
+    assert "alone takes more than ten times the operations of the integer line" in said
 
 
 def test_dda_errors(judge):
