@@ -41,9 +41,11 @@ stale: environment ## say which notebooks `make report` would run, and why
 site: report ## the notebooks and the report as web pages, build/site/index.html
 	@$(BIN)/python -m report.site
 
+# A worker takes a file at a time, in the order of testpaths: notebooks, which take longest, first,
+# and doctests, the shortest, last, so that none waits long for another at the end.
 test: environment ## run every test, doctest and notebook, and the linter, or only TESTS=FILES
 	@$(BIN)/ruff check
-	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile $(TESTS)
+	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(TESTS)
 
 long: environment ## run tests that have a longer form in it, for tests/long.md (ten minutes)
 	@$(HEADLESS) $(BIN)/python -m tests.long

@@ -22,11 +22,21 @@ def parsed(text):
     """
     tree = ast.parse(text)
     if "__doc__" not in text:
-        for node in ast.walk(tree):
+        for node in _statements(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 if ast.get_docstring(node, clean=False) is not None:
                     del node.body[0]
     return tree
+
+
+def _statements(tree):
+    """Yield a tree and the statements in it: expressions, nearly all of a tree, hold none."""
+    inside = [tree]
+    while inside:
+        node = inside.pop()
+        yield node
+        for body in ("body", "handlers", "cases", "orelse", "finalbody"):
+            inside += getattr(node, body, ())
 
 
 @cache
@@ -79,7 +89,7 @@ def _imported_by(file, root):
 
 def _imported(tree, root, package):
     """Yield the files that a tree's import statements lead to."""
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield from _whole(root, tuple(alias.name.split(".")))

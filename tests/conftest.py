@@ -5,6 +5,7 @@ the files of the checkout that it reads, other than modules, as patterns in `REA
 `make check` knows what a change of such a file reaches. A test that reads another one fails.
 """
 
+import gc
 import os
 import sys
 from fnmatch import fnmatch
@@ -66,14 +67,20 @@ def _reads_what_it_says(request):
         assert unsaid(request.module) == [], "READS, the list of what the module reads, lacks these"
 
 
+def pytest_collection_finish():
+    """Keep ten thousand tests and what they import out of each search for litter from now on."""
+    gc.freeze()
+
+
 def pytest_collection_modifyitems(items):
     """Leave out what draws scenes where there is no GL library, saying so."""
-    drawing = {path: draws_scenes(path) for path in {item.path for item in items}}
-    if any(drawing.values()):
+    paths = dict.fromkeys(item.path for item in items)
+    if any(map(draws_scenes, paths)):
         from tunneller_lib.reporting import gl  # here, for the core's tests do without matplotlib
 
         if not (said := gl.problem()):
             return
+        drawing = set(filter(draws_scenes, paths))
         for item in items:
-            if drawing[item.path]:
+            if item.path in drawing:
                 item.add_marker(pytest.mark.skip(reason=said))

@@ -117,8 +117,8 @@ class Notebook(IPyNbFile):
 
     def stale(self):
         """Return why it has to run again, or None if the last build here left it as it is now."""
-        root = self.path.parents[1]
-        return State(root, self.path.stem).stale(notebook_sources(self.path))
+        state = State(self.path.parents[1], self.path.stem)
+        return state.stale(notebook_sources(self.path) if state.sources else {})
 
     def records(self):
         """Return what is committed, and what this run recorded."""
