@@ -113,7 +113,7 @@ def along_an_axis(rng: np.random.Generator, n: Count):
     a = rng.integers(-99, 100, (n, 3))
     b = a + unit[axes[0]] * rng.integers(1, 400, n)[:, None]
     off = np.pad(TRIPLES[rng.integers(0, 5, n)] * (reach // 65)[:, None], ((0, 0), (1, 0)))
-    off = np.stack([np.roll(row, k) for row, k in zip(off, axes[0], strict=True)])
+    off = np.take_along_axis(off, (np.arange(3) - axes[0][:, None]) % 3, axis=1)  # x to the axis
     return _as_lines(a, b, reach, a + off, unit[axes[1]] * rng.choice([-2, 1], n)[:, None])
 
 
