@@ -65,7 +65,7 @@ def reached(names, since="HEAD"):
         The commit that they are compared with.
     """
     if names & set(GROUND):
-        return ["tests", "tunneller_lib", "notebooks"]
+        return ["notebooks", "tests", "tunneller_lib"]
     python = {name for name in names if name.endswith(".py")}
     code_changed = {name for name in python if not means_the_same(name, since)}
 
@@ -73,18 +73,20 @@ def reached(names, since="HEAD"):
         files = needed(text, ROOT, inside) if code_changed else ()
         return any(str(file.relative_to(ROOT)) in code_changed for file in files)
 
-    found = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
-    found = [name for name in found if (ROOT / name).exists()]
-    for test in sorted((ROOT / "tests").glob("test_*.py")):
-        name = str(test.relative_to(ROOT))
-        read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
-        if name in names or read or reaches(test.read_text(encoding="utf-8"), "tests"):
-            found.append(name)
+    # What takes longest first, so that no worker waits long for another at the end.
+    found = []
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
         data = names - python and (names - python) & notebook_sources(notebook).keys()
         if name in names or data or reaches(code(notebook)):
             found.append(name)
+    for test in sorted((ROOT / "tests").glob("test_*.py")):
+        name = str(test.relative_to(ROOT))
+        read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
+        if name in names or read or reaches(test.read_text(encoding="utf-8"), "tests"):
+            found.append(name)
+    library = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
+    found += [name for name in library if (ROOT / name).exists()]
     return found
 
 
@@ -95,7 +97,8 @@ def main(since="HEAD"):
     print(f"{len(names)} files changed since {since}; they reach {len(chosen)} files of tests.")
     exit_code = subprocess.run(["ruff", "check", "--quiet"], cwd=ROOT).returncode
     if chosen:
-        workers = ["-n", "auto", "--dist", "loadfile"] if len(chosen) > 1 else []
+        workers = ["-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]
+        workers = workers if len(chosen) > 1 else []
         exit_code = pytest.main(["-q", *workers, *chosen]) or exit_code
     print(f"{time.monotonic() - begun:.0f} s")
     return int(exit_code)

@@ -36,7 +36,7 @@ def share_imports(config):
     config.add_cleanup(stack.close)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def shared_kernels(pytestconfig):
     """Kernels that share what they import."""
     share_imports(pytestconfig)

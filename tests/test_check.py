@@ -23,7 +23,7 @@ def test_prose_reaches_the_report_the_pages_the_equations_and_the_words_alone(re
 
 def test_leaf_reaches_its_tests_its_doctests_and_its_notebook(reached):
     found = reached("tunneller_lib/paths/cone_chord.py")
-    assert found[0] == "tunneller_lib/paths/cone_chord.py"
+    assert found[-1] == "tunneller_lib/paths/cone_chord.py"
     assert "tests/test_cone_chord.py" in found and "tests/test_report.py" not in found
     assert [n for n in found if n.startswith("notebooks")] == ["notebooks/08_cone.ipynb"]
 
@@ -40,7 +40,7 @@ def test_notebook_and_its_data_reach_it(reached):
 
 
 def test_ground_reaches_all(reached):
-    assert reached("environment.txt") == ["tests", "tunneller_lib", "notebooks"]
+    assert reached("environment.txt") == ["notebooks", "tests", "tunneller_lib"]
 
 
 def test_commit_that_is_none_is_refused():

@@ -1,5 +1,6 @@
 """The comparison of notebooks catches what is planted, and lets last bits pass."""
 
+import shutil
 import subprocess
 import sys
 
@@ -131,14 +132,22 @@ def run_pytest(notebook):
     return run.stdout
 
 
-@pytest.fixture
-def notebook(tmp_path):
-    (tmp_path / "notebooks").mkdir()
-    path = tmp_path / "notebooks" / "01_test.ipynb"
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory, shared_kernels):
+    """Return a folder with a notebook that has been run, and its results."""
+    folder = tmp_path_factory.mktemp("checkout")
+    (folder / "notebooks").mkdir()
+    path = folder / "notebooks" / "01_test.ipynb"
     cells = [new_code_cell(source, id=f"cell-{i}") for i, source in enumerate(SOURCES)]
     nbformat.write(new_notebook(cells=cells), path)
     run_notebook(path)
-    return path
+    return folder
+
+
+@pytest.fixture
+def notebook(checkout, tmp_path):
+    shutil.copytree(checkout, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "notebooks" / "01_test.ipynb"
 
 
 def edit(path, old, new):
