@@ -5,6 +5,7 @@ a variable that isn't declared. What the study's exports don't use isn't underst
 """
 
 import operator
+from functools import cache
 
 from blark.parse import parse_source_code
 from blark.transform import (
@@ -35,11 +36,18 @@ OPERATORS = {
 }
 
 
+@cache
+def parsed(text):
+    """Return the function block that a text declares, as a syntax tree; nobody writes to it."""
+    (block,) = parse_source_code(text).transform().items
+    return block
+
+
 class FunctionBlock:
     """An instance of the function block that a text declares; its variables are in `state`."""
 
     def __init__(self, text):
-        (block,) = parse_source_code(text).transform().items
+        block = parsed(text)
         self.state = {}
         for declarations in block.declarations:
             for item in declarations.items:
