@@ -68,7 +68,7 @@ def _reads_what_it_says(request):
 
 
 def pytest_collection_finish():
-    """Keep ten thousand tests and what they import out of each search for litter from now on."""
+    """Leave ten thousand tests, and what they import, out of garbage collection from now on."""
     gc.freeze()
 
 

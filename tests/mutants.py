@@ -321,7 +321,7 @@ def report(tree, tests, limit, verdict, bare, passing):
     # Not by the clock, which also counts what others do on the machine, and its pauses.
     resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 10))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    gc.freeze()  # what the parent has imported is no litter; pytest looks for that five times
+    gc.freeze()  # pytest collects garbage five times at its end: not in what is shared
     os.chdir(tree)
     os.environ["PYTHONPATH"] = str(tree)  # what tests start, and notebooks, import
     sys.path[:] = [str(tree), *(place for place in sys.path if Path(place) != ROOT)]
