@@ -58,7 +58,7 @@ TABLE = ROOT / "tests" / "mutants.csv"
 REASONS = ROOT / "tests" / "mutants.toml"
 COLUMNS = ["file", "line", "kind", "before", "after", "killed by"]
 SEED = "tunneller"
-LENGTHS = 40, 100, 200  # lines from which on a module has a second fault, a third, a fourth
+LENGTHS = 80, 200  # lines from which on a module has a second fault, and a third
 
 NEAR, CHUNK = 3, 8  # files of tests that run together: the nearest, then the others
 NEAREST, TESTS, NOTEBOOKS = range(3)  # how far a fault has got

@@ -165,3 +165,22 @@ def test_function_that_takes_other_arguments_is_refused():
             tell(other)
     with pytest.raises(ValueError, match=r"^say: must be a function; got 'a'\.$"):
         tell("a")
+
+
+@pytest.mark.parametrize(
+    ("given", "options", "why"),
+    [
+        ((1, 2, 3), {}, "too many positional"),  # the third is an option, given by name only
+        ((1,), {"x": 2}, "multiple values"),
+        ((), {"y": 2}, "missing"),
+        ((1,), {"z": 2}, "unexpected"),
+    ],
+)
+def test_checked_call_refuses_what_the_function_itself_would(given, options, why):
+    @arguments.checked
+    def add(x: arguments.Reals, y: arguments.Reals = 0, *, scale: arguments.Finite = 1):
+        return scale * (x + y)
+
+    assert add(1, 2, scale=3) == add(y=2, scale=3, x=1) == 9
+    with pytest.raises(TypeError, match=why):
+        add(*given, **options)
