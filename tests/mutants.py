@@ -234,7 +234,7 @@ def tests_of(file, kind=""):
 
     A test of the module's name comes first; where as many imports lead there, the one that speaks
     of the module's functions more often. What arguments may be is judged early by those that know
-    the rules themselves.
+    the rules themselves, and an argument's rule by them first.
     """
     words = re.compile(rf"\b({'|'.join(sorted(public(file)) or ['-'])})\b")
     about = [other for other in modules() if rules() and "checked" in public(other)]
@@ -242,7 +242,8 @@ def tests_of(file, kind=""):
     def nearness(test):
         away = reach()[test]
         named = re.search(rf"(_|\b){Path(file).stem.strip('_')}(_|\b)", Path(test).stem)
-        knows = kind in ("rule", "guard", "range") and any(away.get(o) == 1 for o in about)
+        early = {"rule": 9, "guard": 1, "range": 1}.get(kind, 0)
+        knows = early * any(away.get(o) == 1 for o in about)
         spoken = len(words.findall((COPY / test).read_text(encoding="utf-8")))
         return away[file] - 3 * bool(named) - knows, -spoken, test
 

@@ -46,6 +46,17 @@ def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
     assert found.cutter == pytest.approx(-REFERENCE_MACHINE.depth)
 
 
+def test_circuit_clearance_takes_a_quarter_turn_each_way():
+    quarter = np.pi / 2
+    found = circuit_clearance(REFERENCE_MACHINE, EGG, -quarter, quarter, 0.0).arm
+    straight = [EGG.depth(0, REFERENCE_MACHINE.height + side * REFERENCE_MACHINE.r)
+                for side in (-1, 1)]  # fmt: skip
+    assert found == pytest.approx(min(*straight, REFERENCE_MACHINE.offset), rel=1e-12)
+    for ends in ((-np.nextafter(quarter, 2), 0), (0, np.nextafter(quarter, 2)), (0.1, 0)):
+        with pytest.raises(ValueError, match=r"^lowest: must be at most highest, both from -pi/2"):
+            circuit_clearance(REFERENCE_MACHINE, EGG, *ends, 0.0)
+
+
 def test_grid_sees_the_same_collision():
     circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
     clearance = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.0).arm

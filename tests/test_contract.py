@@ -137,7 +137,8 @@ every_call = pytest.mark.parametrize("call", PUBLIC.values(), ids=PUBLIC)
 def test_every_argument_says_what_it_may_be(call):
     for name, about in call.parameters.items():
         assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
-        rule_of(about.annotation)
+        anything = rule_of(about.annotation).says == "object"
+        assert not anything or call.name.startswith("Record."), f"{name} may be anything"
     if call.parameters and not inspect.isclass(call.function):
         assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
 

@@ -15,6 +15,7 @@ from tunneller_lib.envelopes import (
     recognise,
 )
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
+from tunneller_lib.envelopes.functions import as_jet
 from tunneller_lib.envelopes.isotropic import surface_points
 
 S, T = np.random.default_rng(0).uniform(0.2, 0.8, (2, 14))
@@ -93,6 +94,14 @@ def test_a_constant_that_is_no_surface_is_told_from_a_wrong_call(value):
         model_jet(lambda s, t: [value, s, t], S, T)
     with pytest.raises(ValueError, match=r"^curve: must "):
         curve_derivatives(lambda s: [value, s, s], S)
+
+
+@pytest.mark.parametrize("value", [0.0, -2.5, np.full(14, 0.7)], ids=["zero", "one", "many"])
+def test_a_constant_that_a_function_answers_has_no_derivatives(value):
+    s, _ = jet_variables(S, T)
+    found = as_jet(value, s)
+    np.testing.assert_array_equal(found.value, np.broadcast_to(value, S.shape))
+    assert not found.c[1:].any() and as_jet(s, s) is s
 
 
 def test_ufuncs_and_partial_functions_are_functions():

@@ -365,6 +365,19 @@ def test_listing_refuses_what_it_cannot_use():
         INTERPOLATORS["Q16.16, rounded"](-20_000, 20_000, 10)
 
 
+@pytest.mark.parametrize("difference", [-32_001, -7, 1, 2, 31_999])
+@pytest.mark.parametrize("ticks", [3, 7, 1000])
+def test_fixed_point_slopes_are_rounded_or_cut_off(difference, ticks):
+    slope = Fraction(difference, ticks) * 2**16
+    for name, step, half in (
+        ("Q16.16, rounded", floor(slope + Fraction(1, 2)), 2**15),
+        ("Q16.16, truncated", floor(slope), 0),
+    ):
+        expected = [(n * step + half) >> 16 for n in range(ticks + 1)]
+        found = INTERPOLATORS[name](-5, difference - 5, ticks)
+        assert (found + 5).tolist() == expected
+
+
 @pytest.mark.parametrize("name", ["Q16.16, rounded", "Q16.16, truncated"])
 def test_fixed_point_refuses_what_its_sixteen_bits_cannot_hold(name):
     run = INTERPOLATORS[name]

@@ -386,6 +386,15 @@ def test_transfer_refuses_poles():
         Lag(1.0, 0.5).transfer(-2.0)
 
 
+@pytest.mark.parametrize("size", [1e-50, 1e50])
+def test_transfer_takes_frequencies_up_to_its_bounds(size):
+    plant = Integrator(1.0)
+    assert plant.transfer(1j * size) == pytest.approx(plant.gain / (1j * size), rel=1e-14)
+    beyond = size * (0.99 if size < 1 else 1.01)
+    with pytest.raises(ValueError, match=r"^s: must be from 1e-50 to 1e50 rad/s in size; got "):
+        plant.transfer([1.0, 1j * beyond])
+
+
 def test_hydraulics_refuse_wrong_sizes():
     names = ("inertia", "damping", "supply", "tank", "bulk", "hose", "flow", "valve_lag")
     for name in names:

@@ -192,6 +192,9 @@ def test_eigenvalue_limit_refuses_an_unstable_start():
         eigenvalue_limit(Integrator(0.5), Loop(500, T))
     with pytest.raises(ValueError, match=r'^side: must be "upper" or "lower"'):
         eigenvalue_limit(Integrator(0.5), Loop(5, T), side="both")
+    still = Loop(1e-9, 1e-9)  # 1 - g T is 1 in floats: neither stable nor unstable
+    with pytest.raises(ValueError, match=r"^gain: the search must start .*; got 1e-09 1/s\.$"):
+        eigenvalue_limit(Integrator(0.5), still)
 
 
 # ---- ramps and steps ------------------------------------------------------------------------
