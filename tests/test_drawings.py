@@ -1,0 +1,260 @@
+"""Plane drawings: what is drawn lies where the shapes, paths and tasks have it."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+
+from tunneller_lib.motion import Integrator, Loop, Resonance
+from tunneller_lib.motion.tasks import HandOver, Task
+from tunneller_lib.paths import ConeChord
+from tunneller_lib.reporting import (
+    cone_plot,
+    figure,
+    machine_plot,
+    motion_plot,
+    path_plot,
+    plot,
+    rod_plot,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+
+EGG = Egg(0.5)
+TORUS = REFERENCE_MACHINE.torus
+RING = Torus(3.0, 1.0)
+
+
+@pytest.fixture
+def ax():
+    drawing, ax = figure(height=4)
+    yield ax
+    plt.close(drawing)
+
+
+def length(line):
+    return np.hypot(*np.diff(line.get_xydata(), axis=0).T).sum()
+
+
+def area(patches):
+    """Return the area of all polygons of a collection, by the shoelace formula."""
+    x_and_y = [path.vertices.T for path in patches.get_paths()]
+    return sum(abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2 for x, y in x_and_y)
+
+
+# ---- the machine and the section ------------------------------------------------------------
+
+
+def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
+    theta = -0.4
+    limbs = machine_plot.draw_side_view(ax, REFERENCE_MACHINE, EGG, theta)
+    assert [length(limb) for limb in limbs] == pytest.approx(
+        [REFERENCE_MACHINE.r, REFERENCE_MACHINE.R]
+    )
+    tip = TORUS.point(theta, 0.0)[[0, 2]] + [0, REFERENCE_MACHINE.height]
+    np.testing.assert_allclose(limbs[1].get_xydata()[-1], tip, atol=1e-12)
+    levels = {line.get_ydata()[0]: line for line in ax.lines if line.get_zorder() == 0}
+    assert set(levels) == {EGG.a, 0.0, -2 * EGG.a}
+    assert levels[0.0].get_linestyle() == "--"  # no wall is there, so it is drawn thin
+    assert levels[0.0].get_linewidth() < levels[EGG.a].get_linewidth()
+
+
+def test_plan_view_turns_the_arm_by_phi(ax):
+    leg, arm = machine_plot.draw_plan_view(ax, REFERENCE_MACHINE, 0.3)
+    assert length(leg) == pytest.approx(REFERENCE_MACHINE.r)
+    x, y = np.diff(arm.get_xydata(), axis=0)[0]
+    assert np.arctan2(y, x) == pytest.approx(0.3)
+    assert np.hypot(x, y) == pytest.approx(REFERENCE_MACHINE.R)
+
+
+def test_limits_are_the_machine_s(ax):
+    [line] = machine_plot.draw_limits(ax, REFERENCE_MACHINE)
+    low, high = np.radians([line.get_xydata().min(axis=0), line.get_xydata().max(axis=0)])
+    assert low == pytest.approx([REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min])
+    assert high == pytest.approx([REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max])
+
+
+def test_section_and_its_construction_lie_on_the_curve(ax):
+    [line] = plot.draw_section(ax, EGG)
+    np.testing.assert_allclose(EGG.depth(*line.get_data()), 0, atol=1e-12)
+    assert length(line) == pytest.approx(EGG.perimeter, rel=1e-4) and ax.xaxis_inverted()
+    rays = plot.draw_construction(ax, EGG)
+    assert len(rays) == len(EGG.arcs)
+    for ray, arc in zip(rays, EGG.arcs, strict=True):
+        start, centre, stop = ray.get_xydata()
+        ends = np.hypot(*(start - centre)), np.hypot(*(stop - centre))
+        assert ends == pytest.approx([arc.radius] * 2)
+
+
+def test_pictures_are_as_many_as_axes_and_titles():
+    drawing, axes = figure(1, 2, height=2)
+    picture = np.zeros((4, 6, 3), dtype=np.uint8)
+    plot.draw_pictures(axes, [picture] * 2, ["left", "right"])
+    assert [ax.get_title() for ax in axes] == ["left", "right"]
+    for pictures, titles in (([picture], ["left", "right"]), ([picture] * 2, ["left"])):
+        with pytest.raises(ValueError, match=r"^axes, pictures, titles: must be as many of each"):
+            plot.draw_pictures(axes, pictures, titles)
+    plt.close(drawing)
+
+
+# ---- the torus and its paths ----------------------------------------------------------------
+
+
+def test_tangent_spheres_touch_the_meridian_and_the_working_one_stands_out(ax):
+    m = np.array([1.2, 0.3, 0.0])
+    circles = plot.draw_tangent_spheres(ax, TORUS, m)
+    feet = TORUS.feet(m)
+    for circle, foot in zip(circles, feet, strict=True):
+        assert circle.radius == pytest.approx(np.linalg.norm(foot - m))
+    working, *others = circles
+    assert all(working.get_linewidth() > other.get_linewidth() for other in others)
+    assert all(working.get_edgecolor() != other.get_edgecolor() for other in others)
+
+
+def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
+    p, q = (0.0, 0.1), (0.4, -0.3)
+    ways = path_plot.draw_ways(ax, TORUS, p, q)
+    for way in ways:
+        ends = np.radians(way.get_xydata()[[0, -1]])
+        np.testing.assert_allclose(ends, [p, q], atol=1e-9)
+    geodesic, spheres, joints = (way.get_label() for way in ways)
+    assert geodesic.startswith("geodesic, ") and "longer by" in spheres and "longer by" in joints
+    assert float(spheres.split()[-2]) > 0 and float(joints.split()[-2]) > 0
+
+
+def test_competing_geodesics_are_told_apart_from_the_shortest(ax):
+    p, q = (0.0, 0.8), (3.1, -0.3)
+    shortest, *longer = path_plot.draw_competing(ax, RING, p, q)
+    assert longer and all(line.get_linewidth() < shortest.get_linewidth() for line in longer)
+    assert all(line.get_color() != shortest.get_color() for line in longer)
+    for line in (shortest, *longer):
+        ends = np.radians(line.get_xydata()[[0, -1]]) - [p, q]
+        np.testing.assert_allclose(np.exp(1j * ends), 1, atol=1e-9)
+
+
+def test_deviations_vanish_at_both_ends(ax):
+    p, q = (0.0, 0.1), (0.4, -0.3)
+    rules = ["tangent spheres", "joint space"]
+    lines = path_plot.draw_deviations(ax, TORUS, p, q, rules=rules)
+    chord = np.linalg.norm(TORUS.point(*p) - TORUS.point(*q))
+    for line in lines:
+        x, y = line.get_data()
+        np.testing.assert_allclose([x[0], x[-1]], [-chord / 2, chord / 2], rtol=1e-12)
+        np.testing.assert_allclose(y[[0, -1]], 0, atol=1e-6)
+        assert np.abs(y).max() > 1e-3
+    assert [line.get_label() for line in lines] == rules
+
+
+def test_ruling_is_dotted_where_it_meets_the_torus(ax):
+    y, z = 0.2, 0.3
+    every, last = path_plot.draw_ruling(ax, TORUS, y, z)
+    x = every.get_xdata()
+    assert len(x) in (2, 4) and last.get_xdata() == x.max()
+    size = (TORUS.r + TORUS.R) ** 4
+    points = np.stack(np.broadcast_arrays(x, y, z), axis=-1)
+    assert np.all(np.abs(TORUS.implicit(points)) < 1e-12 * size)
+    far = 10 * (TORUS.r + TORUS.R)
+    path_plot.draw_ruling(ax, TORUS, 0.0, far)
+    with pytest.raises(ValueError, match=r"^y, z: must be within ten sizes of the torus; got"):
+        path_plot.draw_ruling(ax, TORUS, 0.0, np.nextafter(far, np.inf))
+
+
+def test_cone_unrolls_with_a_straight_geodesic(ax):
+    chord = ConeChord(1.0, 1.0, 0.5, 0.25)
+    share = np.array([0.0, 0.5, 1.0])
+    geodesic, path, points = cone_plot.draw_development(ax, chord, share)
+    assert length(geodesic) == pytest.approx(chord.geodesic_length, rel=1e-12)
+    start, stop = geodesic.get_xydata()[[0, -1]]
+    assert np.hypot(*(stop - start)) == pytest.approx(chord.geodesic_length, rel=1e-12)
+    assert length(path) == pytest.approx(chord.path_length, rel=1e-4)
+    np.testing.assert_allclose(points.get_xydata(), path.get_xydata()[[0, 100, 200]], atol=1e-12)
+
+
+# ---- rods and balls -------------------------------------------------------------------------
+
+
+def test_shadow_is_a_rectangle_between_two_ellipses(ax):
+    rectangle, lower, upper = rod_plot.draw_shadow(ax, 0.5, 2.0, 0.3)
+    assert (rectangle.get_width(), rectangle.get_height()) == (2.0, 1.0)
+    assert (lower.center, upper.center) == ((0, 0), (2.0, 0))
+    assert {lower.height, upper.height} == {1.0} and {lower.width, upper.width} == {0.3}
+
+
+def test_two_balls_leave_a_bowl_and_a_ring(ax):
+    radius, advance = 0.5, 0.2
+    areas = rod_plot.draw_two_balls(ax, radius, advance)
+    # The upper half of either: the second ball less the lens, the strip less both balls.
+    half = advance / 2
+    lens = radius**2 * np.arccos(half / radius) - half * np.sqrt(radius**2 - half**2)
+    bowl = np.pi * radius**2 / 2 - lens
+    assert area(areas["bowl"]) == pytest.approx(bowl, rel=1e-3)
+    under = half * np.sqrt(radius**2 - half**2) + radius**2 * np.arcsin(half / radius)
+    ring = advance * radius - under
+    assert area(areas["ring"]) == pytest.approx(ring, rel=1e-2)
+
+
+@pytest.mark.parametrize("pitch", [0.1, 3.0])
+def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
+    radius, depth = 0.5, 0.05
+    areas = rod_plot.draw_passes(ax, radius, depth, pitch)
+    to_chord = radius - depth
+
+    def segment(height):
+        """Return the area of a circle's part beyond a chord at this height."""
+        return radius**2 * np.arccos(height / radius) - height * np.sqrt(radius**2 - height**2)
+
+    x = np.linspace(-radius, radius, 200_001)
+    now, before = (np.sqrt(np.clip(radius**2 - (x - at) ** 2, 0, None)) for at in (0, -pitch))
+    expected = np.trapezoid(np.maximum(now - np.maximum(before, to_chord), 0), x)
+    if pitch > 2 * radius:
+        assert expected == pytest.approx(segment(to_chord), rel=1e-6)
+    assert area(areas["taken"]) == pytest.approx(expected, rel=1e-2)
+    half = np.degrees(np.arccos(to_chord / radius))
+    assert areas["sector"].theta2 - areas["sector"].theta1 == pytest.approx(2 * half)
+    with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
+        rod_plot.draw_passes(ax, radius, 1.1, pitch)
+    rod_plot.draw_passes(ax, radius, 2 * radius, pitch)
+
+
+# ---- set-values and tasks -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("box", "count"), [(None, 0), (0.0, 0), (1.0, 3)])
+def test_setvalues_have_a_box_each_where_it_has_a_height(ax, box, count):
+    t, values, ideal = [0.0, 0.5, 1.0], [0.0, 1.0, 1.0], [0.0, 0.6, 1.2]
+    line, circles = motion_plot.draw_setvalues(ax, t, values, ideal, box=box)
+    np.testing.assert_array_equal(line.get_data(), [t, ideal])
+    np.testing.assert_array_equal(circles.get_data(), [t, values])
+    assert len(ax.patches) == count
+    for patch, x, y in zip(ax.patches, t, values, strict=False):
+        assert patch.get_center().tolist() == [x, y]
+    with pytest.raises(ValueError, match=r"^t, values, ideal: must be of one length; got"):
+        motion_plot.draw_setvalues(ax, t, values, ideal[1:])
+
+
+def test_responses_say_which_models_are_unstable(ax):
+    loop = Loop(30.0, 0.01)
+    models = {"T0": Integrator(1.0), "T1": Resonance(1.0, 50.0, 0.05)}
+    tracks = motion_plot.draw_responses(ax, models, loop, np.linspace(0, 1, 20))
+    assert tracks["T0"].stable == (True,) and tracks["T1"].stable == (False,)
+    assert ax.get_title() == "unstable: T1"
+    drawn = {line.get_label(): np.radians(line.get_ydata()) for line in ax.lines}
+    for name, track in tracks.items():
+        np.testing.assert_allclose(drawn[name], track.position.ravel(), rtol=1e-12)
+    motion_plot.draw_responses(ax, {"T0": models["T0"]}, loop, np.zeros(5))
+    assert ax.get_title() == "all stable"
+
+
+def test_hand_over_draws_each_segment_and_only_the_waits(ax):
+    run = HandOver(ready=(3, 9), needed=(2, 12), started=(3, 12), starved=(1, 0))
+    tasks = [Task("interpolation", 5, 1)]
+    motion_plot.draw_hand_over(ax, tasks, run, [1, 2], unit=0.5)
+    names = [label.get_text() for label in ax.get_yticklabels()]
+    assert names == ["interpolation", "preparation", "segment", "starved"]
+    bars = [c for c in ax.collections if isinstance(c, PolyCollection)]
+    spans = {
+        name: [(v[:, 0].min(), v[:, 0].max()) for v in (p.vertices for p in bar.get_paths())]
+        for name, bar in zip(names, bars, strict=True)
+    }
+    assert spans["segment"] == [(1.5, 4.0), (6.0, 11.0)]  # halves of 3 to 8 and of 12 to 22
+    assert spans["starved"] == [(1.0, 1.5)]
+    assert spans["preparation"] == [(0.0, 1.5), (1.5, 4.5)]

@@ -1,0 +1,73 @@
+"""Scenes: meshes where they are meant, and what happens where nothing can be drawn or turned."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.reporting import camera, gl, machine_scene, scene
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+
+
+def test_surfaces_carry_their_values():
+    x, y = np.mgrid[0:2:3j, 0:1:4j]
+    points = np.stack([x, y, x * y], axis=-1)
+    mesh = scene.surface(points, {"product": x * y})
+    np.testing.assert_allclose(mesh["product"], mesh.points[:, 2], atol=1e-7)
+    assert scene.surface(points).array_names == []
+
+
+def test_kept_parts_need_one_flag_a_point():
+    points = np.arange(8)[:, None] * np.ones(3)
+    with pytest.raises(ValueError, match=r"^keep: must be one for each of 8 points; got 7\.$"):
+        scene.kept_parts(points, np.ones(7, dtype=bool))
+    assert [len(part) for part in scene.kept_parts(points, np.arange(8) > 3)] == [4]
+
+
+def test_cone_and_arrow_have_the_sizes_they_are_given():
+    mesh = scene.cone((0, 0, 1), (0, 0, 2), 0.4, 0.5, 2.0)
+    x, y, z = mesh.points.T
+    np.testing.assert_allclose(np.hypot(x, y), np.tan(0.4) * (z - 1), atol=1e-6)
+    assert np.ptp(z) == pytest.approx(1.5 * np.cos(0.4), rel=1e-5)
+    shaft = scene.arrow((1, 0, 0), (0, 0, 3), 0.05)
+    assert (shaft.bounds[4], shaft.bounds[5]) == pytest.approx((0, 3), abs=1e-6)
+    with pytest.raises(ValueError, match=r"^vector: must not be zero"):
+        scene.arrow((1, 0, 0), (0, 0, 0), 0.05)
+
+
+def test_wall_about_the_machine_is_left_open_on_its_right():
+    egg, machine = Egg(0.5), REFERENCE_MACHINE
+    (wall, _), *posed = machine_scene.machine_in_tunnel(machine, egg, 0.1, 0.2)
+    _, y, z = wall.points.T.astype(float)
+    np.testing.assert_allclose(egg.depth(y, z), 0, atol=1e-6)
+    section = egg.point(np.linspace(0, egg.perimeter, 999))
+    assert y.min() == pytest.approx(-0.2 * machine.R, abs=0.02)
+    assert y.max() == pytest.approx(section[:, 0].max(), rel=1e-3)
+    tip = machine.torus.point(0.1, 0.2) + np.array([0, 0, machine.height])
+    nearest = min(np.linalg.norm(mesh.points - tip, axis=-1).min() for mesh, _ in posed)
+    assert nearest < machine.cutter_radius
+
+
+def test_scene_without_a_library_says_how_to_get_one(monkeypatch):
+    monkeypatch.setattr(gl, "problem", lambda: "No scene can be drawn here.")
+    with pytest.raises(OSError, match=r"^No scene can be drawn here\.$"):
+        scene.empty()
+
+
+@pytest.mark.parametrize(
+    ("kernel", "backend", "turned"),
+    [(None, None, False), ("a notebook", "static", False), ("a notebook", None, True)],
+)
+def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend, turned):
+    monkeypatch.setattr(camera, "get_ipython", lambda: kernel)
+    monkeypatch.setattr(camera, "display", lambda widget: shown.append(widget))
+    monkeypatch.setattr(camera, "live", lambda plotter, title: title)
+    monkeypatch.delenv("TUNNELLER_SCENES", raising=False)
+    if backend:
+        monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", backend)
+    else:
+        monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
+    shown = []
+    plotter = scene.empty()
+    plotter.add_mesh(scene.ball((0, 0, 0), 1.0))
+    picture = camera.shoot(plotter)
+    assert bool(shown) is turned
+    assert picture.ndim == 3 and (picture != 255).any()
