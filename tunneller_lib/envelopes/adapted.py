@@ -85,12 +85,15 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
     with np.errstate(all="ignore"):
         answer = surface(s, t)
         if model == "isotropic":
+            # The graph's point (x, y, f) stands for a plane: its normal depends on x and y alone,
+            # and the point of contact follows from f and its slopes.
             f = as_jet(one_number("surface", answer, s), s)
             n = _normal(s, t)
             r = _contact_point(s, t, f, differentiated(f, 0), differentiated(f, 1))
             tangent = [differentiated(c, 0) for c in n]
             known = 1.0  # the tangent's length is 2/(x^2 + y^2 + 1), never zero
         else:
+            # Two tangents span the plane, unless they are parallel within rounding.
             r = [as_jet(c, s) for c in coordinates("surface", answer, s)]
             tangent = [differentiated(c, 0) for c in r]
             other = [differentiated(c, 1) for c in r]
@@ -98,6 +101,7 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
             n = cross_product(tangent, other)
             length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n = [c / length for c in n]
+        # The frame: along one tangent, across it, along the normal. The jets are turned into it.
         third = np.stack([c.value for c in n], axis=-1)
         first = np.stack([c.value for c in tangent], axis=-1)
         first = first / np.linalg.norm(first, axis=-1, keepdims=True)

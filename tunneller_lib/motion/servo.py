@@ -158,6 +158,7 @@ def follow(
             "setvalues: must be of shape (ticks + 1,) or (ticks + 1, n) with ticks >= 1 and n >= 1;"
             f" got shape {setvalues.shape}."
         )
+    # One axis is a column as well; the answers get back the shape of what was given.
     columns = setvalues.reshape(len(setvalues), -1)
     axes = columns.shape[1]
     plants = _for_each_axis("plant", plant, axes)
@@ -170,6 +171,7 @@ def follow(
             check_stroke(column, one.axis.low, one.axis.high, "setvalues")
     if inverse is not None:
         _try(inverse, columns[0, 0])
+    # The axes don't act on each other: each is run by itself.
     wanted = columns.T.tolist()
     rates = _slope_columns(slopes, setvalues, loops).T.tolist()
     runs = [_run(*one, inverse) for one in zip(plants, loops, wanted, rates, strict=True)]
@@ -178,6 +180,7 @@ def follow(
     position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
     command = np.array([run[1] for run in runs]).T.reshape(shape)
     limit = np.array([one.limit for one in loops]) if setvalues.ndim == 2 else loops[0].limit
+    # How stiff oil is depends on the angle, so five of each axis' range are asked.
     ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
     if inverse is None:
         stable = tuple(map(is_stable.unchecked, plants, loops, ranges))
@@ -229,7 +232,11 @@ def _own_inverse(plant):
 
 
 def _run(plant, loop, setvalues, slopes, inverse):
-    """Return states and commands of one axis, in plain floats: arrays of one would be slow."""
+    """Return states and commands of one axis, in plain floats: arrays of one would be slow.
+
+    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope, and
+    the static inverse of the axis says which command gives it.
+    """
     if inverse is None:
         inverse = _own_inverse(plant)
     step = plant.stepper.unchecked(plant, loop.tick)
@@ -245,19 +252,23 @@ def _run(plant, loop, setvalues, slopes, inverse):
     states = [state]
     commands = []
     for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
+        # The encoder tells whole counts, the nearest.
         position = state[0]
         if count:
             position = count * ((position / count + 0.5) // 1)
         error = wanted - position
         u = inverse(gain * error + summed + share * slope, position)
+        # Compensated, a command begins where the valve's dead band ends.
         if dead and loop.compensated and u:
             u = (1 - dead) * u + (dead if u > 0 else -dead)
+        # While the valve is fully open the sum waits: it would only grow, and overshoot later.
         if u > limit:
             u = limit
         elif u < -limit:
             u = -limit
         else:
             summed += growth * error
+        # With a delay of n ticks the command of n ticks ago reaches the valve.
         if waiting:
             waiting.append(u)
             u = waiting.pop(0)

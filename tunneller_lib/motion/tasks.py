@@ -153,24 +153,27 @@ def _releases(tasks, horizon):
 
 
 def _run(tasks, horizon):
-    """Return `schedule`."""
+    """Return `schedule`: from event to event the most urgent work has the processor."""
     coming_release = [0] * len(tasks)
     waiting = []  # (priority, release, work left), the most urgent first
     now = 0
     slices = []
     done = []
     while now < horizon:
+        # What was released meanwhile joins those that wait.
         for i, task in enumerate(tasks):
             while coming_release[i] <= now:
                 waiting.append((i, coming_release[i], task.cost))
                 coming_release[i] += task.period
         waiting.sort()
+        # Until the next release nothing changes who is the most urgent.
         coming = min(*coming_release, horizon)
         if not waiting:
             now = coming
             continue
         i, release, left = waiting.pop(0)
         stop = min(now + left, coming)
+        # A slice goes on where a release interrupted nobody.
         if slices and slices[-1].name == tasks[i].name and slices[-1].stop == now:
             slices[-1] = slices[-1]._replace(stop=stop)
         else:

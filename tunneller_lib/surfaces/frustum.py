@@ -89,23 +89,32 @@ class Frustum:
 
 
 def _interval(axis, r, gain, s, m):
-    """Return hits and intervals along lines at (m, s), of frusta of radii r and r + gain."""
+    """Return hits and intervals along lines at (m, s), of frusta of radii r and r + gain.
+
+    A line's point z is at tau = h m + e z along the axis, and beside it at s and at
+    sigma = e m - h z, with h and e the sine and cosine between line and axis.
+    """
     run, rise, length = axis.run, axis.rise, axis.length
     guard = GUARD * (r + np.abs(gain) + run)
     h, e, g = run / length, rise / length, gain / length
+    # A line across the axis, within rounding, meets neither disc: the slab between their planes
+    # holds it all or misses it. Any bound beyond the frustum serves as its ends.
     level = rise * (r + np.abs(gain)) <= guard * length
     far = 4 * (r + np.abs(gain) + run)
     with np.errstate(all="ignore"):
+        # The discs' planes: tau = 0 and tau = length.
         first = np.where(level, -far, -run * m / rise)
         last = np.where(level, far, rise + run * (run - m) / rise)
         slab = ~level | ((m >= -guard) & (m <= run + guard))
         k = g * e
-        # The wall is where (r + g tau)^2 - s^2 - sigma^2 = -A z^2 + 2 B z + C vanishes, tau along
-        # the axis and sigma across it; its discriminant is (h r + g m)^2 - A s^2, nothing lost.
+        # The wall is where (r + g tau)^2 - s^2 - sigma^2 = -A z^2 + 2 B z + C vanishes; the
+        # discriminant B^2 + A C is (h r + g m)^2 - A s^2, in which nothing is lost.
         A = (h - k) * (h + k)
         wide, aside = r + g * h * m, e * m
         B, C = wide * k + aside * h, (wide - s) * (wide + s) - aside**2
         root = np.sqrt(np.maximum((h * r + g * m) ** 2 - A * s * s, 0))
+        # Of the two forms of each root the one whose sum doesn't cancel. A is negative where the
+        # line is steeper than the wall, which it then meets once on this half of the cone.
         enter = np.where(B > 0, -C / (B + root), (B - root) / A)
         leave = np.where(B >= 0, (B + root) / A, C / (root - B))
         # Deepest inside the wall: where it's as steep as the line, or at an end.
@@ -115,6 +124,8 @@ def _interval(axis, r, gain, s, m):
     def depth(z):
         return r + g * (h * m + e * z) - np.hypot(s, e * m - h * z)
 
+    # The depth is concave: it grows from the first plane to the deepest point and falls from there
+    # to the last. Its signs at these three say which of disc and wall is met on either side.
     hit = slab & (depth(deepest) >= -guard)
     enter = np.clip(np.where(np.isnan(enter), first, enter), first, deepest)
     leave = np.clip(np.where(np.isnan(leave), last, leave), deepest, last)

@@ -195,9 +195,12 @@ class Rod:
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
+        # First one product a line: most pass beside the rod, |s| > reach, and need no more.
         s = _along(p, axis.start, axis.across)
         w = (r - s) * (r + s)
         close = w >= (r - reach) * (r + reach)
+        # The short formulas serve flat rods that the lines see neither end-on (run) nor level
+        # (rise), given by points that are near enough to be exact.
         plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
         if not plain or self.ends == "round":
             enter[:], leave[:] = np.inf, -np.inf
@@ -217,8 +220,9 @@ class Rod:
     def _meet_plainly(self, axis, p, s, w, u, found):
         """Write to `found` where lines enter and leave that pass at s, with w = r^2 - s^2."""
         r, run, rise, length = self.radius, axis.run, axis.rise, axis.length
+        # `flat_interval` with the tests for special cases left out, in as few passes as can be.
         m = _along(p, axis.start, axis.flat)
-        off = np.abs(m - run / 2)
+        off = np.abs(m - run / 2)  # from the middle of the shadow, whose half length is k
         with np.errstate(invalid="ignore"):
             np.sqrt(w, out=w)  # not a number beside the rod, where no comparison holds
             k = w * (rise / length) + run / 2

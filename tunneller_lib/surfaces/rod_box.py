@@ -46,16 +46,21 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     if not np.all(low <= high):
         raise ValueError("low: must not be above high on either axis; got a corner that is.")
     guard = GUARD * (rod.radius + rod.length)
+    # On the corners' lines: where these meet the rod.
     lines = [_at(x[..., 0], y[..., 1]) for x in (low, high) for y in (low, high)]
     enter, leave = rod.meet_line(np.stack(lines), (0.0, 0.0, 1.0))
     bottom, top = enter.min(axis=0), leave.max(axis=0)
     if rod.length == 0 and rod.ends == "flat":
         return bottom, top
+    # The rod's own lowest and highest points are on its ends, since a line along a straight wall
+    # rises to one of them.
     ends = _ball_points if rod.ends == "round" else _rim_points
     points = ends(rod, None, None)
+    # Of its section by a side's plane they are on an end again, or on a ruling that crosses it.
     for axis in (0, 1):
         for side in (low[..., axis], high[..., axis]):
             points += ends(rod, axis, side) + _ruling_points(rod, axis, side)
+    # NaN marks a candidate that isn't there, and is inside no box.
     for point in points:
         inside = np.all((point[..., :2] >= low - guard) & (point[..., :2] <= high + guard), axis=-1)
         bottom = np.where(inside, np.minimum(bottom, point[..., 2]), bottom)
@@ -79,6 +84,8 @@ def _ball_points(rod, axis, side):
 
 def _rim_points(rod, axis, side):
     """Return the lowest and highest points of the rims, or where they cross a plane."""
+    # A rim is centre + r (cos level + sin steep): `level` is horizontal, and `steep` leads up the
+    # disc. An upright axis has level rims, of which all points are as high.
     unit = rod.axis / rod.length
     run = np.hypot(*unit[:2])
     level = np.array([-unit[1], unit[0], 0.0]) / run if run > 0 else np.eye(3)[0]
@@ -88,7 +95,9 @@ def _rim_points(rod, axis, side):
         if axis is None:
             points += [end + sign * rod.radius * steep for sign in (1, -1)]
             continue
-        # cos level + sin steep, of which the axis' component is the side's.
+        # Where the rim's coordinate is the side's: level cos + steep sin = off, all shares of r.
+        # The rim sways by `reach` along this axis; if it doesn't, it runs along the plane, and
+        # its extremes are those above.
         reach = np.hypot(level[axis], steep[axis])
         if reach * rod.radius > GUARD * (rod.radius + rod.length):
             off = (side - end[axis]) / (rod.radius * reach)

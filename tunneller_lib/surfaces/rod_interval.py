@@ -89,16 +89,23 @@ def flat_interval(run, rise, length, radius, s, m):
     s = np.where(parallel, s, np.abs(across))
     # A tilt too small to tell: on the end's disc it comes to less than the guard.
     level = ~parallel & (rise * radius <= guard * length)
+    # The shadow is a rectangle, |s| <= r and 0 <= m <= run, with an ellipse about either end: a
+    # disc seen at a slant, whose half width at s is k = rise/length sqrt(r^2 - s^2).
     wide = radius + guard
     k = rise / length * np.sqrt(np.maximum((wide - s) * (wide + s), 0))
     hit = (s <= wide) & (parallel | ((m >= -k - guard) & (m <= run + k + guard))) & ~empty
+    # What the guard let in beyond the shadow is moved to its edge, where the formulas hold.
     m = np.where(parallel, m, np.clip(m, -k, run + k))
     # The product keeps the digits that r^2 - s^2 would lose near a tangent.
     w = np.sqrt(np.maximum((radius - s) * (radius + s), 0))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        # The endless wall is entered and left at middle -+ half. A line along the axis never
+        # meets it: there the discs alone bound the interval.
         middle, half = m * rise / run, w * length / run
         first = np.where(parallel, -np.inf, middle - half)
         last = np.where(parallel, np.inf, middle + half)
+        # The rod is inside the wall and between the discs' planes, where the way along the axis,
+        # (run m + rise z) / length, is 0 and length. A level line stays between them.
         enter = np.where(level, first, np.maximum(first, -run * m / rise))
         leave = np.where(level, last, np.minimum(last, rise + run * (run - m) / rise))
     # A touch: disc and wall ought to agree, and rounding moves the one less than the other.

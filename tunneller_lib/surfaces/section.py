@@ -192,17 +192,21 @@ def closed_profile(pieces: Each(Arc, Line)):
     0.7854
     """
     section = Profile(tuple(pieces))
+    # Each piece by itself.
     for k, piece in enumerate(section.arcs):
         if not piece.length > 0 or not piece.radius > 0:
             raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
     if not section.arcs:
         raise ValueError("pieces: must be at least one; got none.")
+    # Each begins where the one before it ends. The first is asked last: it closes the curve, which
+    # is another sentence.
     ends = np.array([arc.locate(np.array([0.0, arc.length]))[0] for arc in section.arcs])
     gaps = np.linalg.norm(ends[:, 0] - np.roll(ends[:, 1], 1, axis=0), axis=-1)
     for k in [*range(1, len(gaps)), 0]:
         if gaps[k] > CLOSED * section.perimeter:
             what = "doesn't begin where the last one ended" if k else "isn't met: it isn't closed"
             raise ValueError(f"pieces: {k + 1} of {len(gaps)} {what}; the gap is {gaps[k]:.3g} m.")
+    # A corner to the left keeps the section convex, one to the right doesn't.
     turns = section._turns()
     if np.any(turns < -SMOOTH):
         k = int(np.argmin(turns))
@@ -210,6 +214,7 @@ def closed_profile(pieces: Each(Arc, Line)):
             f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins with "
             f"{np.degrees(-turns[k]):.3g} deg."
         )
+    # Pieces and corners together turn by a full circle, else the curve crosses itself.
     round_once = sum(b - a for a, b in (arc.headings for arc in section.arcs)) + turns.sum()
     if abs(round_once - 2 * np.pi) > SMOOTH:
         raise ValueError(

@@ -35,6 +35,8 @@ def meet(torus, a, b):
     foot = cross(e, cross(a, b)) / (length * size)[..., None]
     line = [*np.moveaxis(foot, -1, 0), *np.moveaxis(np.broadcast_to(e, foot.shape), -1, 0)]
 
+    # In lengths of r + R the torus lies within -1 to 1 on the line, so that 2 is beyond it: five
+    # nodes, the walls and the extremes, with four brackets between.
     extremes, single = _extremes(foot, e, r, R)
     walls = np.full((1, *length.shape), 2.0)
     nodes = np.concatenate([-walls, extremes, walls])
@@ -84,15 +86,22 @@ def _extremes(foot, e, r, R):
     P = dot(foot, foot) - r * r - R * R + 2 * (r * slope) ** 2
     Q = 2 * r * r * slope * height
     with np.errstate(all="ignore"):  # a line 1e100 away has a cube that is infinite
+        # The sign of the discriminant tells one real root from three.
         single = 4 * P**3 + 27 * Q**2 > 0
+        # s = scale x with scale^2 = 4 |P| / 3 leaves the formula of a triple angle: 4x^3 - 3x is
+        # cos(3a) of x = cos(a), 4x^3 + 3x is sinh(3a) of x = sinh(a), and both stand for -ratio
+        # or +ratio. Unlike Cardano's cube roots they don't cancel.
         scale = 2 * np.sqrt(np.abs(P) / 3)
         ratio = np.where(scale > 0, 3 * Q / (P * scale), 0)
+        # Three roots (P < 0): cosines a third of a turn apart.
         angle = np.arccos(np.clip(ratio, -1, 1)) / 3
         thirds = 2 * np.pi / 3 * np.arange(3).reshape(3, *[1] * P.ndim)
         three = scale * np.cos(angle - thirds)
+        # One root of a cubic that only rises (P > 0).
         rising = -scale * np.sinh(np.arcsinh(ratio) / 3)
-        half = np.abs(3 * Q / (P * scale))
-        falling = -np.sign(Q) * scale * np.cosh(np.arccosh(np.maximum(half, 1)) / 3)
+        # One root of a cubic with two bends on one side of zero (P < 0): |x| > 1 is a cosh. It
+        # lies across from Q; without P it is the cube root.
+        falling = -np.sign(Q) * scale * np.cosh(np.arccosh(np.maximum(np.abs(ratio), 1)) / 3)
         falling = np.where(scale > 0, falling, -np.cbrt(Q))
         roots = np.where(single, np.where(P > 0, rising, falling), three)
     return np.clip(np.sort(roots, axis=0), -2, 2), single
