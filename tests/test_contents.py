@@ -78,6 +78,13 @@ def test_draw_map_draws_parts_with_chapters():
     assert len(draw_map(ax, FOLDER)) == len(filled_parts)
 
 
+def test_index_refuses_what_is_no_folder():
+    _, ax = figure(height=2)
+    for call in (lambda: draw_map(ax, "here"), lambda: contents_table("here")):
+        with pytest.raises(ValueError, match=r"^folder: must be of class Path; got 'here'\.$"):
+            call()
+
+
 def test_filled_refuses_what_is_not_recorded():
     with pytest.raises(ValueError, match=r"^07_chord: records no number 'no such'\.$"):
         filled("07_chord", "It is {no such}.")

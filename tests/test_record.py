@@ -77,7 +77,8 @@ def test_number_is_refused(record, root, value, options, message):
 
 
 def test_bound_is_stored_and_not_the_value(record, root):
-    assert record("residual", 3e-14, "", below=1e-12) == "at most 1e-12"
+    for residual in (3e-14, 0.0, 1e-12):
+        assert record("residual", residual, "", below=1e-12) == "at most 1e-12"
     assert stored(root)["numbers"]["residual"] == {"bound": 1e-12, "text": "1e-12", "unit": ""}
 
 

@@ -3,11 +3,13 @@
 import re
 from itertools import combinations
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 from report.sources import ROOT
 from tunneller_lib.reporting import COLOURS, figure
+from tunneller_lib.reporting.motion_plot import draw_setvalues
 
 READS = ["report/site/style.css"]
 
@@ -49,6 +51,15 @@ def test_colours_that_are_compared_differ_in_grey(names):
 def test_no_two_colours_that_lines_have_are_the_same_by_mistake():
     alike = [pair for pair in combinations(COLOURS, 2) if COLOURS[pair[0]] == COLOURS[pair[1]]]
     assert alike == [("offset", "plane"), ("printed", "generator")]
+
+
+@pytest.mark.parametrize("colour", ["mauve", "#FF0000", None])
+def test_colours_have_names_of_the_study(colour):
+    drawing, ax = figure(height=2)
+    draw_setvalues(ax, [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], colour="error")
+    with pytest.raises(ValueError, match=r"^colour: must be a name in COLOURS; got "):
+        draw_setvalues(ax, [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], colour=colour)
+    plt.close(drawing)
 
 
 @pytest.fixture(scope="module")

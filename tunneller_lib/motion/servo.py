@@ -234,8 +234,8 @@ def _own_inverse(plant):
 def _run(plant, loop, setvalues, slopes, inverse):
     """Return states and commands of one axis, in plain floats: arrays of one would be slow.
 
-    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope, and
-    the static inverse of the axis says which command gives it.
+    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope,
+    and the static inverse of the axis says which command gives it.
     """
     if inverse is None:
         inverse = _own_inverse(plant)
