@@ -437,27 +437,6 @@ def test_command_names_the_package_that_it_lacks(command, package, name):
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
 
 
-def test_cut_without_the_packages_of_scenes_leaves_out_its_picture(tmp_path):
-    done = without("pyvista", "cut", str(REFERENCE), "--json", "--out", str(tmp_path))
-    assert done.returncode == 0
-    assert "wall.png is left out: the package pyvista is missing; pip install" in done.stderr
-    files = {Path(file).name for file in json.loads(done.stdout)["files"]}
-    assert {"wall.stl", "wall.vtp", "budget.csv"} <= files and "wall.png" not in files
-
-
-def test_cut_needs_numpy_and_scipy_alone():
-    code = (
-        "import sys; from tunneller_lib.job import read_job; read_job(sys.argv[1]).axes; "
-        "print(*{name.partition('.')[0] for name in sys.modules})"
-    )
-    run = subprocess.run([sys.executable, "-c", code, str(REFERENCE)], cwd=ROOT, text=True,
-                         capture_output=True, check=True)  # fmt: skip
-    others = set(run.stdout.split()) - set(sys.stdlib_module_names) - set(sys.builtin_module_names)
-    assert {name for name in others if not name.startswith("_")} <= {
-        "numpy", "scipy", "tunneller_lib", "sitecustomize"
-    }  # fmt: skip
-
-
 @pytest.mark.parametrize(("error", "code", "answer"), [
     (KeyboardInterrupt(), 130, {"interrupted": True}),
     (MemoryError(), 1, {"refused": "the job needs more memory than there is."}),

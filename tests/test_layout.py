@@ -141,7 +141,7 @@ def child(code):
 
 
 @pytest.mark.parametrize(
-    "name", ["tunneller_lib", *(f"tunneller_lib.{room}" for room in FLOORS if FLOORS[room] in (1, 2)
+    "name", ["tunneller_lib", *(f"tunneller_lib.{room}" for room in FLOORS if FLOORS[room] < 5
                                 and (LIBRARY / room).is_dir())]
 )  # fmt: skip
 def test_import_takes_hardly_longer_than_that_of_numpy(name):
@@ -149,16 +149,16 @@ def test_import_takes_hardly_longer_than_that_of_numpy(name):
         "from time import process_time as t; a = t(); import numpy; b = t(); "
         f"import {name}; print((t() - b) / (b - a))"
     )
-    assert min(float(child(code)) for _ in range(5)) < 1
+    # A job has all rooms beneath it, and what reads and writes its files.
+    limit = 1.5 if name == "tunneller_lib.job" else 1
+    assert min(float(child(code)) for _ in range(5)) < limit
 
 
 def test_import_brings_nothing_heavy():
     code = "import sys; {}; print(*sys.modules)"
-    heavy = {"matplotlib", "pyvista", "vtk", "IPython", "PIL"}
-    alone = child(code.format("import tunneller_lib")).split()
-    assert not {*heavy, "scipy.optimize"} & set(alone)
+    heavy = {"matplotlib", "pyvista", "vtk", "IPython", "PIL", "scipy"}  # scipy waits for its use
     rooms = ", ".join(f"tunneller_lib.{room}" for room in FLOORS if (LIBRARY / room).is_dir()
-                      and FLOORS[room] < 3)  # fmt: skip
+                      and FLOORS[room] < 5)  # fmt: skip
     assert not heavy & set(child(code.format(f"import {rooms}")).split())
 
 

@@ -1,0 +1,77 @@
+"""What `pip install .` brings does a whole cut, with numpy and scipy beside it and nothing else."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+READS = ["notebooks/reference.toml", "tunneller_lib/*"]
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PACKAGE = ROOT / "tunneller_lib"
+# Runs the installed command with only those packages to be found that the wheel requires.
+COMMAND = """
+import sys
+
+class Bare:
+    def find_spec(self, name, path=None, target=None):
+        top = name.partition(".")[0]
+        known = {"numpy", "scipy", "tunneller_lib", *sys.stdlib_module_names}
+        if top not in known and not top.startswith("_"):
+            raise ModuleNotFoundError(f"No module named {top!r}", name=top)
+
+sys.meta_path.insert(0, Bare())
+sys.path.insert(0, sys.argv.pop(1))
+from tunneller_lib import __main__
+assert __main__.__file__.startswith(sys.path[0])
+sys.exit(__main__.main())
+"""
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """Return a folder with what setuptools packs: the modules of folders with an __init__."""
+    for module in PACKAGE.rglob("*.py"):
+        if (module.parent / "__init__.py").exists():
+            place = tmp_path / "site" / module.relative_to(ROOT)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(module, place)
+    return tmp_path / "site"
+
+
+def test_wheel_asks_for_numpy_and_scipy_alone():
+    wanted = [re.match(r"\w+", line)[0] for line in PROJECT["project"]["dependencies"]]
+    assert wanted == ["numpy", "scipy"]
+    assert PROJECT["project"]["scripts"] == {"tunneller": "tunneller_lib.__main__:main"}
+
+
+def test_wheel_has_all_of_the_library():
+    left_out = [
+        path.name
+        for path in PACKAGE.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+        if path.suffix != ".py" or not (path.parent / "__init__.py").exists()
+    ]
+    assert left_out == []  # no data, which would have to be declared
+
+
+def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_path):
+    shutil.copy(ROOT / "notebooks" / "reference.toml", tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND, str(installed), "cut", "reference.toml", "--out", "cut"],
+        cwd=tmp_path, text=True, capture_output=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert re.search(
+        r"^wall\.png is left out: the package \w+ is missing; pip install", done.stderr, re.M
+    )
+    files = {file.name for file in (tmp_path / "cut").iterdir() if file.stat().st_size}
+    assert files == {
+        "budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
+        "section.dxf", "wall.vtp", "wall.stl",
+    }  # fmt: skip
