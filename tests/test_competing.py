@@ -1,9 +1,12 @@
 """Competing geodesics and the certificates of the shortest."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from tests.long import many
+from tests.references import geodesic_rivals
 from tunneller_lib.paths import competing_geodesics, geodesic_direct, geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -41,45 +44,72 @@ def test_competing_geodesics_all_lead_to_the_end(torus):
     assert len(set(zip(*np.nonzero(found)[1:], strict=True))) == len(p)
 
 
-def crossings(torus, p, q, azimuths, length):
-    """Return lengths of geodesics from p to q, found by a fan of directions: independent."""
-    way = geodesic_direct(torus, p, azimuths, length, 1500)
-    theta, phi = np.moveaxis(way.position, -1, 0)
+# Of the meetings that tests/references/geodesic_rivals tells of, in its order: those of each class.
+WAVES = list(itertools.product(range(4), (1, -1), (1, -1)))  # half waves before, directions at ends
+ROUNDS = list(itertools.product(range(2), (1, -1)))
+ARRIVALS = [k for k, wave in enumerate(WAVES) if wave[::2] in {(0, 1), (1, -1)}]
+DIRECT, OVER = (len(WAVES) + ROUNDS.index(way) for way in ((0, 1), (1, -1)))
+
+
+def by_fan(torus, p, q, classes):
+    """Return lengths of geodesics from p to q, shot in some thousand directions.
+
+    By another quadrature than the library's, and each found where neighbours pass q on either side.
+    """
+    (_, a), (_, b) = sorted([p, q], key=lambda end: -abs(end[1]))
+    a, b = abs(a), b * np.sign(a)
+    turn = abs(np.remainder(q[0] - p[0] + np.pi, 2 * np.pi) - np.pi)
     lengths = []
-    for turn in range(-2, 3):
-        for winding in range(-2, 3):
-            level = q[1] + 2 * np.pi * winding
-            before = phi[:, :-1] - level
-            hit = before * (phi[:, 1:] - level) < 0
-            share = np.where(hit, before / (phi[:, :-1] - phi[:, 1:]), np.nan)
-            miss = theta[:, :-1] + share * np.diff(theta, axis=1) - q[0] - 2 * np.pi * turn
-            s = way.s[:, :-1] + share * np.diff(way.s, axis=1)
-            for k in range(1, len(azimuths)):
-                # Neighbouring directions that pass the end on either side of it.
-                i, j = np.nonzero(hit[k - 1])[0], np.nonzero(hit[k])[0]
-                for a, b in zip(i, j, strict=True) if len(i) == len(j) else []:
-                    if miss[k - 1, a] * miss[k, b] < 0 and abs(miss[k - 1, a] - miss[k, b]) < 0.1:
-                        lengths.append((s[k - 1, a] + s[k, b]) / 2)
-    return np.array(lengths)
+    for k, (c, turned, length) in enumerate(geodesic_rivals.meetings(torus.r, torus.R, a, b)):
+        # Its quadrature isn't made for geodesics that pass closer by a node.
+        by_node = (torus.r < torus.R) & (c < 1e-3 * torus.R)
+        turned = np.where(by_node, np.nan, turned)
+        if k in classes:
+            for target in (turn, 2 * np.pi - turn):
+                lengths.extend(geodesic_rivals.passing(c, turned, length, target))
+    return np.sort(lengths)
 
 
-@pytest.mark.parametrize("p, q", [((0, 0.8), (3.1, -0.3)), ((0, 1.6), (0.4, -1.55)),
-                                  ((0.2, -1.1), (2.0, 0.9))], ids=str)  # fmt: skip
-def test_competing_geodesics_are_those_of_a_fan_of_directions(p, q):
-    rivals = competing_geodesics(RING, p, q)
-    lengths = rivals.length[rivals.converged]
-    fan = crossings(RING, p, q, np.linspace(-np.pi, np.pi, 2000) + 1e-4, lengths[0] * 1.08)
-    assert len(fan)
-    for length in fan:
-        assert np.min(np.abs(lengths - length)) < 0.05
+@every_torus
+def test_competing_geodesics_are_those_of_a_fan_of_directions(torus):
+    for p, q in zip(*random_pairs(torus, many(12, 60), seed=4), strict=True):
+        rivals = competing_geodesics(torus, p, q)
+        lengths = rivals.length[rivals.converged]
+        fan = by_fan(torus, p, q, [*ARRIVALS, DIRECT, OVER])
+        assert len(lengths) == len(fan) >= 2
+        np.testing.assert_allclose(lengths, fan, rtol=1e-5)
+
+
+def test_competing_geodesics_leave_none_out_on_the_machines_torus():
+    # Whatever turns by less than two half swings, 343 degrees, is a first or second arrival.
+    assert np.degrees(2 * np.pi / np.sqrt(1.1)) == pytest.approx(343.24, abs=0.01)
+    ends = zip(*random_pairs(MACHINE, 25, seed=5), strict=True)
+    far = [(p, q) for p, q in ends if abs(np.sin((q - p)[0] / 2)) > np.sin(np.radians(17 / 2))]
+    assert len(far) > 20
+    for p, q in far:
+        rivals = competing_geodesics(MACHINE, p, q)
+        lengths = rivals.length[rivals.converged]
+        np.testing.assert_allclose(lengths, by_fan(MACHINE, p, q, range(len(WAVES))), rtol=1e-5)
+
+
+def test_competing_geodesics_go_the_long_way_round_on_the_machines_torus():
+    rivals = competing_geodesics(MACHINE, np.radians((-30, 20)), np.radians((20, -10)))
+    assert rivals.converged.sum() == 2
+    np.testing.assert_allclose(rivals.length[:2], [0.86496856, 4.61917523], rtol=0, atol=5e-9)
+    assert np.degrees(rivals.azimuth1[1]) == pytest.approx(-54.3719, abs=1e-4)
+    way = geodesic_direct(MACHINE, rivals.p[1], rivals.azimuth1[1], rivals.length[1], 2001)
+    theta, phi = np.degrees(way.position[[0, -1]]).T
+    np.testing.assert_allclose(theta, [-30, 20 - 360], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(phi, [20, -10], rtol=0, atol=1e-10)
+    assert np.degrees(np.max(np.abs(way.position[:, 1]))) == pytest.approx(41.84, abs=0.01)
 
 
 def test_competing_geodesics_on_the_outer_equator_are_mirror_images_and_the_equator():
     rivals = competing_geodesics(RING, (0, 0), (2.6, 0))
     assert rivals.length[0] == pytest.approx(rivals.length[1], rel=1e-14)
     assert rivals.azimuth1[0] + rivals.azimuth1[1] == pytest.approx(np.pi)
-    assert rivals.length[2] == pytest.approx(4 * 2.6)
-    assert rivals.azimuth1[2] == pytest.approx(np.pi / 2)
+    equator = np.isclose(np.abs(rivals.azimuth1), np.pi / 2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(rivals.length[equator], [4 * 2.6, 4 * (2 * np.pi - 2.6)])
 
 
 def test_competing_geodesics_on_a_meridian_are_its_two_arcs_first():
@@ -89,7 +119,7 @@ def test_competing_geodesics_on_a_meridian_are_its_two_arcs_first():
 
 
 def test_competing_geodesics_of_no_pairs_and_of_wrong_ends():
-    assert competing_geodesics(RING, np.empty((0, 2)), (0, 0)).length.shape == (6, 0)
+    assert competing_geodesics(RING, np.empty((0, 2)), (0, 0)).length.shape == (8, 0)
     assert np.all(competing_geodesics(SPINDLE, (0, 3), (0, 0)).kind == "none")
     with pytest.raises(ValueError, match=r"^p: the last axis must hold theta, phi"):
         competing_geodesics(RING, 1.0, (0, 0))
@@ -115,41 +145,52 @@ def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
 
 def test_competing_geodesics_broadcast():
     rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
-    assert rivals.length.shape == (6, 4, 3) and rivals.p.shape == (6, 4, 3, 2)
+    assert rivals.length.shape == (8, 4, 3) and rivals.p.shape == (8, 4, 3, 2)
 
 
 # Certificates.
 
 
-def test_every_geodesic_of_the_working_sheet_is_certified():
+def test_every_geodesic_of_the_working_sheet_is_the_only_one_that_turns_so_far():
     machine = REFERENCE_MACHINE
     low, high = (machine.theta_min, machine.phi_min), (machine.theta_max, machine.phi_max)
     p, q = np.random.default_rng(2).uniform(low, high, (2, 5000, 2))
-    for torus in (machine.torus, Torus(0.25, 1), Torus(0.01, 1)):
-        found = geodesic_inverse(torus, p, q)
-        assert set(found.certificate) == {"curvature"} and found.certified.all()
+    # As long as pi / sqrt(1 + r / R) is no less than the joint's whole range.
+    widest = (np.pi / (machine.theta_max - machine.theta_min)) ** 2 - 1
+    assert widest == pytest.approx(935 / 361, rel=1e-14)
+    for ratio in (0.01, 0.1, 0.25, 1, 0.9999 * widest):
+        found = geodesic_inverse(Torus(ratio, 1), p, q)
+        assert set(found.certificate) == {"only"} and found.certified.all()
+    corner = geodesic_inverse(Torus(1.0001 * widest, 1), low, high)
+    assert corner.certificate == "first" and corner.certified
 
 
 def test_certificate_ends_where_two_geodesics_meet():
-    # The conjugate point of the outer equator is where the curvature's bound is reached.
     angle = np.pi * np.sqrt(RING.R / (RING.r + RING.R))
-    near, past = geodesic_inverse(
-        RING, (0, 0), [(0.999 * angle, 0), (1.001 * angle, 0)]
-    ).certificate
-    assert near == "curvature" and past == "compared"
+    ends = [(0.999 * angle, 0), (1.001 * angle, 0)]
+    near, past = geodesic_inverse(RING, (0, 0), ends).certificate
+    assert near == "only" and past == "first"
+    # Past it a second geodesic turns as far: the equator, and a mirror image, too.
+    turned = competing_geodesics(RING, (0, 0), ends)
+    assert list(np.sum(turned.length < 1.01 * 4 * angle, axis=0)) == [1, 3]
 
 
 @every_torus
 def test_certified_geodesics_have_no_shorter_rival(torus):
     p, q = random_pairs(torus, many(1_000, 20_000), seed=3)
     found, rivals = geodesic_inverse(torus, p, q), competing_geodesics(torus, p, q)
-    certified = found.certificate == "curvature"
-    assert np.mean(certified) > 0.3
-    other = rivals.length[1][certified]
-    assert not np.any(other < found.length[certified])
+    assert found.certified.all()
+    second = rivals.length[1]
+    compared = np.isfinite(second)
+    assert np.mean(compared) > 0.95
+    assert np.all(second[compared] >= found.length[compared])
+    # No rival turns as far as one that is called the only one, but for those over the inside.
+    sine = np.sin(rivals.azimuth1) * np.sign(np.remainder(q - p + np.pi, 2 * np.pi) - np.pi)[:, 0]
+    alike = (sine > 0) & (rivals.kind == "outer")
+    assert np.all(np.sum(alike, axis=0)[found.certificate == "only"] == 1)
 
 
 def test_certificates_of_special_ends():
     found = geodesic_inverse(SPINDLE, [(0, 1), (0, 1), (0, 3)], [(0, 1), (0, -1), (0, 0)])
-    assert list(found.certificate) == ["curvature", "meridian", ""]
+    assert list(found.certificate) == ["meridian", "meridian", ""]
     np.testing.assert_array_equal(found.certified, [True, True, False])

@@ -132,8 +132,8 @@ class Geodesic:
     converged : (...) bool
         Whether there is an answer; its turned angle is met to 1e-9 rad.
     certificate : (...) str
-        Why it is the shortest: "meridian", "curvature", or "compared"; empty where there is no
-        answer. See `geodesic_inverse`.
+        Why it is the shortest: "meridian", "only" or "first"; empty where there is no answer, and
+        of rivals. See `geodesic_inverse`.
     """
 
     torus: Torus
@@ -150,7 +150,7 @@ class Geodesic:
     @property
     def certified(self):
         """Return where it is proved that nothing is shorter, as (...) bool."""
-        return np.isin(self.certificate, ["meridian", "curvature"])
+        return self.certificate != ""
 
     @checked
     def points(self, n: Count):

@@ -1,4 +1,4 @@
-"""The two classes of shortest geodesics on a torus, each with its one unknown.
+"""The classes of geodesics on a torus, each with its one unknown.
 
 A geodesic runs from phi = a >= 0 to phi = b, |b| <= a. Clairaut's c = rho sin(azimuth) is constant
 along it, so that with rho = r + R cos(phi)
@@ -23,13 +23,15 @@ class Integrand(NamedTuple):
 
     `at` (6, n) holds c, A, B, E, the lower limit of t and how far the upper one is from it; `rate`
     what c, A, B, E and both limits change by with the unknown; cos_a and cos_b (n,) are the
-    cosines of the azimuths.
+    cosines of the azimuths. A way in legs has the next one in `onward`, mirrored to where t is in
+    (-pi/2, pi/2].
     """
 
     at: np.ndarray
     rate: np.ndarray
     cos_a: np.ndarray
     cos_b: np.ndarray
+    onward: "Integrand | None" = None
 
 
 def outer(torus, a, b, u):
@@ -100,6 +102,72 @@ def outer(torus, a, b, u):
     at = np.where(free, _rows(c, -rest, 1, -rest, _below_pi(a) / 2, (a - b) / 2), at)
     rate = np.where(free, _rows(-2 * R * dk2, dk2, 0, dk2, 0, 0), rate)
     return Integrand(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
+
+
+def second(torus, a, b, u, sense=1):
+    """Return the geodesics that turn on the other side of the outer equator and rise to b.
+
+    They come to the parallel b a second time, after descending at once (u < 0) or after rising
+    above a (u > 0).
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    a, b : (n,) float
+        Angles phi of the ends, in rad.
+    u : (n,) float
+        The unknown, any number: far from zero, c nears 0, or r - R on a ring.
+    sense : {1, -1}
+        -1 if it is the negative of the unknown that is given.
+
+    Returns
+    -------
+    integrand : Integrand
+        That of each u, in three legs.
+
+    Notes
+    -----
+    As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
+    sin(b/2) = k cos(t_b). The integrands repeat after pi, and backwards from any multiple of pi/2.
+    """
+    r, R = torus.r, torus.R
+    sa = np.sin(a / 2)
+    sb = np.sin(b / 2)
+    rho_a = r + R * np.cos(a)
+    rho_b = r + R * np.cos(b)
+    X = np.cos(a / 2) if r >= R else np.sqrt(rho_a / (2 * R))
+    x = sense * X * np.tanh(u / X)
+    gap = 2 * X / (1 + np.exp(2 * np.minimum(np.abs(u) / X, 300 if r > R else 30)))  # X - |x|
+    e = gap * (2 * X - gap)  # X^2 - x^2
+    d = np.sin((a + b) / 2) * np.sin((a - b) / 2)
+    W = np.sqrt(np.maximum(d + x * x, 0))
+    k2 = sa * sa + x * x
+    c = max(r - R, 0) + 2 * R * e
+    rest = e + (0 if r >= R else np.cos(a / 2) ** 2 - X * X)  # 1 - k^2
+    dx = sense * e / X**2
+    dk2 = 2 * x * dx
+    first = np.arctan2(-x, sa)
+    last = np.arctan2(W, sb)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dfirst = -sa * dx / k2
+        dlast = sb * x * dx / (W * k2)
+    # Three legs, none with more than one turning point, where the integrands have their peaks:
+    # down to the outer equator, on to its next crossing or to b, and up from there.
+    over = b > 0
+    constants = _rows(c, rest, k2, 0)
+    rates = _rows(-2 * R * dk2, -dk2, dk2, 0)
+    cos_a = x * np.sqrt(2 * R * (rho_a + c)) / rho_a
+    cos_b = W * np.sqrt(2 * R * (rho_b + c)) / rho_b
+    way = None
+    for start, speed in (
+        (np.where(over, last, np.pi / 2), np.where(over, dlast, 0)),
+        (np.where(over, -np.pi / 2, last - np.pi), np.where(over, 0, dlast)),
+        (first, dfirst),
+    ):
+        at = np.stack([*constants, start, np.pi / 2 - start])
+        way = Integrand(at, np.stack([*rates, speed, 0 * speed]), cos_a, cos_b, way)
+    return way
 
 
 def inner(torus, a, b, u):

@@ -35,7 +35,7 @@ def solve(family, torus, a, b, angle, low=None):
     Parameters
     ----------
     family : callable
-        `outer` or `inner`.
+        `outer`, `inner` or `second`: a function of torus, a, b and the unknown.
     torus : Torus
         The surface.
     a, b : (n,) float
@@ -57,7 +57,7 @@ def solve(family, torus, a, b, angle, low=None):
         guess, scale, low = _start(family, torus, a, b, angle)
     else:
         guess = low + 0.25
-        scale = np.zeros_like(low)
+        scale = np.full_like(low, ROUNDING)
     pairs = np.stack([a, b, angle, guess, scale, low])
     blocks = [_newton(family, torus, *pairs[:, k : k + BLOCK], count) for k in starts]
     return Root(*np.concatenate([np.empty((5, 0)), *blocks], axis=1))
@@ -132,7 +132,11 @@ def integrate(torus, integrand, count):
         _, rho_end, _, density_end = terms(end)
         rate += (speed * c / rho_end * density_end)[..., 0]
     turned = np.sum(c / rho * density, axis=-1)
-    return turned, rate, np.sum(rho * density, axis=-1)
+    length = np.sum(rho * density, axis=-1)
+    if integrand.onward is None:
+        return turned, rate, length
+    onward = integrate(torus, integrand.onward, count)
+    return turned + onward[0], rate + onward[1], length + onward[2]
 
 
 def _newton(family, torus, a, b, angle, u, scale, low, count):

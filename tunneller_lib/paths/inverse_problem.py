@@ -4,6 +4,7 @@ Clairaut's first integral turns it into one equation for each class of geodesics
 problem, which integrates the equations themselves, checks it.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,12 +12,15 @@ import numpy as np
 from ..arguments import Positions, checked
 from ..surfaces import Torus
 from .geodesic import Geodesic, reduced
-from .geodesic_classes import inner, outer
+from .geodesic_classes import inner, outer, second
 from .geodesic_root import integrate, solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 MOST_RATIO = 1e100  # of r and R, either way
-FEW = 16  # pairs whose turned angles are looked at together, within what a cache holds
+CLASSES = 8  # of `competing_geodesics`
+FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
+NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
+HALVINGS = 30
 
 
 class _Ends(NamedTuple):
@@ -69,19 +73,28 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
 
     Notes
     -----
-    A shortest geodesic turns by at most pi in theta and crosses each of the circles phi = 0 and
-    phi = pi at most once. That leaves two classes, and in each the turned angle grows with one
-    unknown (found numerically, not proved): a root each, and the shorter one is returned.
+    That nothing on the sheet is shorter is proved (report, section on geodesics), for all ends.
+    Let the end with the greater |phi| come first. Of the geodesics that come to the other
+    end's parallel for the first time, and not round a ring's tube, exactly one turns by a given
+    angle up to pi: their turned angle grows strictly from the descending meridian to beyond pi,
+    because half a swing between the turning points,
 
-    It needs no such trust where the certificate is "curvature". The Gaussian curvature is at most
-    1 / (R (r + R)), and on the unrolled torus no geodesic closes, since theta grows all along; so
-    two geodesics shorter than pi sqrt(R (r + R)) between the same ends can't be drawn into each
-    other (Klingenberg). A way that turns by more than pi in theta can be reflected in a meridian
-    plane, piece by piece, to one that turns by less; one round the tube the other way is longer
-    than that way along a meridian; and a shortest way doesn't pass a node, where there is less
-    than a full turn of surface. "meridian" is the arc between ends with the same
-    theta, "compared" the shorter root only. Ends half a turn apart have a mirror image of the
-    answer beside it.
+        T(c) = 2R / (R + r) int_0^(pi/2) sqrt(1 + 2r / (rho + R - r)) dx,
+        1 / rho^2 = cos^2(x) / c^2 + sin^2(x) / (R + r)^2,
+
+    falls as c grows. Every later arrival at the same end is longer, and so is a way through a node,
+    or one that turns by more than pi. Round a ring's tube one geodesic turns by that angle, the
+    shortest of those ways; it is looked at where the ends lie in opposite halves. So there is one
+    root to find, or two, and the shorter is returned.
+
+    The certificate says why: "meridian" for the arc between ends with the same theta; "only" up to
+    turns of pi / sqrt(1 + r / R), within which no later arrival falls, since T(c) is longer (below
+    pi; and no longer range will do, by the outer equator's conjugate point); "first" beyond, where
+    later arrivals exist. Ends half a turn apart have a mirror image of the answer beside it, and
+    so have ends with phi and -phi past their conjugate point.
+
+    On a spindle's whole surface, its inner sheet included, the answer is the shortest where it is
+    no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
     Lengths are right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node:
     see tests/references for a table of hard ones.
@@ -103,7 +116,7 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
 
 @checked
 def competing_geodesics(torus: Torus, p: Positions, q: Positions):
-    """Return the geodesics between joint positions that may be the shortest, and are nearly so.
+    """Return the shortest geodesic between joint positions, and its rivals.
 
     Parameters
     ----------
@@ -115,31 +128,41 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     Returns
     -------
     geodesic : Geodesic
-        With one more axis in front, of length 6, the shortest first; kind "none" where there are
+        With one more axis in front, of length 8, the shortest first; kind "none" where there are
         fewer. Only the first has a certificate.
 
     Notes
     -----
-    Three classes, each for the short and for the long way round the axis: over the side of the
-    farther end, over the other side behind the first conjugate point, and over the inner equator
-    of a ring, on the side of the farther end. On the outer equator, past that point, the equator
-    itself takes the place of the third. There are others, which swing over the outer equator
-    more than once or wind about the tube or the axis farther; they may be shorter than the last
-    of these, not than the first.
+    Four classes, each for the short and for the long way round the axis, both less than a whole
+    turn. Let the end with the greater |phi| come first, and look at the geodesics that come to the
+    other's parallel
+
+    - for the first time: one geodesic, or none where it would have to pass a node;
+    - for the second time, after a turning point on the other side: none short of a least turn, one
+      to either side of it beyond, the second of them past two turning points or none;
+    - over the inner equator of a ring, on the side of the farther end: one geodesic. Between two
+      places on the outer equator, past its first conjugate point, it gives way to the equator.
+
+    That the second arrivals' turn has one least value was seen on all tori that were tried; the
+    rest is proved. Left out are later arrivals, each of which swings across the outer equator once
+    more, and ways that wind about the tube or the axis farther. Where both ways round turn by less
+    than 2 pi / sqrt(1 + r / R), two half swings, no later arrivals exist: between ends that are
+    more than 17 degrees of theta apart on the reference machine's torus.
     """
     p, q, ends = _normal_form(torus, p, q)
-    ways = []
+    least = _least_second(torus, ends)
     long_way = ends._replace(angle=2 * np.pi - ends.angle, side=-ends.side)
+    ways = []
     for way in (ends, long_way):
-        for find in (_near_side, _far_side, _inside):
-            ways.append(_geodesic(torus, p, q, way, find(torus, way)))
+        found = _near_side(torus, way), *_second_arrivals(torus, way, least), _inside(torus, way)
+        ways += [_geodesic(torus, p, q, way, one) for one in found]
     fields = ["length", "azimuth1", "azimuth2", "clairaut", "kind", "converged", "certificate"]
     stacked = [np.stack([getattr(way, name) for way in ways]) for name in fields]
     order = np.argsort(stacked[0], axis=0)  # NaN comes last
     *ranked, certificate = (np.take_along_axis(field, order, axis=0) for field in stacked)
     certificate[1:] = ""
-    p = np.broadcast_to(p, (6, *p.shape))
-    q = np.broadcast_to(q, (6, *q.shape))
+    p = np.broadcast_to(p, (CLASSES, *p.shape))
+    q = np.broadcast_to(q, (CLASSES, *q.shape))
     return Geodesic(torus, p, q, *ranked, certificate)
 
 
@@ -180,32 +203,49 @@ def _near_side(torus, ends):
     ways.settle(meridian & (a == b), "point", 0.0, 0.0, np.nan, np.nan)
     # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
     # sin(phi/2) vanishes all along and leaves no quadrature.
-    equator = (angle > 0) & (a == 0) & ~_past_conjugate(torus, ends)
+    equator = (angle > 0) & (a == 0) & (angle <= _conjugate_turn(torus))
     span = torus.r + torus.R
     ways.settle(equator, "outer", span * angle, span, 0.0, 0.0)
-    _search(torus, outer, ends, ends.on_sheet & (ways.kind == "none"), ways)
+    there = ends.on_sheet & (ways.kind == "none") & (angle < _half_swing_by_the_node(torus))
+    _search(torus, outer, ends, there, ways)
     return ways
 
 
-def _far_side(torus, ends):
-    """Return the ways over the side opposite to the farther end, past the conjugate point."""
-    ways = _nothing(ends)
-    possible = ends.on_sheet & (ends.angle > 0)
-    possible &= (ends.a > 0) | _past_conjugate(torus, ends)
-    index = np.flatnonzero(possible)
-    # Mirrored, they rise from -a over the outer equator and come down to -b: the same class.
-    a = -ends.a[index]
-    b = -ends.b[index]
-    # Beyond its least, at the conjugate point, the turned angle grows again. No formula tells where
-    # that is: the least of 81 values is where the search begins.
-    u = np.geomspace(1e-3, 10, 81)
-    low = np.full(ends.a.size, np.nan)
-    for k in range(0, index.size, FEW):
-        tried = outer(torus, *np.broadcast_arrays(a[k : k + FEW], b[k : k + FEW], u[:, None]))
-        low[index[k : k + FEW]] = u[np.argmin(integrate(torus, tried, 96)[0], axis=0)]
-    mirrored = ends._replace(a=-ends.a, b=-ends.b)
-    _search(torus, outer, mirrored, possible, ways, low)
-    return ways._replace(cos_a=-ways.cos_a, cos_b=-ways.cos_b)
+def _second_arrivals(torus, ends, least):
+    """Return the ways that turn on the other side: before the least turned angle, and past it."""
+    before, past = _nothing(ends), _nothing(ends)
+    angle = ends.angle
+    unknown, turned = least
+    possible = ends.on_sheet & (angle > turned)
+    for ways, sense, swings in ((before, -1, 1), (past, 1, 2)):
+        there = possible & (angle < swings * _half_swing_by_the_node(torus))
+        _search(torus, partial(second, sense=sense), ends, there, ways, sense * unknown)
+    return before, past
+
+
+def _least_second(torus, ends):
+    """Return the unknown of `second` with which the turned angle is least, and that angle."""
+    index = np.flatnonzero(ends.on_sheet)
+    a, b = ends.a[index], ends.b[index]
+    unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
+    # Towards either end of the class the turned angle grows: its rate changes its sign once.
+    low = -FARTHEST * unit
+    high = -NEAREST * unit
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        falling = integrate(torus, second(torus, a, b, middle), 96)[1] < 0
+        low = np.where(falling, middle, low)
+        high = np.where(falling, high, middle)
+    least = np.full((2, ends.a.size), np.nan)
+    least[:, index] = high, integrate(torus, second(torus, a, b, high), 96)[0]
+    return least
+
+
+def _half_swing_by_the_node(torus):
+    """Return the turned angle of half a swing that just misses the node, in rad."""
+    if torus.r >= torus.R:
+        return np.inf
+    return np.pi / np.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
 
 
 def _inside(torus, ends, allowed=True):
@@ -215,7 +255,7 @@ def _inside(torus, ends, allowed=True):
     span = torus.r + torus.R
     narrow = torus.r - torus.R
     # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
-    ways.settle((a == 0) & _past_conjugate(torus, ends), "outer", span * angle, span, 0.0, 0.0)
+    ways.settle((a == 0) & (angle > _conjugate_turn(torus)), "outer", span * angle, span, 0.0, 0.0)
     if narrow <= 0:  # the working sheet of a horn or a spindle has no inner equator
         return ways
     # Round the tube the other way, if there are two ends.
@@ -229,9 +269,9 @@ def _inside(torus, ends, allowed=True):
     return ways
 
 
-def _past_conjugate(torus, ends):
-    """Return where the turned angle is past the first conjugate point of the outer equator."""
-    return ends.angle > np.pi * np.sqrt(torus.R / (torus.r + torus.R))
+def _conjugate_turn(torus):
+    """Return the turn to the first conjugate point on the outer equator, the least half swing."""
+    return np.pi * np.sqrt(torus.R / (torus.r + torus.R))
 
 
 def _search(torus, family, ends, possible, ways, low=None):
@@ -241,7 +281,7 @@ def _search(torus, family, ends, possible, ways, low=None):
     found = solve(family, torus, a, b, angle, None if low is None else low[index])
     reached = np.abs(found.turned - angle) <= AGREES
     index = index[reached]
-    ways.kind[index] = family.__name__
+    ways.kind[index] = "inner" if family is inner else "outer"
     for array, value in zip(ways[:-1], found[1:], strict=True):
         array[index] = value[reached]
 
@@ -254,16 +294,11 @@ def _geodesic(torus, p, q, ends, ways):
     rho = torus.r + torus.R * np.cos([ends.a, ends.b])
     azimuth = np.arctan2(ends.side * ways.c / rho, back * [ways.cos_a, ways.cos_b])
     first, last = np.where(ends.swap, azimuth[::-1], azimuth)
-    # Below the bound of the curvature no other way can be drawn into this one. One that can't be
-    # goes round the tube the other way and is longer than that way along a meridian, or turns by
-    # more than pi; of a way that does so itself nothing is claimed.
-    drop = ends.a - ends.b
-    other = np.where(ways.kind == "inner", drop, 2 * np.pi - drop) if torus.r > torus.R else np.inf
-    lone = ways.length < np.pi * np.sqrt(torus.R * (torus.r + torus.R))
-    lone &= (ways.length <= torus.R * other) & (ends.angle <= np.pi)
+    # Within half of the shortest swing there is no second arrival.
+    only = (ends.angle <= _conjugate_turn(torus)) & (ends.angle < np.pi)
     certificate = np.select(
-        [ways.kind == "none", ways.kind == "meridian", lone],
-        ["", "meridian", "curvature"], "compared",
+        [ways.kind == "none", np.isin(ways.kind, ["meridian", "point"]), only],
+        ["", "meridian", "only"], "first",
     )  # fmt: skip
     answers = ways.length, first, last, ends.side * ways.c, ways.kind, ways.kind != "none"
     shape = p.shape[:-1]
