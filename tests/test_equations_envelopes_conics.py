@@ -10,7 +10,7 @@ from math import factorial
 import numpy as np
 import sympy as sp
 
-from tests.envelopes_zoo import CURVES, GRID, MOTIONS, pipe
+from tests.envelopes_zoo import MOTIONS
 from tests.shapes import directions
 from tests.symbols_envelopes import (
     ANGLE,
@@ -404,19 +404,3 @@ def test_derivative_of_eq09(judge):
 def test_eq16_motion_of_the_centre(judge):
     du, dv = -v - g * VT, u + g * UT
     judge("cones-eq16", sp.expand((v + du) * UT - (u - dv) * VT) == 0)
-
-
-def test_problem15_multiple_conics(judge):
-    """Evidence: channels of constant slope have multiple conics, and are such envelopes."""
-    surface, angle = pipe(CURVES["helix"], 0.3, 0.1), np.arcsin(0.1 / np.sqrt(1.16))
-    cones = hyperosculating_cones(surface, *GRID, half_angle=angle, model="space")
-    double = cones.multiplicity == 2
-    assert np.array_equal(np.sort(cones.index[double]), np.arange(20))
-    assert np.abs(cones.order4[double]).max() < 1e-10
-    judge("cones-problem15", missing="an answer: the document leaves it open")
-    for name, motion in MOTIONS.items():
-        cones = hyperosculating_cones(moving_cone(motion, 0.35), *GRID, half_angle=0.35,
-                                      model="space")  # fmt: skip
-        exact = np.abs(cones.order4) < 1e-10
-        assert set(cones.index[exact]) == set(range(20)), name
-        assert np.all(cones.multiplicity[exact] == 1), name

@@ -4,8 +4,6 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
-from math import comb
-
 import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
@@ -28,7 +26,7 @@ from tests.symbols_envelopes import (
     zero,
 )
 from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.hyperosculate import order_four
 from tunneller_lib.envelopes.isotropic import isotropic_derivatives, plane_to_point, sphere_point
 
@@ -236,50 +234,3 @@ def test_contour_from_the_vertex_has_the_osculating_cones_circle(judge):
         ruling = np.array(surface(0.3 + step, t_here)) - vertex
         gaps.append(np.arccos(ruling @ axis / np.linalg.norm(ruling)) - angle)
     judge("cones-contour", 7 < gaps[1] / gaps[0] < 9)
-
-
-def test_problem30_converses(judge):
-    """Evidence: what solves the equations at every point is an envelope, wherever we looked.
-
-    With f_ee = 2 R and f_eee = 0 the offset by R has a direction of line contact of order 3 at
-    each point (Theorem 4 makes it ruled); the two conditions are the same function of the jet.
-    """
-    judge("cones-problem30", missing="an answer: the document leaves it open")
-    for name in RULED:
-        surface = adapted_frames(ruled(name, 0.1), *GRID, "space")
-        found = recognise(ruled(name, 0.1), *GRID, "cylinder", model="space")
-        contact, n = surface.contact, surface.axes[:, 2]
-        back = contact + found.radius * n  # the offset: points of the rulings
-        s, w = GRID
-        expected = np.stack([c + 0 * s for c in ruled(name)(s, w)], axis=-1)
-        assert np.abs(back - expected).max() < 1e-9
-    # That step: on a general surface, wherever f_eee = 0, the offset by f_ee/2 has contact of
-    # order 3 with a line across e; by another amount, or in another direction, it hasn't.
-    graph = GENERAL["quartic graph"]
-
-    def offset(R):
-        def surface(s, t):
-            slopes = (2 * s + 0.9 * s**2 * t, -2 * t + 0.3 * s**3 + 0.8 * t**3)
-            length = (slopes[0] ** 2 + slopes[1] ** 2 + 1) ** 0.5
-            n = [-slopes[0] / length, -slopes[1] / length, 1 / length]
-            return [c + R * m for c, m in zip(graph(s, t), n, strict=True)]
-
-        return surface
-
-    s, t0 = np.array([0.3]), np.array([0.2])
-    found = adapted_frames(graph, s, t0, "space")
-    f_, (first, second, n) = isotropic_jet(found, slice(None)), found.axes[0]
-    upwards = np.sign(n[2])
-
-    def along(f_, order, e):
-        return sum(comb(order, k) * f_.derivative(order - k, k)[0] * e[0] ** (order - k) * e[1] ** k
-                   for k in range(order + 1))  # fmt: skip
-
-    a = brentq(lambda a: along(f_, 3, (np.cos(a), np.sin(a))), 0, np.pi)
-    for turn, share, holds in ((0.0, 1.0, True), (0.3, 1.0, False), (0.0, 0.9, False)):
-        e = np.cos(a + turn), np.sin(a + turn)
-        ruling = e[0] * second - e[1] * first
-        there = adapted_frames(offset(upwards * share * along(f_, 2, e) / 2), s, t0, "space")
-        w = there.axes[0, :2] @ ruling
-        contact = [along(tangent_graph(there, there.smooth), order, w) for order in (2, 3)]
-        assert np.isfinite(contact).all() and bool(np.max(np.abs(contact)) < 1e-9) is holds

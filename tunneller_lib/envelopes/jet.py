@@ -245,7 +245,7 @@ def _power(a, p):
             result = result * result
             result = result * a if bit == "1" else result
         return result
-    return _series(a, elementary.power(a.value, p))
+    return series(a, elementary.power(a.value, p))
 
 
 def _arctan2(y, x):
@@ -257,7 +257,7 @@ def _arctan2(y, x):
     return np.arctan((y * c - x * s) / (x * c + y * s)) + angle
 
 
-def _series(a, coefficients):
+def series(a, coefficients):
     """Return sum of coefficients[n] (a - a0)^n, by Horner."""
     step = Jet(np.concatenate([np.zeros_like(a.c[:1]), a.c[1:]]))
     result = step * coefficients[-1]
@@ -267,7 +267,7 @@ def _series(a, coefficients):
 
 
 def _elementary(coefficients, a):
-    return _series(a, coefficients(a.value))
+    return series(a, coefficients(a.value))
 
 
 _FUNCTIONS = {

@@ -1,0 +1,74 @@
+"""Symbols for the open problems: forms in a turning direction, at a general point of the model.
+
+`D` differentiates with the direction held fixed, as the proofs do; the direction itself is `a`.
+"""
+
+from itertools import product
+
+import numpy as np
+import sympy as sp
+
+a, x, y, tau = sp.symbols("a x y tau", real=True)
+F = {(i, j): sp.Symbol(f"f{'x' * i}{'y' * j}", real=True) for i in range(6) for j in range(6 - i)}
+e = sp.cos(a), sp.sin(a)
+w = -sp.sin(a), sp.cos(a)
+p = 1 + x**2 + y**2
+xe = x * e[0] + y * e[1]
+xw = x * w[0] + y * w[1]
+
+
+def D(way, expression):
+    """Return the derivative of an expression in x, y and derivatives of f, a and the way fixed."""
+    moved = 0
+    for part, place, step in ((way[0], x, (1, 0)), (way[1], y, (0, 1))):
+        slope = expression.diff(place)
+        for (i, j), symbol in F.items():
+            higher = i + step[0], j + step[1]
+            if symbol in expression.free_symbols:
+                slope += expression.diff(symbol) * F[higher]
+        moved += part * slope
+    return moved
+
+
+def form(*ways):
+    """Return the derivative of f along directions."""
+    total = 0
+    for choice in product((0, 1), repeat=len(ways)):
+        term = F[choice.count(0), choice.count(1)]
+        for way, i in zip(ways, choice, strict=True):
+            term *= way[i]
+        total += term
+    return total
+
+
+def vanishes(expression):
+    return sp.simplify(sp.expand(expression)) == 0
+
+
+def vanishes_at_fractions(expression):
+    """Tell whether an expression is exactly 0 at three random places, for what is long to expand.
+
+    By the lemma of Schwartz and Zippel no such polynomial but 0 itself is likely to vanish there.
+    """
+    rng = np.random.default_rng(15)
+    symbols = sorted(expression.free_symbols - {a}, key=str)
+    cosine, sine = sp.symbols("cosine sine")
+    plain = expression.xreplace({sp.cos(a): cosine, sp.sin(a): sine})
+    value = sp.lambdify([cosine, sine, *symbols], plain, "sympy")
+    for _ in range(3):
+        m, n, *values = rng.integers(1, 10**6, 2 + len(symbols)).tolist()
+        square = m * m + n * n
+        around = sp.Rational(m * m - n * n, square), sp.Rational(2 * m * n, square)
+        if value(*around, *map(sp.Integer, values)) != 0:
+            return False
+    return True
+
+
+SLOPE = F[1, 0], F[0, 1]
+HEIGHT = F[0, 0] - x * F[1, 0] - y * F[0, 1]
+q = p * form(e, e, e) + 6 * (tau - xw) * form(e, w)  # (11) is rho^3 q/p
+qa = q.diff(a)
+qaa = qa.diff(a)
+kappa = 2 * (tau - xw) / p  # 1/rho, by (9)
+rho = 1 / kappa
+M = p * form(e, e) + 2 * HEIGHT  # (24) with R = 0, up to rho^2

@@ -1,0 +1,165 @@
+"""What the answers to Problems 15 and 30 say besides, and the surface that settles Problem 15."""
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+from tests.symbols_open import (
+    D,
+    a,
+    e,
+    form,
+    kappa,
+    p,
+    q,
+    qa,
+    qaa,
+    rho,
+    vanishes,
+    vanishes_at_fractions,
+    w,
+    xe,
+)
+from tests.test_equations_envelopes_open import HALF_ANGLES, halves_along_the_circle
+from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes.families import cyclide
+from tunneller_lib.envelopes.pseudo import pseudo_envelope
+from tunneller_lib.replica import envelope_equations as eq
+
+
+def once_round(expression):
+    """Return the derivative by the angle along the conic's own circle."""
+    return rho * D(e, expression) + expression.diff(a)
+
+
+def test_circle_keeps_its_radius():
+    assert vanishes(once_round(kappa))
+
+
+def test_eq12_is_the_derivative_of_eq11_along_the_circle():
+    # (11) is rho^3 q/p; and where q = 0 what is left of (12) is rho^3/p (rho D_e q + q_a).
+    eleven = rho**2 * (rho * form(e, e, e) + 3 * form(e, w))
+    assert vanishes_at_fractions(eleven - rho**3 * q / p)
+    twelve = rho**3 * (rho * D(e, q) + qa) / p
+    rest = 2 * rho**4 * xe * q / p**2
+    assert vanishes_at_fractions(once_round(eleven) - twelve + rest)
+
+
+def test_theorem_a_prime_order_five_is_a_square():
+    # With q, q_a and grad q zero, so D_e q_a = -a_e q_aa and D_e D_e q = a_e^2 q_aa, the second
+    # derivative along the circle is rho^2 q_aa (kappa - a_e)^2: order 5 makes the field's curve the
+    # conic's circle. By (I) the gap's fifth coefficient follows, -4.8 rho^5 ... f_ew^2/q_aa.
+    twice = once_round(once_round(q))
+    parts = rho**2 * D(e, D(e, q)) + 2 * rho * D(e, qa) + qaa + rho * D(w, q)
+    assert vanishes_at_fractions(twice - parts)
+
+
+@pytest.mark.parametrize(("angle", "start"), [(20, "0.3"), (30, "0.25"), (60, "0.1")])
+def test_fifth_coefficient_of_the_gap(angle, start):
+    with mp.workdps(60):
+        theta, r = mp.radians(angle), mp.mpf(start)
+        tangent = mp.tan(theta)
+        _, odd = halves_along_the_circle(theta, r)
+        h = mp.mpf(10) ** -8
+        measured = (odd(2 * h) - odd(h)) / 15 / h**4
+        half = (1 - r * r) / r / tangent / 2
+        sine = half - mp.sqrt(half**2 - 1)
+        cosine = mp.sqrt(1 - sine**2)
+        radius = (1 + r * r) / 2 / (tangent + r * sine)
+        C, S = mp.cos(theta), mp.sin(theta)
+        c = (1 - r * r) / (1 + r * r)
+        W = mp.sqrt(c * c - S * S)
+        bend = (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / r**2
+        few = r * bend * sine * cosine
+        second = 6 * bend * (1 - r * r) / (1 + sine**2) * cosine**3  # q_aa
+        formula = 4.8 * radius**5 * few**2 / (C**4 * (1 + r * r) ** 3 * second)
+        assert abs(measured / formula - 1) < 1e-10
+
+
+def test_example31_has_an_isolated_double_root_whose_conic_stays():
+    """So f_ew = 0 can't be asked of a double root at one point; (I) needs it on an open set."""
+    x, y = 1.2, 1.6  # on |(x, y)| = cot(theta), for tan(theta) = 1/2
+    half_angle = np.arctan(0.5)
+    f = cyclide(*jet_variables(x, y))
+    u, v = -x / 2, -y / 2  # the contained conic, Example 10
+    assert abs(eq.eq09(x, y, u, v, half_angle)) < 1e-14
+    for left in (eq.eq11(f, u, v), eq.eq12(f, u, v), eq.eq14(f, x, y, u, v, half_angle)):
+        assert abs(left) < 1e-14
+    assert abs(eq.eq25(f, u, v)) == pytest.approx(6 / 25, rel=1e-12)  # f_ew, for |(u, v)| = 1
+
+
+@pytest.mark.parametrize("half_angle", HALF_ANGLES)
+def test_pseudo_envelope_solves_the_documents_equations_twice(half_angle):
+    f = pseudo_envelope(half_angle, offset=0.7)
+    end = np.tan(np.pi / 4 - half_angle / 2)
+    away, turn = np.meshgrid(np.linspace(0.2, 0.9, 5) * end, [0.3, 2.0, 4.0])
+    x, y = (away * np.cos(turn)).ravel(), (away * np.sin(turn)).ravel()
+    jet = f(*jet_variables(x, y))
+    s = (1 / away - away).ravel() / np.tan(half_angle)
+    root = 2 / (s + np.sqrt(s * s - 4))
+    for cosine in (np.sqrt(1 - root**2), -np.sqrt(1 - root**2)):
+        direction = turn.ravel() + np.arctan2(root, cosine)
+        across = np.stack([-np.sin(direction), np.cos(direction)])
+        size = (1 + x * x + y * y) / 2 / (np.tan(half_angle) - x * across[0] - y * across[1])
+        u, v = size * across
+        weight = np.abs(jet.c).max(axis=0) * (1 + np.hypot(u, v)) ** 4
+        assert np.abs(eq.eq09(x, y, u, v, half_angle)).max() < 1e-12 * weight.max()
+        for left in (eq.eq11(jet, u, v), eq.eq12(jet, u, v)):
+            assert np.abs(left / weight).max() < 1e-13
+        assert np.abs(eq.eq14(jet, x, y, u, v, half_angle) / weight).max() < 1e-13
+        assert np.abs(eq.eq25(jet, u, v) / weight).min() > 1e-6
+
+
+@pytest.mark.parametrize("degrees", [1, 5, 20, 45, 80, 89])
+def test_pseudo_envelope_in_forty_digits(degrees):
+    half_angle = np.radians(degrees)
+    f = pseudo_envelope(half_angle)
+    with mp.workdps(40):
+        theta = mp.mpf(half_angle)
+        C, S = mp.cos(theta), mp.sin(theta)
+        end = mp.tan(mp.pi / 4 - theta / 2)
+
+        def bend(r):
+            c = (1 - r * r) / (1 + r * r)
+            W = mp.sqrt(c * c - S * S)
+            return (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / r**2
+
+        middle = end / 2
+        factor = 4 / ((1 + middle**2) * middle * bend(middle))
+        for share in ("0.01", "0.3", "0.7", "0.999"):
+            r = end * mp.mpf(share)
+            y = factor * mp.quad(bend, [middle, (middle + r) / 2, r])
+            more = mp.quad(lambda k: k * k * bend(k), [middle, (middle + r) / 2, r])
+            value = -1 + (r * r * y - factor * more) / 2
+            slope = r * y
+            second = y + r * factor * bend(r)
+            assert f(float(r), 0.0) == pytest.approx(float(value), rel=1e-13)
+            jet = f(*jet_variables(0.0, float(r)))
+            assert jet.derivative(0, 1) == pytest.approx(float(slope), rel=1e-10)
+            assert jet.derivative(0, 2) == pytest.approx(float(second), rel=1e-10)
+            third = factor * (2 * bend(r) + r * mp.diff(bend, r))
+            fourth = factor * (3 * mp.diff(bend, r) + r * mp.diff(bend, r, 2))
+            whole = abs(factor * mp.diff(bend, r))  # both terms of the fourth cancel near the axis
+            assert jet.derivative(0, 3) == pytest.approx(float(third), rel=1e-9)
+            assert jet.derivative(0, 4) == pytest.approx(float(fourth), abs=float(1e-9 * whole))
+
+
+def test_pseudo_envelope_has_its_radii_in_the_middle_and_an_offset_beside():
+    half_angle = np.radians(20)
+    middle = np.tan(np.radians(35)) / 2
+    for offset in (0.0, 0.4, -2.0):
+        jet = pseudo_envelope(half_angle, offset=offset)(*jet_variables(middle, 0.0))
+        height = jet.value - middle * jet.derivative(1, 0)
+        radii = [(1 + middle**2) * jet.derivative(*k) / 2 + height for k in ((2, 0), (0, 2))]
+        assert np.allclose(radii, [1 - offset, -1 - offset], rtol=0, atol=1e-13)
+
+
+def test_pseudo_envelope_ends():
+    f = pseudo_envelope(np.radians(20))
+    end = np.tan(np.radians(35))
+    assert np.isfinite(f(np.array([0.1, end * (1 - 1e-12)]), 0.0)).all()
+    for x in (0.0, end * 1.001, 5.0):
+        with pytest.raises(ValueError, match=r"^x, y: must lie between the origin and the circle"):
+            f(x, 0.0)
+    found = hyperosculating_cones(f, [0.0, 0.3, 0.9], 0.0, half_angle=0.3)
+    assert list(found.state) == ["outside", "regular", "outside"]

@@ -1,0 +1,134 @@
+"""A surface with a double cone at every point that no cone envelops (Envelopes, Problem 15).
+
+It settles the document's Problem 15: Eqs 9, 11, 12 and 14 hold on all of it, and yet no conic of
+that half-angle lies in the graph. All its functions are of r, the distance from the origin of the
+isotropic model, where the graph is one of revolution, f = g(r).
+"""
+
+import numpy as np
+
+from ..arguments import LEAST, checked
+from .functions import HalfAngle, Shift
+from .jet import Jet, series
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+@checked
+def pseudo_envelope(half_angle: HalfAngle, *, offset: Shift = 0.0):
+    """Return f(x, y) with a double cone at every point that no cone of that half-angle envelops.
+
+    Parameters
+    ----------
+    half_angle : float
+        Of the cones, in rad, between 0 and pi/2.
+    offset : float
+        Along the normals, in m. Without it the surface's principal radii are 1 m and -1 m at
+        half the distance from the origin at which it ends.
+
+    Returns
+    -------
+    f : callable
+        Of x and y, numbers or jets; in m. It raises ValueError where numbers don't lie between
+        the origin and the circle of radius tan(pi/4 - half_angle/2); jets aren't finite there.
+
+    Notes
+    -----
+    With a, the angle of e from the radius, the form of which Eq. 13 is one shape becomes
+    cos(a) (sin(a) - root)^2 times a factor, see `double_root`. Here
+
+        (g'/r)' = r^-2 (C c + W)^(3/2) (c + W)^(-3/(2 C))
+
+    up to a factor, with C = cos(half_angle), c = (1 - r^2)/(1 + r^2), W^2 = c^2 + C^2 - 1. A
+    constant in g or a multiple of r^2 is a shift along the axis and an offset, no more.
+
+    Examples
+    --------
+    >>> f = pseudo_envelope(np.radians(20))
+    >>> float(np.round(f(0.2, 0.15), 6))
+    -1.028776
+    """
+    end = np.tan(np.pi / 4 - half_angle / 2)
+
+    def f(x, y):
+        square = x * x + y * y
+        r = np.sqrt(square)
+        moved = offset * (square + 1) / 2
+        if isinstance(r, Jet):
+            with np.errstate(all="ignore"):
+                return series(r, _taylor(half_angle, r.value)) - moved
+        if not np.all((LEAST < r) & (r < end)):
+            raise ValueError(
+                f"x, y: must lie between the origin and the circle of radius {end:g}; got one "
+                "that doesn't."
+            )
+        return _taylor(half_angle, r)[0] - moved
+
+    return f
+
+
+def double_root(half_angle, r):
+    """Return sin(a) of the double cones at r: its sum with its inverse is (1/r - r)/tan(theta)."""
+    tau = np.tan(half_angle)
+    s = (1 - r) * (1 + r) / r
+    return 2 * tau / (s + np.sqrt((s - 2 * tau) * (s + 2 * tau)))
+
+
+def _bend(half_angle, r):
+    """Return (g'/r)', up to its factor."""
+    C = np.cos(half_angle)
+    S = np.sin(half_angle)
+    c = (1 - r) * (1 + r) / (1 + r * r)
+    W = np.sqrt((c - S) * (c + S))
+    return (C * c + W) ** 1.5 * (c + W) ** (-1.5 / C) / (r * r)
+
+
+def _middle(half_angle):
+    return np.tan(np.pi / 4 - half_angle / 2) / 2
+
+
+def _integrals(half_angle, r):
+    """Return the integrals of (g'/r)' and of r^2 (g'/r)' from the middle, up to the factor.
+
+    With 2 r/(1 + r^2) = C sin(psi) the root W is C cos(psi), so that the integrand is smooth at
+    the surface's end, and log(tan(psi/2)) takes the pole at the origin away: 40 nodes of Gauss's
+    rule give all digits.
+    """
+    C = np.cos(half_angle)
+
+    def place(r):
+        sine = np.minimum(2 * r / (1 + r * r) / C, 1.0)
+        return np.log(sine / (1 + np.sqrt((1 - sine) * (1 + sine))))
+
+    start = place(_middle(half_angle))
+    half = ((place(r) - start) / 2)[..., None]
+    tangent = np.exp(start + half * (1 + _NODES))
+    sine = 2 * tangent / (1 + tangent**2)
+    cosine = (1 - tangent) * (1 + tangent) / (1 + tangent**2)
+    c = np.sqrt((1 - C * sine) * (1 + C * sine))
+    r = C * sine / (1 + c)
+    step = (1 + r * r) / 2 * C * cosine * sine / c  # dr by the logarithm
+    piece = _bend(half_angle, r) * step * half * _WEIGHTS
+    return piece.sum(axis=-1), (r * r * piece).sum(axis=-1)
+
+
+def _taylor(half_angle, r):
+    """Return the Taylor coefficients of g to order 4 at distances r (...), in m."""
+    r = np.asarray(r)
+    middle = _middle(half_angle)
+    # The radii at the middle are p r (g'/r)'/4 and its opposite.
+    factor = 4 / ((1 + middle**2) * middle * _bend(half_angle, middle))
+    first, second = _integrals(half_angle, r)
+    y = factor * first  # g'/r
+    g = -1 + (r * r * y - factor * second) / 2
+    # From here on by the equation for the root: (g'/r)'' = L (g'/r)'.
+    tau = np.tan(half_angle)
+    p = 1 + r * r
+    root = double_root(half_angle, r)
+    slope = p * root**2 / (tau * r * r * (1 - root) * (1 + root))
+    L = 3 * tau * root / p - 2 / r
+    dL = 3 * tau * (slope * p - 2 * r * root) / p**2 + 2 / r**2
+    y1 = factor * _bend(half_angle, r)
+    y2 = L * y1
+    y3 = (dL + L * L) * y1
+    return [g, r * y, (y + r * y1) / 2, (2 * y1 + r * y2) / 6, (3 * y2 + r * y3) / 24]
