@@ -4,7 +4,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from tunneller_lib.paths import Circuit, ConeChord, project_chord, projected_length
+from tunneller_lib.paths import (
+    ChordLaw,
+    Circuit,
+    ConeChord,
+    corrected_chord,
+    project_chord,
+    projected_length,
+)
 from tunneller_lib.removal import (
     advance_for_volume,
     bowl,
@@ -97,6 +104,12 @@ CALLS = {
         )
         for spacing in ("chord", "tangent", "arc")
     },
+    "corrected_chord": Call(
+        lambda p, q: corrected_chord(_TORUS, p, q, 4), ("p", "q"), ((2,), (2,)), ((4, 2),)
+    ),
+    "ChordLaw.excess": Call(
+        lambda p, q: ChordLaw(p, q).excess, ("p", "q"), ((2,), (2,)), ((),)
+    ),
     "projected_length": Call(partial(projected_length, _TORUS), ("p", "q"), ((2,), (2,)), ((),)),
     "ConeChord.geodesic": Call(_CHORD.geodesic, ("u",), ((),), ((2,),)),
     "ConeChord.azimuth": Call(_CHORD.azimuth, ("u",), ((),), ((),)),

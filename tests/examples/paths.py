@@ -4,6 +4,7 @@ import numpy as np
 
 from tunneller_lib.paths import (
     CHORD_PATHS,
+    ChordLaw,
     ChordPath,
     Circuit,
     ConeChord,
@@ -17,6 +18,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 _GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])
 
 INSTANCES = {
+    ChordLaw: ChordLaw((0.3, 0.2), (-0.4, 0.1)),
     ChordPath: CHORD_PATHS["one-third rule"],
     Circuit: Circuit(REFERENCE_MACHINE, Egg(0.5)),
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
@@ -27,6 +29,8 @@ INSTANCES = {
 _ENDS = {"p": (0.3, 0.2), "q": (-0.4, 0.1)}
 
 CALLS = {
+    "ChordLaw": {"p": (0.3, 0.2), "q": (-0.4, 0.1)},
+    "ChordLaw.gap": {"u": [0.0, 0.5, 1.0]},
     "ChordPath.__call__": {"t": [0.0, 0.5, 1.0]},
     "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
                   "line": "-"},
@@ -38,6 +42,7 @@ CALLS = {
     "atlas.summary": {"tables": [np.ones((2, len(COLUMNS)))]},
     "atlas.survey": {"block": (0, 8)},
     "competing_geodesics": _ENDS,
+    "corrected_chord": _ENDS,
     "geodesic_inverse": _ENDS,
     "path_length": _ENDS,
     "project_chord": _ENDS,

@@ -1,9 +1,11 @@
 """Paths of the cutter's centre: projected chords, the tunnel's circuit, the cone's test case."""
 
 from . import atlas
-from .chord_paths import CHORD_PATHS, ChordPath, path_length
+from .chord_law import ChordLaw
+from .chord_paths import CHORD_PATHS, SHORT_CHORD_PATHS, ChordPath, path_length
 from .circuit import Circuit, cutting_circuit
 from .cone_chord import ConeChord
+from .correction import corrected_chord
 from .geodesic import Geodesic, GeodesicPoints, geodesic_direct
 from .geodesic_root import NODES_OF_WORKING_SHEET
 from .inverse_problem import competing_geodesics, geodesic_inverse
@@ -12,6 +14,8 @@ from .projection import project_chord, projected_length
 __all__ = [
     "CHORD_PATHS",
     "NODES_OF_WORKING_SHEET",
+    "SHORT_CHORD_PATHS",
+    "ChordLaw",
     "ChordPath",
     "Circuit",
     "ConeChord",
@@ -19,6 +23,7 @@ __all__ = [
     "GeodesicPoints",
     "atlas",
     "competing_geodesics",
+    "corrected_chord",
     "cutting_circuit",
     "geodesic_direct",
     "geodesic_inverse",

@@ -15,6 +15,7 @@ from ..arguments import Positions, checked, positions
 from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Row, check_on_sheet
+from .correction import corrected_points
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
 ORDER = 48  # nodes of the quadrature of a path's length
@@ -92,6 +93,39 @@ def _one_third_rule(torus, p, q, t):
     return _joint(torus, m - depth * (normal - _normal(torus, middle)) * (2 / 3))
 
 
+def _simpson_rule(torus, p, q, t):
+    """Return the path on a torus from p to q that weighs normals as Simpson's rule does.
+
+    M(t) is dropped along (n + 4 n0 + nc) / 6, where nc is the chord between the ends' normals at
+    t. That cancels what torsion and its rate do; what the rate of curvature does is left.
+    """
+    m, middle = _chord(torus, p, q, t)
+    return _joint(torus, m + _simpson_shift(torus, p, q, t, m, middle))
+
+
+def _completed_simpson_rule(torus, p, q, t):
+    """Return Simpson's path on a torus from p to q without what the rate of curvature leaves.
+
+    The ends alone tell it: (Q - P) . (nP + nQ) is the rate of curvature times l^3 / 6, and
+    nQ - nP is the torsion times l across the chord.
+    """
+    m, middle = _chord(torus, p, q, t)
+    first, last = _end_normal(torus, p), _end_normal(torus, q)
+    start, stop = _end_point(torus, p), _end_point(torus, q)
+    u = (t * (1 - t))[:, None]
+    rate = dot(stop - start, first + last)[..., None, None]
+    left = u * (1 - u) / 6 * rate * (last - first)[..., None, :]
+    return _joint(torus, m + _simpson_shift(torus, p, q, t, m, middle) + left)
+
+
+def _simpson_shift(torus, p, q, t, m, middle):
+    normal = _normal(torus, m)
+    between = (1 - t)[:, None] * _end_normal(torus, p)[..., None, :]
+    between = between + t[:, None] * _end_normal(torus, q)[..., None, :]
+    mean = (normal + 4 * _normal(torus, middle) + between) / 6
+    return _depth(torus, m)[..., None] * (mean - normal)
+
+
 def _plane_section(torus, p, q, t):
     """Return the torus' section from p to q by a plane, M(t) along the normal of the middle."""
     m, middle = _chord(torus, p, q, t)
@@ -118,6 +152,15 @@ CHORD_PATHS = {
         ChordPath("plane section", _plane_section, "offset", "-."),
         ChordPath("radial projection", _radial_projection, "printed", ":"),
         ChordPath("joint space", _joint_line, "error", (0, (6, 1.5, 1, 1.5, 1, 1.5))),
+        ChordPath("corrected chord", corrected_points, "corrected", (0, (8, 2))),
+    )
+}
+# The better the shorter the chord is, and poor from corner to corner: laws, no tools.
+SHORT_CHORD_PATHS = {
+    path.name: path
+    for path in (
+        ChordPath("Simpson rule", _simpson_rule, "cutter", (0, (3, 1, 1, 1))),
+        ChordPath("completed Simpson", _completed_simpson_rule, "T1", (0, (1, 1))),
     )
 }
 
@@ -168,10 +211,17 @@ def _nodes():
     return (1 + x) / 2, weights / 2, 2 * np.linalg.solve(basis.T, slopes.T).T
 
 
+def _end_point(torus, end):
+    return Torus.point.unchecked(torus, end[..., 0], end[..., 1])
+
+
+def _end_normal(torus, end):
+    return Torus.normal.unchecked(torus, end[..., 0], end[..., 1])
+
+
 def _chord(torus, p, q, t):
     """Return the chord's points M(t) (..., n, 3) and its middle (..., 1, 3)."""
-    start = Torus.point.unchecked(torus, p[..., 0], p[..., 1])
-    stop = Torus.point.unchecked(torus, q[..., 0], q[..., 1])
+    start, stop = _end_point(torus, p), _end_point(torus, q)
     way = (stop - start)[..., None, :]
     return start[..., None, :] + t[:, None] * way, start[..., None, :] + way / 2
 

@@ -23,6 +23,7 @@ COLOURS = {
     "printed": "#E69F00",
     "correct": "#005F47",
     "error": "#C42A52",
+    "corrected": "#7A1FA2",
     "machine": "#F0C83C",
     "cutter": "#4D4D4D",
     "T0": "#B9B9B9",

@@ -1,0 +1,241 @@
+"""The corrected chord, and the rules that are good on short chords."""
+
+import csv
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.references import short_chords
+from tunneller_lib.paths import (
+    CHORD_PATHS,
+    SHORT_CHORD_PATHS,
+    corrected_chord,
+    geodesic_direct,
+    geodesic_inverse,
+    path_length,
+    project_chord,
+)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+READS = ["tests/references/*"]
+
+MACHINE = REFERENCE_MACHINE
+LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
+CORRECTED = CHORD_PATHS["corrected chord"]
+EVERY_PATH = CHORD_PATHS | SHORT_CHORD_PATHS
+
+
+def pairs(n=1_000, seed=0):
+    """Return random pairs of positions, and those of a grid with the joint limits' corners."""
+    p, q = np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
+    grid = np.stack(np.meshgrid(*np.linspace(LOW, HIGH, 5).T, indexing="ij"), -1).reshape(-1, 2)
+    first, second = np.triu_indices(len(grid), 1)
+    return np.concatenate([p, grid[first]]), np.concatenate([q, grid[second]])
+
+
+def excess(torus, path, p, q):
+    return path_length(torus, path, p, q) / geodesic_inverse(torus, p, q).length - 1
+
+
+def steps(torus, way):
+    points = torus.point(*np.moveaxis(way, -1, 0))
+    return np.linalg.norm(np.diff(points, axis=-2), axis=-1)
+
+
+def test_corrected_chord_is_within_a_millionth_of_the_geodesic():
+    p, q = pairs(5_000, seed=11)
+    found = excess(MACHINE.torus, CORRECTED, p, q)
+    assert 0.93e-6 < found.max() <= 1e-6
+    assert np.median(found[:5_000]) <= 2e-10
+
+
+def test_corrected_chord_leaves_the_geodesic_by_half_a_millimetre():
+    p, q = pairs()
+    way = corrected_chord(MACHINE.torus, p, q, 33)
+    off = geodesic_inverse(MACHINE.torus, p, q).points(65).deviation(way)
+    assert 0.55e-3 < np.max(np.abs(off)) <= 0.6e-3
+
+
+def test_waypoints_are_even():
+    p, q = pairs()
+    lengths = steps(MACHINE.torus, corrected_chord(MACHINE.torus, p, q, 33))
+    ratio = lengths.max(axis=-1) / lengths.min(axis=-1)
+    assert 1.03 < ratio.max() <= 1.04
+    assert np.median(ratio[:1_000]) < 1.0005
+
+
+def test_excess_falls_with_the_fourth_power_of_the_ratio():
+    p, q = pairs()
+    ratios = np.array([4, 10, 20, 50, 100])
+    worst = [excess(Torus(1 / ratio, 1), CORRECTED, p, q).max() for ratio in ratios]
+    assert worst[0] == pytest.approx(29.2e-6, rel=2e-3)
+    power = np.diff(np.log(worst)) / np.diff(np.log(ratios))
+    assert np.all((-4.05 < power) & (power < -3.6))
+    assert -4.05 < power[-1] < -3.95
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.1, 0.25, 0.5, 1.0, 1.5])
+def test_no_pair_is_worse_corrected(ratio):
+    p, q = pairs()
+    torus = Torus(ratio, 1)
+    plain = excess(torus, CHORD_PATHS["tangent spheres"], p, q)
+    corrected = excess(torus, CORRECTED, p, q)
+    assert np.all(corrected <= plain + 1e-12)
+    assert corrected.max() < plain.max() / 3
+
+
+def test_corrected_chord_on_a_horn_and_a_ring():
+    """Not near a sphere at all: better than the chord by far, but no longer good at the corners."""
+    p, q = pairs()
+    assert excess(Torus(1, 1), CORRECTED, p, q).max() == pytest.approx(5.64e-3, rel=2e-3)
+    assert excess(Torus(1.5, 1), CORRECTED, p, q).max() == pytest.approx(0.112, rel=2e-2)
+
+
+@pytest.mark.parametrize("torus", [MACHINE.torus, Torus(1, 2), Torus(2, 1)], ids=str)
+@pytest.mark.parametrize("azimuth", [0.7, np.pi / 2, 2.5])
+def test_excess_falls_with_the_sixth_power_of_the_length(torus, azimuth):
+    lengths = torus.R * np.array([0.5, 0.25])
+    ends = [geodesic_direct(torus, (0, 0.35), [azimuth + np.pi, azimuth], size / 2).position[:, -1]
+            for size in lengths]  # fmt: skip
+    p, q = np.moveaxis(ends, 1, 0)
+    long, short = path_length(torus, CORRECTED, p, q) / lengths - 1
+    assert long / short > 2**5.7
+
+
+@pytest.fixture(scope="module")
+def short():
+    with short_chords.TABLE.open(newline="") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def test_paths_have_the_excess_of_the_table(short):
+    for row in short:
+        if row["length"] < 0.1:  # nearly all of the rest is below rounding
+            continue
+        torus = Torus(row["r"], row["R"])
+        azimuths = [row["azimuth"] + np.pi, row["azimuth"]]
+        length = row["length"] * row["R"]
+        ends = geodesic_direct(torus, (0, row["phi"]), azimuths, length / 2).position[:, -1]
+        for name in short_chords.PATHS:
+            found = path_length(torus, EVERY_PATH[name], *ends) / length - 1
+            assert found == pytest.approx(row[name], rel=1e-4, abs=2e-14), name
+
+
+@pytest.mark.parametrize(("name", "oblique", "level"), [
+    ("tangent spheres", 4, 6), ("one-third rule", 6, 6), ("corrected chord", 6, 6),
+    ("Simpson rule", 6, 10), ("completed Simpson", 8, 10),
+])  # fmt: skip
+def test_powers_of_short_chords(short, name, oblique, level):
+    """In 60 digits, on three tori: the last two chords of each."""
+    for before, last in pairwise(short):
+        if last["length"] != 2**-8:
+            continue
+        power = np.log2(before[name] / last[name])
+        assert power == pytest.approx(level if last["azimuth"] > 1 else oblique, abs=0.04)
+
+
+def test_local_powers_of_the_third_rule(short):
+    errors = [row["one-third rule"] for row in short[1:6]]
+    powers = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(powers, [6.98, 6.39, 6.12, 6.03], atol=6e-3)
+
+
+def test_constants_of_the_rules(short):
+    """A = kappa tau', B = kappa' tau in the middle, from the exact derivatives on a torus."""
+    for row in short[7::16]:  # the shortest oblique chord of each torus
+        a, b = rates(row)
+        size = (row["length"] * row["R"]) ** 6 / 544320
+        assert row["Simpson rule"] == pytest.approx(46 * b**2 * size, rel=2e-4)
+        third = 9 * a**2 + 30 * a * b + 46 * b**2
+        assert row["one-third rule"] == pytest.approx(third * size, rel=2e-4)
+    for row in short[15::16]:  # and along a parallel, where the torsion vanishes
+        a, _ = rates(row)
+        size = (row["length"] * row["R"]) ** 6
+        assert row["tangent spheres"] == pytest.approx(a**2 * size / 8064, rel=2e-4)
+        assert row["one-third rule"] == pytest.approx(a**2 * size / 60480, rel=2e-4)
+
+
+def rates(row):
+    """Return kappa tau' and kappa' tau along a geodesic, by central differences."""
+    torus = Torus(row["r"], row["R"])
+    step = 1e-4 * row["R"]
+    azimuths = [row["azimuth"] + np.pi, row["azimuth"]]
+    geodesic = geodesic_direct(torus, (0, row["phi"]), azimuths, step)
+    where = [(geodesic.position[0, -1], geodesic.azimuth[0, -1] - np.pi),
+             ((0, row["phi"]), row["azimuth"]),
+             (geodesic.position[1, -1], geodesic.azimuth[1, -1])]  # fmt: skip
+    bend, twist = np.transpose([bent(torus, *place) for place in where])
+    return bend[1] * (twist[2] - twist[0]) / (2 * step), (bend[2] - bend[0]) / (2 * step) * twist[1]
+
+
+def bent(torus, position, azimuth):
+    along, around = torus.curvatures(*position)
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    return cos**2 * along + sin**2 * around, sin * cos * (along - around)
+
+
+def test_simpson_s_rules_are_worse_at_the_corners():
+    p, q = pairs()
+    for path in SHORT_CHORD_PATHS.values():
+        worst = excess(MACHINE.torus, path, p, q).max()
+        assert worst == pytest.approx(1450.66e-6, rel=1e-4)
+
+
+def test_simpson_s_rules_begin_and_end_at_their_ends():
+    p, q = pairs(100)
+    for path in SHORT_CHORD_PATHS.values():
+        way = path(MACHINE.torus, p, q, np.array([0.0, 1.0]))
+        np.testing.assert_allclose(way, np.stack([p, q], axis=1), atol=1e-13)
+
+
+def test_corrected_chord_is_its_path():
+    p, q = pairs(100)
+    way = corrected_chord(MACHINE.torus, p, q, 7)
+    np.testing.assert_array_equal(way, CORRECTED(MACHINE.torus, p, q, np.linspace(0, 1, 7)))
+    np.testing.assert_allclose(way[:, 0], p, atol=1e-14)
+    np.testing.assert_allclose(way[:, -1], q, atol=1e-14)
+
+
+def test_corrected_chord_backwards_is_the_same_path():
+    p, q = pairs(100)
+    forth = corrected_chord(MACHINE.torus, p, q, 9)
+    back = corrected_chord(MACHINE.torus, q, p, 9)
+    np.testing.assert_allclose(forth, back[:, ::-1], atol=1e-13)
+
+
+@pytest.mark.parametrize(("p", "q"), [
+    ((0.2, -0.5), (0.2, 0.7)), ((0.3, 0.2), (0.3, 0.2)), ((0.3, 0.2), (0.3 + 1e-6, 0.2 - 1e-6)),
+    ((0.0, 1.55), (0.1, 1.59)), ((0.0, 1.6), (0.3, 1.6)),
+], ids=["meridian", "point", "near", "across 90 deg", "beyond 90 deg"])  # fmt: skip
+def test_nothing_is_corrected(p, q):
+    torus = Torus(1, 1)
+    plain = project_chord(torus, p, q, 5, spacing="tangent")
+    np.testing.assert_allclose(corrected_chord(torus, p, q, 5), plain, atol=1e-14)
+
+
+def test_correction_begins_below_rounding():
+    """Between normals that differ by a little more than 1e-5."""
+    ends = (0, 0.4), (0.8e-5, 0.4 + 0.8e-5)
+    corrected = corrected_chord(MACHINE.torus, *ends, 9)
+    plain = project_chord(MACHINE.torus, *ends, 9, spacing="tangent")
+    assert 0 < np.max(np.abs(corrected - plain)) < 1e-16
+
+
+@pytest.mark.parametrize("size", [1e-90, 1e90])
+def test_corrected_chord_is_of_any_size(size):
+    p, q = pairs(50)
+    way = corrected_chord(Torus(0.1 * size, size), p, q, 9)
+    np.testing.assert_allclose(way, corrected_chord(Torus(0.1, 1), p, q, 9), atol=1e-14)
+
+
+def test_corrected_chord_refuses_what_project_chord_refuses():
+    for call in (corrected_chord, project_chord):
+        with pytest.raises(ValueError, match=r"^p: must lie on the working sheet"):
+            call(MACHINE.torus, (0, 3), (0, 0), 3)
+        with pytest.raises(ValueError, match=r"^n: must "):
+            call(MACHINE.torus, (0, 0), (0.1, 0), 1)
+        with pytest.raises(ValueError, match=r"^n: must ask for at most 5000000 points"):
+            call(MACHINE.torus, np.zeros((1000, 2)), (0.1, 0), 10_001)
+        with pytest.raises(ValueError, match=r"^q: the last axis must hold theta, phi"):
+            call(MACHINE.torus, (0, 0), (0.1, 0, 0), 3)
