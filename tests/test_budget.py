@@ -69,6 +69,16 @@ def test_knots_alone_leave_the_sagitta(circuit, tolerance):
 
 @CIRCUITS
 @TOLERANCES
+def test_corrected_chords_leave_hardly_anything(circuit, tolerance):
+    plain, corrected = (tangent_sphere_fault(job(circuit, tolerance=tolerance, path=path))
+                        for path in ("tangent spheres", "corrected chord"))  # fmt: skip
+    assert plain.source == "tangent spheres" and corrected.source == "corrected chord"
+    assert corrected.measured < plain.measured / 100
+    assert corrected.closed == 0
+
+
+@CIRCUITS
+@TOLERANCES
 def test_tangent_spheres_alone_leave_the_law_of_the_third_power(circuit, tolerance):
     fault = tangent_sphere_fault(job(circuit, tolerance=tolerance))
     assert fault.measured == pytest.approx(fault.closed, rel=0.05)

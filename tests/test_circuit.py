@@ -176,6 +176,17 @@ def test_path_overcut_vanishes_at_the_knots():
     np.testing.assert_allclose(found[:, [0, -1]], 0, atol=1e-12)
 
 
+def test_corrected_chords_need_the_same_knots_and_leave_the_same_sagitta():
+    circuit = of(REFERENCE_MACHINE)
+    plain, corrected = (circuit.knots(1e-3, path=path)
+                        for path in ("tangent spheres", "corrected chord"))  # fmt: skip
+    np.testing.assert_array_equal(plain, corrected)
+    apart = circuit.path_overcut(plain) - circuit.path_overcut(plain, path="corrected chord")
+    assert 2e-6 < np.max(np.abs(apart)) < 4e-6
+    with pytest.raises(ValueError, match=r'^path: must be "tangent spheres" or "corrected chord"'):
+        circuit.path_overcut(plain, path="geodesic")
+
+
 @pytest.mark.parametrize("tolerance", [0, -1, np.nan, np.inf, "1", [1e-3]])
 def test_knots_refuse_another_tolerance(tolerance):
     with pytest.raises(ValueError, match=r"^tolerance: must "):

@@ -332,6 +332,7 @@ REFUSED = [
     ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
+    ({"# path = \"corrected": "path = \"correct"}, "[plan] path: must be \"tangent spheres\" or"),
     ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
     ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one finite number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":

@@ -9,7 +9,7 @@ import pytest
 
 from tunneller_lib.motion import Integrator, Lag, Loop, reference_axes
 from tunneller_lib.motion.tasks import Task
-from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.paths import cutting_circuit, geodesic_inverse
 from tunneller_lib.ream import (
     Limits,
     Pose,
@@ -53,6 +53,21 @@ def test_plan_begins_and_ends_at_rest_on_the_circuit():
     assert job.s[0] == 0 and job.s[-1] == job.s[-2] == CIRCUIT.profile.perimeter
     knots = np.isin(job.s, job.knots)
     np.testing.assert_allclose(CIRCUIT.overcut(job.setpoints[knots]), 0, atol=1e-13)
+
+
+def test_plan_on_corrected_chords():
+    job = lap(path="corrected chord")
+    assert job.path == "corrected chord" and lap().path == "tangent spheres"
+    moves = np.diff(CIRCUIT.machine.torus.point(*job.setpoints[:-1].T), axis=0)
+    lengths = np.linalg.norm(moves, axis=-1)
+    assert lengths.max() <= 5e-3
+    torus = CIRCUIT.machine.torus
+    knots = np.isin(job.s[:-1], job.knots)
+    first, second = np.flatnonzero(knots)[:2]
+    way = geodesic_inverse(torus, *job.setpoints[[first, second]]).points(second - first + 1)
+    np.testing.assert_allclose(job.setpoints[first : second + 1], way.position, atol=1e-6)
+    with pytest.raises(ValueError, match=r'^path: must be "tangent spheres" or "corrected chord"'):
+        lap(path="geodesic")
 
 
 def test_plan_keeps_its_tolerance_and_its_counts():

@@ -32,7 +32,7 @@ PIECES = {
 STANCE = dict(pitch="rad", yaw="rad")
 LIMITS = dict(feed="m/s", acceleration="m/s^2", volume="m^3/s", flow="m^3/s", valve="1")
 PLAN = dict(tolerance="m", step="m", tick="s", count="rad", rest="s", laps=WHOLE, advance="m",
-            arm_radius="m")  # fmt: skip
+            arm_radius="m", path=TEXT)  # fmt: skip
 CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", delay=WHOLE,
                   encoder="rad")  # fmt: skip
 POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")

@@ -42,7 +42,7 @@ def _tables(name, value):
 
 
 Block = Annotated[tuple[int, int], Rule("(2,) int", _block)]
-Tables = Annotated[Iterable, Rule("iterable of (n, 17) float", _tables)]
+Tables = Annotated[Iterable, Rule("iterable of (n, 19) float", _tables)]
 
 
 @checked
@@ -72,7 +72,7 @@ def survey(block: Block):
 
     Returns
     -------
-    table : (n, 17) float
+    table : (n, 19) float
         `COLUMNS`: angles in rad, lengths and deviations in tube radii, excess as a share of the
         geodesic's length.
     """
@@ -99,7 +99,7 @@ def summary(tables: Tables):
 
     Parameters
     ----------
-    tables : iterable of (n, 17) float
+    tables : iterable of (n, 19) float
         Results of `survey`, which may be read one after the other: each is let go before the next.
 
     Returns

@@ -1,6 +1,6 @@
 """What may be asked of a path: how many points, at which shares of the way, between which ends."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,8 @@ def row(name, value):
 
 
 Count = Whole(2, 1_000_000)
+# Of `CHORD_PATHS`, those by which a machine may go from knot to knot.
+Way = Literal["tangent spheres", "corrected chord"]
 Row = Annotated[ArrayLike, Rule("(n,) float", row)]
 
 

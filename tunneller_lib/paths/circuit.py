@@ -7,8 +7,8 @@ import numpy as np
 
 from ..arguments import Angle, Lengths, Points, Positions, Positive, checked
 from ..surfaces import Machine, Section, Torus
-from .bounds import Row
-from .projection import project_chord
+from .bounds import Row, Way
+from .chord_paths import CHORD_PATHS
 
 PLACES = 33  # of each projected chord at which its depth is looked at
 LEAST_SIZE, MOST_SIZE = 1e-6, 1e6  # m
@@ -237,13 +237,15 @@ class Circuit:
         return -Section.depth.unchecked(self.profile, centre[..., 1], centre[..., 2])
 
     @checked
-    def path_overcut(self, s: Row):
-        """Return the over-break along the tangent-sphere paths that join knots to a closed loop.
+    def path_overcut(self, s: Row, *, path: Way = "tangent spheres"):
+        """Return the over-break along the paths that join knots to a closed loop.
 
         Parameters
         ----------
         s : (n,) float
             Arc lengths of the knots, in m.
+        path : {"tangent spheres", "corrected chord"}
+            Which of `CHORD_PATHS` joins them.
 
         Returns
         -------
@@ -251,17 +253,20 @@ class Circuit:
             At as many places of each path, both ends included, in m.
         """
         position = Circuit.position.unchecked(self, s)
-        path = project_chord(self.machine.torus, position, np.roll(position, -1, axis=0), PLACES)
-        return Circuit.overcut.unchecked(self, path)
+        after = np.roll(position, -1, axis=0)
+        way = CHORD_PATHS[path](self.machine.torus, position, after, np.linspace(0, 1, PLACES))
+        return Circuit.overcut.unchecked(self, way)
 
     @checked
-    def knots(self, tolerance: Positive):
-        """Return arc lengths of knots whose tangent-sphere paths keep the depth.
+    def knots(self, tolerance: Positive, *, path: Way = "tangent spheres"):
+        """Return arc lengths of knots between which paths keep the depth.
 
         Parameters
         ----------
         tolerance : float
             Largest over- or under-break allowed between knots, in m.
+        path : {"tangent spheres", "corrected chord"}
+            Which of `CHORD_PATHS` joins them.
 
         Returns
         -------
@@ -289,7 +294,7 @@ class Circuit:
             counts = counts.astype(int)
             arcs = zip(blends[:-1], blends[1:], counts, strict=True)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
-            error = np.max(np.abs(Circuit.path_overcut.unchecked(self, s)), axis=-1)
+            error = np.max(np.abs(Circuit.path_overcut.unchecked(self, s, path=path)), axis=-1)
             worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)
             kept = worst <= tolerance
             if np.all(kept):

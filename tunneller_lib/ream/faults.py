@@ -8,9 +8,9 @@ import numpy as np
 from ..arguments import checked
 from ..exact import dot, norm
 from ..motion import follow, polyline
-from ..paths import geodesic_inverse, project_chord
+from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
-from .planning import Plan, Pose, join_knots
+from .planning import Plan, Pose, join_knots, path_points
 from .sensitivity import (
     geodesic_bend,
     gradient,
@@ -89,7 +89,11 @@ def knot_fault(plan: Plan):
 
 @checked
 def tangent_sphere_fault(plan: Plan):
-    """Return the `Fault` of tangent-sphere paths in place of geodesics between the same knots."""
+    """Return the `Fault` of the plan's paths in place of geodesics between the same knots.
+
+    The closed form is that of tangent spheres on short chords; of corrected chords nothing of it
+    is left, and the next power of the length decides.
+    """
     check_unheld(plan)
     circuit = plan.circuit
     torus = circuit.machine.torus
@@ -100,14 +104,16 @@ def tangent_sphere_fault(plan: Plan):
     across = np.cross(torus.normal(q[:, 0], q[:, 1]), between.direction)
     law = np.abs(bend * torsion) * between.length**3 / (36 * np.sqrt(3))
     closed = law * np.abs(dot(across, wall_frame(circuit, between.middle)[0]))
-    apart = _overbreak(plan, _projected_chords(plan)) - _overbreak(plan, _geodesics(plan))
+    way = path_points(circuit.machine.torus, plan.path)
+    apart = _overbreak(plan, _ways(plan, way)) - _overbreak(plan, _geodesics(plan))
+    corrected = plan.path == "corrected chord"
     return Fault(
-        source="tangent spheres",
+        source=plan.path,
         deviation=apart,
         measure="largest",
-        closed=float(closed.max()),
+        closed=0.0 if corrected else float(closed.max()),
         halved_by="knots",
-        factor=2 ** (1 / 3),
+        factor=2 ** (1 / 4) if corrected else 2 ** (1 / 3),
     )
 
 
@@ -278,12 +284,6 @@ def _geodesics(plan):
     """Return setpoints (m + 1, 2) at equal arcs on the geodesics between knots."""
     torus = plan.circuit.machine.torus
     return _ways(plan, lambda p, q, n: geodesic_inverse(torus, p, q).points(n).position)
-
-
-def _projected_chords(plan):
-    """Return setpoints (m + 1, 2) at equal arcs on the tangent-sphere paths between knots."""
-    torus = plan.circuit.machine.torus
-    return _ways(plan, lambda p, q, n: project_chord(torus, p, q, n, spacing="arc"))
 
 
 def _ways(plan, way):

@@ -21,7 +21,15 @@ from ..arguments import (
     size,
 )
 from ..motion import polyline, polyline_slopes, tick_counts
-from ..paths import Circuit, project_chord, projected_length
+from ..paths import (
+    CHORD_PATHS,
+    Circuit,
+    corrected_chord,
+    path_length,
+    project_chord,
+    projected_length,
+)
+from ..paths.bounds import Way
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
 
@@ -98,7 +106,7 @@ class Plan:
     s : (m + 1,) float
         Arc lengths of the setpoints, in m.
     setpoints : (m + 1, 2) float
-        Joint positions (theta, phi) on the tangent-sphere paths between knots, in rad.
+        Joint positions (theta, phi) on the paths between knots, in rad.
     feed : (m + 1,) float
         Of the cutter's centre at the setpoints, in m/s.
     counts : (m + 1, 2) int
@@ -113,6 +121,8 @@ class Plan:
         How often the circuit is run.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap, in m.
+    path : {"tangent spheres", "corrected chord"}
+        Which of `CHORD_PATHS` joins the knots.
     """
 
     circuit: Circuit
@@ -127,6 +137,7 @@ class Plan:
     count: float
     laps: int
     advance: float
+    path: str = "tangent spheres"
 
     @property
     def setvalues(self):
@@ -188,6 +199,7 @@ def plan(
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
+    path: Way = "tangent spheres",
 ):
     """Return how a machine is to cut a section, refused where it can't.
 
@@ -198,11 +210,12 @@ def plan(
     limits : Limits
         Of the feed.
     tolerance : float
-        Largest over- or underbreak of the tangent-sphere paths between knots, in m, that decides
-        their number. Moves and counts add theirs, see `budget`.
+        Largest over- or underbreak of the paths between knots, in m, that decides their number.
+        Moves and counts add theirs, see `budget`.
     step : float
-        Greatest distance of the setpoints N on the tangent-sphere paths, in m: what the slow
-        task prepares and the fast one joins by integer lines.
+        Greatest distance of the setpoints N on these paths, in m: what the slow task prepares and
+        the fast one joins by integer lines. Those of a corrected chord are at equal steps of the
+        normals' angle, even to 1e-5 between the knots that a millimetre needs.
     tick : float
         Period of the fast task, in s.
     count : float
@@ -215,6 +228,8 @@ def plan(
         Step of the machine out of the tunnel, towards -x, after each lap, in m.
     arm_radius : float
         Of a round-ended rod about the arm, in m, that must stay clear of the intact wall.
+    path : {"tangent spheres", "corrected chord"}
+        Which of `CHORD_PATHS` joins the knots: the paper's, or the one next to a geodesic.
 
     Returns
     -------
@@ -240,13 +255,13 @@ def plan(
         raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
     if rest > LONGEST_REST:
         raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
-    knots = circuit.knots(tolerance)
+    knots = circuit.knots(tolerance, path=path)
     if len(knots) < 2:
         raise ValueError(
             f"tolerance: must be so small that two knots are needed; got {tolerance:g} m."
         )
     _keep_clear(circuit, arm_radius)
-    s, setpoints, lengths = _setpoints(circuit, knots, step)
+    s, setpoints, lengths = _setpoints(circuit, knots, step, path)
     ground = _ground(circuit, s, lengths, advance if laps > 1 else 0.0)
     feed = limits.profile(lengths, setpoints, ground)
     # The feed changes evenly over a move, so that its mean is that of both ends.
@@ -274,16 +289,20 @@ def plan(
         count=count,
         laps=laps,
         advance=advance,
+        path=path,
     )
 
 
-def _setpoints(circuit, knots, step):
+def _setpoints(circuit, knots, step, path):
     """Return arc lengths (m + 1,), positions (m + 1, 2) and moves (m,) of the points N."""
     torus = circuit.machine.torus
     ends = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(ends)
     at[-1] = at[0]  # not off by a rounding
-    length = projected_length(torus, at[:-1], at[1:])
+    if path == "corrected chord":
+        length = path_length(torus, CHORD_PATHS[path], at[:-1], at[1:])
+    else:
+        length = projected_length(torus, at[:-1], at[1:])
     moves = np.ceil(length / step)
     if not moves.sum() <= MOST_SETPOINTS:
         raise ValueError(
@@ -295,10 +314,15 @@ def _setpoints(circuit, knots, step):
         np.linspace(a, b, n, endpoint=False)
         for a, b, n in zip(ends[:-1], ends[1:], moves, strict=True)
     ]
-    setpoints = join_knots(
-        at[:-1], moves, lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
-    )
+    setpoints = join_knots(at[:-1], moves, path_points(torus, path))
     return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)
+
+
+def path_points(torus, path):
+    """Return the function (p, q, points) -> (k, points, 2) of a path, by even steps."""
+    if path == "corrected chord":
+        return lambda p, q, n: corrected_chord(torus, p, q, n)
+    return lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
 
 
 def join_knots(knots, moves, way):
