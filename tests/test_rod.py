@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests import prose
 from tests.long import many
 from tests.shapes import EPS
 from tunneller_lib.replica.rod_cases import GENERATORS
@@ -14,9 +13,7 @@ from tunneller_lib.replica.rod_methods import METHODS
 from tunneller_lib.surfaces import Rod, meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
 
-READS = ["report/sections/rods.typ"]
-
-MANY = many(40_000, 400_000)  # lines a generator and kind of ends
+MANY = many(40_000, 400_000)  # lines a generator and kind of ends; the report says so: test_words
 CHECKED = many(4_000, 40_000)  # of these in whole numbers, which is slow
 every_generator = pytest.mark.parametrize("lines_of", GENERATORS, ids=lambda g: g.__name__)
 every_end = pytest.mark.parametrize("ends", ["flat", "round"])
@@ -54,13 +51,6 @@ def test_meet_rods_of_many_hard_lines(lines_of, ends):
         noise = 16 * EPS * (np.abs(p).max(axis=-1) + np.abs(np.where(hit, t, 0)) *
                             np.abs(u).max(axis=-1))  # fmt: skip
         assert np.all(np.abs(off[hit]) <= (slack + noise)[hit])
-
-
-def test_report_says_how_many_lines_are_tried():
-    said = prose.worded((prose.ROOT / "report" / "sections" / "rods.typ").read_text("utf-8"))
-    usual, judged = 2 * len(GENERATORS) * 40_000, 2 * len(GENERATORS) * 4_000
-    assert usual > 1_000_000 and judged == usual / 10
-    assert "more than a million such lines, a tenth of them in whole numbers" in said
 
 
 @every_end

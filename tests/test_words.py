@@ -41,6 +41,7 @@ from tests.prose import (
     uses,
     worded,
 )
+from tunneller_lib.replica.rod_cases import GENERATORS
 
 READS = ["report/*"]
 
@@ -169,3 +170,10 @@ def test_every_free_pattern_is_used(free):
 )
 def test_claims_without_a_record_are_noticed(text, words):
     assert claims(text) == words
+
+
+def test_section_of_rods_says_how_many_lines_its_tests_try():
+    said = worded(TEXTS["rods"])
+    usual, judged = 2 * len(GENERATORS) * 40_000, 2 * len(GENERATORS) * 4_000
+    assert usual > 1_000_000 and judged == usual / 10
+    assert "more than a million such lines, a tenth of them in whole numbers" in said
