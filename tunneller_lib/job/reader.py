@@ -24,7 +24,18 @@ TEXT, WHOLE = "text", "whole number"
 # What each table may hold: units, TEXT or WHOLE. What has no default is needed.
 MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
                cutter_radius="m", depth="m", height="m")  # fmt: skip
-SHAPES = {"egg": dict(a="m"), "circle": dict(radius="m"), "pieces": {}}
+
+
+def _circle(radius):
+    return closed_profile([Arc(0.0, 0.0, radius, 0.0, 2 * np.pi)])
+
+
+# What makes a section, and of which sizes; a further one is one entry here. Pieces are read apart.
+SHAPES = {
+    "egg": (Egg, dict(a="m")),
+    "circle": (_circle, dict(radius="m")),
+    "pieces": (closed_profile, {}),
+}
 PIECES = {
     "arc": (Arc, dict(y="m", z="m", radius="m", start="rad", sweep="rad")),
     "line": (Line, dict(y="m", z="m", heading="rad", length="m")),
@@ -264,7 +275,8 @@ def _read_section(given):
     shape = given.pop("shape", None)
     _one_of("[section] shape", shape, SHAPES)
     if shape != "pieces":
-        return {"shape": shape, **_read("section", given, SHAPES[shape], SHAPES[shape])}
+        _, units = SHAPES[shape]
+        return {"shape": shape, **_read("section", given, units, units)}
     rows = given.pop("pieces", None)
     _read("section", given, {"pieces": TEXT, "shape": TEXT})
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
@@ -283,11 +295,9 @@ def _read_section(given):
 
 def _shape(section):
     """Return the Section that a table says."""
-    if section["shape"] == "egg":
-        return Egg(section["a"])
-    if section["shape"] == "circle":
-        return closed_profile([Arc(0.0, 0.0, section["radius"], 0.0, 2 * np.pi)])
-    return closed_profile(section["pieces"])
+    sizes = dict(section)
+    make, _ = SHAPES[sizes.pop("shape")]
+    return make(**sizes)
 
 
 @contextmanager
