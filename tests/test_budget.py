@@ -247,6 +247,21 @@ def test_budget_refuses_what_its_closed_forms_lack(call, message):
         call()
 
 
+@pytest.mark.parametrize("fault", [following_fault, encoder_fault, trailing])
+@pytest.mark.parametrize("option", [{"integral": 1.0}, {"dead_band": 0.1}], ids=str)
+def test_closed_forms_of_loops_refuse_what_is_not_linear(fault, option):
+    with pytest.raises(
+        ValueError, match=r"^loop: must be without integral and dead band, for which there is no c"
+    ):
+        fault(LAP, Integrator(0.5), pair(**option))
+
+
+def test_budget_counts_its_sources_from_the_first():
+    said = []
+    budget(LAP, Integrator(0.5), pair(), say=said.append)
+    assert said == [f"budget: source {k} of 6" for k in range(1, 7)]
+
+
 def test_encoder_and_pose_are_halved_by_half():
     before = encoder_fault(LAP, [Lag(0.5, 0.02)] * 2, pair(**FED))
     after = encoder_fault(LAP, [Lag(0.5, 0.02)] * 2, pair(count=BITS16 / before.factor, **FED))

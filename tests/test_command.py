@@ -413,6 +413,23 @@ def test_help_names_the_commands_and_the_exit_codes(capsys):
     assert all(word in said for word in words)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("scene", "job.toml", "--out", "wall.txt"), "must end in .html; got wall.txt."),
+        (("animate", "job.toml", "--frames", "1"), "must be from 2 to 600; got 1."),
+        (("animate", "job.toml", "--frames", "601"), "must be from 2 to 600; got 601."),
+        (("atlas", "--jobs", "0"), "must be from 1 to 10000; got 0."),
+    ],
+)
+def test_options_out_of_range_are_refused_in_words(capsys, arguments, said):
+    with pytest.raises(SystemExit) as end:
+        parser().parse_args(arguments)
+    assert end.value.code == 2 and capsys.readouterr().err.endswith(f"{said}\n")
+    bounds = parser().parse_args(["animate", "job.toml", "--frames", "2"])
+    assert bounds.frames == 2
+
+
 def without(package, *arguments):
     """Run the command line in a process that lacks a package."""
     code = f"import sys; sys.modules[{package!r}] = None; from tunneller_lib.__main__ import main; "

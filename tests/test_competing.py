@@ -143,6 +143,11 @@ def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
             find(torus, (0, 0), (0.1, 0))
 
 
+@pytest.mark.parametrize("torus", [Torus(1.0, 1e100), Torus(1.0, 1e-100)], ids=str)
+def test_geodesics_of_a_torus_at_the_bounds_of_proportion_are_found(torus):
+    assert np.all(np.isfinite(geodesic_inverse(torus, (0, 0), (0.1, 0)).length))
+
+
 def test_competing_geodesics_broadcast():
     rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
     assert rivals.length.shape == (8, 4, 3) and rivals.p.shape == (8, 4, 3, 2)

@@ -357,6 +357,11 @@ def test_rounding_spectrum_refuses_a_common_factor():
 def test_listing_refuses_what_it_cannot_use():
     with pytest.raises(ValueError, match=r"^t2: must be later"):
         listing(0, 0, 5, 30, 1)
+    for length in (1e-16, 1e16):
+        with pytest.raises(
+            ValueError, match=r"^t2: must be later than t1 by 1e-15 to 1e\+15 s; got"
+        ):
+            listing(0, length, 5, 30, 1)
     with pytest.raises(ValueError, match=r"^T: must be one finite number above zero"):
         listing(0, 10, 5, 30, 0)
     with pytest.raises(ValueError, match=r'^division: must be "floor" or "truncate"'):

@@ -244,6 +244,22 @@ def test_no_ring_of_wrong_sizes(change):
         BladeRing(**(sizes | change))
 
 
+def test_no_ring_beyond_all_proportion():
+    sizes = dict(hub=1, height=1, chord=1, stagger=0, twist=0, camber=0, bow=0, blades=6)
+    for name in ("height", "chord", "camber", "bow"):
+        with pytest.raises(
+            ValueError,
+            match=rf"^{name}: must be at most \S+ times the hub's radius 1 m; got 1e\+20",
+        ):
+            BladeRing(**(sizes | {name: 1e20}))
+
+
+def test_surface_points_need_a_smooth_function():
+    for f in (lambda x, y: np.log(x), lambda x, y: np.sqrt(x + y)):
+        with pytest.raises(ValueError, match=r"^f: must be defined and smooth at every place; got"):
+            surface_points(f, [0.5, 0.0], 0.0)
+
+
 def test_blade_distances_are_from_the_first_blade_and_both_neighbours():
     ring = BladeRing(60, 30, 50, -0.7, 1.2, -6, -6, 6)
     x, y, _ = ring.coordinates(0.5, 0.5)

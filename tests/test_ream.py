@@ -24,7 +24,7 @@ from tunneller_lib.ream import (
     starved,
 )
 from tunneller_lib.ream.wall import intact_wall
-from tunneller_lib.removal import DexelGrid, removed_volume
+from tunneller_lib.removal import DexelGrid, removed_volume, rod_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
 EGG = Egg(0.5)
@@ -244,6 +244,20 @@ def test_ideal_chain_removes_the_volume_of_the_closed_form():
     assert cut.lap_volumes.sum() == pytest.approx(cut.removed.sum())
     whole = intact_wall(CIRCUIT, *cut.ends, (4, 720)).volume
     assert cut.removed.sum() == pytest.approx(whole - cut.wall.volume, rel=1e-9)
+
+
+def test_arm_may_touch_the_wall_and_no_more():
+    s = np.linspace(0, CIRCUIT.profile.perimeter, 721)
+    room = rod_clearance(EGG, *CIRCUIT.arm(CIRCUIT.position(s)), 0.0).min()
+    assert lap(arm_radius=room).laps == 1
+    with pytest.raises(ValueError, match=r"^arm_radius: an arm of \S+ m is 0\.001 m in the wall"):
+        lap(arm_radius=room + 1e-3)
+
+
+def test_ground_is_a_tenth_of_a_metre_thick_unless_told():
+    for options, thickness in (({}, 0.1), ({"thickness": 0.3}, 0.3)):
+        wall = intact_wall(CIRCUIT, -0.1, 0.1, (2, 90), **options)
+        np.testing.assert_allclose(wall.high - wall.low, thickness, rtol=1e-12)
 
 
 def round_pass():

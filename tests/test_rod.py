@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.long import many
 from tests.shapes import EPS
-from tunneller_lib.replica.rod_cases import GENERATORS
+from tunneller_lib.replica.rod_cases import GENERATORS, rulings
 from tunneller_lib.replica.rod_exact import judge, rounding
 from tunneller_lib.replica.rod_methods import METHODS
 from tunneller_lib.surfaces import Rod, meet_rods
@@ -334,6 +334,28 @@ ROD = Rod(*ENDS, 1)
 def test_wrong_input_is_told(call, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         call()
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_methods_refuse_a_negative_radius(name):
+    with pytest.raises(ValueError, match=r"^radius: must not be below zero; got -1 m\.$"):
+        METHODS[name](*ENDS, -1.0, (0, 0, 0), (0, 0, 1))
+
+
+def test_intervals_are_judged_only_with_as_many_lines():
+    lines = rulings(np.random.default_rng(1), 5)
+    found = METHODS["slab"](*lines)
+    for wrong in (judge, rounding):
+        given = {"margin": 1e-9} if wrong is judge else {}
+        with pytest.raises(ValueError, match=r"^found, lines: their axes must broadcast; got "):
+            wrong([end[:3] for end in found], lines, **given)
+
+
+def test_lines_beside_a_ruling_are_off_by_last_bits():
+    a, b, radius, p, _ = rulings(np.random.default_rng(1), 500)
+    axis = (b - a) / np.linalg.norm(b - a, axis=-1, keepdims=True)
+    distance = np.linalg.norm(np.cross(p - a, axis), axis=-1)
+    assert np.max(np.abs(distance / radius - 1)) < 1e-14
 
 
 def test_meet_line_touches_the_rim_of_a_nearly_vertical_rod_where_it_is():

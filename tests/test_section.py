@@ -68,6 +68,15 @@ def test_depth_over_a_gap_that_is_accepted():
     assert section.ray(-QUARTER) == pytest.approx(0.5, abs=1e-11)
 
 
+def test_arc_has_both_its_ends_however_they_round():
+    rng = np.random.default_rng(4)
+    for y, start, sweep in zip(*rng.uniform([[-9], [-7], [0.1]], [[9], [7], [6]], (3, 500)),
+                               strict=True):  # fmt: skip
+        arc = Arc(y, -y, 0.7, start, sweep)
+        ends, _ = arc.locate(np.array([0.0, arc.length]))
+        np.testing.assert_allclose(arc.depth(*ends.T, 0.0), 0, atol=1e-14)
+
+
 @SHAPES
 def test_depth_against_the_nearest_of_many_points(pieces, area, perimeter):
     section = closed_profile(pieces)
