@@ -44,6 +44,7 @@ CALLS = {
     "competing_geodesics": _ENDS,
     "corrected_chord": _ENDS,
     "geodesic_inverse": _ENDS,
+    "half_swing": {"clairaut": [0.5, 0.8]},
     "path_length": _ENDS,
     "project_chord": _ENDS,
     "projected_length": _ENDS,

@@ -8,6 +8,7 @@ from .cone_chord import ConeChord
 from .correction import corrected_chord
 from .geodesic import Geodesic, GeodesicPoints, geodesic_direct
 from .geodesic_root import NODES_OF_WORKING_SHEET
+from .geodesic_trace import half_swing
 from .inverse_problem import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
 
@@ -27,6 +28,7 @@ __all__ = [
     "cutting_circuit",
     "geodesic_direct",
     "geodesic_inverse",
+    "half_swing",
     "path_length",
     "project_chord",
     "projected_length",

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ..arguments import Rule, Whole, bounded_array
 
 MOST_POINTS = 5_000_000  # of all paths of a call together: a few seconds, some hundred megabytes
+MOST_RATIO = 1e100  # of r and R, either way
 
 
 def row(name, value):
@@ -43,3 +44,12 @@ def check_on_sheet(torus, p, q):
                 f"{name}: must lie on the working sheet, r + R cos(phi) >= 0; "
                 f"got phi = {end[..., 1][inner].flat[0]:g} rad."
             )
+
+
+def check_ratio(torus):
+    """Raise ValueError where the radii of a torus are out of all proportion."""
+    if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
+        raise ValueError(
+            f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "
+            f"overflows; got {torus.r / torus.R:g}."
+        )

@@ -1,4 +1,4 @@
-"""Geodesics of the torus as they come from either problem, and the direct one by integration.
+"""Geodesics of the torus as they come from either problem, and the direct one.
 
 Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut's
 c = rho sin(azimuth), rho = r + R cos(phi), is constant.
@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
 from ..exact import dot
 from ..surfaces import Torus
-from .bounds import Count, check_points
+from .bounds import Count, check_points, check_ratio
+from .geodesic_trace import trace
 
-STEP = 0.08  # tube radii, the longest step of an integration
-MANY_TURNS = 30.0  # rad
-LONGEST = 200  # tube radii, of a geodesic that is integrated: two seconds
+ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 
 
 def _rows_of_positions(name, value):
@@ -184,7 +183,7 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     azimuth : (...) float
         Directions, in rad; they broadcast with p.
     length : (...) float
-        In m, at most 200 tube radii; a negative one goes backwards.
+        In m; a negative one goes backwards.
     n : int
         Number of points, equally spaced in arc, both ends included, from 2 to a million, and at
         most 5 million of all geodesics together.
@@ -192,19 +191,23 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     Returns
     -------
     points : GeodesicPoints
-        The last one is the end. NaN where a start isn't on the working sheet, and for all of them
-        where the solver gives up, as it may close by a node. A meridian is followed through a node
-        onto the inner sheet.
+        The last one is the end. NaN where a start isn't on the working sheet. A meridian, to the
+        last digit of its azimuth, is followed through a node onto the inner sheet; any other
+        geodesic turns before the node.
 
     Raises
     ------
     ValueError
-        If a length is above 200 tube radii, or n isn't a whole number of at least 2.
+        If r / R isn't from 1e-100 to 1e100, or n isn't a whole number of at least 2.
 
     Notes
     -----
-    theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length,
-    by Dormand and Prince's method of order 8 with all geodesics in one system.
+    theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length.
+    Clairaut's constant turns them into quadratures (`geodesic_trace`), which repeat after half a
+    swing or a round of the tube: a geodesic of any length takes as long as a short one. Angles are
+    right to some roundings, and to one of length / sqrt(R (r + R)), for what a last digit of the
+    start moves grows along the way; near the inner equator of a ring, where neighbours part, that
+    is exp(length / sqrt(R (r - R))) times as much.
 
     Examples
     --------
@@ -212,48 +215,33 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     >>> way.position[-1].round(12)
     array([0. , 0.4])
     """
-    from scipy.integrate import solve_ivp  # here: it takes longer to load than numpy
-
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
+    check_ratio(torus)
     check_points(n, theta.shape)
-    start = np.stack([theta, phi, azimuth]).reshape(3, -1)
-    # After many turns rounding moves an angle by more than the solver's tolerance, which then takes
-    # ever smaller steps: whole turns are taken off first and put back last.
-    turned = np.abs(start) > MANY_TURNS
-    turns = np.where(turned, start - reduced(start), 0)
-    start = np.where(turned, reduced(start), start)
-    whole = length.ravel()
+    s = length[..., None] * np.linspace(0, 1, n)
+    start = reduced(phi)
+    heading = reduced(azimuth)
     # Geodesics of no answer (`Geodesic.points`) have neither direction nor length.
-    sound = np.isfinite(azimuth + length).ravel() & (torus.r + torus.R * np.cos(start[1]) > 0)
-    start = start[:, sound]
-    whole = whole[sound]
-    longest = np.max(np.abs(whole), initial=0)
-    if longest > LONGEST * torus.R:
-        raise ValueError(
-            f"length: must be at most {LONGEST} tube radii, {LONGEST * torus.R:g} m, for it is "
-            f"followed in steps of at most {STEP} of them; got {longest:g} m."
-        )
-
-    def rates(_, state):
-        _, phi, alpha = state.reshape(3, -1)
-        turning = np.sin(alpha) / (torus.r + torus.R * np.cos(phi))
-        rate = np.stack([turning, np.cos(alpha) / torus.R, np.sin(phi) * turning])
-        return (whole * rate).ravel()
-
-    steps = np.linspace(0, 1, n)
-    found = np.full((3, sound.size, n), np.nan)
-    if np.any(sound):
-        # The solver looks at the mean error of all; short steps keep the worst as small.
-        step = STEP * torus.R / max(longest, STEP * torus.R)
-        way = solve_ivp(
-            rates, (0, 1), start.ravel(), "DOP853", steps, rtol=3e-14, atol=1e-15, max_step=step
-        )
-        if way.success:
-            found[:, sound] = way.y.reshape(3, -1, n)
-    found = np.where(turned[..., None], found + turns[..., None], found)
-    found = found.reshape(3, *theta.shape, n)
-    position = np.stack(found[:2], axis=-1)
-    return GeodesicPoints(torus, length[..., None] * steps, position, found[2])
+    sound = np.isfinite(azimuth + length) & (torus.r / torus.R + np.cos(start) > 0)
+    sine = np.sin(heading)
+    cosine = np.cos(heading)
+    found = np.full((3, *s.shape), np.nan)
+    meridian = sound & (np.abs(sine) <= ALONG_MERIDIAN)
+    direction = np.where(cosine > 0, 1.0, -1.0)[meridian, None]
+    found[0, meridian] = 0
+    found[1, meridian] = start[meridian, None] + direction * s[meridian] / torus.R
+    found[2, meridian] = heading[meridian, None]
+    other = sound & ~meridian
+    side = np.copysign(1.0, sine[other])
+    turned, swung, turning = trace(
+        torus.r / torus.R, start[other], side * sine[other], cosine[other], s[other] / torus.R
+    )
+    found[:, other] = side[:, None] * turned, swung, side[:, None] * turning
+    # Whole turns were taken off, and are put back.
+    found += np.stack([theta, phi - start, azimuth - heading])[..., None]
+    given = np.stack([theta, phi, azimuth])[..., None]
+    found = np.where((s == 0) & sound[..., None], given, found)
+    return GeodesicPoints(torus, s, np.stack(found[:2], axis=-1), found[2])
 
 
 def reduced(angle):

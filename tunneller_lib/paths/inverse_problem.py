@@ -11,12 +11,13 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..surfaces import Torus
+from .bounds import check_ratio
 from .geodesic import Geodesic, reduced
 from .geodesic_classes import inner, outer, second
 from .geodesic_root import integrate, solve
 
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
-MOST_RATIO = 1e100  # of r and R, either way
+WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
 NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
@@ -168,11 +169,7 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
 
 def _normal_form(torus, p, q):
     """Return the ends, broadcast, and the same as `_Ends`."""
-    if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
-        raise ValueError(
-            f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "
-            f"overflows; got {torus.r / torus.R:g}."
-        )
+    check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     start = p.reshape(-1, 2)
     stop = q.reshape(-1, 2)
@@ -284,6 +281,37 @@ def _search(torus, family, ends, possible, ways, low=None):
     ways.kind[index] = "inner" if family is inner else "outer"
     for array, value in zip(ways[:-1], found[1:], strict=True):
         array[index] = value[reached]
+    if torus.r > torus.R and family in (outer, inner):
+        index = np.flatnonzero(possible)[~reached]
+        a, b, angle = (array[index] for array in ends[:3])
+        far = WOUND * (np.cos(a / 2) if family is outer else np.ones_like(a))
+        wound = integrate(torus, family(torus, a, b, far), 96)[0] < angle
+        _wind(torus, ends, family, index[wound], ways)
+
+
+def _wind(torus, ends, family, index, ways):
+    """Write down the ways of a ring that follow its inner equator to the last digit of c.
+
+    In a given class length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary in c; so
+    c = r - R will do.
+    """
+    c = torus.r - torus.R
+    nodes, weights = np.polynomial.legendre.leggauss(96)
+    length = c * ends.angle[index]
+    cosines = []
+    for end in (ends.a[index], np.abs(ends.b[index]) if family is inner else ends.b[index]):
+        z = np.append((np.pi - end[:, None]) * (1 + nodes) / 2, np.pi - end[:, None], axis=1)
+        sine = np.sin(z / 2)
+        rho = c + 2 * torus.R * sine**2
+        cosine = sine * np.sqrt(2 * torus.R * (rho + c)) / rho
+        length += torus.R * (np.pi - end) / 2 * (cosine[:, :-1] @ weights)
+        cosines.append(cosine[:, -1])
+    kind = "inner" if family is inner else "outer"
+    ways.kind[index] = kind
+    ways.length[index] = length
+    ways.c[index] = c
+    ways.cos_a[index] = cosines[0]
+    ways.cos_b[index] = cosines[1] if family is inner else -cosines[1]
 
 
 def _geodesic(torus, p, q, ends, ways):

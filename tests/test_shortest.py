@@ -1,0 +1,190 @@
+"""The numeric ingredients of the proof that a first arrival is the shortest geodesic.
+
+The proof stands in the report's section on geodesics; each of its steps has a test here.
+"""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse, half_swing
+from tunneller_lib.paths.geodesic_classes import inner, outer, second
+from tunneller_lib.paths.geodesic_root import integrate
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+MACHINE, HORN, NARROW, RING = REFERENCE_MACHINE.torus, Torus(1, 1), Torus(1.05, 1), Torus(3, 1)
+SPINDLE = Torus(0.5, 1)
+every_torus = pytest.mark.parametrize("torus", [MACHINE, SPINDLE, HORN, NARROW, RING], ids=str)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(200)
+
+
+def constants(torus, n):
+    """Return n values of Clairaut's constant of geodesics that swing, ascending, in m."""
+    narrow = max(torus.r - torus.R, 0)
+    return narrow + (torus.r + torus.R - narrow) * np.linspace(0.001, 1, n)
+
+
+def pairs(torus, n, seed):
+    """Return angles a and b (n,) of ends, |b| <= a, on the sheet."""
+    reach = np.pi if torus.r > torus.R else np.arccos(-0.98 * torus.r / torus.R)
+    ends = np.random.default_rng(seed).uniform(-reach, reach, (2, n))
+    farther = np.abs(ends[0]) > np.abs(ends[1])
+    a, b = np.where(farther, ends, ends[::-1])
+    return np.abs(a), b * np.sign(a)
+
+
+# Step 2: half a swing.
+
+
+@every_torus
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.99, 1])
+def test_half_swing_is_the_proofs_integral(torus, share):
+    narrow, wide = max(torus.r - torus.R, 0), torus.r + torus.R
+    c = narrow + share * (wide - narrow)
+    with mp.workdps(25):
+        r, R = mpf(torus.r), mpf(torus.R)
+
+        def density(x):
+            rho = 1 / mp.sqrt((mp.cos(x) / c) ** 2 + (mp.sin(x) / (R + r)) ** 2)
+            return mp.sqrt(1 + 2 * r / (rho + R - r))
+
+        turned = 2 * R / (R + r) * mp.quad(density, mp.linspace(0, mp.pi / 2, 9))
+    assert half_swing(torus, c)[0] == pytest.approx(float(turned), rel=1e-13)
+
+
+@every_torus
+def test_half_swing_ends_where_the_direct_problem_says(torus):
+    for c in constants(torus, 7)[1:-1]:
+        phi = np.arccos((c - torus.r) / torus.R)
+        turned, length = half_swing(torus, c)
+        end = geodesic_direct(torus, (0, phi), np.pi / 2, length)
+        scale = np.exp(length / torus.R) if torus.r > torus.R else 1
+        np.testing.assert_allclose(end.position[-1], [turned, -phi], rtol=0, atol=1e-14 * scale)
+
+
+@every_torus
+def test_half_swing_turns_less_with_a_greater_constant(torus):
+    turned = half_swing(torus, constants(torus, 2000))[0]
+    assert np.all(np.diff(turned) < 0)
+    # The least is that of the outer equator, up to its conjugate point.
+    assert turned[-1] == pytest.approx(np.pi / np.sqrt(1 + torus.r / torus.R), rel=1e-14)
+    # And the greatest is beyond half a turn, so that every end is reached.
+    node = half_swing(torus, max(torus.r - torus.R, 0) + 1e-12 * torus.R)[0]
+    if torus.r < torus.R:
+        assert node == pytest.approx(np.pi / np.sqrt(1 - (torus.r / torus.R) ** 2), rel=1e-10)
+    assert node > np.pi
+
+
+@pytest.mark.parametrize("clairaut", [0, -1, 4.1, [3, 5]])
+def test_half_swing_refuses_what_does_not_swing(clairaut):
+    with pytest.raises(ValueError, match=r"^clairaut: must be above 2 m and at most r \+ R = 4 m"):
+        half_swing(RING, clairaut)
+
+
+# Step 3: each turned angle belongs to one first arrival.
+
+
+@every_torus
+def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
+    for a, b in zip(*pairs(torus, 40, seed=0), strict=True):
+        X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
+        low = -np.sqrt((torus.r + torus.R * np.cos(a)) / (2 * torus.R))
+        u = np.concatenate([low * np.linspace(0.999, 0.002, 200), X * np.linspace(0.002, 8, 200)])
+        way = outer(torus, np.full(400, a), np.full(400, b), u)
+        turned, rate, length = integrate(torus, way, 96)
+        assert np.all(np.diff(turned) > 0) and np.all(rate > 0)
+        assert turned[0] < 0.3 and turned[-1] > 3.1
+        # Step 4: from one to the next the length grows by c times the turned angle. Between the
+        # two halves, where c is greatest, is rho_a.
+        c = np.insert(way.at[0], 200, torus.r + torus.R * np.cos(a))
+        least = np.minimum(c[:-1], c[1:])
+        most = np.maximum(c[:-1], c[1:])
+        least, most = (np.delete(bound, 200) for bound in (least, most))
+        slack = 1e-13 * (torus.r + torus.R) * np.maximum(turned[1:], 1)
+        assert np.all(np.diff(length) >= least * np.diff(turned) - slack)
+        assert np.all(np.diff(length) <= most * np.diff(turned) + slack)
+
+
+@every_torus
+def test_first_arrivals_that_reach_a_node_are_the_longest(torus):
+    # In the limit the way is along two meridians: longer than any first arrival of less turn.
+    if torus.r > torus.R:
+        torus = Torus(torus.R, torus.R)
+    a, b = pairs(torus, 500, seed=1)
+    node = np.arccos(-torus.r / torus.R)
+    for turn in (0.5, 2, np.pi):
+        p, q = np.stack([0 * a, a], axis=-1), np.stack([0 * a + turn, b], axis=-1)
+        assert np.all(geodesic_inverse(torus, p, q).length < torus.R * (2 * node - a - b))
+
+
+# Step 5: later arrivals are longer.
+
+
+@every_torus
+def test_later_arrivals_are_longer_than_the_first(torus):
+    a, b = pairs(torus, 3000, seed=2)
+    u = np.random.default_rng(3).normal(0, 1, a.size) * np.cos(a / 2)
+    way = second(torus, a, b, u)
+    turned, _, length = integrate(torus, way, 96)
+    near = turned <= np.pi
+    assert np.sum(near) > 50 or torus.r < torus.R
+    # Where the half turn is too near for a second arrival, on spindles, there are none to compare.
+    a, b, turned, length = (values[near] for values in (a, b, turned, length))
+    p, q = np.stack([0 * a, a], axis=-1), np.stack([turned, b], axis=-1)
+    first = geodesic_inverse(torus, p, q)
+    assert np.all(first.length < length * (1 + 1e-13))
+    assert np.all(first.certificate == "first")
+    assert np.all(turned > np.pi / np.sqrt(1 + torus.r / torus.R))
+
+
+@pytest.mark.parametrize("ratio", [0.9, 1, 3, 30])
+def test_past_the_conjugate_point_the_equator_is_longer(ratio):
+    torus = Torus(ratio, 1)
+    turn = np.pi * np.linspace(1 / np.sqrt(1 + ratio) + 1e-3, 1, 50)
+    found = geodesic_inverse(torus, (0, 0), np.stack([turn, 0 * turn], axis=-1))
+    assert np.all(found.length < (torus.r + torus.R) * turn)
+
+
+# Step 6: round the tube of a ring.
+
+
+@pytest.mark.parametrize("torus", [NARROW, RING], ids=str)
+def test_ways_round_the_tube_are_no_shorter_than_their_geodesic(torus):
+    # For every c up to r - R, c dtheta + R sqrt(1 - c^2/rho^2) dphi is no longer than the way; its
+    # greatest value, at the geodesic's c, is the geodesic's length.
+    a, b = pairs(torus, 200, seed=4)
+    a, b = a[b < 0], b[b < 0]
+    for share in (0.1, 0.5, 0.9, 0.999):
+        u = np.full_like(a, np.arctanh(share))
+        way = inner(torus, a, b, u)
+        turned, _, length = integrate(torus, way, 96)
+        shares = np.append(np.linspace(0, 1, 40)[1:-1], share)
+        along = 0
+        for start, stop in ((a, np.pi + 0 * a), (np.pi + 0 * a, 2 * np.pi + b)):
+            phi = start[:, None] + (stop - start)[:, None] * (1 + NODES) / 2
+            rho = torus.r + torus.R * np.cos(phi)
+            c = (torus.r - torus.R) * shares[:, None, None]
+            along += torus.R * np.sqrt(1 - (c / rho) ** 2) @ WEIGHTS * (stop - start) / 2
+        bound = c[..., 0] * turned + along
+        assert np.all(bound <= length * (1 + 1e-9))
+        np.testing.assert_allclose(bound[-1], length, rtol=1e-9)
+
+
+# Nothing shorter: an independent look, by paths that aren't geodesics.
+
+
+@every_torus
+def test_no_polygon_on_the_sheet_is_shorter(torus):
+    # Lines in the plane of the joints, bent at random: their lengths are those of curves.
+    a, b = pairs(torus, 100, seed=5)
+    rng = np.random.default_rng(6)
+    turn = rng.uniform(0.1, np.pi, a.size)
+    p, q = np.stack([0 * a, a], axis=-1), np.stack([turn, b], axis=-1)
+    shortest = geodesic_inverse(torus, p, q).length
+    limit = np.pi if torus.r > torus.R else np.arccos(-torus.r / torus.R)
+    t = np.linspace(0, 1, 801)[:, None]
+    for bend in rng.uniform(-2, 2, 12):
+        phi = np.clip(a + (b - a) * t + bend * np.sin(np.pi * t), -limit, limit)
+        point = torus.point(turn * t, phi)
+        length = np.sum(np.linalg.norm(np.diff(point, axis=0), axis=-1), axis=0)
+        assert np.all(length >= shortest * (1 - 1e-4))  # a polygon is shorter than its curve
