@@ -42,10 +42,15 @@ def test_several_geodesics(judge):
     judge("geodesic-several", len(leads) == 3 and all(leads) and apart)
     assert abs(lengths[0] - geodesic_inverse(torus, p, q).length) < 1e-12
     assert np.allclose(lengths[1:], [4.61918, 6.36557], rtol=0, atol=1e-5)
+    # The rival that turns by less than a whole turn is found as such, without a guess.
+    rivals = competing_geodesics(torus, p, q)
+    assert rivals.converged.sum() == 2
+    assert np.allclose(rivals.length[:2], lengths[:2], rtol=0, atol=1e-12)
     # On a ring several are about as long; on the machine's sheet one is proved to be the shortest.
     ring = competing_geodesics(Torus(3, 1), (0, 0.8), (3.1, -0.3))
-    assert ring.converged.all() and len(set(ring.length.round(6))) == 6
-    assert geodesic_inverse(torus, *pairs(2000)).certified.all()
+    assert ring.converged.all() and len(set(ring.length.round(6))) == 8
+    found = geodesic_inverse(torus, *pairs(2000))
+    assert found.certified.all() and set(found.certificate) == {"only"}
 
 
 def test_geodesic_is_one_root(judge):
@@ -82,6 +87,15 @@ def first_arrival(ways, level):
 
 
 def test_geodesic_by_no_trial(judge):
+    # One root: half a swing, T(c) = 2R/(R+r) int sqrt(1 + 2r/(rho + R - r)) dx from 0 to pi/2 with
+    # 1/rho^2 = cos(x)^2/c^2 + sin(x)^2/(R+r)^2, falls with c, since rho grows with it at every x
+    # and the integrand falls with rho; so the turned angle of first arrivals grows strictly.
+    r, R, c, x, rho = sp.symbols("r R c x rho", positive=True)
+    root = sp.sqrt(1 + 2 * r / (rho + R - r))
+    falls = sp.simplify(sp.diff(root**2, rho) * (rho + R - r) ** 2 + 2 * r) == 0
+    inverse_square = sp.cos(x) ** 2 / c**2 + sp.sin(x) ** 2 / (R + r) ** 2
+    grows = sp.simplify(sp.diff(inverse_square, c) + 2 * sp.cos(x) ** 2 / c**3) == 0
+    assert falls and grows
     # Always found: near and far, on tori that differ by a thousand times.
     found = []
     for ratio in (4, 40, 4000):

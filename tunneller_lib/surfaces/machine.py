@@ -114,6 +114,21 @@ class Machine:
         requirements : tuple of Requirement
             Bend, width, crown and floor; each says itself, with its numbers. For the egg with the
             roof's radius a its least radius is a/2, its box from -2a to a.
+
+        Notes
+        -----
+        They are necessary, and for an egg sufficient. sin(phi) = y / R is greatest where the
+        section is widest. Along the offset section sin(theta) = -(z - height) / rho with
+        rho = r + sqrt(R^2 - y^2), and
+
+            rho d(sin(theta)) = -dz + sin(theta) y dy / sqrt(R^2 - y^2).
+
+        While |sin(theta)| < 1 the last term is the smaller one, since
+        |y dy| <= sqrt(R^2 - y^2) |dz|: squared, on an arc of radius k about (y0, z0), that says
+        k |y| <= R |y - y0|. The width keeps the roof's radius a - d below R. Roof and invert have
+        y0 = 0 and k <= a - d; on a wall |y| / |y - y0| is greatest beside the roof, (a - d) / k.
+        So the sine grows all the way from crown to floor while it is between -1 and 1. It is so at
+        both, and can't leave that range between them: it could come back only by falling.
         """
         d, reach = self.offset, self.r + self.R
         (right, floor), (left, crown) = section.box
