@@ -305,9 +305,9 @@ def main():
     places = [BUILD / f"copy-{number}" for number in range(workers)]
     for place in places:
         copy(place)
-    for tests in dict.fromkeys(fault.tests for fault in faults):
-        if run(tests, places[0]).returncode:
-            sys.exit(f"These must pass before a fault is planted: {' '.join(tests)}")
+    tests = dict.fromkeys(test for fault in faults for test in fault.tests)
+    if (done := run(tests, places[0])).returncode:
+        sys.exit(f"These must pass before a fault is planted.\n{done.stdout}")
 
     def every(number):
         rows = []
