@@ -1,7 +1,7 @@
 """What the benchmarks share: fair timing, and one line for each result.
 
-Each ratio is of the best of several rounds in which both sides take turns, so that a busy moment
-of the computer hits both.
+Each ratio is of the best of several rounds in which both sides take turns, in processor time, so
+that a busy moment of the computer hits both, and threads count for what they are.
 """
 
 import importlib
@@ -23,13 +23,13 @@ def processor():
 
 
 def best_times(*functions, rounds=15):
-    """Return the least time of each function over rounds in which they take turns, in s."""
+    """Return the least processor time of each function, which take turns over rounds, in s."""
     times = []
     for _ in range(rounds):
         for function in functions:
-            start = time.perf_counter()
+            start = time.process_time()
             function()
-            times.append(time.perf_counter() - start)
+            times.append(time.process_time() - start)
     return np.min(np.reshape(times, (rounds, -1)), axis=0)
 
 
