@@ -31,6 +31,7 @@ from tests.symbols_envelopes import example
 from tunneller_lib.envelopes import jet_variables
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surface_points
+from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import ConeChord, cutting_circuit
@@ -610,6 +611,56 @@ def in_adapted_frame(rng):
     found = {name.translate(str.maketrans("xy", "ew")): value
              for name, value in derivatives(turned).items()}  # fmt: skip
     return {"rho": rho, **found, "R_12": envelope_equations.eq12(jet, *(rho * w)) / rho**2}
+
+
+@worlds("multiple-field")
+def along_a_double_root(rng):
+    """The field of double roots of a surface that has them everywhere, in differences."""
+    theta = rng.uniform(0.2, 0.9)
+    tau = np.tan(theta)
+    f = pseudo_envelope(theta)
+    place = rng.uniform(0.3, 0.8) * np.tan(np.pi / 4 - theta / 2) * np.array([0.8, 0.6])
+
+    def field(at):
+        return np.arctan2(at[1], at[0]) + np.arcsin(double_root(theta, np.hypot(*at)))
+
+    def centre(a, at):
+        w = np.array([-np.sin(a), np.cos(a)])
+        return w * (1 + at @ at) / 2 / (tau - at @ w)
+
+    def q(a):
+        rho = np.linalg.norm(centre(a, place))
+        return p * envelope_equations.eq11(f(*jet_variables(*place)), *centre(a, place)) / rho**3
+
+    a, p, h = field(place), 1 + place @ place, 1e-3
+    e, rho = np.array([np.cos(a), np.sin(a)]), np.linalg.norm(centre(a, place))
+    few = envelope_equations.eq25(f(*jet_variables(*place)), *centre(a, place)) / rho**2
+    bend = (q(a + h) + q(a - h) - 2 * q(a)) / h**2
+    bend = (4 * bend - (q(a + 2 * h) + q(a - 2 * h) - 2 * q(a)) / (4 * h**2)) / 3
+    turn = (field(place + h * e) - field(place - h * e)) / (2 * h)
+    turn = (4 * turn - (field(place + 2 * h * e) - field(place - 2 * h * e)) / (4 * h)) / 3
+    return {"q_aa": bend, "kappa": 1 / rho, "a_e": turn, "tau": tau, "f_ew": few, "p": p,
+            "tolerance": 1e-7}  # fmt: skip
+
+
+@worlds("pseudo-envelope")
+def bend_of_the_pseudo_envelope(rng):
+    """Its y', (f_xx - f_yy)/r on the first axis, over what its factor is."""
+    theta = rng.uniform(0.2, 0.9)
+    end = np.tan(np.pi / 4 - theta / 2)
+
+    def bend(r):
+        jet = pseudo_envelope(theta)(*jet_variables(r, 0.0))
+        return (jet.derivative(2, 0) - jet.derivative(0, 2)) / r
+
+    r = rng.uniform(0.2, 0.9) * end
+    # At the end W is 0 and c is sin(theta), which tells the factor.
+    closest = end * (1 - 1e-14)
+    known = (np.sin(theta) * np.cos(theta)) ** 1.5 * np.sin(theta) ** (-1.5 / np.cos(theta))
+    factor = bend(closest) * end**2 / known
+    c = np.cos(2 * np.arctan(r))
+    return {"y'": bend(r) / factor, "r": r, "theta": theta, "c": c,
+            "W": np.sqrt(c**2 - np.sin(theta) ** 2), "tolerance": 1e-5}  # fmt: skip
 
 
 @worlds("cones-eq15")
