@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.envelopes_random import member, near_miss, placed, window
 from tests.envelopes_zoo import (
     CURVES,
     DEVELOPABLE,
@@ -14,8 +15,11 @@ from tests.envelopes_zoo import (
     pipe,
     ruled,
 )
+from tests.long import many
 from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.adapted import adapted_frames
+from tunneller_lib.envelopes.families import cyclide, moving_cone
+from tunneller_lib.envelopes.pseudo import pseudo_envelope
 
 ANGLE, RADIUS = np.radians(20), 0.1
 MEMBERS = {
@@ -132,14 +136,15 @@ def test_verdicts_do_not_depend_on_the_unit(kind, scale):
         assert found.radius / scale == pytest.approx(verdict(plain, kind).radius, rel=1e-9)
 
 
-def test_between_the_bounds_nothing_is_decided():
-    def nearly(s, t):
-        x, y, z = MEMBERS["ruled"][0](s, t)
-        return [x, y, z + 1e-5 * s * s * t**3]
+def nearly_ruled(s, t):
+    x, y, z = MEMBERS["ruled"][0](s, t)
+    return [x, y, z + 1e-5 * s * s * t**3]
 
-    found = verdict(nearly, "ruled")
-    assert found.verdict == "undecided" and 1e-8 < found.residual < 1e-3
-    assert verdict(nearly, "ruled", tolerance=1e-3).verdict == "is"
+
+def test_small_residual_beyond_rounding_refutes():
+    found = verdict(nearly_ruled, "ruled")
+    assert found.verdict == "is not" and 1e-8 < found.residual < 1e-3
+    assert verdict(nearly_ruled, "ruled", tolerance=1e-3).verdict == "is"
 
 
 def test_spheres_are_everything_that_rolls():
@@ -160,6 +165,107 @@ def test_developable_surfaces_have_no_isotropic_model(kind):
         ValueError, match=rf"^surface: must have a Gaussian curvature .* {kind}; got"
     ):
         verdict(DEVELOPABLE["cylinder"], kind)
+
+
+# ---- what fooled the recogniser once --------------------------------------------------------
+
+
+@pytest.mark.parametrize("degrees", [5, 20, 30, 45, 70])
+def test_double_cones_everywhere_are_no_envelope(degrees):
+    """Problem 15: Eqs 9, 11 and 12 hold at every point, and no cone touches along a curve."""
+    half_angle = np.radians(degrees)
+    f = pseudo_envelope(half_angle)
+    end = np.tan(np.pi / 4 - half_angle / 2)
+    x, y = np.meshgrid(np.linspace(0.3, 0.6, 5) * end, np.linspace(0.1, 0.5, 4) * end)
+    found = recognise(f, x, y, "cone", half_angle=half_angle)
+    assert found.residual < 1e-6 and found.verdict == "is not"
+    assert "fall together" in found.because
+    assert recognise(f, x, y, "cone").verdict != "is"
+
+
+def test_points_on_one_orbit_are_refused():
+    """A surface of revolution has the same derivatives all along a parallel."""
+    s = np.linspace(0, 6, 40)
+
+    def surface(t, s):
+        r = 1 + 0.3 * np.sin(t) + 0.1 * t * t
+        return [r * np.cos(s), r * np.sin(s), t]
+
+    for kind in ("cone", "pipe", "cylinder", "channel"):
+        found = recognise(surface, 0.4, s, kind, model="space")
+        assert found.verdict != "is", kind
+    cone = recognise(surface, 0.4, s, "cone", model="space")
+    assert cone.verdict == "cannot tell" and "one curve" in cone.because
+
+    def graph(x, y):  # the same parallel is a circle here
+        return np.sin(x * x + y * y) + 0.3 * (x * x + y * y) ** 2
+
+    found = recognise(graph, 0.4 * np.cos(s), 0.4 * np.sin(s), "cone")
+    assert found.verdict == "cannot tell" and "one curve" in found.because
+
+
+@pytest.mark.parametrize("kind", ["cone", "cylinder", "pipe"])
+@pytest.mark.parametrize("size", [1e-8, 1e-7, 1e-6])
+def test_general_surface_in_a_small_window_is_nothing(kind, size):
+    s = 0.3 + size * (GRID[0] - 0.45)
+    t = 0.2 + size * (GRID[1] - 0.35)
+    found = recognise(GENERAL["quartic graph"], s, t, kind, model="space")
+    assert found.verdict != "is"
+
+
+def test_point_near_the_parabolic_curve_refutes_no_envelope():
+    """Its derivatives in the model are nearly infinite, and their errors with them."""
+    refuted = []
+    for seed in range(8):
+        rng = np.random.default_rng((4, seed))
+        motion = member("cone", rng)[1]
+        surface = moving_cone(motion["motion"], motion["half_angle"])
+        s, t = rng.uniform(-3, 3, (2, 4000))
+        found = adapted_frames(surface, s, t, "space")
+        near = np.flatnonzero(found.smooth & (found.curvature > 1.5e-6) & (found.curvature < 4e-5))
+        away = np.flatnonzero(found.smooth & (found.curvature > 0.02))
+        if len(near) < 1 or len(away) < 20:
+            continue
+        pick = np.r_[near[:1], away[:20]]
+        answer = recognise(surface, s[pick], t[pick], "cone", model="space")
+        refuted.append(answer.verdict == "is not")
+    assert len(refuted) >= 3 and not any(refuted)
+
+
+def test_isolated_double_root_doesn_t_refute():
+    """Example 31 on |x| = cot(theta) has contained double conics with f_ew != 0."""
+    half_angle = np.arctan(0.5)
+    angle = np.linspace(0.2, 1.3, 6)
+    x = np.r_[2 * np.cos(angle), 1.1 * np.cos(angle), 1.6 * np.cos(angle), 0.7 * np.cos(angle)]
+    y = np.r_[2 * np.sin(angle), 1.1 * np.sin(angle), 1.6 * np.sin(angle), 0.7 * np.sin(angle)]
+    assert recognise(cyclide, x, y, "cone", half_angle=half_angle).verdict == "is"
+    # It is enveloped by cones of every angle, and without one no point tells all of them.
+    assert recognise(cyclide, x, y, "cone").verdict != "is not"
+
+
+# ---- thousands of random surfaces ------------------------------------------------------------
+
+
+def verdicts_of(kind, exact, seeds):
+    """Return the verdicts on random members or near-misses of a class."""
+    found = []
+    for seed in seeds:
+        rng = np.random.default_rng((seed, list(MEMBERS).index(kind), exact))
+        scale, size = 10.0 ** rng.uniform(-3, 3), 10.0 ** rng.uniform(-3, 0)
+        surface = member(kind, rng)[0] if exact else near_miss(kind, rng)[0]
+        points = window(rng, size)
+        found.append(recognise(placed(surface, rng, scale), *points, kind, model="space").verdict)
+    return found
+
+
+@pytest.mark.parametrize("part", range(6))
+@pytest.mark.parametrize("kind", MEMBERS)
+def test_random_members_and_near_misses(kind, part):
+    seeds = range(1000 * part, 1000 * part + many(2, 70))
+    members = verdicts_of(kind, True, seeds)
+    others = verdicts_of(kind, False, seeds)
+    assert "is not" not in members
+    assert "is" not in others
 
 
 @pytest.mark.parametrize(("options", "message"), [

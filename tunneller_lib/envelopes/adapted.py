@@ -81,7 +81,11 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
     array([0., 0., 1.])
     """
     s, t = np.broadcast_arrays(s, t)
-    s, t = jet_variables.unchecked(s.ravel(), t.ravel())
+    return frames_by(surface, *jet_variables.unchecked(s.ravel(), t.ravel()), model)
+
+
+def frames_by(surface, s, t, model):
+    """Return what `adapted_frames` does, by its variables as jets (n,)."""
     with np.errstate(all="ignore"):
         answer = surface(s, t)
         if model == "isotropic":

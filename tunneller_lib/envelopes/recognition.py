@@ -8,16 +8,22 @@ import numpy as np
 from ..arguments import Finite, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
 from .circle_roots import real_zeros
+from .evidence import Evidence, Forms, off_by, spread_in_two, weigh, zeros
 from .forms import derivative_along, frobenius
 from .functions import Function, HalfAngle, Shift
 from .hyperosculate import order_four, third_order
 from .jet import derivative
+from .rough import RUNS, errors, rough_frames
 
 LEAST_POINTS = 12
-IS_NOT = 1e-3  # a residual above it
+LARGEST_TOLERANCE = 1e-3
+SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
+SAME_SIZE = 1e-11  # relative difference of sizes that count as one
+SHARP_OVER_WINDOW = 1e-5  # and above which, over the normals' spread, none tells of an unknown size
 TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
+_SOME = np.pi * np.arange(12)[None] / 12  # directions
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
 
 
@@ -29,8 +35,11 @@ class Recognition:
     ----------
     kind : str
         The class asked for.
-    verdict : {"is", "is not", "undecided"}
-        The residual below the tolerance, above 1e-3, or between.
+    verdict : {"is", "is not", "cannot tell"}
+        Whether at least 12 points, spread over the surface, agree as far as their errors let them
+        and none refutes; whether one refutes; or neither.
+    because : str
+        The reason, in words.
     residual : float
         0 to 1: the worst point's.
     radius : float or None
@@ -42,6 +51,7 @@ class Recognition:
 
     kind: str
     verdict: str
+    because: str
     residual: float
     radius: float | None = None
     half_angle: float | None = None
@@ -57,7 +67,7 @@ def recognise(
     radius: Shift | None = None,
     half_angle: HalfAngle | None = None,
     model: Literal["isotropic", "space"] = "isotropic",
-    tolerance: Finite = 1e-8,
+    tolerance: Finite = 0.0,
 ):
     """Return whether a surface belongs to a class of envelopes, judged by its derivatives.
 
@@ -79,12 +89,13 @@ def recognise(
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
     tolerance : float
-        Residual below which the verdict is "is": 1e-8 for exact functions, 1e-4 for fits.
+        Relative error of the surface's derivatives besides rounding, from 0 for exact functions to
+        1e-3: 1e-4, say, for fits.
 
     Returns
     -------
     found : Recognition
-        Verdict, residual, radius and half-angle.
+        Verdict with its reason, residual, radius and half-angle.
 
     Raises
     ------
@@ -97,12 +108,16 @@ def recognise(
 
     Notes
     -----
-    Envelopes of cones, Theorems 2, 4 and 16, Corollaries 25, 28 and 29, in the adapted frame. The
-    residual of a point is the least over the directions that solve the lower-order conditions;
-    terms are compared with their own sizes, so that it has no unit. For cylinders and cones it
-    is what the corollaries ask, which for cylinders and channels they prove in one direction only
-    (Problem 30). A developable surface counts as ruled. A surface may be enveloped by cones of
-    several angles, as those of revolution are: one that fits best is returned.
+    Envelopes of cones, Theorems 2, 4 and 16, Corollaries 25, 28 and 29 and their converses
+    (Problem 30), in the adapted frame. What rounding does is found by rounding at random, see
+    `rough`; what it makes of each condition is bounded from there, see `evidence`. A point near
+    the parabolic curve, an umbilic or a multiple solution has wide bounds and doesn't tell. Where
+    solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
+    only if f_ew = 0. A surface in a window so small that an unknown radius or half-angle can't be
+    seen to vary isn't told. The residual is the least over the directions that solve the
+    lower-order conditions, over the size of its terms, so that it has no unit. A developable
+    surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
+    revolution are: one that fits best is returned.
 
     Examples
     --------
@@ -118,12 +133,15 @@ def recognise(
         raise ValueError(
             f"s, t: must hold at least {LEAST_POINTS} different points; got {different}."
         )
-    if not 0 < tolerance <= IS_NOT:
-        raise ValueError(f"tolerance: must be above 0, at most {IS_NOT}; got {tolerance!r}.")
+    if not 0 <= tolerance <= LARGEST_TOLERANCE:
+        raise ValueError(
+            f"tolerance: must be between 0 and {LARGEST_TOLERANCE}; got {tolerance!r}."
+        )
     if radius is not None and kind not in ("cylinder", "pipe"):
         raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
     if half_angle is not None and kind != "cone":
         raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
+    asked_size = half_angle if kind == "cone" else radius
     found = adapted_frames.unchecked(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
@@ -131,26 +149,48 @@ def recognise(
             "surface: must be defined and smooth at every point; got one that isn't "
             f"at ({s.flat[i]}, {t.flat[i]})."
         )
+    rough = rough_frames(surface, s.ravel(), t.ravel(), model)
+    # A developable surface's normals lie on a curve by themselves.
+    normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
+    spread = spread_in_two(s.ravel(), t.ravel(), normals)
     if kind == "developable":
-        return _recognition(kind, float(found.curvature.max()), tolerance)
+        evidence = _flat(rough, tolerance)
+        return _judged(kind, [evidence], spread, float(found.curvature.max()))
     if kind == "ruled":
         # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
-        g = tangent_graph(found, found.curvature > TORSAL)
+        curved = found.curvature > TORSAL
+        g = tangent_graph(found, curved)
         _check_sound(g)
-        return _recognition(kind, _ruled(g), tolerance)
-    if (found.curvature <= FLAT).any():
+        evidence = _flat(rough, tolerance)
+        if curved.any():
+            off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
+            of_curved = weigh(_forms("ruled", g, off, tolerance), _sharp(tolerance))
+            evidence = _with(evidence, curved, of_curved)
+        return _judged(kind, [evidence], spread, _ruled(g))
+    flat = found.curvature <= FLAT
+    if np.count_nonzero(~flat) < LEAST_POINTS:
         i = np.argmin(found.curvature)
         raise ValueError(
             f"surface: must have a Gaussian curvature not 0 nor infinite for {kind}; "
             f"got one at ({s.flat[i]}, {t.flat[i]})."
         )
-    f = isotropic_jet(found, slice(None))
+    f = isotropic_jet(found, ~flat)
     _check_sound(f)
+    off = errors(isotropic_jet(rough, np.tile(~flat, RUNS)))
     if kind == "cone":
         residual, half_angle = _cone(f, half_angle)
-        return _recognition(kind, residual, tolerance, half_angle=half_angle)
-    residual, radius = _OF_RADIUS[kind](f, radius)
-    return _recognition(kind, residual, tolerance, radius=radius)
+        size = {"half_angle": half_angle}
+    else:
+        residual, radius = _OF_RADIUS[kind](f, radius)
+        size = {"radius": radius}
+    given = asked_size is not None or kind == "channel"
+    if given:
+        tried = [_tried(kind, f, off, tolerance, asked_size, 0.0, _sharp(tolerance))]
+    else:
+        window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
+        sharp = min(_sharp(tolerance), max(SHARP_OVER_WINDOW, tolerance) * window)
+        tried, size = _searched(kind, f, off, tolerance, sharp, size)
+    return _judged(kind, tried, spread, residual, **size)
 
 
 def _check_sound(jet):
@@ -160,14 +200,227 @@ def _check_sound(jet):
         )
 
 
-def _recognition(kind, residual, tolerance, **found):
-    if residual < tolerance:
-        verdict = "is"
-    elif residual > IS_NOT:
-        verdict = "is not"
-    else:
-        verdict = "undecided"
-    return Recognition(kind, verdict, residual, **found)
+def _sharp(tolerance):
+    return max(SHARP, 300 * tolerance)
+
+
+def _judged(kind, tried, spread, residual, **size):
+    """Return the recognition by the evidence for each size that was tried."""
+    refuted = [evidence.refutes.any() for evidence in tried]
+    if all(refuted):
+        reason = "a point differs by more than its error, whatever the size of the tool"
+        return Recognition(kind, "is not", f"{reason}.", residual, **size)
+    evidence = tried[refuted.index(False)]
+    if not spread:
+        reason = "the points lie on one curve, or nearly, of the surface or of its normals"
+        return Recognition(kind, "cannot tell", f"{reason}.", residual, **size)
+    count = np.count_nonzero(evidence.agrees)
+    if count >= LEAST_POINTS:
+        reason = f"{count} points agree within their errors and none differs"
+        return Recognition(kind, "is", f"{reason}.", residual, **size)
+    if (
+        kind == "cone"
+        and _only_passing(evidence) >= LEAST_POINTS
+        and sum(refuted) == len(tried) - 1
+    ):
+        reason = "cones fall together at every point, and those don't stay on the surface"
+        return Recognition(kind, "is not", f"{reason}.", residual, **size)
+    reason = (
+        f"{count} points tell, and at least {LEAST_POINTS} must: the others' errors are too wide"
+    )
+    return Recognition(kind, "cannot tell", f"{reason}.", residual, **size)
+
+
+def _only_passing(evidence):
+    """Return at how many points all common solutions are multiple and don't stay."""
+    return np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
+
+
+def _flat(rough, tolerance):
+    """Return the evidence for a curvature 0."""
+    every = rough.curvature.reshape(RUNS, -1)
+    value = np.median(every, axis=0)
+    off = 10 * np.abs(every - value).max(axis=0) + 1e-15 + tolerance
+    none = np.zeros((len(value), 0))
+    agrees = (value <= off) & (off <= _sharp(tolerance))
+    return Evidence(value > off, agrees, none, none, none.astype(bool))
+
+
+def _with(evidence, where, other):
+    """Return evidence with that of some points put in; there none of the first counts."""
+    refutes = np.zeros_like(evidence.refutes)
+    agrees = np.ones_like(evidence.agrees)
+    refutes[where] = other.refutes
+    agrees[where] = other.agrees
+    return evidence._replace(refutes=refutes, agrees=agrees)
+
+
+def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0):
+    """Return a class' two conditions at n points, for a size that may be off by `unsure`."""
+    two, three, four = (off_by(off, k, tolerance, f) for k in (2, 3, 4))
+
+    def normal(a):
+        return derivative_along(f, a, 2) - 2 * size
+
+    def third(a):
+        return derivative_along(f, a, 3)
+
+    def mixed(a):
+        return derivative_along(f, a, 1, 1)
+
+    if kind == "cone":
+        rho = 0.5 / np.tan(size)
+        unsure = unsure * 0.5 / np.sin(size) ** 2
+
+        def order_3(a):
+            return rho * third(a) + 3 * mixed(a)
+
+        def order_4(a):
+            last = derivative_along(f, a, 0, 2) - derivative_along(f, a, 2)
+            return (
+                rho**2 * derivative_along(f, a, 4)
+                + 6 * rho * derivative_along(f, a, 2, 1)
+                + 3 * last
+            )
+
+        whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
+        off_3 = rho * three + 3 * two + unsure * frobenius(f, 3)
+        off_4 = rho**2 * four + 6 * rho * three + 6 * two
+        off_4 = off_4 + unsure * (2 * rho * frobenius(f, 4) + 6 * frobenius(f, 3))
+        return Forms(order_3, order_4, 3, off_3, off_4, whole)
+    if kind in ("ruled", "cylinder"):
+        beside = frobenius(f, 2) if kind == "cylinder" else frobenius(f, 2) ** 2
+        return Forms(normal, third, 2, two + 2 * unsure, three, frobenius(f, 3) + beside)
+    if kind == "channel":
+        return Forms(mixed, third, 2, two, three, frobenius(f, 3) + frobenius(f, 2))
+    return Forms(mixed, normal, 2, two, two + 2 * unsure, frobenius(f, 2) + 2 * abs(size))
+
+
+def _tried(kind, f, off, tolerance, size, unsure, sharp):
+    """Return the evidence for a class and one size."""
+    evidence = weigh(_forms(kind, f, off, tolerance, size or 0.0, unsure), sharp)
+    if kind != "cone":
+        return evidence
+    # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.
+    few = np.abs(derivative_along(f, evidence.angle, 1, 1))
+    bound = off_by(off, 2, tolerance, f)[:, None] + 4 * frobenius(f, 2)[:, None] * evidence.spread
+    counts = ~np.isnan(evidence.angle) & ~(evidence.several & (few > bound))
+    anything = evidence.agrees & np.isnan(evidence.angle).all(axis=-1)
+    return evidence._replace(agrees=counts.any(axis=-1) | anything)
+
+
+def _searched(kind, f, off, tolerance, sharp, size):
+    """Return the evidence for each size that one point allows, and the size found."""
+    values, unsure, complete = _sizes(kind, f, off, tolerance)
+    [name] = size
+    if not complete.any():
+        # A sphere has cones of every half-angle, and other surfaces of a range of them: one that
+        # was found will do. If none agrees no point tells all its sizes.
+        trial = np.pi / 4 if size[name] is None else size[name]
+        every = _tried(kind, f, off, tolerance, trial, 0.0, sharp)
+        return [every._replace(refutes=np.zeros_like(every.refutes))], size
+    # Each size of the point that knows its own best is tried, as well as any point knows it.
+    width = np.where(np.isnan(values), 0.0, unsure / (np.abs(values) + (values == 0)))
+    best = np.argmin(np.where(complete, width.max(axis=-1), np.inf))
+    tried = []
+    for value, own in zip(values[best], unsure[best], strict=True):
+        if np.isnan(value):
+            continue
+        apart = np.where(np.isnan(values), np.inf, np.abs(values - value))
+        nearest = np.argmin(apart, axis=-1)[:, None]
+        there = np.take_along_axis(values, nearest, -1)[:, 0]
+        known = np.take_along_axis(unsure, nearest, -1)[:, 0]
+        known[~(np.abs(there - value) <= own + known)] = np.inf  # those that may be the same
+        sharpest = np.argmin(known)
+        if known[sharpest] < own:
+            evidence = _tried(kind, f, off, tolerance, there[sharpest], known[sharpest], sharp)
+        else:
+            evidence = _tried(kind, f, off, tolerance, value, own, sharp)
+        # The points agree only with one value. What they know best has more digits than bounds say.
+        shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
+        again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp)
+        tried.append((again._replace(refutes=evidence.refutes), shared))
+    if not tried:
+        nothing = np.zeros(len(values), dtype=bool)
+        none = np.zeros((len(values), 0))
+        return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size
+    tried.sort(key=lambda found: (found[0].refutes.any(), -np.count_nonzero(found[0].agrees)))
+    if np.count_nonzero(tried[0][0].agrees) >= LEAST_POINTS:
+        size = {name: float(tried[0][1])}
+    return [found[0] for found in tried], size
+
+
+def _sizes(kind, f, off, tolerance):
+    """Return the sizes that each point allows, how far they may be off, and whether that's all.
+
+    Parameters
+    ----------
+    kind : {"cylinder", "pipe", "cone"}
+        Of which the radius or the half-angle is asked.
+    f, off : Jet
+        In adapted frames, at n points, and the errors of its coefficients.
+    tolerance : float
+        Their relative error besides.
+
+    Returns
+    -------
+    values, unsure : (n, m) float
+        In m or rad; NaN-padded.
+    complete : (n,) bool
+        Whether no other size is possible.
+    """
+    two, three, four = (off_by(off, k, tolerance, f)[:, None] for k in (2, 3, 4))
+    values = _principal_values(f) / 2
+    exact = np.broadcast_to(two, values.shape)
+    if kind == "pipe":
+        return values, exact, np.ones(len(values), dtype=bool)
+    if kind == "cylinder":
+        angle, spread, _ = zeros(lambda a: derivative_along(f, a, 3), 3, three[:, 0])
+        rate = np.abs(derivative_along(f, angle, 1, 1)) + frobenius(f, 2)[:, None] * spread
+        found = derivative_along(f, angle, 2) / 2
+        # Where f_eee vanishes altogether every direction has its own size.
+        complete = (frobenius(f, 3) > 4 * three[:, 0]) | (np.ptp(values, axis=-1) <= 4 * two[:, 0])
+        values = np.hstack([found, values])
+        return values, np.hstack([two + 2 * rate * spread, exact]), complete
+    slack = _eliminated_off(f, two, three, four)
+    angle, spread, _ = zeros(lambda b: _eliminated(f, b / 2), 4, slack[:, 0])
+    angle, spread = angle / 2, spread / 2
+    up = 3 * derivative_along(f, angle, 1, 1)
+    down = derivative_along(f, angle, 3)
+    off_up = 3 * two + 6 * frobenius(f, 2)[:, None] * spread
+    off_down = three + 3 * frobenius(f, 3)[:, None] * spread
+    # Of a channel's own circles both vanish, and the half-angle follows from Problem 15's answer:
+    # rho f_eew + f_ww - f_ee = 0.
+    _, _, turn = _principal(f)
+    own = turn[:, None] + [0.0, np.pi / 2]
+    mu = derivative_along(f, own, 2) - derivative_along(f, own, 0, 2)
+    twist = derivative_along(f, own, 2, 1)
+    turned = two / np.where(mu == 0, np.inf, np.abs(mu))
+    circle = np.abs(derivative_along(f, own, 3)) <= three + 3 * frobenius(f, 3)[:, None] * turned
+    of_circle = np.where(circle, np.arctan2(np.abs(twist), 2 * np.abs(mu)), np.nan)
+    angles = np.hstack([np.arctan2(np.abs(down), 2 * np.abs(up)), of_circle])
+    size = np.hstack([np.hypot(down, 2 * up), np.hypot(twist, 2 * mu)])
+    off_twist = three + 3 * frobenius(f, 3)[:, None] * turned
+    off_size = np.hstack([off_down + 2 * off_up, off_twist + 4 * two])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unsure = 2 * off_size / size
+    # A zero of the eliminated form at such a circle has no half-angle of its own.
+    passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
+    passing = np.hstack([passing, np.zeros_like(circle)])
+    vague = ~np.isnan(angles) & ~(unsure <= 0.1)
+    complete = ~(vague & ~passing).any(axis=-1)
+    complete &= np.abs(_eliminated(f, _SOME)).max(axis=-1) > 4 * slack[:, 0]
+    outside = (angles < NEEDLE) | (angles > np.pi / 2 - NEEDLE)
+    angles[vague | passing | outside] = np.nan
+    return angles, np.where(np.isnan(angles), 0.0, unsure), complete
+
+
+def _eliminated_off(f, two, three, four):
+    """Return by how much the form of degree 8 may be off, (n, 1)."""
+    a, b, c = (frobenius(f, k)[:, None] for k in (2, 3, 4))
+    first = 6 * a * c * two + 3 * a * a * four
+    second = 12 * a * b * three + 6 * b * b * two
+    return first + second + 2 * b * b * two + 4 * a * b * three
 
 
 def _ruled(g):

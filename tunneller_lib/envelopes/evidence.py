@@ -1,0 +1,206 @@
+"""What a surface's points say for or against a tool, with the error of what they say.
+
+A tool envelops a surface if two forms of a direction, `first` and `second`, have a common zero at
+each point. Both are known to some error. A zero of `first` is then known to some angle, and
+`second` there to some bound: where it is beyond that bound at every zero the point refutes; where
+it is within a small one at some zero the point agrees; else it doesn't tell.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .circle_roots import real_zeros
+from .forms import frobenius
+
+_AROUND = 2 * np.pi * np.arange(24)[None] / 24
+
+
+class Forms(NamedTuple):
+    """Two conditions on a direction, at n points.
+
+    Parameters
+    ----------
+    first, second : callable
+        Of angles (n, m), in rad: values (n, m) of trigonometric polynomials, in m.
+    degree : int
+        Of the first; the second's is at most 8.
+    off_first, off_second : (n,) float
+        By how much they may be off, in m.
+    size : (n,) float
+        What the second is to be compared with, in m.
+    """
+
+    first: object
+    second: object
+    degree: int
+    off_first: np.ndarray
+    off_second: np.ndarray
+    size: np.ndarray
+
+
+class Evidence(NamedTuple):
+    """What n points say of a pair of forms.
+
+    Parameters
+    ----------
+    refutes, agrees : (n,) bool
+        Whether a point does; neither where it doesn't tell.
+    angle, spread : (n, m) float
+        Common zeros and how far they may be off, in rad; NaN where one isn't.
+    several : (n, m) bool
+        Whether more zeros of the first form may have fallen together there.
+    """
+
+    refutes: np.ndarray
+    agrees: np.ndarray
+    angle: np.ndarray
+    spread: np.ndarray
+    several: np.ndarray
+
+
+class Waves:
+    """Trigonometric polynomials of a degree, (n,) of them, by their harmonics."""
+
+    def __init__(self, function, degree):
+        places = 2 * np.pi * np.arange(2 * degree + 1)[None] / (2 * degree + 1)
+        self.orders = np.arange(-degree, degree + 1)
+        self.c = (np.fft.fft(function(places), axis=-1) / (2 * degree + 1))[:, self.orders]
+
+    def derivative(self, angle, k):
+        """Return the k-th derivatives (n, m) at angles (n, m)."""
+        factor = self.c * (1j * self.orders) ** k
+        return np.real(np.sum(factor[:, None] * np.exp(1j * self.orders * angle[..., None]), -1))
+
+    def most(self, k):
+        """Return a bound (n, 1) of the k-th derivatives."""
+        return np.sum(np.abs(self.c) * np.abs(self.orders) ** k, axis=-1)[:, None]
+
+
+def zeros(function, degree, off):
+    """Return where polynomials that may be `off` (n,) can vanish, how sure, and whether severally.
+
+    Parameters
+    ----------
+    function : callable
+        As for `real_zeros`.
+    degree : int
+        Their degree d.
+    off : (n,) float
+        By how much their values may be off.
+
+    Returns
+    -------
+    angle, spread : (n, 4 d) float
+        In rad, NaN where there is none.
+    several : (n, 4 d) bool
+        Whether the zero may be a multiple one.
+    """
+    waves = Waves(function, degree)
+    off = off[:, None]
+    unit = waves.most(0)[:, 0]
+    angle, _ = real_zeros(function, degree, unit=unit)
+    # Where rounding has taken a pair off the real line the polynomial nearly touches zero.
+    turning, _ = real_zeros(lambda a: waves.derivative(a + 0 * unit[:, None], 1), degree, unit=unit)
+    near = np.abs(waves.derivative(turning, 0)) <= 2 * off
+    angle = np.hstack([angle, np.where(near, turning, np.nan)])
+    slope, bend, third = (np.abs(waves.derivative(angle, k)) for k in (1, 2, 3))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        simple = 4 * off / slope
+        double = 2 * np.sqrt(8 * off / bend) + 4 * slope / bend
+        triple = 2 * np.cbrt(24 * off / third) + 4 * np.sqrt(2 * slope / third) + 4 * bend / third
+    single = bend * simple + third * simple**2 <= slope
+    spread = np.where(single, simple, np.where(third * double <= bend, double, triple))
+    spread = np.where(np.isfinite(spread), np.minimum(spread, np.pi), np.pi)
+    return angle, np.where(np.isnan(angle), np.nan, spread), ~single & ~np.isnan(angle)
+
+
+def weigh(forms, sharp):
+    """Return what points say of a pair of forms.
+
+    Parameters
+    ----------
+    forms : Forms
+        At n points.
+    sharp : float
+        Relative bound of the second above which a point doesn't tell.
+
+    Returns
+    -------
+    evidence : Evidence
+        Of each point.
+    """
+    angle, spread, several = zeros(forms.first, forms.degree, forms.off_first)
+    second = Waves(forms.second, 8)
+    value = np.abs(second.derivative(angle, 0))
+    bound = forms.off_second[:, None] + 2 * np.abs(second.derivative(angle, 1)) * spread
+    bound = bound + second.most(2) * spread**2
+    known = ~np.isnan(angle)
+    common = known & (value <= bound)
+    agrees = common & (bound <= sharp * forms.size[:, None])
+    # Where the first form vanishes altogether any direction would do: the point agrees where the
+    # second does as well, as on a sphere, and else doesn't tell.
+    whole = np.abs(forms.first(_AROUND)).max(axis=-1) <= 4 * forms.off_first
+    rest = np.abs(forms.second(_AROUND)).max(axis=-1)
+    everywhere = (rest <= 4 * forms.off_second) & (forms.off_second <= sharp * forms.size)
+    return Evidence(
+        ~whole & ~common.any(axis=-1),
+        np.where(whole, everywhere, agrees.any(axis=-1)),
+        np.where(agrees, angle, np.nan),
+        np.where(agrees, spread, np.nan),
+        several & agrees,
+    )
+
+
+def off_by(errors, degree, sure, f):
+    """Return by how much derivatives of a degree may be off in any direction, (n,)."""
+    return frobenius(errors, degree) + sure * frobenius(f, degree)
+
+
+def spread_in_two(s, t, n):
+    """Tell whether points are spread over a surface and don't lie on one curve.
+
+    Parameters
+    ----------
+    s, t : (k,) float
+        Values of the surface's two variables.
+    n : (k, 3) float or None
+        The unit normals, if they should turn in two directions.
+
+    Returns
+    -------
+    spread : bool
+        Whether neither the points (s, t) lie on a conic nor the normals on a circle, as they do
+        along an orbit of a motion.
+    """
+    return not (_on_a_conic(s, t) or (n is not None and _on_a_circle(n)))
+
+
+def _on_a_conic(s, t):
+    s, t = (_scaled(c) for c in (s, t))
+    forms = np.stack([np.ones_like(s), s, t, s * s, s * t, t * t], axis=-1)
+    return _short_of_rank(forms)
+
+
+def _on_a_circle(n):
+    """Tell whether normals lie on a circle of the sphere, by places in the mean's tangent plane."""
+    mean = n.mean(axis=0)
+    mean = mean / np.linalg.norm(mean)
+    _, _, axes = np.linalg.svd(mean[None])
+    place = n @ axes[1:].T
+    low, high = place.min(axis=0), place.max(axis=0)
+    size = np.max(high - low)
+    if not size > 1e-12:
+        return True
+    x, y = ((place - place.mean(axis=0)) / size).T
+    # On the sphere a plane cuts a circle: over the tangent plane, up to higher order, this one.
+    return _short_of_rank(np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1))
+
+
+def _scaled(c):
+    return (c - c.mean()) / (np.ptp(c) or 1.0)
+
+
+def _short_of_rank(forms):
+    values = np.linalg.svd(forms, compute_uv=False)
+    return bool(values[-1] < 1e-3 * values[0])
