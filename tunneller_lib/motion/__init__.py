@@ -1,6 +1,6 @@
 """Motion: set-values in whole counts, the hydraulic axes and their loops, tasks, exports."""
 
-from . import export, stability, tasks
+from . import export, slow_task, stability, tasks
 from .hydraulics import Hydraulics, reference_axes
 from .interpolate import (
     line_ticks,
@@ -34,6 +34,7 @@ __all__ = [
     "rest_to_rest",
     "rest_to_rest_ticks",
     "rounding_spectrum",
+    "slow_task",
     "stability",
     "tasks",
     "tick_counts",
