@@ -5,7 +5,8 @@ drawn from the syntax trees with a seed, for each module by itself, so that an e
 leaves the others' draw alone. Each is judged in a copy of the checkout under build/mutants, by the
 tests whose imports lead to its module, the nearest first, and by the notebooks that need it. A test
 that fails is run again, so that what failed by chance doesn't count. What was judged before isn't
-judged again. The result is tests/mutants.csv, with the score of each room in its head.
+judged again. The result is tests/mutants.csv, with the score of each room in its head, and what
+survivors met: where the nearest tests alone notice 95 % (`--near`), they needn't meet the others.
 
 Mutants that can't be noticed stand in tests/mutants.toml with the reason, count as survivors, and
 meet the nearest tests only.
@@ -62,6 +63,8 @@ LENGTHS = 80, 200  # lines from which on a module has a second fault, and a thir
 
 NEAR, CHUNK = 3, 8  # files of tests that run together: the nearest, then the others
 NEAREST, TESTS, NOTEBOOKS = range(3)  # how far a fault has got
+MET = ["the nearest tests only", "all tests", "all tests and notebooks"]
+FEW = 0.05  # share of survivors of the nearest tests that needn't meet the others
 PATIENCE = 60, 10  # s of processor time, and more by the time that tests take on what is unaltered
 MEMORY = 12 * 2**30  # bytes a run may ask for, lest a fault fill the machine
 
@@ -487,14 +490,17 @@ def room(file):
     return file.split("/")[1].removesuffix(".py")
 
 
-def head(rows, seed):
-    """Return what stands above the table: the seed, and the score of all, of rooms and kinds."""
+def head(rows, seed, met):
+    """Return what stands above the table: the seed, what survivors `met`, and the scores.
+
+    Of all faults, of those in each room and of those of each kind.
+    """
 
     def score(rows):
         noticed = sum(bool(row["killed by"]) for row in rows)
         return f"{noticed} of {len(rows)}, {100 * noticed / len(rows):.1f} %"
 
-    lines = [f"seed {seed}", f"all: {score(rows)}"]
+    lines = [f"seed {seed}", f"survivors met {met}", f"all: {score(rows)}"]
     for name in sorted({room(row["file"]) for row in rows}):
         lines.append(f"room {name}: {score([row for row in rows if room(row['file']) == name])}")
     for kind in sorted({row["kind"] for row in rows}):
@@ -502,12 +508,12 @@ def head(rows, seed):
     return "".join(f"# {line}\n" for line in lines)
 
 
-def table(rows, seed):
+def table(rows, seed, met):
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    return head(rows, seed) + text.getvalue()
+    return head(rows, seed, met) + text.getvalue()
 
 
 def read_table(text):
@@ -544,14 +550,31 @@ def options():
     return given
 
 
-def times(pool, wanted, known, bare):
+def state_of(test):
+    """Return a digest of a file of tests, of what it says it reads and of all that it reaches."""
+    text = (COPY / test).read_text(encoding="utf-8")
+    away = reach().get(test) or reach_of_notebooks().get(test)
+    if away is None:  # a module with its examples
+        away = by_name(steps(text, COPY, Path(test).parts[:-1]))
+    told = {path for pattern in reads(text) for path in COPY.glob(pattern) if path.is_file()}
+    every = {COPY / test, *(COPY / file for file in away), *told}
+    digest = hashlib.sha256()
+    for path in sorted(every):
+        digest.update(str(path.relative_to(COPY)).encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def times(pool, wanted, bare):
     """Return how long tests take on what is unaltered: {test: seconds}.
 
-    Those that can't run for want of a package aren't there.
+    They pass, which is known until something changes that they reach. Those that can't run for
+    want of a package aren't there.
     """
     file = BUILD / "times.json"
     kept = json.loads(file.read_text()) if file.exists() else {}
-    found = kept.get(known, {})
+    now = {test: state_of(test) for test in wanted}
+    found = {test: kept[test]["seconds"] for test in wanted
+             if test in kept and kept[test]["of"] == now[test]}  # fmt: skip
     jobs = [pool.submit(time_of, test, bare) for test in wanted if test not in found]
     if jobs:
         say(f"{len(jobs)} files of tests run on what is unaltered.")
@@ -565,16 +588,22 @@ def times(pool, wanted, known, bare):
         found[test] = None if failed else seconds
         if failed:
             say(f"left out: {test}, {missing[0]}'")
-        replace(file, json.dumps({known: found}, indent=0))
+        kept[test] = {"of": now[test], "seconds": found[test]}
+        replace(file, json.dumps(kept, indent=0))
     if wrong:
         rule = "Tests must pass before a fault is planted, or be left out by --without:"
         sys.exit("\n".join([rule, *wrong]))
     return {test: found[test] for test in wanted if found[test] is not None}
 
 
+def last_lot(given):
+    """Return how far faults are to get that nothing notices."""
+    return NEAREST if given.near else TESTS if given.no_notebooks else NOTEBOOKS
+
+
 def try_all(mutants, known, given, explained):
     """Judge the mutants that aren't yet, and keep what came out."""
-    last = NEAREST if given.near else TESTS if given.no_notebooks else NOTEBOOKS
+    last = last_lot(given)
     now = everything()
 
     def lot_of(mutant):
@@ -603,7 +632,7 @@ def try_all(mutants, known, given, explained):
                 wanted = [[t for t in tests if t not in given.without] for tests in wanted]
                 plans[mutant] = was, [tests for tests in wanted if tests]
             every = sorted({t for _, lots in plans.values() for tests in lots for t in tests})
-            seconds = times(pool, every, now, bare)
+            seconds = times(pool, every, bare)
             jobs = {}
             for mutant, (was, wanted) in plans.items():
                 lots = [[test for test in tests if test in seconds] for tests in wanted]
@@ -644,7 +673,7 @@ def plant(given):
     mutants = [m for m in every if given.of in m.file and given.kind in (None, m.kind)]
     mutants = mutants[part - 1 :: parts]
     if given.list:
-        print(table([mutant.row("") for mutant in mutants], given.seed), end="")
+        print(table([mutant.row("") for mutant in mutants], given.seed, "nothing yet"), end="")
         return
     known = Known("judged.json" if parts == 1 else f"judged-{part}-of-{parts}.json")
     reasons = tomllib.loads(REASONS.read_text(encoding="utf-8")) if REASONS.exists() else {}
@@ -653,19 +682,22 @@ def plant(given):
 
     verdicts = {mutant: known.get(mutant.key()) for mutant in mutants}
     rows = [mutant.row(verdict.by) for mutant, verdict in verdicts.items()]
-    say(head(rows, given.seed))
+    met = MET[last_lot(given)]
+    say(head(rows, given.seed, met))
     for mutant, verdict in verdicts.items():
         if not verdict.by:
             row = mutant.row("")
             why = "" if (row["file"], row["after"]) in explained else ", unexplained"
             why += f", {len(verdict.left)} files of tests couldn't run" if verdict.left else ""
             say(f"survived{why}: {row['file']}:{row['line']} {row['before']}  ->  {row['after']}")
-    if mutants == every and not given.near:
+    if given.near and sum(not row["killed by"] for row in rows) > FEW * len(rows):
+        say("No table: more than a twentieth survived the nearest tests, and has to meet all.")
+    elif mutants == every:
         left = Counter(test for verdict in verdicts.values() for test in verdict.left)
         if left:
             sys.exit("No table: some survivors wait for tests that need other packages.")
         rows = sorted(rows, key=lambda row: (row["file"], row["line"]))
-        replace(TABLE, table(rows, given.seed))
+        replace(TABLE, table(rows, given.seed, met))
 
 
 if __name__ == "__main__":

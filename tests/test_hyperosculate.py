@@ -12,6 +12,7 @@ from tunneller_lib.envelopes.blade import cone_distance
 from tunneller_lib.envelopes.circle_roots import real_zeros
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import cyclide, moving_cone
+from tunneller_lib.envelopes.hyperosculate import order_four
 from tunneller_lib.envelopes.isotropic import contact_point, surface_points
 from tunneller_lib.envelopes.jet import jet_variables
 
@@ -369,3 +370,16 @@ def test_real_zeros_of_lower_degree_and_of_nothing():
                                atol=1e-12)  # fmt: skip
     angle, multiplicity = real_zeros(lambda a: 0 * a, 3, unit=np.ones(1))
     assert np.isnan(angle).all() and not multiplicity.any()
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-9, 1e-4, 1.0])
+def test_residual_of_fourth_derivatives_alone_does_not_depend_on_the_angle(share):
+    """All terms have the factor rho^2 then, also what rounding is compared with."""
+    x, y = jet_variables([0.0], [0.0])
+    f = y**4 + share * x**4
+    e = np.array([[0.0, 0.3, np.pi / 2]])
+    one, *others = [order_four(f, e, rho)[1] for rho in (0.5, 0.01, 30.0)]
+    for other in others:
+        np.testing.assert_allclose(other, one, rtol=1e-12, atol=1e-15)
+    if share in (0.0, 1.0):
+        assert one[0, 0] == share

@@ -31,7 +31,9 @@ def test_all_rooms_and_kinds_are_altered():
 @stale
 def test_head_has_the_seed_and_the_scores():
     assert HEAD[0] == f"seed {mutants.SEED}"
-    assert mutants.head(ROWS, mutants.SEED).splitlines() == [f"# {line}" for line in HEAD]
+    met = HEAD[1].removeprefix("survivors met ")
+    assert met in mutants.MET
+    assert mutants.head(ROWS, mutants.SEED, met).splitlines() == [f"# {line}" for line in HEAD]
 
 
 def test_of_planted_faults_at_most_a_twentieth_survives():
@@ -230,7 +232,8 @@ def test_what_runs_a_module_by_its_name_leads_to_it(study):
 def test_faults_are_noticed_and_the_table_says_by_whom(study, monkeypatch, capsys):
     plant(monkeypatch, capsys)
     head, rows = mutants.read_table((study / "mutants.csv").read_text())
-    assert head[:2] == [f"seed {mutants.SEED}", f"all: {len(rows)} of {len(rows)}, 100.0 %"]
+    score = f"all: {len(rows)} of {len(rows)}, 100.0 %"
+    assert head[:3] == [f"seed {mutants.SEED}", "survivors met all tests", score]
     assert {row["file"]: row["killed by"] for row in rows}["tunneller_lib/one.py"] == (
         "tests/test_one.py::test_f"
     )
@@ -246,6 +249,33 @@ def test_parts_make_a_whole(study, monkeypatch, capsys):
     plant(monkeypatch, capsys)
     _, rows = mutants.read_table((study / "mutants.csv").read_text())
     assert len(rows) == 2 and all(row["killed by"] for row in rows)
+
+
+def test_few_survivors_of_the_nearest_tests_are_enough_for_a_table(study, monkeypatch, capsys):
+    plant(monkeypatch, capsys, "--near")
+    head, rows = mutants.read_table((study / "mutants.csv").read_text())
+    assert head[1] == "survivors met the nearest tests only" and len(rows) == 2
+    (study / "mutants.csv").unlink()
+    (study / "tests" / "test_far.py").write_text(FAR.replace(" == 4", " is not None"))
+    (study / "tunneller_lib" / "two.py").write_text("def g(x):\n    return x**2\n")
+    said = plant(monkeypatch, capsys, "--near").err
+    assert "No table: more than a twentieth survived" in said
+    assert not (study / "mutants.csv").exists()
+
+
+def test_state_of_tests_changes_with_what_they_reach(study):
+    names = "tests/test_one.py", "tests/test_far.py", "tunneller_lib/two.py"
+
+    def states():
+        mutants.copy()
+        return [mutants.state_of(name) for name in names]
+
+    before = states()
+    (study / "tunneller_lib" / "two.py").write_text("from .one import f\n\ng = f\n")
+    middle = states()
+    assert [a == b for a, b in zip(before, middle, strict=True)] == [True, False, False]
+    (study / "tunneller_lib" / "one.py").write_text("def f(x, y):\n    return x - y\n")
+    assert not any(a == b for a, b in zip(middle, states(), strict=True))
 
 
 def test_tests_that_fail_by_themselves_are_named(study, monkeypatch, capsys):

@@ -1,0 +1,32 @@
+"""Adapted frames: unit axes in the tangent plane, and a graph that lies flat in them."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
+
+S, T = np.random.default_rng(3).uniform(0.2, 0.8, (2, 40))
+SURFACES = {
+    "space": lambda s, t: [(2 + np.cos(t)) * np.cos(s), (2 + np.cos(t)) * np.sin(s), np.sin(t)],
+    "isotropic": lambda x, y: y**2 / (x**2 + y**2) + x * y / 7,
+}
+
+
+@pytest.mark.parametrize("model", SURFACES)
+def test_axes_are_a_right_handed_frame_on_the_tangent_plane(model):
+    frames = adapted_frames(SURFACES[model], S, T, model)
+    assert frames.smooth.all()
+    for axes in frames.axes:
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
+        assert np.linalg.det(axes) == pytest.approx(1)
+    # Along both parameters the surface leaves its point within the plane.
+    height = frames.r[2].c[:3]
+    np.testing.assert_allclose(height, 0, atol=1e-13)
+
+
+@pytest.mark.parametrize("model", SURFACES)
+def test_graph_in_its_own_frame_has_neither_height_nor_slope(model):
+    frames = adapted_frames(SURFACES[model], S, T, model)
+    f = isotropic_jet(frames, slice(None))
+    np.testing.assert_array_equal(f.c[:3], 0)
+    assert np.all(np.abs(f.c[3:6]).max(axis=0) > 1e-2)  # but it bends
