@@ -47,7 +47,6 @@ ALIKE = {
                   ("worst excess", "worst excess, third rule"),
                   ("worst aside", "worst aside, third rule"),
                   ("third rule worse", "third rule worse from")},
-    "volume": {("advance", "advance for it")},
 }  # fmt: skip
 
 
@@ -231,8 +230,8 @@ def worded(sentence):
 def claims(text):
     """Return words that compare or count without a record: not made by num, than or count.
 
-    They are backed by a record of their sentence whose name has them; a superlative, by one whose
-    name says that kind.
+    A word that compares is backed by a record of its sentence whose name has it; a superlative, by
+    one whose name says that kind.
     """
     found = []
     for sentence in END.split(text):
@@ -242,7 +241,7 @@ def claims(text):
             words = re.sub(free, " ", words, flags=re.I)
         for word in CLAIMS.findall(words):
             kinds = statistics(word) if word.lower() in SUPERLATIVES else set()
-            named = re.search(rf"\b{word}\b", names, re.I)
+            named = word.lower() not in NUMBERS and re.search(rf"\b{word}\b", names, re.I)
             if not named and (not kinds or not kinds <= statistics(names)):
                 found.append(word)
     return found

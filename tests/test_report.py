@@ -17,6 +17,8 @@ READS = [
     "environment.txt",
     "CITATION.cff",
     "tests/mutants.*",
+    "tests/text_faults.csv",
+    "tests/text_faults.toml",
 ]
 
 USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
@@ -84,7 +86,10 @@ def copy(tmp_path):
     for folder in ("report", "figures", "notebooks"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     (tmp_path / "tests").mkdir()
-    for file in ("environment.txt", "CITATION.cff", "tests/mutants.csv", "tests/mutants.toml"):
+    planted = [
+        f"tests/{name}.{kind}" for name in ("mutants", "text_faults") for kind in ("csv", "toml")
+    ]
+    for file in ("environment.txt", "CITATION.cff", *planted):
         shutil.copy(ROOT / file, tmp_path / file)
     return tmp_path
 
