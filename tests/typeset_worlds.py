@@ -24,7 +24,7 @@ from functools import cache
 import numpy as np
 from mpmath import mp
 from numpy.polynomial import Polynomial
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 from tests.symbols_envelopes import example
@@ -34,7 +34,7 @@ from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surf
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
-from tunneller_lib.paths import ConeChord, cutting_circuit
+from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
 from tunneller_lib.ream import pass_distance
 from tunneller_lib.removal import bowl, groove_area, half_lens, removed_volume, ring
 from tunneller_lib.replica import envelope_equations
@@ -259,6 +259,30 @@ def beside_geodesic(rng):
     longer = (gap.deriv() ** 2).integ()
     excess = (longer(half) - longer(-half)) / (2 * length)
     return {"kappa": kappa, "tau": tau, "l": length, "values": (widest, excess)}
+
+
+@worlds("any-length-gap")
+def swung_across(rng):
+    """The push across the normals' great circle, the library's gap, and the oscillator solved."""
+    p, q = rng.uniform((-0.9, -0.7), (0.7, 0.7), (2, 2))
+    law = ChordLaw(p, q)
+    first = Torus(1, 2).normal(*p)
+    ahead = np.cross(law.pole, first)
+
+    def push(s):
+        m = first * np.cos(s) + ahead * np.sin(s)
+        return m / np.hypot(m[0], m[2]) * [1, 0, 1] @ law.pole, m[1]
+
+    def rates(s, state):  # of two swings: driven from rest, and free
+        return [state[1], push(s)[0] - state[0], state[3], -state[2]]
+
+    share = rng.uniform(0.2, 0.8)
+    s = share * law.angle
+    at, end = solve_ivp(rates, (0, law.angle), [0, 0, 0, 1], t_eval=(s, law.angle),
+                        method="DOP853", rtol=1e-12, atol=1e-14).y[[0, 2]].T  # fmt: skip
+    psi, m_y = push(s)
+    return {"b_y": law.pole[1], "m_y": m_y, "psi": psi, "Theta": float(law.angle), "s": s,
+            "g": float(law.gap([share])[0]), "w": at[0] - end[0] / end[1] * at[1]}  # fmt: skip
 
 
 # ---- the volume of a cut --------------------------------------------------------------------

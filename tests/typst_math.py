@@ -13,7 +13,7 @@ import re
 from typing import NamedTuple
 
 LETTERS = set(
-    "alpha beta epsilon theta kappa nu rho sigma tau phi phi.alt omega zeta Theta Phi".split()
+    "alpha beta epsilon theta kappa nu rho sigma tau phi phi.alt psi omega zeta Theta Phi".split()
 )
 PLAIN = set("sin cos tan arcsin arccos arctan".split())  # may stand without parentheses
 COUNTS = {"sqrt": 1, "floor": 1, "atan2": 2}  # of arguments, in parentheses
