@@ -34,7 +34,7 @@ from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surf
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
-from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
+from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit, half_swing
 from tunneller_lib.ream import pass_distance
 from tunneller_lib.removal import bowl, groove_area, half_lens, removed_volume, ring
 from tunneller_lib.replica import envelope_equations
@@ -243,6 +243,19 @@ def equal_angles(rng):
 
 
 # ---- geodesics ------------------------------------------------------------------------------
+
+
+@worlds("half-swing")
+def swinging(rng):
+    torus = some_torus(rng)
+    narrow, wide = max(torus.r - torus.R, 0), torus.r + torus.R
+    c = narrow + (wide - narrow) * rng.uniform(0.3, 0.9)
+
+    def rho(x):
+        return 1 / np.hypot(np.cos(x) / c, np.sin(x) / wide)
+
+    return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(0.2, 1.4), "rho": rho,
+            "T": float(half_swing(torus, c)[0])}  # fmt: skip
 
 
 @worlds("chord-law")

@@ -19,6 +19,7 @@ SPOKEN = {
 }  # fmt: skip
 ENDINGS = {"sqrt": "end root", "floor": "end floor"}
 POWERS = {"2": "squared", "3": "cubed"}
+FUNCTIONS = ("G", "rho")  # letters that may stand before an argument
 SHORT = {"number", "symbol", "bold", "tilde", "pi", "imaginary", "group", "vector"}
 
 
@@ -137,10 +138,11 @@ def renewed(text):
 def _with_words(part, entries):
     entry = entries[part[1 : part.index("]")]]
     forms = [form for form in ("right", "printed", "reads") if form in entry]
-    lines = [
-        f'{"" if form == "right" else form + "-"}words = "{spoken(entry[form], ("G",))}"\n'
-        for form in forms
-    ]
+    lines = []
+    for form in forms:
+        functions = tuple(name for name in FUNCTIONS if f"{name}(" in entry[form])
+        said = spoken(entry[form], functions)
+        lines.append(f'{"" if form == "right" else form + "-"}words = "{said}"\n')
     body = part.rstrip("\n")
     # What follows the entry, the comment before the next, stays behind the words.
     kept = re.search(r"\n\n(#[^\n]*\n*)*$", part)
