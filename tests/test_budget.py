@@ -21,12 +21,14 @@ from tunneller_lib.ream import (
     Limits,
     Pose,
     budget,
+    corner_fault,
     count_fault,
     encoder_fault,
     following_fault,
     knot_fault,
     plan,
     pose_fault,
+    ripple_fault,
     setpoint_fault,
     starved,
     tangent_sphere_fault,
@@ -103,6 +105,25 @@ def test_counts_alone_leave_their_rounding(circuit, bits):
     assert off == pytest.approx(count / 2, rel=0.05)
     steepest = np.abs(gradient(CIRCUIT, LAP.places, at)).sum(axis=-1).max()
     assert max(fault.over, fault.under) <= count * steepest
+
+
+@CIRCUITS
+@TOLERANCES
+def test_corners_alone_miss_their_knots_by_the_blend(circuit, tolerance):
+    fault = corner_fault(job(circuit, tolerance=tolerance))
+    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.closed <= tolerance / 2 * 1.01
+
+
+@CIRCUITS
+@pytest.mark.parametrize("acceleration", [0.5, 0.1])
+def test_feed_ripple_alone_is_the_sagitta_in_time(circuit, acceleration):
+    lap = plan(circuit, Limits(feed=0.06, acceleration=acceleration), tolerance=1e-3)
+    fault = ripple_fault(lap)
+    # Over the worst move the acceleration changes, so that its mean isn't that of the middle.
+    assert fault.along and fault.measured == pytest.approx(fault.closed, rel=0.2)
+    # A move of N ticks has at most 1/N of the acceleration.
+    assert fault.closed <= acceleration / 8 * 0.005**2 * lap.ticks[:-1].max()
 
 
 PLANTS = {"T0": Integrator(0.5), "T1": Lag(0.5, 0.02), "T2": [Rigid(a) for a in AXES]}
@@ -275,11 +296,12 @@ def test_budget_adds_up_to_all_together():
     loops, plant = pair(**FED), [Lag(0.5, 0.02)] * 2
     faults = budget(LAP, plant, loops, pose=POSE)
     assert [fault.source for fault in faults] == [
-        "knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose",
+        "knots", "tangent spheres", "corners", "set-points", "counts", "feed ripple", "following",
+        "encoder", "pose",
     ]  # fmt: skip
     ticks = len(LAP.setvalues)
     total = np.zeros(ticks)
-    for fault in faults:
+    for fault in (fault for fault in faults if not fault.along):
         total[: len(fault.deviation)] += fault.deviation
     track = follow(plant, loops, LAP.setvalues, slopes=LAP.slopes)
     centre = LAP.centres(track.position, pose=POSE)

@@ -218,17 +218,21 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     answer = json.loads(said)
     numbers = {"knots", "setpoints", "ticks", "laps"}
     lengths = {"lap_time_s", "removed_m3", "overbreak_m", "underbreak_m"}
-    assert set(answer) == {*numbers, *lengths, "faults", "files", "warnings"}
+    tables = {"times_s", "limits_used", "saturated_share"}
+    assert set(answer) == {*numbers, *lengths, *tables, "faults", "files", "warnings"}
+    assert all(0 <= share <= 1 for share in answer["limits_used"].values())
+    assert answer["times_s"]["all"] > answer["lap_time_s"] > answer["times_s"]["straight"]
     assert all(isinstance(answer[name], int) for name in numbers)
     assert all(isinstance(answer[name], float) for name in lengths)
-    sources = ["knots", "tangent spheres", "set-points", "counts", "following", "encoder", "pose"]
+    sources = ["knots", "tangent spheres", "corners", "set-points", "counts", "feed ripple",
+               "following", "encoder", "pose"]  # fmt: skip
     assert [fault["source"] for fault in answer["faults"]] == sources
     assert all(0 <= fault["rms_m"] < 0.01 for fault in answer["faults"])
     pose = answer["faults"][-1]
     assert pose["closed_m"] == pytest.approx(1e-3, rel=0.01)
     assert {Path(name).name for name in answer["files"]} == FILES == {p.name for p in out.iterdir()}
     for step in ("planning ...", "planned: ", "simulating 1 x ", "cutting: lap 1 of 1",
-                 "budget: source 7 of 7", "writing "):  # fmt: skip
+                 "budget: source 9 of 9", "writing "):  # fmt: skip
         assert step in told
     assert answer["warnings"] == []
     about, columns = read_csv((out / "setvalues.csv").read_text())
@@ -317,9 +321,16 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert code == 0
     lines = said.splitlines()
     assert "set-points" in lines[0] and "1 x " in lines[1] and "under-break" in lines[2]
-    assert [line.split()[0] for line in lines[5:11]] == [
-        "knots", "tangent", "set-points", "counts", "following", "encoder"]  # fmt: skip
-    assert {Path(line).name for line in lines[12:]} == FILES
+    table = next(i for i, line in enumerate(lines) if line.startswith("each alone")) + 1
+    assert [line.split()[0] for line in lines[table : table + 8]] == [
+        "knots", "tangent", "corners", "set-points", "counts", "feed", "following", "encoder"
+    ]  # fmt: skip
+    assert {Path(line).name for line in lines[-len(FILES) :]} == FILES
+    times = next(line for line in lines if line.startswith("time in s: "))
+    assert all(part in times for part in ("straight ", "corners ", "entry ", "exit ", "all "))
+    used = next(line for line in lines if line.startswith("limits used: "))
+    assert "feed 95 %" in used and "acceleration 100 %" in used
+    assert "valve open for 0 % and 0 % of the time" in said
 
 
 REFUSED = [

@@ -49,6 +49,9 @@ def test_setvalues_come_back_bit_for_bit():
     assert counts.dtype == np.int64
     np.testing.assert_array_equal(about["count_rad"] * counts, JOB.setvalues)
     np.testing.assert_array_equal(columns["tick"], np.arange(len(counts)))
+    np.testing.assert_allclose(columns["time_s"], JOB.tick * columns["tick"], atol=1e-9)
+    slopes = np.stack([columns["theta_slope_rad_s"], columns["phi_slope_rad_s"]], axis=-1)
+    np.testing.assert_array_equal(slopes[:-1], JOB.slopes)
     assert about == {"tick_s": JOB.tick, "count_rad": JOB.count, "laps": 2, "advance_m": 0.04}
 
 
@@ -56,8 +59,10 @@ def test_setpoints_make_the_setvalues():
     about, columns = read_csv(setpoints_csv(JOB))
     counts = np.stack([columns["theta"], columns["phi"]], axis=-1)
     assert columns["ticks"][0] == 0 and columns["ticks"].sum() == len(JOB.setvalues) - 1
-    made = about["count_rad"] * polyline(counts, columns["ticks"][1:])
-    np.testing.assert_array_equal(made, JOB.setvalues)
+    made = polyline(counts, columns["ticks"][1:], parts=int(about["parts"]))
+    np.testing.assert_array_equal(about["count_rad"] * made, JOB.setvalues)
+    np.testing.assert_array_equal(columns["feed_m_s"], JOB.feed)
+    np.testing.assert_allclose(columns["time_s"], JOB.tick * np.cumsum(columns["ticks"]), atol=1e-9)
 
 
 def test_knots_come_back_bit_for_bit():
@@ -172,7 +177,8 @@ def entities(text):
         if code == 0:
             found.append({})
         if found:
-            found[-1][code] = value if code in (0, 2, 8) else float(value)
+            found[-1][code] = value if code in (0, 1, 2, 8, 9) else float(value)
+    assert found[0] == {0: "SECTION", 2: "HEADER", 9: "$INSUNITS", 1: "AC1009", 70: 4}  # mm
     return [entity for entity in found if entity[0] in ("ARC", "CIRCLE", "LINE")]
 
 

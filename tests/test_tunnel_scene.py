@@ -50,7 +50,9 @@ def test_stages_end_with_the_wall_and_begin_with_none_removed(cut):
     before, half, after = stages(cut, [0, last(cut) // 2, last(cut)])
     np.testing.assert_allclose(after.low, cut.wall.low, rtol=1e-14)
     np.testing.assert_allclose(after.high, cut.wall.high, rtol=1e-14)
-    assert before.volume == pytest.approx(cut.wall.volume + cut.removed.sum(), rel=1e-12)
+    assert before.volume == pytest.approx(
+        cut.wall.volume + cut.removed.sum() + cut.plunged, rel=1e-12
+    )
     assert before.volume > half.volume > after.volume
     np.testing.assert_allclose(EGG.depth(*standing(before)[..., 1:].T), 0, atol=1e-12)
 

@@ -42,6 +42,7 @@ SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
+    "Track.between": {"first": 1, "last": 3},
     "Compressible.derivative": {"state": (0.1, 0.2, 8e6, 9e6, 0.1)},
     "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
     "Hydraulics.natural_frequency": {"angle": 0.1},

@@ -5,7 +5,7 @@ import numpy as np
 from tunneller_lib.motion import Hydraulics, Integrator, Loop, reference_axes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import Circuit, cutting_circuit
-from tunneller_lib.ream import Cut, Fault, Limits, Plan, Pose, carve, knot_fault, plan
+from tunneller_lib.ream import Cut, Fault, Limits, Moves, Plan, Pose, carve, knot_fault, plan
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -26,6 +26,7 @@ INSTANCES = {
     Hydraulics: AXES[0],
     Integrator: AXIS["plant"],
     Limits: LIMITS,
+    Moves: PLAN.entry,
     Loop: AXIS["loop"],
     Plan: PLAN,
     Pose: Pose(y=1e-3),

@@ -6,7 +6,6 @@ In metres, radians and whole counts; the head of each says which.
 import numpy as np
 
 from ..arguments import checked, shown
-from ..motion.export import setvalue_table
 from ..ream import Plan
 
 JOINTS = "theta", "phi"
@@ -23,21 +22,38 @@ def knots_csv(plan: Plan):
 
 @checked
 def setpoints_csv(plan: Plan):
-    """Return the set-points of a lap as a table, whole numbers: ticks of each move and its end.
+    """Return the set-points of a lap as a table: ticks of each move, its end, time and feed.
 
-    The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
+    Joint positions are whole parts of a count, and the head says how many ``parts`` make one. The
+    first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
     """
-    ticks = np.append(0, plan.ticks)[:, None].tolist()
-    what = "set-points of a lap: ticks of the move to each, theta and phi in counts"
-    return _described(plan, what, _columns(["setpoint", "ticks", *JOINTS], ticks, plan.counts))
+    ticks = np.append(0, plan.ticks)
+    times = (plan.tick * np.cumsum(ticks)).round(9)
+    left = [list(row) for row in zip(ticks.tolist(), *_texts(times, plan.feed), strict=True)]
+    what = "set-points of a lap: ticks of the move to each, theta and phi in parts of a count"
+    names = ["setpoint", "ticks", "time_s", "feed_m_s", *JOINTS]
+    return _described(plan, what, _columns(names, left, plan.parts), parts=plan.fineness)
 
 
 @checked
 def setvalues_csv(plan: Plan):
-    """Return the set-values of a lap as a table, whole numbers: tick and joint positions."""
+    """Return the set-values of a lap as a table: tick, time, whole counts and exact slopes.
+
+    A slope is that of the exact line from this tick to the next, which the counts round.
+    """
     values = np.rint(plan.setvalues / plan.count).astype(np.int64)
-    what = "set-values of a lap: theta and phi in counts"
-    return _described(plan, what, setvalue_table(values, JOINTS).replace(" ", ","))
+    times = (plan.tick * np.arange(len(values))).round(9)
+    slopes = np.concatenate([plan.slopes, np.zeros((1, 2))])
+    left = [list(row) for row in zip(*_texts(times, *slopes.T), strict=True)]
+    names = ["tick", "time_s", *(f"{joint}_slope_rad_s" for joint in JOINTS), *JOINTS]
+    return _described(
+        plan, "set-values of a lap: theta and phi in counts", _columns(names, left, values)
+    )
+
+
+def _texts(*columns):
+    """Return columns of floats as texts that are read back bit for bit."""
+    return [[repr(float(one)) for one in column] for column in columns]
 
 
 def _columns(names, left, counts):
@@ -46,14 +62,15 @@ def _columns(names, left, counts):
     return "".join(",".join(map(str, row)) + "\n" for row in (names, *rows))
 
 
-def _described(plan, what, text):
-    """Return a table under the lines that say what it is."""
+def _described(plan, what, text, **more):
+    """Return a table under the lines that say what it is, and `more` of them."""
     head = [
         what,
         f"tick_s = {plan.tick!r}",
         f"count_rad = {plan.count!r}",
         f"laps = {plan.laps}",
         f"advance_m = {plan.advance!r}",
+        *(f"{name} = {value}" for name, value in more.items()),
     ]
     return "".join(f"# {line}\n" for line in head) + text
 

@@ -10,6 +10,9 @@ from ..surfaces import Arc, Section
 
 MM = 1000.0
 WHOLE_TURN = 2 * np.pi - 1e-9  # from here on an arc is a circle, in rad
+# R12 knows no units; later programs read $INSUNITS wherever it stands, and 4 is millimetres.
+HEADER = [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"),
+          (9, "$INSUNITS"), (70, 4), (0, "ENDSEC")]  # fmt: skip
 LAYER = re.compile(r"[A-Za-z0-9$_-]{1,31}")  # what R12 allows; a line's end would be a command
 
 
@@ -49,7 +52,7 @@ def dxf(curves: Curves):
     ValueError
         If a curve is no Section, or a layer's name isn't one that DXF R12 allows.
     """
-    pairs = [(999, "by tunneller_lib, in millimetres"), (0, "SECTION"), (2, "ENTITIES")]
+    pairs = [(999, "by tunneller_lib, in millimetres"), *HEADER, (0, "SECTION"), (2, "ENTITIES")]
     for layer, section in curves.items():
         for piece in section.arcs:
             pairs += _entity(piece, layer)

@@ -28,6 +28,9 @@ SUMMARY = (
     "removed_m3",
     "overbreak_m",
     "underbreak_m",
+    "times_s",
+    "limits_used",
+    "saturated_share",
     "faults",
     "warnings",
 )
@@ -59,8 +62,10 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     Returns
     -------
     numbers : dict
-        Of the plan, of the wall, and ``faults``: the error budget, each source switched on alone,
-        with its greatest over- and under-break, and the closed form of its ``measure``;
+        Of the plan, of the wall, and ``times_s``: what takes how long; ``limits_used``: the
+        greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
+        and phi's valves are fully open; ``faults``: the error budget, each source switched on
+        alone, with its greatest over- and under-break, and the closed form of its ``measure``;
         ``warnings``, sentences.
     """
     plan = job.planned
@@ -76,9 +81,12 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "ticks": int(plan.ticks.sum()),
         "laps": plan.laps,
         "lap_time_s": plan.lap_time,
-        "removed_m3": float(cut.removed.sum()),
+        "removed_m3": float(cut.removed.sum()) + cut.plunged,
         "overbreak_m": over,
         "underbreak_m": under,
+        "times_s": plan.times,
+        "limits_used": plan.shares,
+        "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
         "warnings": [*_warnings(job, over, under), *_coarse(job, cut)],
     }
@@ -129,6 +137,16 @@ def summary_text(numbers: Summary):
         f"{1e3 * numbers['removed_m3']:.2f} l removed",
         f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "
         f"under-break {1e3 * numbers['underbreak_m']:.3f} mm",
+        "time in s: " + ", ".join(f"{name} {t:.2f}" for name, t in numbers["times_s"].items()),
+        "limits used: "
+        + ", ".join(
+            f"{name.replace('_', ' ')} {100 * share:.0f} %"
+            for name, share in numbers["limits_used"].items()
+            if share
+        ),
+        "valve open for "
+        + " and ".join(f"{100 * share:.2g} %" for share in numbers["saturated_share"])
+        + " of the time (theta and phi)",
         "",
         "each alone, in mm     over   under     rms   closed form      halved by",
     ]

@@ -13,6 +13,7 @@ from ..arguments import Duration, Rule, Whole, Wholes, bounded_array, checked, w
 
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}
+MOST_SCALE = 2**30  # ticks of a segment times parts of a count
 MOST_SETVALUES = 2**25  # in one array, which is then of 256 MiB
 
 Tie = Literal["up", "down"]
@@ -20,6 +21,7 @@ Ends = Wholes("(...) int", LOW, HIGH)
 End = Whole(LOW, HIGH)
 Times = Annotated[ArrayLike, Rule("(k + 1,) float", bounded_array, "s")]
 Knots = Wholes("(k + 1, n) int", LOW, HIGH)
+Parts = Whole(1, 2**16)
 SegmentTicks = Wholes("(k,) int", 1, HIGH)
 
 
@@ -146,22 +148,26 @@ def tick_counts(times: Times, tick: Duration):
 
 
 @checked
-def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up"):
+def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts = 1):
     """Return the set-values of moves one after the other through knots.
 
     Parameters
     ----------
     knots : (k + 1, n) int
-        Positions of n axes, in counts.
+        Positions of n axes, in counts or equal parts of them.
     ticks : (k,) int
         Ticks of each segment, as from `tick_counts`.
     tie : {"up", "down"}
         As for `time_bresenham`.
+    parts : int
+        Into how many parts a count is divided in the knots, so that lines may begin and end
+        between counts; at most 65536, and times the ticks of a segment at most 2^30.
 
     Returns
     -------
     setvalues : (ticks + 1, n) int64
-        In counts, for all ticks together; every knot is met exactly, on its tick.
+        In whole counts, for all ticks together: the exact lines rounded to the nearest count. Where
+        `parts` is 1 every knot is met exactly, on its tick.
 
     Raises
     ------
@@ -174,24 +180,35 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up"):
     [[0, 2, 3, 3, 3, 3], [0, -1, -2, 0, 3, 5]]
     """
     _check_segments(knots, ticks)
+    scale = _scale(ticks, parts)
     segment = np.repeat(np.arange(len(ticks)), ticks)
     n = np.arange(len(segment)) - (np.cumsum(ticks) - ticks)[segment]
-    first = ticks[:, None] * knots[:-1] + _first(ticks, tie)[:, None]
+    first = ticks[:, None] * knots[:-1] + _first(scale, tie)[:, None]
     values = n[:, None] * np.diff(knots, axis=0)[segment]
     values += first[segment]
-    values //= ticks[segment, None]
-    return np.concatenate([values, knots[-1:]])
+    values //= scale[segment, None]
+    return np.concatenate([values, (knots[-1:] + _first(parts, tie)) // parts])
 
 
 @checked
-def polyline_slopes(knots: Knots, ticks: SegmentTicks):
-    """Return the exact slopes D/N (ticks, n) of a `polyline`, in counts a tick.
+def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
+    """Return the exact slopes D/N of a `polyline`.
 
-    They are what velocity feed-forward needs; differences of the set-values (knots, ticks) would
-    jump by a count.
+    They are what velocity feed-forward needs; differences of the set-values would jump by a count.
+
+    Parameters
+    ----------
+    knots, ticks, parts
+        As for `polyline`: (k + 1, n) int, (k,) int and an int.
+
+    Returns
+    -------
+    slopes : (ticks, n) float
+        In counts a tick.
     """
     _check_segments(knots, ticks)
-    return np.repeat(np.diff(knots, axis=0) / ticks[:, None], ticks, axis=0)
+    scale = _scale(ticks, parts)
+    return np.repeat(np.diff(knots, axis=0) / scale[:, None], ticks, axis=0)
 
 
 @checked
@@ -235,6 +252,17 @@ def limit_setvalues(moves, ticks, way):
 def _first(ticks, tie):
     """Return the accumulator's first value, half of the ticks: N/2 up, just below it down."""
     return (ticks - TIES[tie]) // 2
+
+
+def _scale(ticks, parts):
+    """Return ticks times parts, which a controller's accumulator must hold one and a half times."""
+    scale = ticks * parts
+    if parts > 1 and np.any(scale > MOST_SCALE):
+        raise ValueError(
+            f"ticks: must be at most {MOST_SCALE // parts} with {parts} parts of a count; "
+            f"got {int(ticks.max())}."
+        )
+    return scale
 
 
 def _check_segments(knots, ticks):

@@ -1,14 +1,14 @@
 """Set-values through position loops, tick by tick, and what came of them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MethodType
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Positive, Rule, checked, shown
+from ..arguments import Positive, Rule, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
 from .hydraulics import spool_at
 from .loop import Loop
@@ -96,6 +96,30 @@ class Track:
     def saturated_share(self):
         """Return the share of ticks in which the valve of each axis was fully open."""
         return np.mean(self.saturated, axis=0)
+
+    @checked
+    def between(self, first: Whole(0, 2**31), last: Whole(0, 2**31)):
+        """Return the `Track` from a `first` tick to a `last`, its time beginning anew.
+
+        Raises
+        ------
+        ValueError
+            If `last` isn't behind `first` and within the run.
+        """
+        if not first < last < len(self.setvalue):
+            raise ValueError(
+                f"last: must be behind {first} and at most {len(self.setvalue) - 1}; got {last}."
+            )
+        held = slice(first, last + 1)
+        ticks = slice(first, last)
+        return replace(
+            self,
+            setvalue=self.setvalue[held],
+            position=self.position[held],
+            command=self.command[ticks],
+            saturated=self.saturated[ticks],
+            states=tuple(states[held] for states in self.states),
+        )
 
     @checked
     def settling(self, tolerance: Positive):

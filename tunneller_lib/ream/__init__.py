@@ -4,15 +4,18 @@ from .cutting import Cut, carve, simulate, starved
 from .error_budget import budget
 from .faults import (
     Fault,
+    corner_fault,
     count_fault,
     encoder_fault,
     following_fault,
     knot_fault,
     pose_fault,
+    ripple_fault,
     setpoint_fault,
     tangent_sphere_fault,
 )
 from .feed import Limits
+from .moves import Moves
 from .planning import Plan, Pose, plan
 from .sensitivity import trailing
 from .wall import lap_volume, overbreak, pass_distance, scallop_height, standing
@@ -21,10 +24,12 @@ __all__ = [
     "Cut",
     "Fault",
     "Limits",
+    "Moves",
     "Plan",
     "Pose",
     "budget",
     "carve",
+    "corner_fault",
     "count_fault",
     "encoder_fault",
     "following_fault",
@@ -34,6 +39,7 @@ __all__ = [
     "pass_distance",
     "plan",
     "pose_fault",
+    "ripple_fault",
     "scallop_height",
     "setpoint_fault",
     "simulate",

@@ -31,7 +31,7 @@ class Cut:
     plan : Plan
         What was to be done.
     track : Track or None
-        What the joints did; None where the cutter was carried along given positions.
+        What the joints did in the laps; None where the cutter was carried along given positions.
     centres : (ticks + 1, 3) float
         Of the cutter in the tunnel's frame, in m, after each tick of all laps.
     wall : DexelGrid
@@ -40,6 +40,10 @@ class Cut:
         Ticks at which the removed ground was noted: ends of laps, and some between.
     removed : (k,) float
         Volumes removed between them, in m^3.
+    before, after : (j, 3) float
+        Centres of the cutter while it entered and left; none where it was carried along laps only.
+    plunged : float
+        Volume removed by both, in m^3.
     """
 
     plan: Plan
@@ -48,6 +52,9 @@ class Cut:
     wall: DexelGrid
     noted: np.ndarray
     removed: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    plunged: float
 
     @property
     def ends(self):
@@ -94,7 +101,11 @@ class Cut:
     @property
     def lap_volumes(self):
         """Return the ground removed in each lap (laps,), its step before it included, in m^3."""
-        first = self.noted[:-1] % int(self.plan.ticks.sum()) == 0
+        every = int(self.plan.ticks.sum())
+        stepping = len(self.plan.back) - 1
+        first = (self.noted[:-1] + stepping) % every == 0
+        first &= self.noted[:-1] + stepping < every * self.plan.laps  # no lap is behind the last
+        first[0] = True
         return np.add.reduceat(self.removed, np.flatnonzero(first))
 
     @checked
@@ -154,15 +165,20 @@ def simulate(
         raise ValueError("cost: needs tasks, and they need it; got only one of both.")
     if tasks is not None:
         _check_tasks(plan, tasks, cost)
-    lap = plan.setvalues
-    setvalues = np.concatenate([lap[:1], np.tile(lap[1:], (plan.laps, 1))])
-    slopes = np.tile(plan.slopes, (plan.laps, 1))
+    # The cutter rests at the lap's begin, so that runs one after the other share a tick there.
+    runs = [plan.entry, *[plan] * plan.laps, plan.leave]
+    parts = [run.setvalues for run in runs]
+    setvalues = np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
+    slopes = np.concatenate([run.slopes for run in runs])
     track = follow(plant, loop, setvalues, slopes=slopes)
     for name, stable in zip(("theta", "phi"), track.stable, strict=True):
         if stable is False:
             raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
-    cut = carve(plan, track.position, pose=pose, shape=shape, thickness=thickness, say=say)
-    return replace(cut, track=track)
+    first = len(parts[0]) - 1
+    last = first + plan.laps * int(plan.ticks.sum())
+    ends = track.position[: first + 1], track.position[last:]
+    cut = _carved(plan, track.position[first : last + 1], ends, pose, shape, thickness, say)
+    return replace(cut, track=track.between(first, last))
 
 
 @checked
@@ -205,20 +221,32 @@ def carve(
             f"position: must be ({ticks + 1}, 2) for one lap or ({ticks * plan.laps + 1}, 2) for "
             f"all; got {position.shape}."
         )
+    ends = position[:0], position[:0]
+    return _carved(plan, position, ends, pose, shape, thickness, say)
+
+
+def _carved(plan, position, ends, pose, shape, thickness, say):
+    """Return the `Cut` of positions in all laps, and of those before and after them."""
+    ticks = int(plan.ticks.sum())
     centres = plan.centres(position, pose=pose)
+    before = plan.centres(ends[0], pose=pose)
+    after = plan.centres(ends[1], pose=pose) - [plan.advance * (plan.laps - 1), 0.0, 0.0]
     reach = plan.circuit.machine.cutter_radius
-    start, stop = _ends(centres, reach)
+    start, stop = _ends(np.concatenate([before, centres, after]), reach)
     wall = intact_wall(plan.circuit, start, stop, shape, thickness=thickness)
-    # Whatever their ticks, laps end where something is noted.
+    # Whatever their ticks, laps and steps end where something is noted.
     laps = ticks * np.arange(plan.laps)
-    noted = np.append(np.add.outer(laps, np.arange(0, ticks, CHUNK)).ravel(), ticks * plan.laps)
+    within = np.union1d(np.arange(0, ticks, CHUNK), [ticks - len(plan.back) + 1])
+    noted = np.append(np.add.outer(laps, within[within < ticks]).ravel(), ticks * plan.laps)
+    plunged = wall.cut_path(before, reach) if len(before) else 0.0
     removed = []
     for a, b in pairwise(noted):
         removed.append(wall.cut_path(centres[a : b + 1], reach))
         if say is not None and b % ticks == 0:
             say(f"cutting: lap {b // ticks} of {plan.laps}")
+    plunged += wall.cut_path(after, reach) if len(after) else 0.0
     standing(wall)  # refuses a wall that is cut through
-    return Cut(plan, None, centres, wall, noted, np.array(removed))
+    return Cut(plan, None, centres, wall, noted, np.array(removed), before, after, plunged)
 
 
 def _ends(centres, reach):
@@ -259,7 +287,6 @@ def starved(plan: Plan, tasks: Each(Task), cost: Cost):
         s=plan.s[twice],
         setpoints=plan.setpoints[twice],
         feed=plan.feed[twice],
-        counts=plan.counts[twice],
         ticks=ticks[ticks > 0],
     )
 

@@ -6,17 +6,19 @@ from ..arguments import checked
 from .both_axes import Loops, Plants
 from .faults import (
     check_unheld,
+    corner_fault,
     count_fault,
     encoder_fault,
     following_fault,
     knot_fault,
     pose_fault,
+    ripple_fault,
     setpoint_fault,
     tangent_sphere_fault,
 )
 from .planning import Plan, Pose
 
-OF_PLAN = knot_fault, tangent_sphere_fault, setpoint_fault, count_fault
+OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
 OF_AXES = following_fault, encoder_fault
 
 
@@ -47,9 +49,10 @@ def budget(
     Returns
     -------
     faults : list of Fault
-        Knots, tangent spheres, setpoints, counts, following, encoder and, if asked for, pose.
-        Their deviations add up to that of all together, but for corners: at a knot the path turns
-        at once and a trailing axis cuts the corner, by more than its fault alone.
+        Knots, tangent spheres, corners, setpoints, counts, feed ripple, following, encoder and, if
+        asked for, pose. Their deviations across the path add up to that of all together, but for
+        products: where the path turns a trailing axis cuts the corner, by more than its fault
+        alone.
 
     Raises
     ------

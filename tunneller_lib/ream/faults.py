@@ -7,10 +7,12 @@ import numpy as np
 
 from ..arguments import checked
 from ..exact import dot, norm
-from ..motion import follow, polyline
+from ..motion import follow
 from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
-from .planning import Plan, Pose, join_knots, path_points
+from .moves import Moves, levers
+from .planning import Plan, Pose
+from .route import ROUNDED, path_points, route_through
 from .sensitivity import (
     geodesic_bend,
     gradient,
@@ -31,7 +33,8 @@ class Fault:
     source : str
         What is switched on; everything else is ideal.
     deviation : (ticks + 1,) float
-        Overbreak that it leaves at each tick of a lap, in m; negative underbreak.
+        Overbreak that it leaves at each tick of a lap, in m; negative underbreak. Where it is
+        `along` the path, how far the set-values are ahead.
     measure : {"largest", "rms"}
         What the closed form says.
     closed : float
@@ -40,6 +43,8 @@ class Fault:
         What must change for half of it.
     factor : float
         By how much: the error goes with a power of it.
+    along : bool
+        Whether it is along the path and not across.
     """
 
     source: str
@@ -48,6 +53,7 @@ class Fault:
     closed: float
     halved_by: str
     factor: float
+    along: bool = False
 
     @property
     def over(self):
@@ -104,8 +110,7 @@ def tangent_sphere_fault(plan: Plan):
     across = np.cross(torus.normal(q[:, 0], q[:, 1]), between.direction)
     law = np.abs(bend * torsion) * between.length**3 / (36 * np.sqrt(3))
     closed = law * np.abs(dot(across, wall_frame(circuit, between.middle)[0]))
-    way = path_points(circuit.machine.torus, plan.path)
-    apart = _overbreak(plan, _ways(plan, way)) - _overbreak(plan, _geodesics(plan))
+    apart = _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan))
     corrected = plan.path == "corrected chord"
     return Fault(
         source=plan.path,
@@ -114,6 +119,25 @@ def tangent_sphere_fault(plan: Plan):
         closed=0.0 if corrected else float(closed.max()),
         halved_by="knots",
         factor=2 ** (1 / 4) if corrected else 2 ** (1 / 3),
+    )
+
+
+@checked
+def corner_fault(plan: Plan):
+    """Return the `Fault` of rounding the corners at knots."""
+    check_unheld(plan)
+    way = plan.route
+    circuit = plan.circuit
+    at = circuit.position(way.places)
+    slope = gradient(circuit, way.places, at)
+    missed = ROUNDED * np.abs(dot(slope, way.kinks)) * way.halves
+    return Fault(
+        source="corners",
+        deviation=_overbreak(plan, way) - _overbreak(plan, _sharp(plan)),
+        measure="largest",
+        closed=float(missed.max()),
+        halved_by="blend",
+        factor=2.0,
     )
 
 
@@ -137,15 +161,17 @@ def setpoint_fault(plan: Plan):
 
 @checked
 def count_fault(plan: Plan):
-    """Return the `Fault` of whole counts, of setpoints and of each tick of their integer lines."""
+    """Return the `Fault` of whole counts: of the lines, and of setpoints in parts of a count."""
     circuit = plan.circuit
     at = circuit.position(plan.s)
-    rounded = plan.count * polyline(np.rint(at / plan.count).astype(np.int64), plan.ticks)
-    apart = circuit.overcut(rounded) - circuit.overcut(_between(plan, at))
+    moves = Moves(setpoints=at, ticks=plan.ticks, tick=plan.tick, count=plan.count)
+    apart = circuit.overcut(moves.setvalues) - circuit.overcut(_between(plan, at))
     slope = gradient(circuit, plan.places, circuit.position(plan.places))
-    # A setpoint is off by a uniform half count, their mix on a line by 2/3 of its square, and
-    # the line's own rounding adds one more.
-    square = plan.count**2 / 12 * (1 + 2 / 3) * np.mean(np.sum(slope**2, axis=-1))
+    # A line's rounding is uniform over a count. A setpoint is off by a uniform half of a part, and
+    # their mix on a line by 2/3 of its square.
+    square = (
+        plan.count**2 / 12 * (1 + 2 / 3 / moves.fineness**2) * np.mean(np.sum(slope**2, axis=-1))
+    )
     return Fault(
         source="counts",
         deviation=apart,
@@ -153,6 +179,33 @@ def count_fault(plan: Plan):
         closed=float(np.sqrt(square)),
         halved_by="count",
         factor=2.0,
+    )
+
+
+@checked
+def ripple_fault(plan: Plan):
+    """Return the `Fault` of a feed that is even over each move: along the path, not across.
+
+    Its deviation is how far the lines between setpoints are ahead of the planned way.
+    """
+    check_unheld(plan)
+    torus = plan.circuit.machine.torus
+    ends = np.concatenate([[0], np.cumsum(plan.ticks)])
+    wanted = plan.route.at(plan.reached)
+    off = _between(plan, plan.setpoints) - wanted
+    direction = plan.route.at(plan.reached, order=1)
+    along = dot(levers(torus, wanted) * off, levers(torus, wanted) * direction)
+    # A mean speed in place of one that changes by dv over a move of N ticks: dv N T / 8 amid it.
+    lever = levers(torus, wanted[ends])
+    speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])
+    return Fault(
+        source="feed ripple",
+        deviation=along,
+        measure="largest",
+        closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks / 8)),
+        halved_by="set-points",
+        factor=np.sqrt(2),
+        along=True,
     )
 
 
@@ -281,16 +334,16 @@ def _segments(plan):
 
 
 def _geodesics(plan):
-    """Return setpoints (m + 1, 2) at equal arcs on the geodesics between knots."""
+    """Return the `Route` of geodesics between the plan's knots, with sharp corners."""
     torus = plan.circuit.machine.torus
-    return _ways(plan, lambda p, q, n: geodesic_inverse(torus, p, q).points(n).position)
+    way = lambda p, q, n: geodesic_inverse(torus, p, q).points(n).position  # noqa: E731
+    return route_through(plan.circuit, plan.knots, way=way)
 
 
-def _ways(plan, way):
-    """Return as many setpoints as the plan has, on other ways between its knots."""
-    first = np.searchsorted(plan.s[:-1], [*plan.knots, plan.circuit.profile.perimeter])
-    at = plan.circuit.position(plan.knots)
-    return np.concatenate([join_knots(at, np.diff(first), way), at[:1]])
+def _sharp(plan):
+    """Return the plan's `Route` with sharp corners."""
+    way = path_points(plan.circuit.machine.torus, plan.path)
+    return route_through(plan.circuit, plan.knots, way=way)
 
 
 def _between(plan, at):
@@ -300,10 +353,9 @@ def _between(plan, at):
     return np.stack([np.interp(ticks, ends, axis) for axis in at.T], axis=-1)
 
 
-def _overbreak(plan, at):
-    """Return the overbreak (ticks + 1,), in m, of setpoints, interpolated in time."""
-    ends = np.concatenate([[0], np.cumsum(plan.ticks)])
-    return np.interp(np.arange(ends[-1] + 1), ends, plan.circuit.overcut(at))
+def _overbreak(plan, way):
+    """Return the overbreak (ticks + 1,), in m, where another way has the places of each tick."""
+    return plan.circuit.overcut(way.at(way.length_at(plan.places)))
 
 
 def _followed(plan, plants, loops, wanted):

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
 from ..motion import Hydraulics
 from .both_axes import Pair
+from .timing import Places, fastest
 
 
 def _bound(name, value):
@@ -32,19 +33,24 @@ Bound = Annotated[float, Rule("float", _bound)]
 Moves = Annotated[ArrayLike, Rule("(m,) float", _row, "m")]
 Areas = Annotated[ArrayLike, Rule("(m,) float", _row)]
 Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
+Slopes = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad/m")]
+Bends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions)]
+Twists = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions)]
+Levers = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "m")]
 
 
 @dataclass(frozen=True)
 @checked
 class Limits:
-    """What bounds the feed of the cutter; volume, flow and valve bound nothing where infinite.
+    """What bounds the motion; a limit that is infinite bounds nothing.
 
     Parameters
     ----------
     feed : float
         Greatest feed, in m/s.
     acceleration : float
-        Along the path, in m/s^2: it starts and ends every lap at rest.
+        Of the cutter, in m/s^2: the joints' accelerations, each times its lever, so that corners
+        cost feed, too. Every lap starts and ends at rest.
     volume : float
         Ground that a steady groove may remove, in m^3/s (section 3.3.2). Between knots and at
         bends the ball takes somewhat more and less.
@@ -54,6 +60,10 @@ class Limits:
         Opening of the valve, 1 at most, that the steady motion may ask for; needs `axes`.
     axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
+    jerk : float
+        Greatest change of the acceleration, in m/s^3.
+    joint_speed, joint_acceleration, joint_jerk : float
+        Of each joint, in rad/s, rad/s^2 and rad/s^3.
 
     Raises
     ------
@@ -68,6 +78,10 @@ class Limits:
     flow: Bound = np.inf
     valve: Bound = np.inf
     axes: Pair(Hydraulics) | None = None
+    jerk: Bound = np.inf
+    joint_speed: Bound = np.inf
+    joint_acceleration: Bound = np.inf
+    joint_jerk: Bound = np.inf
 
     def __post_init__(self):
         if 1 < self.valve < np.inf:
@@ -76,8 +90,18 @@ class Limits:
             raise ValueError("axes: must be given for a limit of flow or of valves; got None.")
 
     @checked
-    def profile(self, lengths: Moves, positions: Ends, ground: Areas):
-        """Return the fastest feed from rest to rest.
+    def profile(
+        self,
+        lengths: Moves,
+        positions: Ends,
+        ground: Areas,
+        *,
+        slopes: Slopes | None = None,
+        bends: Bends | None = None,
+        twists: Twists | None = None,
+        levers: Levers | None = None,
+    ):
+        """Return the fastest feed from rest to rest; its own changes have any jerk.
 
         Parameters
         ----------
@@ -87,6 +111,13 @@ class Limits:
             Joint positions at their ends, in rad; straight in joint space between.
         ground : (m,) float
             Ground removed by each metre of a move, in m^2.
+        slopes : (m + 1, 2) float, optional
+            First derivatives of the positions by the length of way, in rad/m; unless told the way
+            is straight and limits of the joints are left out.
+        bends, twists : (m + 1, 2) float, optional
+            Their second and third derivatives, in rad/m^2 and rad/m^3; needed with `slopes`.
+        levers : (m + 1, 2) float, optional
+            How far the cutter moves by a radian of each joint, in m; needed with `slopes`.
 
         Returns
         -------
@@ -94,23 +125,40 @@ class Limits:
             At the ends, in m/s, changing by a constant acceleration over each move: the greatest
             that no limit forbids.
 
-        Notes
-        -----
-        Without acceleration each place has its own bound. With it the square of the feed rises by
-        at most 2 a times the length, forwards from every place and backwards: two running minima.
+        Raises
+        ------
+        ValueError
+            As `bounds`, or if only some of slopes, bends, twists and levers are given.
         """
         bound = self.bounds(lengths, positions, ground)
-        # A place belongs to the moves before and after it; a lap begins and ends at rest.
+        # A place belongs to the moves before and after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
-        square[[0, -1]] = 0
-        # A climb beyond the greatest feed says nothing, and its sum would take digits away.
-        climb = np.minimum(2 * self.acceleration * lengths, square.max())
-        climb = np.concatenate([[0], np.cumsum(climb)])
-        # From every place before, and then from every one behind, no more than the climb: less the
-        # climb so far, that is a minimum which runs.
-        square = np.minimum.accumulate(square - climb) + climb
-        square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
-        return np.sqrt(np.maximum(square, 0))  # the sums leave a rounding below zero at rest
+        joint = np.array([self.joint_acceleration] * 2)
+        turns = slopes, bends, twists, levers
+        if any(turn is None for turn in turns) != (slopes is None):
+            raise ValueError(
+                "slopes: bends, twists and levers must be given with them; got one alone."
+            )
+        if slopes is None:
+            straight = np.tile([1.0, 0.0], (len(square), 1))
+            places = Places(square, self.acceleration, np.full(2, np.inf),
+                            straight, 0 * straight, np.ones_like(straight))  # fmt: skip
+            return np.sqrt(fastest(lengths, places))
+        if any(turn.shape != positions.shape for turn in turns):
+            raise ValueError(
+                f"slopes: must have the shape {positions.shape} of the positions, and bends, "
+                f"twists and levers too; got {', '.join(str(turn.shape) for turn in turns)}."
+            )
+        with np.errstate(divide="ignore", over="ignore"):
+            fastest_turn = self.joint_speed / np.max(np.abs(slopes), axis=-1)
+            # At a steady feed v the jerk is that of the way, v^3 times its third derivative.
+            cube = np.minimum(
+                self.jerk / np.linalg.norm(levers * twists, axis=-1),
+                self.joint_jerk / np.max(np.abs(twists), axis=-1),
+            )
+        square = np.minimum(square, np.minimum(fastest_turn, np.cbrt(cube)) ** 2)
+        places = Places(square, self.acceleration, joint, slopes, bends, levers)
+        return np.sqrt(fastest(lengths, places))
 
     @checked
     def bounds(self, lengths: Moves, positions: Ends, ground: Areas):

@@ -1,6 +1,6 @@
 """From machine, section and tolerance to knots, setpoints, feed and set-values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -15,26 +15,24 @@ from ..arguments import (
     Points,
     Rule,
     Whole,
+    Wholes,
     checked,
     coordinate,
     positions,
     size,
 )
-from ..motion import polyline, polyline_slopes, tick_counts
-from ..paths import (
-    CHORD_PATHS,
-    Circuit,
-    corrected_chord,
-    path_length,
-    project_chord,
-    projected_length,
-)
+from ..paths import Circuit
 from ..paths.bounds import Way
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
+from .moves import Moves, levers, move_lengths, strains
+from .route import Route, path_points, route_through
+from .timing import move_shares, move_ticks
 
 LONGEST_REST = 1e4  # s
-MOST_SETPOINTS = 1_000_000  # of a lap
+PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
+MOST_SLOWINGS = 50
+NEWTON_STEPS = 8
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -48,6 +46,7 @@ def _run_of_positions(name, value):
 
 Run = Annotated[ArrayLike, Rule("(n, 2) float", _run_of_positions, "rad")]
 Turn = Annotated[float, Rule("float", coordinate, "rad")]
+Ticks = Wholes("(...) int", 0, 2**40)
 Tick = Annotated[float, Rule("float", size, "s")]
 
 
@@ -92,35 +91,35 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A planned cut, the same in every lap: n knots and m moves, the last of them the rest.
+class Plan(Moves):
+    """A planned cut: the moves of one lap, the same in every lap, its last move the rest.
 
     Parameters
     ----------
     circuit : Circuit
         The wanted path of the cutter's centre.
     limits : Limits
-        Of the feed.
+        Of the motion.
     knots : (n,) float
         Arc lengths of the knots along the offset section, in m.
+    route : Route
+        The way through the knots, its corners rounded, on which the setpoints are.
     s : (m + 1,) float
-        Arc lengths of the setpoints, in m.
-    setpoints : (m + 1, 2) float
-        Joint positions (theta, phi) on the paths between knots, in rad.
+        Arc lengths of the setpoints along the offset section, in m.
     feed : (m + 1,) float
         Of the cutter's centre at the setpoints, in m/s.
-    counts : (m + 1, 2) int
-        The setpoints in whole counts; the last is the first.
-    ticks : (m,) int
-        Of each move.
-    tick : float
-        Period of the fast task, in s.
-    count : float
-        Angle of a count of both joints, in rad.
+    reached : (ticks + 1,) float
+        Length of way that is planned for each tick, in m; setpoints are where some of them are.
+    entry, leave : Moves
+        From where the cutter is clear of the ground to the lap's begin, and back.
+    back : (k + 1,) float
+        How far the machine has stepped back at each of the last k ticks of a lap, in m.
     laps : int
         How often the circuit is run.
     advance : float
-        Step of the machine out of the tunnel, towards -x, after each lap, in m.
+        Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
+    straight_time : float
+        Which a lap would take without its rest if turning the joints cost no feed, in s.
     path : {"tangent spheres", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots.
     """
@@ -128,26 +127,17 @@ class Plan:
     circuit: Circuit
     limits: Limits
     knots: np.ndarray
+    route: Route
     s: np.ndarray
-    setpoints: np.ndarray
     feed: np.ndarray
-    counts: np.ndarray
-    ticks: np.ndarray
-    tick: float
-    count: float
+    reached: np.ndarray
+    entry: Moves
+    leave: Moves
+    back: np.ndarray
     laps: int
     advance: float
+    straight_time: float
     path: str = "tangent spheres"
-
-    @property
-    def setvalues(self):
-        """Return the joint positions (ticks + 1, 2) of one lap, in rad, in whole counts."""
-        return self.count * polyline(self.counts, self.ticks)
-
-    @property
-    def slopes(self):
-        """Return the exact rates (ticks, 2) of `setvalues`, in rad/s."""
-        return self.count / self.tick * polyline_slopes(self.counts, self.ticks)
 
     @property
     def places(self):
@@ -157,8 +147,54 @@ class Plan:
 
     @property
     def lap_time(self):
-        """Return the time of a lap, in s, its rest at the end included."""
+        """Return the time of a lap, in s, its rest and the step at the end included."""
         return self.tick * int(self.ticks.sum())
+
+    @property
+    def times(self):
+        """Return what takes how long, a dict of s: parts of a lap, then of the whole job."""
+        step = self.tick * (len(self.back) - 1)
+        rest = self.tick * int(self.ticks[-1]) - step
+        entry, leave = (self.tick * int(moves.ticks.sum()) for moves in (self.entry, self.leave))
+        return {
+            "straight": self.straight_time,
+            "corners": self.lap_time - step - rest - self.straight_time,
+            "rest": rest,
+            "step": step,
+            "entry": entry,
+            "exit": leave,
+            "all": entry + self.laps * self.lap_time + leave,
+        }
+
+    @property
+    def shares(self):
+        """Return how much of each limit the exact slopes of a lap use: a dict of shares, at most 1.
+
+        Before setpoints are rounded. Speeds are those amid the moves. An acceleration is the change
+        of slope from move to move, in a single tick. A limit that is infinite is used by 0.
+        """
+        torus = self.circuit.machine.torus
+        ends = self.setpoints
+        slopes = np.diff(ends, axis=0) / (self.ticks * self.tick)[:, None]
+        still = np.zeros((1, 2))
+        changes = np.diff(np.concatenate([still, slopes, still]), axis=0) / self.tick
+        speed = np.linalg.norm(torus.velocity((ends[1:] + ends[:-1]) / 2, slopes), axis=-1)
+        acceleration = np.linalg.norm(torus.velocity(ends, changes), axis=-1)
+        limits = self.limits
+        return {
+            "feed": float(speed.max() / limits.feed),
+            "acceleration": float(acceleration.max() / limits.acceleration),
+            "joint_speed": float(np.abs(slopes).max() / limits.joint_speed),
+            "joint_acceleration": float(np.abs(changes).max() / limits.joint_acceleration),
+        }
+
+    @checked
+    def stepped(self, ticks: Ticks):
+        """Return how far (...) the machine has stepped back after ticks (...) of all laps, in m."""
+        every = int(self.ticks.sum())
+        lap = np.maximum(ticks - 1, 0) // every
+        last = np.maximum(ticks - lap * every - (every - len(self.back) + 1), 0)
+        return self.advance * lap + np.where(lap < self.laps - 1, self.back[last], 0.0)
 
     @checked
     def centres(self, position: Run, *, pose: Pose | None = None):
@@ -180,9 +216,7 @@ class Plan:
         centre = self.circuit.in_tunnel(torus.point(position[:, 0], position[:, 1]))
         if pose is not None:
             centre = pose.moved(centre, self.circuit.in_tunnel(np.zeros(3)))
-        # The machine steps in the first tick of the next lap.
-        lap = np.maximum(np.arange(len(centre)) - 1, 0) // int(self.ticks.sum())
-        centre[:, 0] -= self.advance * lap
+        centre[:, 0] -= self.stepped(np.arange(len(centre)))
         return centre
 
 
@@ -200,6 +234,8 @@ def plan(
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
     path: Way = "tangent spheres",
+    blend: Length | None = None,
+    clearance: Length0 = 5e-3,
 ):
     """Return how a machine is to cut a section, refused where it can't.
 
@@ -213,15 +249,14 @@ def plan(
         Largest over- or underbreak of the paths between knots, in m, that decides their number.
         Moves and counts add theirs, see `budget`.
     step : float
-        Greatest distance of the setpoints N on these paths, in m: what the slow task prepares and
-        the fast one joins by integer lines. Those of a corrected chord are at equal steps of the
-        normals' angle, even to 1e-5 between the knots that a millimetre needs.
+        Greatest distance of the setpoints, in m: what the slow task prepares and the fast one joins
+        by integer lines. Where the feed or the direction changes moves are shorter.
     tick : float
         Period of the fast task, in s.
     count : float
         Angle of a count of both joints, in rad.
     rest : float
-        Time for which the last set-value of a lap is held, in s.
+        Time for which the last set-value of a lap is held, in s, before the machine steps.
     laps : int
         How often the circuit is run.
     advance : float
@@ -230,6 +265,10 @@ def plan(
         Of a round-ended rod about the arm, in m, that must stay clear of the intact wall.
     path : {"tangent spheres", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots: the paper's, or the one next to a geodesic.
+    blend : float, optional
+        By how much the rounded corners may miss their knots, in m; half the tolerance unless told.
+    clearance : float
+        Between cutter and intact ground where it enters and where it leaves, in m.
 
     Returns
     -------
@@ -239,8 +278,15 @@ def plan(
     Raises
     ------
     ValueError
-        If an argument is beyond its range, the arm touches the wall (with the place), the feed
-        is too fast for the ticks, or there would be too many setpoints or ticks.
+        If an argument is beyond its range, the arm touches the wall (with the place), a tick at
+        full feed is longer than a step, or there would be too many ticks.
+
+    Notes
+    -----
+    The way is run as fast as all limits let it, evaluated at whole ticks, and divided into straight
+    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): equal
+    ones at a constant feed. A jerk limit is kept by a mean over time, and where that leaves a limit
+    all is slowed.
 
     Examples
     --------
@@ -261,83 +307,187 @@ def plan(
             f"tolerance: must be so small that two knots are needed; got {tolerance:g} m."
         )
     _keep_clear(circuit, arm_radius)
-    s, setpoints, lengths = _setpoints(circuit, knots, step, path)
-    ground = _ground(circuit, s, lengths, advance if laps > 1 else 0.0)
-    feed = limits.profile(lengths, setpoints, ground)
-    # The feed changes evenly over a move, so that its mean is that of both ends.
-    times = np.concatenate([[0], np.cumsum(2 * lengths / (feed[1:] + feed[:-1]))])
-    ticks = tick_counts(times, tick)
-    held = max(round(rest / tick), 1)
-    total = int(ticks.sum()) + held
+    torus = circuit.machine.torus
+    blend = tolerance / 2 if blend is None else blend
+    way = route_through(circuit, knots, way=path_points(torus, path), blend=blend)
+    length, speed, moment, straight_time = _timed(
+        way, circuit, limits, advance if laps > 1 else 0.0
+    )
+    back = _stepping(limits, advance, tick) if laps > 1 else np.zeros(1)
+    held = max(round(rest / tick), 1) + len(back) - 1
+    total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:
         raise ValueError(
             f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
-            f"{total:.12g} ticks of {tick:g} s."
+            f"{total} ticks of {tick:g} s."
         )
-    # The rest is a move that doesn't move.
-    setpoints = np.concatenate([setpoints, setpoints[-1:]])
+    along = _at_ticks(way, torus, limits, length, speed, moment, tick)
+    farthest = float(np.diff(along).max())
+    if step < farthest:
+        raise ValueError(
+            f"step: must be at least the {farthest:.4g} m of a tick at the greatest feed; "
+            f"got {step:g} m."
+        )
+    positions = way.at(along)
+    positions[-1] = positions[0]  # not off by a rounding
+    ticks = move_lengths(along, strains(torus, positions, tick, limits)[0], step)
+    ends = np.concatenate([[0], np.cumsum(ticks)])
+    feed = np.gradient(along, tick)
+    feed[[0, -1]] = 0
+    entry = _entry(circuit, positions[0], limits, clearance, step, tick, count)
     return Plan(
-        circuit=circuit,
-        limits=limits,
-        knots=knots,
-        s=np.append(s, s[-1]),
-        setpoints=setpoints,
-        feed=np.append(feed, 0.0),
-        counts=np.rint(setpoints / count).astype(np.int64),
+        # The rest is a move that doesn't move.
+        setpoints=positions[np.append(ends, ends[-1])],
         ticks=np.append(ticks, held),
         tick=tick,
         count=count,
+        circuit=circuit,
+        limits=limits,
+        knots=knots,
+        route=way,
+        s=way.place(along[np.append(ends, ends[-1])]),
+        feed=np.append(feed[ends], 0.0),
+        reached=np.append(along, np.full(held, along[-1])),
+        entry=entry,
+        leave=replace(entry, setpoints=entry.setpoints[::-1], ticks=entry.ticks[::-1]),
+        back=back,
         laps=laps,
         advance=advance,
+        straight_time=straight_time,
         path=path,
     )
 
 
-def _setpoints(circuit, knots, step, path):
-    """Return arc lengths (m + 1,), positions (m + 1, 2) and moves (m,) of the points N."""
-    torus = circuit.machine.torus
-    ends = np.append(knots, circuit.profile.perimeter)
-    at = circuit.position(ends)
-    at[-1] = at[0]  # not off by a rounding
-    if path == "corrected chord":
-        length = path_length(torus, CHORD_PATHS[path], at[:-1], at[1:])
-    else:
-        length = projected_length(torus, at[:-1], at[1:])
-    moves = np.ceil(length / step)
-    if not moves.sum() <= MOST_SETPOINTS:
-        raise ValueError(
-            f"step: must leave at most {MOST_SETPOINTS} setpoints; got {step:g} m, "
-            f"which needs {moves.sum():.3g}."
-        )
-    moves = moves.astype(int)
-    s = [
+def _timed(way, circuit, limits, advance):
+    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s."""
+    pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
+    length = np.concatenate([
         np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(ends[:-1], ends[1:], moves, strict=True)
-    ]
-    setpoints = join_knots(at[:-1], moves, path_points(torus, path))
-    return np.append(np.concatenate(s), ends[-1]), setpoints, np.repeat(length / moves, moves)
+        for a, b, n in zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
+    ] + [way.ends[-1:]])  # fmt: skip
+    at = way.at(length)
+    moves = np.diff(length)
+    ground = _ground(circuit, way.place(length), moves, advance)
+    feed = limits.profile(
+        moves,
+        at,
+        ground,
+        slopes=way.at(length, order=1),
+        bends=way.at(length, order=2),
+        twists=way.at(length, order=3),
+        levers=levers(circuit.machine.torus, at),
+    )
+    straight = limits.profile(moves, at, ground)
+    # The feed changes evenly in time over a move, so that its mean is that of both ends.
+    due = [np.cumsum(2 * moves / (v[1:] + v[:-1])) for v in (feed, straight)]
+    return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
 
 
-def path_points(torus, path):
-    """Return the function (p, q, points) -> (k, points, 2) of a path, by even steps."""
-    if path == "corrected chord":
-        return lambda p, q, n: corrected_chord(torus, p, q, n)
-    return lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
+def _at_ticks(way, torus, limits, length, speed, moment, tick):
+    """Return the lengths of way (ticks + 1,) at whole ticks, within the limits."""
+    slower = 1.0
+    for _ in range(MOST_SLOWINGS):
+        due = slower * moment
+        time = tick * np.arange(np.ceil(due[-1] / tick - 1e-9) + 1)
+        i = np.clip(np.searchsorted(due, time, side="right") - 1, 0, len(due) - 2)
+        # Of constant acceleration between two places.
+        share = np.minimum((time - due[i]) / (due[i + 1] - due[i]), 1.0)
+        gained = (speed[i + 1] - speed[i]) * share / 2
+        along = length[i] + (moment[i + 1] - moment[i]) * share * (speed[i] + gained)
+        along = _without_jerk(way, torus, limits, along, tick)
+        strain, change = strains(torus, way.at(along), tick, limits)
+        excess = max(
+            np.cbrt(change.max()),
+            np.sqrt(strain.max()),
+            np.max(np.diff(along) / tick / limits.feed),
+            np.max(np.abs(np.diff(way.at(along), axis=0))) / tick / limits.joint_speed,
+        )
+        if excess <= 1 + 1e-7:
+            return along
+        slower *= excess * (1 + 1e-6)
+    raise ValueError(
+        "limits: must be such that a slower lap keeps them; got a jerk that none of them kept."
+    )
 
 
-def join_knots(knots, moves, way):
-    """Return the positions (m + 1, 2) of so many moves (n,) from each knot (n, 2) to the next.
+def _without_jerk(way, torus, limits, along, tick):
+    """Return lengths of way, one a tick, as means over so many ticks that the jerk is allowed.
 
-    The `way` from p to q (k, 2) in points is a function (p, q, points) -> (k, points, 2).
+    Where the way's own turns leave the limit, whatever the feed's changes, the longest of them.
     """
-    after = np.roll(knots, -1, axis=0)
-    path = np.empty((moves.sum() + 1, 2))
-    first = np.cumsum(moves) - moves
-    for n in np.unique(moves):  # those of as many moves at once
-        rows = np.flatnonzero(moves == n)
-        path[first[rows, None] + np.arange(n)] = way(knots[rows], after[rows], n + 1)[:, :-1]
-    path[-1] = knots[0]
-    return path
+    if min(limits.jerk, limits.joint_jerk) == np.inf:
+        return along
+
+    def smoothed(n):
+        padded = np.concatenate([np.full(n - 1, along[0]), along, np.full(n - 1, along[-1])])
+        total = np.concatenate([[0], np.cumsum(padded - along[0])])
+        return along[0] + (total[n:] - total[:-n]) / n
+
+    def kept(n):
+        return strains(torus, way.at(smoothed(n)), tick, limits)[1].max() <= 1
+
+    few, many = 0, 1
+    while not kept(many):
+        if 16 * many > len(along):
+            return smoothed(many)
+        few, many = many, 2 * many
+    while many - few > 1:
+        middle = (few + many) // 2
+        few, many = (few, middle) if kept(middle) else (middle, many)
+    return smoothed(many)
+
+
+def _stepping(limits, advance, tick):
+    """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m."""
+    if not advance:
+        return np.zeros(1)
+    ticks = move_ticks(advance, limits.feed, limits.acceleration, limits.jerk, tick)
+    return advance * move_shares(ticks)
+
+
+def _entry(circuit, end, limits, clearance, step, tick, count):
+    """Return the `Moves` from where the cutter is clear of the ground to the lap's begin."""
+    machine = circuit.machine
+    torus = machine.torus
+    start = _withdrawn(circuit, end, machine.depth + clearance)
+    if not machine.within_limits(start):
+        raise ValueError(
+            f"clearance: must leave the cutter where the joints reach it; got {clearance:g} m."
+        )
+    turn = end - start
+    ends = np.stack([start, (start + end) / 2, end])
+    distance = float(np.linalg.norm(levers(torus, ends) * turn, axis=-1).max())
+    # All in m at the cutter: the joints' limits as if they went as far as it.
+    scale = distance / np.abs(turn).max()
+    speed = limits.bounds(np.full(2, distance / 2), ends, np.zeros(2)).min()
+    ticks = move_ticks(
+        distance,
+        min(float(speed), limits.joint_speed * scale),
+        min(limits.acceleration, limits.joint_acceleration * scale),
+        min(limits.jerk, limits.joint_jerk * scale),
+        tick,
+    )
+    shares = move_shares(ticks)
+    positions = start + shares[:, None] * turn
+    positions[-1] = end
+    moves = move_lengths(distance * shares, strains(torus, positions, tick, limits)[0], step)
+    at = np.concatenate([[0], np.cumsum(moves)])
+    return Moves(setpoints=positions[at], ticks=moves, tick=tick, count=count)
+
+
+def _withdrawn(circuit, position, distance):
+    """Return the joint position (2,) at which the cutter is a distance, in m, inside its circuit.
+
+    The way there is the shortest on the torus, to first order.
+    """
+    torus = circuit.machine.torus
+    outward = circuit.profile.normal(0.0) @ circuit.axes[1:]
+    found = np.array(position)
+    for _ in range(NEWTON_STEPS):
+        slope = torus.velocity(np.stack([found, found]), np.eye(2)) @ outward
+        way = slope / levers(torus, found) ** 2
+        found = found - (distance + circuit.overcut(found)) * way / (slope @ way)
+    return found
 
 
 def _ground(circuit, s, lengths, advance):

@@ -53,7 +53,8 @@ def stages(cut: Cut, ticks: Wholes("(n,) int", 0, MOST_TICKS)):
     Returns
     -------
     walls : iterator of DexelGrid
-        Each cut by the first ticks of the run; after the last tick as `Cut.wall`.
+        Each cut by the first ticks of the run, at tick 0 before the cutter enters; after the last
+        tick, and when the cutter has left, as `Cut.wall`.
 
     Raises
     ------
@@ -73,9 +74,14 @@ def _stages(cut, ticks):
     lines = cut.wall.lines
     inner = circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     wall = DexelGrid(lines, inner, cut.wall.high.max(axis=0))
+    radius = circuit.machine.cutter_radius
     for before, tick in zip([0, *ticks[:-1]], ticks, strict=True):
+        if before == 0 < tick and len(cut.before):
+            wall.cut_path(cut.before, radius)
         if tick > before:
-            wall.cut_path(cut.centres[before : tick + 1], circuit.machine.cutter_radius)
+            wall.cut_path(cut.centres[before : tick + 1], radius)
+        if len(cut.after) and before < tick == len(cut.centres) - 1:
+            wall.cut_path(cut.after, radius)
         yield wall.copy()
 
 
@@ -151,9 +157,8 @@ def posed_machine(cut: Cut, tick: Whole(0, MOST_TICKS)):
     centre = cut.centres[_within_run(cut, tick)]
     plan = cut.plan
     circuit = plan.circuit
-    lap = max(tick - 1, 0) // int(plan.ticks.sum())
     # The machine steps back by an advance each lap; the circuit is that of the first.
-    unstepped = centre + np.array([plan.advance * lap, 0.0, -circuit.machine.height])
+    unstepped = centre + np.array([float(plan.stepped(tick)), 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
     place = np.eye(4)

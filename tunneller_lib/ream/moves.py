@@ -1,0 +1,138 @@
+"""Straight moves of whole ticks between setpoints, and how near to its limits they go."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..motion import polyline, polyline_slopes
+
+FINEST = 4096  # parts of a count, to which setpoints are rounded
+MOST = 2**30  # parts, and parts times the ticks of a move, that 32 bits hold with their sums
+
+
+@dataclass(frozen=True)
+class Moves:
+    """Moves of both joints, straight and of whole ticks: m of them between m + 1 setpoints.
+
+    Parameters
+    ----------
+    setpoints : (m + 1, 2) float
+        Joint positions (theta, phi), in rad.
+    ticks : (m,) int
+        Of each move.
+    tick : float
+        Period of the fast task, in s.
+    count : float
+        Angle of a count of both joints, in rad.
+    """
+
+    setpoints: np.ndarray
+    ticks: np.ndarray
+    tick: float
+    count: float
+
+    @property
+    def fineness(self):
+        """Return into how many parts a count is divided: 4096, or fewer that 32 bits can hold."""
+        greatest = max(np.abs(self.setpoints).max() / self.count, self.ticks.max(), 1.0)
+        return int(2 ** np.floor(np.log2(np.clip(MOST / greatest, 1, FINEST))))
+
+    @property
+    def parts(self):
+        """Return the setpoints (m + 1, 2) in whole parts of a count, see `fineness`."""
+        return np.rint(self.fineness / self.count * self.setpoints).astype(np.int64)
+
+    @property
+    def setvalues(self):
+        """Return the joint positions (ticks + 1, 2), in rad, in whole counts.
+
+        Each is within half a count of the exact line between the setpoints' `parts`.
+        """
+        return self.count * polyline(self.parts, self.ticks, parts=self.fineness)
+
+    @property
+    def slopes(self):
+        """Return the exact rates (ticks, 2) of the lines that `setvalues` round, in rad/s."""
+        rates = polyline_slopes(self.parts, self.ticks, parts=self.fineness)
+        return self.count / self.tick * rates
+
+
+def strains(torus, positions, tick, limits):
+    """Return how near to its limits of acceleration and of jerk a run goes.
+
+    Parameters
+    ----------
+    torus : Torus
+        The machine's.
+    positions : (n + 1, 2) float
+        Joint positions, one a tick, in rad; before and after the run they rest.
+    tick : float
+        Period of the fast task, in s.
+    limits : Limits
+        Of the motion.
+
+    Returns
+    -------
+    acceleration, jerk : (n + 1,) float
+        As shares of the limits: at each tick, and between each tick and the one before.
+    """
+    lever = levers(torus, positions)
+    still = np.concatenate([positions[:1], positions, positions[-1:]])
+    second = np.diff(still, n=2, axis=0) / tick**2
+    third = np.diff(second, axis=0, prepend=0 * second[:1]) / tick
+    return (
+        _share(second, lever, limits.acceleration, limits.joint_acceleration),
+        _share(third, lever, limits.jerk, limits.joint_jerk),
+    )
+
+
+def levers(torus, positions):
+    """Return how far the cutter moves by a radian of each joint (..., 2), in m."""
+    return np.stack(
+        [torus.r + torus.R * np.cos(positions[..., 1]), np.full(positions.shape[:-1], torus.R)], -1
+    )
+
+
+def move_lengths(moved, strain, step):
+    """Return the ticks (m,) of the moves into which a run of n ticks is divided.
+
+    Parameters
+    ----------
+    moved : (n + 1,) float
+        Way of the cutter at each tick, in m.
+    strain : (n + 1,) float
+        Acceleration at each tick as a share of its limit, at most 1.
+    step : float
+        Greatest way of a move, in m.
+
+    Notes
+    -----
+    A move of N ticks has the mean slope of the run over them. Between moves of N and M ticks the
+    slope changes by the sum of the run's changes, each times a weight that falls from 1 at the
+    place between to 1/N and 1/M at their far ends. So no change is above what a tick at the limit
+    allows if the strain is at most 1/N wherever a move of N ticks goes.
+    """
+    longest = np.floor((1 + 1e-6) / np.maximum(strain, 1e-9)).astype(int)
+    longest = np.maximum(longest, 1).tolist()
+    reach = moved.tolist()
+    step = step * (1 + 1e-9)
+    ticks = []
+    start = 0
+    while start < len(reach) - 1:
+        most = min(longest[start], longest[start + 1])
+        end = start + 1
+        while end < len(reach) - 1 and reach[end + 1] - reach[start] <= step:
+            most = min(most, longest[end + 1])
+            if end + 1 - start > most:
+                break
+            end += 1
+        ticks.append(end - start)
+        start = end
+    return np.array(ticks)
+
+
+def _share(rates, lever, cutter, joint):
+    """Return the greater share (n,) of a limit at the cutter and of one at the joints."""
+    return np.maximum(
+        np.linalg.norm(lever * rates, axis=-1) / cutter, np.abs(rates).max(-1) / joint
+    )

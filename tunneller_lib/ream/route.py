@@ -1,0 +1,191 @@
+"""The way of the cutter's centre through its knots, with corners rounded, by its own length."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Length0, Lengths, Whole, checked
+from ..paths import Circuit, corrected_chord, project_chord
+
+SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
+ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
+
+
+@dataclass(frozen=True)
+class Route:
+    """A lap's way in joint space, as a function of the cutter's length of way l, in m.
+
+    `route_through` makes one.
+
+    Parameters
+    ----------
+    ends : (n + 1,) float
+        Lengths of way at the n knots and at the lap's end, in m.
+    places : (n + 1,) float
+        Arc lengths of the same along the offset section, in m.
+    splines : (4, 16, n, 2) float
+        Cubic pieces of each of the n ways between knots, over shares of it, highest power first.
+    kinks : (n + 1, 2) float
+        By how much the slope dq/dl turns at each end, in rad/m; zero where the lap begins and ends.
+    halves : (n + 1,) float
+        Half widths over which these corners are rounded, in m.
+    """
+
+    ends: np.ndarray
+    places: np.ndarray
+    splines: np.ndarray
+    kinks: np.ndarray
+    halves: np.ndarray
+
+    @property
+    def length(self):
+        """Return the length of the lap, in m."""
+        return float(self.ends[-1])
+
+    @checked
+    def at(self, length: Lengths, *, order: Whole(0, 3) = 0):
+        """Return joint positions, or a derivative of them by the length of way.
+
+        Parameters
+        ----------
+        length : (...) float
+            Lengths of way from the lap's begin, in m.
+        order : int
+            Of the derivative, 0 to 3.
+
+        Returns
+        -------
+        position : (..., 2) float
+            In rad/m^order.
+
+        Notes
+        -----
+        A kink of the slope by J at l = 0 is J |l| / 2. It is replaced by J h c(l / h) over the
+        half width h, with c(x) = 3/16 + 3 x^2/8 - x^4/16, which meets |x| / 2 at x = 1 and -1 up to
+        its second derivative. The corner is missed by 3/16 |J| h.
+        """
+        k = self._segment(length)
+        lengths = np.diff(self.ends)
+        u = (length - self.ends[k]) / lengths[k]
+        pieces = self.splines.shape[1]
+        i = np.clip(np.floor(u * pieces), 0, pieces - 1).astype(int)
+        found = _power(self.splines[:, i, k], (u - i / pieces)[..., None], order)
+        found = found / (lengths[k] ** order)[..., None]
+        first = u < 0.5
+        corner = np.where(first, k, k + 1)
+        h = self.halves[corner]
+        x = (length - self.ends[corner]) / np.where(h > 0, h, 1)
+        bump = np.where((h > 0) & (np.abs(x) < 1), _bump(x, np.where(first, 1.0, -1.0), order), 0)
+        scale = np.where(h > 0, h, 1) ** (1.0 - order)
+        return found + self.kinks[corner] * (bump * scale)[..., None]
+
+    @checked
+    def place(self, length: Lengths):
+        """Return the arc lengths (...) along the offset section, in m, at lengths of way."""
+        return np.interp(length, self.ends, self.places)
+
+    @checked
+    def length_at(self, place: Lengths):
+        """Return the lengths of way (...), in m, at arc lengths along the offset section."""
+        return np.interp(place, self.places, self.ends)
+
+    def _segment(self, length):
+        """Return the number (...) of the way between knots on which a length lies."""
+        return np.clip(np.searchsorted(self.ends, length, side="right") - 1, 0, len(self.ends) - 2)
+
+
+def path_points(torus, path):
+    """Return the function (p, q, points) -> (k, points, 2) of a path, by even steps."""
+    if path == "corrected chord":
+        return lambda p, q, n: corrected_chord(torus, p, q, n)
+    return lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
+
+
+@checked
+def route_through(
+    circuit: Circuit, knots: Lengths, *, way: Callable | None = None, blend: Length0 = 0.0
+):
+    """Return the `Route` through knots and back to the first.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        On which the knots are.
+    knots : (n,) float
+        Arc lengths of the knots along the offset section, in m.
+    way : function, optional
+        (p, q, n) -> (..., n, 2): positions at equal arcs from knot to knot; tangent-sphere paths
+        unless told.
+    blend : float
+        By how much a rounded corner may miss its knot, in m; 0 leaves all corners sharp. Two
+        corners share the way between them.
+
+    Returns
+    -------
+    route : Route
+        Without a corner where it begins and ends.
+    """
+    torus = circuit.machine.torus
+    places = np.append(knots, circuit.profile.perimeter)
+    at = circuit.position(places)
+    at[-1] = at[0]  # not off by a rounding
+    path = (way or path_points(torus, "tangent spheres"))(at[:-1], at[1:], SAMPLES)
+    splines = _splines(np.moveaxis(path, 1, 0))
+    # Arcs are equal, so that any mean of the speed over the shares is the length.
+    middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)
+    lengths = np.mean(np.linalg.norm(torus.velocity(*middle), axis=-1), axis=0)
+    before = _power(splines[:, -1], 1 / (SAMPLES - 1), 1) / lengths[:, None]
+    after = splines[2, 0] / lengths[:, None]
+    kinks = np.zeros_like(at)
+    kinks[1:-1] = after[1:] - before[:-1]
+    turn = np.linalg.norm(torus.velocity(at, kinks), axis=-1)
+    room = np.zeros(len(at))
+    room[1:-1] = np.minimum(lengths[1:], lengths[:-1]) / 2
+    widest = np.divide(blend, ROUNDED * turn, out=np.full_like(turn, np.inf), where=turn > 0)
+    return Route(
+        ends=np.concatenate([[0], np.cumsum(lengths)]),
+        places=places,
+        splines=splines,
+        kinks=kinks,
+        halves=np.minimum(room, widest),
+    )
+
+
+def _splines(samples):
+    """Return cubic pieces (4, m, ...) through samples (m + 1, ...) at equal shares from 0 to 1.
+
+    Their second derivatives meet, at the first and last place between two also their third.
+    """
+    last = len(samples) - 1
+    system = np.diag(np.full(last, 1.0), -1) + np.diag(np.full(last, 1.0), 1) + 4 * np.eye(last + 1)
+    system[0, :2] = system[-1, :-3:-1] = 1, 2
+    right = np.empty_like(samples)
+    right[1:-1] = 3 * (samples[2:] - samples[:-2])
+    right[0] = (-5 * samples[0] + 4 * samples[1] + samples[2]) / 2
+    right[-1] = (5 * samples[-1] - 4 * samples[-2] - samples[-3]) / 2
+    slopes = np.linalg.solve(system, right.reshape(last + 1, -1)).reshape(samples.shape)
+    rise = np.diff(samples, axis=0)
+    curved = 3 * rise - 2 * slopes[:-1] - slopes[1:]
+    cubic = slopes[:-1] + slopes[1:] - 2 * rise
+    # So far a piece has the length 1.
+    return np.stack([cubic * last**3, curved * last**2, slopes[:-1] * last, samples[:-1]])
+
+
+def _power(coefficients, x, order):
+    """Return a derivative of cubics whose coefficients (4, ...) begin with the highest power."""
+    a, b, c, d = coefficients
+    if order == 0:
+        return ((a * x + b) * x + c) * x + d
+    if order == 1:
+        return (3 * a * x + 2 * b) * x + c
+    return 6 * a * x + 2 * b if order == 2 else 6 * a + 0 * x
+
+
+def _bump(x, sign, order):
+    """Return a derivative of c(x) - |x| / 2; `sign` is that of x, also where x is zero."""
+    if order == 0:
+        return 3 / 16 + 3 * x**2 / 8 - x**4 / 16 - sign * x / 2
+    if order == 1:
+        return 3 * x / 4 - x**3 / 4 - sign / 2
+    return 3 * (1 - x**2) / 4 if order == 2 else -3 * x / 2

@@ -1,0 +1,143 @@
+"""The fastest feed along a way whose limits are convex: two passes, backwards and forwards.
+
+Over the square x = v^2 of the feed v, the acceleration a along the way changes it by
+dx/dl = 2 a. At each place the joints' accelerations q' a + q'' x are linear in both, and so every
+limit on their size is a convex set of (a, x) about the origin. The way is passed backwards for
+the greatest x from which the rest can still be run, then forwards as fast as these let it.
+"""
+
+from dataclasses import dataclass
+from math import ceil, inf, sqrt
+
+import numpy as np
+
+HALVINGS = 60  # of the range in which the greatest x of a place is looked for
+
+
+@dataclass(frozen=True)
+class Places:
+    """What bounds the motion at each of m + 1 places of a way.
+
+    Parameters
+    ----------
+    square : (m + 1,) float
+        Greatest square of the feed, in m^2/s^2, by limits of speed.
+    acceleration : float
+        Of the cutter, in m/s^2: the joints' accelerations, each times its lever.
+    joint : (2,) float
+        Greatest accelerations of the joints, in rad/s^2; infinite for none.
+    slope, bend : (m + 1, 2) float
+        First and second derivatives of the joint positions by the length of way.
+    lever : (m + 1, 2) float
+        How far the cutter moves by a radian of each joint, in m; the two moves are at right angles.
+    """
+
+    square: np.ndarray
+    acceleration: float
+    joint: np.ndarray
+    slope: np.ndarray
+    bend: np.ndarray
+    lever: np.ndarray
+
+    def products(self):
+        """Return g11, g12, g22 (m + 1,) of g11 a^2 + 2 g12 a x + g22 x^2 <= acceleration^2."""
+        slope = self.lever * self.slope
+        bend = self.lever * self.bend
+        return np.sum(slope**2, -1), np.sum(slope * bend, -1), np.sum(bend**2, -1)
+
+    def lines(self):
+        """Return c, d (joints, m + 1) of |a + d x| <= c, of joints that are limited."""
+        limited = np.isfinite(self.joint)
+        slope = self.slope[:, limited].T
+        slope = np.where(np.abs(slope) < 1e-12, 1e-12, slope)
+        return self.joint[limited, None] / np.abs(slope), self.bend[:, limited].T / slope
+
+    def highest(self):
+        """Return the greatest squares (m + 1,) at which any acceleration at all is allowed."""
+        g11, g12, g22 = self.products()
+        c, d = self.lines()
+        with np.errstate(divide="ignore", over="ignore"):
+            rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
+            high = np.minimum(self.square, self.acceleration / rise)
+        if not len(c):
+            return high
+        low = np.zeros_like(high)
+        top = high
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            under = g11 * self.acceleration**2 - (g11 * g22 - g12**2) * middle**2
+            root = np.sqrt(np.maximum(under, 0))
+            most = np.minimum((root - g12 * middle) / g11, np.min(c - d * middle, axis=0))
+            least = np.maximum((-root - g12 * middle) / g11, np.max(-c - d * middle, axis=0))
+            allowed = least <= most
+            low = np.where(allowed, middle, low)
+            high = np.where(allowed, high, middle)
+        return np.where(high >= top, top, low)
+
+
+def fastest(lengths, places):
+    """Return the squares (m + 1,) of the greatest feed from rest to rest over moves (m,), in m."""
+    top = places.highest().tolist()
+    products = [part.tolist() for part in places.products()]
+    lines = [
+        list(zip(c.tolist(), d.tolist(), strict=True)) for c, d in zip(*places.lines(), strict=True)
+    ]
+    top[0] = top[-1] = 0.0
+    limit = places.acceleration * places.acceleration
+    steps = (2 * lengths).tolist()
+    for i in range(len(steps) - 1, -1, -1):
+        step = steps[i]
+        goal = top[i + 1]
+        best = top[i]
+        g11, g12, g22 = (part[i] for part in products)
+        # Where the line x + step a = goal leaves the ellipse, on its side of least a.
+        p = g11 - 2 * step * g12 + step * step * g22
+        h = goal * (step * g12 - g11)
+        under = h * h - p * (g11 * goal * goal - step * step * limit)
+        if under >= 0:
+            x = (sqrt(under) - h) / p if under < inf else inf
+            if x < best and (goal - x) * g11 <= -g12 * x * step:
+                best = x
+        for line in lines:
+            c, d = line[i]
+            if 1 - step * d > 0:
+                best = min(best, (goal + step * c) / (1 - step * d))
+        top[i] = best
+    square = [0.0]
+    for i, step in enumerate(steps):
+        x = square[-1]
+        g11, g12, g22 = (part[i] for part in products)
+        most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
+        for line in lines:
+            c, d = line[i]
+            most = min(most, c - d * x)
+        square.append(min(top[i + 1], max(x + step * most, 0.0)))
+    return np.array(square)
+
+
+def move_ticks(distance, speed, acceleration, jerk, tick):
+    """Return the ticks (n0, n1, n2) of three means that make the fastest move from rest to rest.
+
+    A step of the `distance` D, smoothed by means over n0, n1 and n2 ticks one after the other, has
+    the greatest speed D / n0, acceleration D / (n0 n1) and jerk D / (n0 n1 n2). With n0 >= n1 + n2
+    and n1 >= n2 that is the motion of seven phases. In m, s and what follows; `speed` and `jerk`
+    may be infinite. Rounded up to whole ticks, the limits are kept.
+    """
+    reached = acceleration
+    if jerk < inf:
+        reached = min(reached, sqrt(speed * jerk), (distance * jerk * jerk / 2) ** (1 / 3))
+    n2 = reached / jerk
+    # Where the speed isn't reached the first mean is as long as both others.
+    n1 = min(speed / reached, (sqrt(n2 * n2 + 4 * distance / reached) - n2) / 2)
+    n1 = max(n1, n2)
+    n0 = distance / (reached * n1)
+    return [max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1, n2)]
+
+
+def move_shares(ticks):
+    """Return the share of the way, from 0 to 1, at each tick of a move of `move_ticks`."""
+    speed = np.ones(1)
+    for n in ticks:
+        speed = np.convolve(speed, np.full(n, 1 / n))
+    shares = np.concatenate([[0.0], np.cumsum(speed)])
+    return shares / shares[-1]
