@@ -28,6 +28,7 @@ def truncated(a, b):
 OPERATORS = {
     "+": operator.add,
     "-": operator.sub,
+    "*": operator.mul,
     "/": truncated,
     "MOD": lambda a, b: a - b * truncated(a, b),
     "<": operator.lt,

@@ -104,6 +104,63 @@ def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
         np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks, tie=tie))
 
 
+@ties
+@pytest.mark.parametrize("parts", [3, 256, 4096])
+def test_lines_between_counts_are_the_polyline_bit_for_bit(tmp_path, parts, tie):
+    rng = np.random.default_rng(parts)
+    low, high = -(2**28), 2**28
+    runs = np.column_stack([rng.integers(low, high, (1000, 2)), rng.integers(1, 40, 1000)])
+    block = FunctionBlock(structured_text(tie=tie, parts=parts))
+    for start, stop, ticks in runs.tolist():
+        exact = polyline([[start], [stop]], [ticks], tie=tie, parts=parts)[:, 0]
+        assert line(block, start, stop, ticks) == exact.tolist(), (start, stop, ticks)
+
+
+SANITIZED = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1", "-g",
+             "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]  # fmt: skip
+DRIVER = """
+#include <stdio.h>
+int main(void)
+{
+    int32_t start, stop, ticks;
+    while (scanf("%d %d %d", &start, &stop, &ticks) == 3) {
+        time_line line = {0};
+        long long sum = 0;
+        time_line_load(&line, start, stop, ticks);
+        for (int32_t i = 1; line.nLeft > 0; i++) {
+            time_line_tick(&line);
+            sum += (long long)i * line.nSet;
+        }
+        printf("%lld %d\\n", sum, line.nSet);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(not COMPILERS, reason="no C compiler on this machine")
+def test_c99_of_a_hundred_thousand_moves_under_sanitizers(tmp_path):
+    rng = np.random.default_rng(6)
+    ends = rng.integers(-(2**28), 2**28, (100_000, 2))
+    runs = np.column_stack([ends, rng.integers(1, 12, len(ends))])
+    (tmp_path / "run.c").write_text(c99(parts=4096) + DRIVER)
+    command = [COMPILERS[0], *SANITIZED, "run.c", "-o", "run"]
+    if subprocess.run(command, cwd=tmp_path, capture_output=True).returncode:
+        pytest.skip("the compiler of this machine has no sanitizers")
+    text = "\n".join(" ".join(map(str, row)) for row in runs.tolist())
+    done = subprocess.run(
+        [tmp_path / "run"], input=text, capture_output=True, text=True, check=True
+    )
+    found = np.array([row.split() for row in done.stdout.splitlines()], dtype=np.int64)
+    for ticks in range(1, 12):  # those of as many ticks at once: sums that tell every set-value
+        rows = runs[:, 2] == ticks
+        n = np.arange(1, ticks + 1)
+        line = n * (runs[rows, 1] - runs[rows, 0])[:, None] + ticks * runs[rows, :1]
+        values = (line + ticks * 2048) // (ticks * 4096)
+        np.testing.assert_array_equal(found[rows, 0], values @ n)
+        np.testing.assert_array_equal(found[rows, 1], values[:, -1])
+
+
 def test_setvalue_table_comes_back():
     values = polyline([[0, 0], [-70000, 2**31 - 1], [5, 5]], [300, 200])
     text = setvalue_table(values, ["theta", "phi"])

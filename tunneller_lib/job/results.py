@@ -12,6 +12,8 @@ from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..ream import Cut, budget
 from .atomic_write import write
+from .controller import program
+from .controller_texts import c99_text, plcopen_xml, structured_text_of
 from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl, vtp, wall_solid, wall_surface
@@ -185,6 +187,7 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         Their paths.
     """
     plan = job.planned
+    controller = program(plan, job)
     curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
     makers = {
         "budget.csv": lambda: _table(numbers["faults"]),
@@ -193,6 +196,9 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         "setvalues.csv": lambda: setvalues_csv(plan),
         "line.st": structured_text,
         "line.c": c99,
+        "controller.c": lambda: c99_text(controller),
+        "controller.st": lambda: structured_text_of(controller),
+        "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
         "wall.vtp": lambda: vtp(wall_surface(cut.wall, plan.circuit)),
         "wall.stl": lambda: stl(wall_solid(cut.wall)),

@@ -9,7 +9,7 @@ import re
 from typing import Annotated
 
 from ..arguments import Rule, Wholes, checked, shown
-from .interpolate import HIGH, LOW, Tie
+from .interpolate import HIGH, LOW, Parts, Tie
 
 INPUTS = ("nStart", "nStop", "nTicks")
 STATE = ("nSet", "nLeft", "nQuot", "nRem", "nRest", "nComp")
@@ -107,27 +107,39 @@ IecName = Annotated[str, Rule("str", _iec_name)]
 Headings = Annotated[list, Rule("list of str", _headings)]
 
 
-def _loading(tie):
+def _loading(tie, parts):
     """Return the statements that begin a move, with ties "up" or "down".
 
-    A number of ticks below 1 is no move: the set-value stays.
+    A number of ticks below 1 is no move: the set-value stays. Ends are in parts of a count: the
+    first accumulator also holds the start's share of a count.
     """
+    if parts == 1:
+        begin = [("nSet", "nStart"), ("nRest", HALF[tie]), ("nComp", "nTicks")]
+    else:
+        half = HALF[tie].replace("nTicks", "nComp")
+        begin = [
+            ("nComp", f"nTicks * {parts}"),
+            ("nSet", f"nStart / {parts}"),
+            ("nRest", f"nStart MOD {parts}"),
+            ("IF", "nRest < 0", [("nRest", f"nRest + {parts}"), ("nSet", "nSet - 1")], []),
+            ("nRest", f"nRest * nTicks + {half}"),
+            ("IF", "nRest >= nComp", [("nRest", "nRest - nComp"), ("nSet", "nSet + 1")], []),
+        ]  # fmt: skip
     return [
         ("nLeft", "0"),
         ("IF", "nTicks > 0", [
-            ("nSet", "nStart"),
             ("nLeft", "nTicks"),
-            ("nQuot", "(nStop - nStart) / nTicks"),
-            ("nRem", "(nStop - nStart) MOD nTicks"),
-            ("IF", "nRem < 0", [("nRem", "nRem + nTicks"), ("nQuot", "nQuot - 1")], []),
-            ("nRest", HALF[tie]),
-            ("nComp", "nTicks - nRem"),
+            *begin,
+            ("nQuot", "(nStop - nStart) / nComp"),
+            ("nRem", "(nStop - nStart) MOD nComp"),
+            ("IF", "nRem < 0", [("nRem", "nRem + nComp"), ("nQuot", "nQuot - 1")], []),
+            ("nComp", "nComp - nRem"),
         ], []),
     ]  # fmt: skip
 
 
 @checked
-def structured_text(*, tie: Tie = "up", name: IecName = "FB_TimeLine"):
+def structured_text(*, tie: Tie = "up", name: IecName = "FB_TimeLine", parts: Parts = 1):
     """Return the line of one axis as a function block in Structured Text (IEC 61131-3).
 
     Parameters
@@ -137,19 +149,23 @@ def structured_text(*, tie: Tie = "up", name: IecName = "FB_TimeLine"):
     name : str
         Name of the function block: of at most 24 letters, digits and single _, and neither a
         keyword nor a standard function or block of IEC 61131-3.
+    parts : int
+        Into how many parts a count is divided in nStart and nStop, see `polyline`. The caller keeps
+        nTicks times parts at most 2^30, if there is more than one.
 
     Returns
     -------
     text : str
-        A call with bLoad begins a move, each further call is a tick; nSet is the set-value. The
-        caller keeps nStop - nStart within DINT.
+        A call with bLoad begins a move, each further call is a tick; nSet is the set-value. A scan
+        that begins a move calls twice, with bLoad and without, lest the place between two moves
+        last two ticks. The caller keeps nStop - nStart within DINT.
 
     Raises
     ------
     ValueError
         If `tie` is another word or the name can't be one.
     """
-    body = ["IF bLoad THEN", *_st(_loading(tie), 1), "ELSE", *_st(TICK, 1), "END_IF;"]
+    body = ["IF bLoad THEN", *_st(_loading(tie, parts), 1), "ELSE", *_st(TICK, 1), "END_IF;"]
     return "\n".join([
         f"FUNCTION_BLOCK {name}",
         "VAR_INPUT", "    bLoad : BOOL;", f"    {', '.join(INPUTS)} : DINT;", "END_VAR",
@@ -160,7 +176,7 @@ def structured_text(*, tie: Tie = "up", name: IecName = "FB_TimeLine"):
 
 
 @checked
-def c99(*, tie: Tie = "up", name: C99Name = "time_line"):
+def c99(*, tie: Tie = "up", name: C99Name = "time_line", parts: Parts = 1):
     """Return the line of one axis in C99.
 
     Parameters
@@ -170,6 +186,9 @@ def c99(*, tie: Tie = "up", name: C99Name = "time_line"):
     name : str
         Name of the structure, and beginning of the functions' names: of at most 26 letters,
         digits and _, and no keyword of C99.
+    parts : int
+        Into how many parts a count is divided in nStart and nStop, see `polyline`. The caller keeps
+        nTicks times parts at most 2^30, if there is more than one.
 
     Returns
     -------
@@ -186,7 +205,7 @@ def c99(*, tie: Tie = "up", name: C99Name = "time_line"):
     return "\n".join([
         "#include <stdint.h>", "",
         "typedef struct {", f"    int32_t {', '.join(STATE)};", f"}} {name};", "",
-        f"void {name}_load({name} *line, {moves})", "{", *_c(_loading(tie), 1), "}", "",
+        f"void {name}_load({name} *line, {moves})", "{", *_c(_loading(tie, parts), 1), "}", "",
         f"void {name}_tick({name} *line)", "{", *_c(TICK, 1), "}", "",
         f"void {name}_fill(int32_t *setvalues, {moves})", "{",
         f"    {name} line = {{0}};",

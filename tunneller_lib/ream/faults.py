@@ -197,12 +197,12 @@ def ripple_fault(plan: Plan):
     along = dot(levers(torus, wanted) * off, levers(torus, wanted) * direction)
     # A mean speed in place of one that changes by dv over a move of N ticks: dv N T / 8 amid it.
     lever = levers(torus, wanted[ends])
-    speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])
+    speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])[:-1]
     return Fault(
         source="feed ripple",
         deviation=along,
         measure="largest",
-        closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks / 8)),
+        closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks[:-1] / 8)),
         halved_by="set-points",
         factor=np.sqrt(2),
         along=True,

@@ -33,6 +33,8 @@ LONGEST_REST = 1e4  # s
 PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
+# Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
+GENTLY = 0.1
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -463,7 +465,7 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     ticks = move_ticks(
         distance,
         min(float(speed), limits.joint_speed * scale),
-        min(limits.acceleration, limits.joint_acceleration * scale),
+        GENTLY * min(limits.acceleration, limits.joint_acceleration * scale),
         min(limits.jerk, limits.joint_jerk * scale),
         tick,
     )
