@@ -280,7 +280,7 @@ def test_closed_forms_of_loops_refuse_what_is_not_linear(fault, option):
 def test_budget_counts_its_sources_from_the_first():
     said = []
     budget(LAP, Integrator(0.5), pair(), say=said.append)
-    assert said == [f"budget: source {k} of 6" for k in range(1, 7)]
+    assert said == [f"budget: source {k} of 8" for k in range(1, 9)]
 
 
 def test_encoder_and_pose_are_halved_by_half():

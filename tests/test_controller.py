@@ -72,8 +72,8 @@ class Controller:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    def make(wanted):
-        text = c99_text(program(wanted.planned, wanted))
+    def make(wanted, **options):
+        text = c99_text(program(wanted.planned, wanted, **options))
         return Controller(text, tmp_path_factory.mktemp("controller"))
 
     return make
@@ -141,6 +141,28 @@ def test_closed_loop_of_the_c99_is_the_librarys(made, plant):
     # The same wall: no place of the cutter differs.
     centre = lap.circuit.overcut(found[:, 2:4]) - lap.circuit.overcut(track.position[:-1])
     assert np.abs(centre).max() < 1e-9
+
+
+@compiled
+@pytest.mark.parametrize(
+    "plan, options",
+    [({}, {"setpoints": "stored"}), ({"path": "corrected chord"}, {}), ({"laps": 2}, {})],
+    ids=["stored", "corrected", "two laps"],
+)
+def test_set_values_are_the_librarys_with_one_setpoint_every_other_scan(made, plan, options):
+    wanted = job("T0", **plan)
+    lap = wanted.planned
+    setvalues, slopes = moved(lap)
+    controller = made(wanted, **options)
+
+    def drive(n, c):
+        c.bRun = 1
+        if n % 2 == 0:
+            controller.slow()
+
+    found = closed_loop(controller, wanted, len(slopes), ahead=0, before=drive)
+    np.testing.assert_array_equal(found[:, :2], np.rint(setvalues[:-1] / lap.count))
+    assert controller.c.nStarved == 0
 
 
 @compiled

@@ -8,6 +8,7 @@ loops: what it does in a scan is said in the texts themselves.
 import math
 import re
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -164,7 +165,7 @@ def line_rows(name, moves, parts):
 
 
 @checked
-def program(plan: Plan, job: Job):
+def program(plan: Plan, job: Job, *, setpoints: Literal["computed", "stored"] = "computed"):
     """Return the `Program` of a job: its tables, its constants and both tasks.
 
     Parameters
@@ -173,6 +174,9 @@ def program(plan: Plan, job: Job):
         The job's, ``job.planned``.
     job : Job
         For its axes and loops.
+    setpoints : {"computed", "stored"}
+        Whether the slow task computes them, as feet of points on chords, or finds the whole lap in
+        constant arrays. Those of corrected chords are stored.
 
     Returns
     -------
@@ -198,6 +202,7 @@ def program(plan: Plan, job: Job):
     trail = np.abs(np.concatenate([moves.slopes for moves in (plan, plan.entry)])).max()
     trip = 2 * trail / min(loop.gain for loop in loops) / plan.count + 50
     ramp = plan.limits.acceleration * plan.tick / max(plan.feed.max(), 1e-9) * FULL
+    stored = setpoints == "stored" or plan.path != "tangent spheres"
     away = plan.setpoints - plan.entry.setpoints[0]
     farthest = 1.01 * np.linalg.norm(levers(machine.torus, plan.setpoints) * away, axis=-1).max()
     constants = {
@@ -217,8 +222,9 @@ def program(plan: Plan, job: Job):
         "nBeginPhi": round(plan.entry.setvalues[0, 1] / plan.count),
         "rCount": plan.count,
         "rTick": plan.tick,
-        "rRingRadius": float(machine.r),
     }
+    if not stored:
+        constants["rRingRadius"] = float(machine.r)
     for axis, name in enumerate(AXES):
         constants |= {
             f"nLeast{name}": math.floor(low[axis]),
@@ -228,13 +234,14 @@ def program(plan: Plan, job: Job):
         }
         constants |= {f"{key}{name}": value for key, value in _plant(plants[axis]).items()}
     tables = {
-        **chord_rows(plan),
+        **(line_rows("Lap", plan, parts) if stored else chord_rows(plan)),
         **line_rows("Entry", plan.entry, parts),
         **line_rows("Leave", plan.leave, parts),
     }
     both = "".join(_loop(name, plant) for name, plant in zip(AXES, plants, strict=True))
     fast = _expanded(FAST.replace("@TAKE", TAKE).replace("@LOOPS", both))
-    return Program(constants, tables, _lines(SLOW), fast, parts, plan.tick)
+    slow = _lines(SLOW.replace("@SETPOINT", STORED if stored else FOOT))
+    return Program(constants, tables, slow, fast, parts, plan.tick)
 
 
 def _lines(text):
@@ -315,6 +322,29 @@ IF nNext <> nHead AND nStage < 3 THEN
         aRingTheta[nTail] := aLeaveTheta[nRow];
         aRingPhi[nTail] := aLeavePhi[nRow];
     ELSE
+@SETPOINT
+    END_IF;
+    nRow := nRow + 1;
+    IF nStage = 0 AND nRow = nEntry THEN
+        nStage := 1;
+        nRow := 0;
+    END_IF;
+    IF nStage = 1 AND nRow = nMoves THEN
+        nLap := nLap + 1;
+        nRow := 0;
+        IF nLap = nLaps THEN
+            nStage := 2;
+        END_IF;
+    END_IF;
+    IF nStage = 2 AND nRow = nLeave THEN
+        nStage := 3;
+    END_IF;
+    (* Last of all: now the fast task may take it. *)
+    nTail := nNext;
+    bEnd := nStage = 3;
+END_IF;
+"""
+FOOT = """
         (* M on the chord between two knots, its foot N on the torus, the corner rounded. *)
         nKnot := aKnot[nRow];
         rX := aKnotX[nKnot] + aShare[nRow] * (aKnotX[nKnot + 1] - aKnotX[nKnot]);
@@ -338,26 +368,11 @@ IF nNext <> nHead AND nStage < 3 THEN
         ELSE
             aRingPhi[nTail] := TRUNC(rPhi + 0.5);
         END_IF;
-    END_IF;
-    nRow := nRow + 1;
-    IF nStage = 0 AND nRow = nEntry THEN
-        nStage := 1;
-        nRow := 0;
-    END_IF;
-    IF nStage = 1 AND nRow = nMoves THEN
-        nLap := nLap + 1;
-        nRow := 0;
-        IF nLap = nLaps THEN
-            nStage := 2;
-        END_IF;
-    END_IF;
-    IF nStage = 2 AND nRow = nLeave THEN
-        nStage := 3;
-    END_IF;
-    (* Last of all: now the fast task may take it. *)
-    nTail := nNext;
-    bEnd := nStage = 3;
-END_IF;
+"""
+STORED = """
+        aRingTicks[nTail] := aLapTicks[nRow];
+        aRingTheta[nTail] := aLapTheta[nRow];
+        aRingPhi[nTail] := aLapPhi[nRow];
 """
 FAST = """
 (* One call is one scan: load and tick share it, so that no setpoint lasts two ticks. *)
