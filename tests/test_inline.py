@@ -44,7 +44,9 @@ UNREAD = {
     r"[=<>]=?$|^<=": "the beginning of a sentence's number",
     r"!=|plus\.minus|\btimes\b|\b(cot|max|min|ceil)\b|d_\+| : ": "signs that no display has",
     r"bold\([a-z]\)_0": "a vector with an index",
-    r"R\(r\+R\)": "a letter before a parenthesis",
+    r"\b[IT]\(": "a letter before a parenthesis",
+    r"\b(dif|Delta|integral)\b": "a differential, a difference, an integral without a letter",
+    r"^square$": "the end of a proof",
     r"''": "a second derivative",
     r"dot \[|f\(x, y\)": "a product or function that could be read in two ways",
 }

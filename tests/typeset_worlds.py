@@ -251,10 +251,10 @@ def swinging(rng):
     narrow, wide = max(torus.r - torus.R, 0), torus.r + torus.R
     c = narrow + (wide - narrow) * rng.uniform(0.3, 0.9)
 
-    def rho(x):
-        return 1 / np.hypot(np.cos(x) / c, np.sin(x) / wide)
+    def rho(x):  # from one turning point to the equator, no farther
+        return 1 / np.hypot(np.cos(x) / c, np.sin(x) / wide) if 0 <= x <= np.pi / 2 else np.nan
 
-    return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(0.2, 1.4), "rho": rho,
+    return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(1.3, 1.5), "rho": rho,
             "T": float(half_swing(torus, c)[0])}  # fmt: skip
 
 

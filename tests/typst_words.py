@@ -127,6 +127,11 @@ class _Speaker:
         return "dot " if factor.kind in ("bold", "group") else "times "
 
 
+def functions_in(source):
+    """Return the letters that stand for functions in a display."""
+    return tuple(name for name in FUNCTIONS if f"{name}(" in source)
+
+
 def renewed(text):
     """Return equations.toml's text with the words of its forms written anew."""
     text = re.sub(r'(?m)^(\w+-)?words = ".*"\n', "", text)
@@ -140,8 +145,7 @@ def _with_words(part, entries):
     forms = [form for form in ("right", "printed", "reads") if form in entry]
     lines = []
     for form in forms:
-        functions = tuple(name for name in FUNCTIONS if f"{name}(" in entry[form])
-        said = spoken(entry[form], functions)
+        said = spoken(entry[form], functions_in(entry[form]))
         lines.append(f'{"" if form == "right" else form + "-"}words = "{said}"\n')
     body = part.rstrip("\n")
     # What follows the entry, the comment before the next, stays behind the words.
