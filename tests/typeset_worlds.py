@@ -254,7 +254,7 @@ def swinging(rng):
     def rho(x):  # from one turning point to the equator, no farther
         return 1 / np.hypot(np.cos(x) / c, np.sin(x) / wide) if 0 <= x <= np.pi / 2 else np.nan
 
-    return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(1.3, 1.5), "rho": rho,
+    return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(1.45, 1.55), "rho": rho,
             "T": float(half_swing(torus, c)[0])}  # fmt: skip
 
 
