@@ -42,13 +42,14 @@ UNREAD = {
     r"°": "angles in degrees",
     r"#num": "a record",
     r"[=<>]=?$|^<=": "the beginning of a sentence's number",
-    r"!=|plus\.minus|\btimes\b|\b(cot|max|min|ceil)\b|d_\+| : ": "signs that no display has",
-    r"bold\([a-z]\)_0": "a vector with an index",
-    r"\b[IT]\(": "a letter before a parenthesis",
+    r"!=|plus\.minus|d_\+| : ": "signs that no display has",
+    r"\b(times|cot|max|min|ceil|det|nabla)\b": "words that no display has",
     r"\b(dif|Delta|integral)\b": "a differential, a difference, an integral without a letter",
+    r"bold\([a-z]\)[_']": "a vector with an index or a dash",
+    r"\b[IT]\(|R\(r\+R\)": "a letter before a parenthesis",
     r"^square$": "the end of a proof",
     r"''": "a second derivative",
-    r"dot \[|f\(x, y\)": "a product or function that could be read in two ways",
+    r"dot \[|[afg]\([rx]\b|\) t\^": "a product or function that could be read in two ways",
 }
 
 # Equations of letters that a display has, too.

@@ -12,13 +12,14 @@ parenthesis is a parenthesis.
 import re
 from typing import NamedTuple
 
-LETTERS = set(
-    "alpha beta epsilon theta kappa nu rho sigma tau phi phi.alt psi omega zeta Theta Phi".split()
-)
+LETTERS = {
+    *"alpha beta epsilon theta kappa lambda nu rho sigma tau phi phi.alt psi omega zeta".split(),
+    *"Theta Phi".split(),
+}
 PLAIN = set("sin cos tan arcsin arccos arctan".split())  # may stand without parentheses
 COUNTS = {"sqrt": 1, "floor": 1, "atan2": 2}  # of arguments, in parentheses
 RELATIONS = {"=", "<", ">", "<=", ">=", "equiv"}
-NO_MEANING = {"&", "\\", "thick", "space"}  # only where things stand
+NO_MEANING = {"&", "\\", "thin", "thick", "space"}  # only where things stand
 CLOSING = {"(": ")", "[": "]"}
 OPENING = {*CLOSING, "|"}
 TOKEN = re.compile(
