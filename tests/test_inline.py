@@ -43,11 +43,9 @@ UNREAD = {
     r"#num": "a record",
     r"[=<>]=?$|^<=": "the beginning of a sentence's number",
     r"!=|plus\.minus|d_\+| : ": "signs that no display has",
-    r"\b(times|cot|max|min|ceil|det|nabla)\b": "words that no display has",
-    r"\b(dif|Delta|integral)\b": "a differential, a difference, an integral without a letter",
+    r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "words no display has",
     r"bold\([a-z]\)[_']": "a vector with an index or a dash",
-    r"\b[IT]\(|R\(r\+R\)": "a letter before a parenthesis",
-    r"^square$": "the end of a proof",
+    r"\b[A-Z]\(": "a letter before a parenthesis: a function, or a product without a blank",
     r"''": "a second derivative",
     r"dot \[|[afg]\([rx]\b|\) t\^": "a product or function that could be read in two ways",
 }
