@@ -43,7 +43,7 @@ UNREAD = {
     r"#num": "a record",
     r"[=<>]=?$|^<=": "the beginning of a sentence's number",
     r"!=|plus\.minus|d_\+| : ": "signs that no display has",
-    r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "words no display has",
+    r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "other words",
     r"bold\([a-z]\)[_']": "a vector with an index or a dash",
     r"\b[A-Z]\(": "a letter before a parenthesis: a function, or a product without a blank",
     r"''": "a second derivative",
