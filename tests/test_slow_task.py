@@ -164,6 +164,17 @@ def test_structured_text_is_parsed_and_its_names_are_free():
     assert used - words == set(declared)
 
 
+def test_c_is_indented_as_its_braces_are_nested():
+    depth = 0
+    for text in waypoints_c99(9).splitlines():
+        word = text.strip()
+        depth -= word.startswith("}")
+        if word and depth:  # what stands in a function
+            assert len(text) - len(word) == 4 * depth, text
+        depth += word.endswith("{")
+    assert depth == 0
+
+
 @pytest.mark.parametrize("call", [waypoints_st, waypoints_c99])
 def test_names_that_the_program_uses_are_refused(call):
     for name in ("psi", "Theta", "RING", "i"):
