@@ -6,6 +6,7 @@ grows as it moves, or a surface of another class.
 
 import numpy as np
 
+from tunneller_lib.envelopes.adapted import adapted_frames
 from tunneller_lib.envelopes.families import channel, moving_cone, ruled
 from tunneller_lib.envelopes.triples import add, cross_product, times
 
@@ -124,7 +125,15 @@ def placed(surface, rng, scale):
     return moved
 
 
-def window(rng, size):
-    """Return 20 points in a window of the parameters."""
-    s0, t0 = rng.uniform(-0.5, 0.5, 2)
-    return s0 + size * rng.uniform(-0.5, 0.5, 20), t0 + size * rng.uniform(-0.5, 0.5, 20)
+def window(surface, rng, size):
+    """Return 20 points in a window of the parameters where the surface keeps its side.
+
+    Across its edge of regression an envelope turns back, and its normals jump.
+    """
+    while True:
+        s0, t0 = rng.uniform(-0.5, 0.5, 2)
+        s, t = s0 + size * rng.uniform(-0.5, 0.5, 20), t0 + size * rng.uniform(-0.5, 0.5, 20)
+        n = adapted_frames(surface, s, t, "space").axes[:, 2]
+        if np.min(n @ n.mean(axis=0)) > 0.1:
+            return s, t
+        size = size / 2

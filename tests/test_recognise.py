@@ -253,7 +253,7 @@ def verdicts_of(kind, exact, seeds):
         rng = np.random.default_rng((seed, list(MEMBERS).index(kind), exact))
         scale, size = 10.0 ** rng.uniform(-3, 3), 10.0 ** rng.uniform(-3, 0)
         surface = member(kind, rng)[0] if exact else near_miss(kind, rng)[0]
-        points = window(rng, size)
+        points = window(surface, rng, size)
         found.append(recognise(placed(surface, rng, scale), *points, kind, model="space").verdict)
     return found
 

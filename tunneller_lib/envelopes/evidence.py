@@ -183,18 +183,12 @@ def _on_a_conic(s, t):
 
 
 def _on_a_circle(n):
-    """Tell whether normals lie on a circle of the sphere, by places in the mean's tangent plane."""
-    mean = n.mean(axis=0)
-    mean = mean / np.linalg.norm(mean)
-    _, _, axes = np.linalg.svd(mean[None])
-    place = n @ axes[1:].T
-    low, high = place.min(axis=0), place.max(axis=0)
-    size = np.max(high - low)
-    if not size > 1e-12:
-        return True
-    x, y = ((place - place.mean(axis=0)) / size).T
-    # On the sphere a plane cuts a circle: over the tangent plane, up to higher order, this one.
-    return _short_of_rank(np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1))
+    """Tell whether normals lie in one plane, as they do along an orbit of a motion.
+
+    Over a patch they leave each plane by about the square of its size.
+    """
+    values = np.linalg.svd(n - n.mean(axis=0), compute_uv=False) / np.sqrt(len(n))
+    return bool(values[0] > 1e-6 and values[2] < 1e-3 * values[0] ** 2)
 
 
 def _scaled(c):

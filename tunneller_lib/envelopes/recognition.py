@@ -13,17 +13,19 @@ from .forms import derivative_along, frobenius
 from .functions import Function, HalfAngle, Shift
 from .hyperosculate import order_four, third_order
 from .jet import derivative
-from .rough import RUNS, errors, rough_frames
+from .rough import RUNS, errors, rough_frames, scatter
 
 LEAST_POINTS = 12
 LARGEST_TOLERANCE = 1e-3
 SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
 SAME_SIZE = 1e-11  # relative difference of sizes that count as one
-SHARP_OVER_WINDOW = 1e-5  # and above which, over the normals' spread, none tells of an unknown size
+SHARP_OVER_WINDOW = 1e-6  # and above which, over the normals' spread, none tells of an unknown size
 TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
 _SOME = np.pi * np.arange(12)[None] / 12  # directions
+_MANY = np.pi * np.arange(180)[None] / 180
+ROUND = 1e-3  # |K|/|II|^2, from which on a point may tell all half-angles that it allows
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
 
 
@@ -176,7 +178,8 @@ def recognise(
         )
     f = isotropic_jet(found, ~flat)
     _check_sound(f)
-    off = errors(isotropic_jet(rough, np.tile(~flat, RUNS)))
+    runs = isotropic_jet(rough, np.tile(~flat, RUNS))
+    off = errors(runs)
     if kind == "cone":
         residual, half_angle = _cone(f, half_angle)
         size = {"half_angle": half_angle}
@@ -189,7 +192,7 @@ def recognise(
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
         sharp = min(_sharp(tolerance), max(SHARP_OVER_WINDOW, tolerance) * window)
-        tried, size = _searched(kind, f, off, tolerance, sharp, size)
+        tried, size = _searched(kind, f, off, runs, tolerance, sharp, size)
     return _judged(kind, tried, spread, residual, **size)
 
 
@@ -309,16 +312,17 @@ def _tried(kind, f, off, tolerance, size, unsure, sharp):
     return evidence._replace(agrees=counts.any(axis=-1) | anything)
 
 
-def _searched(kind, f, off, tolerance, sharp, size):
+def _searched(kind, f, off, runs, tolerance, sharp, size):
     """Return the evidence for each size that one point allows, and the size found."""
-    values, unsure, complete = _sizes(kind, f, off, tolerance)
+    values, unsure, complete, every = _sizes(kind, f, off, runs, tolerance)
     [name] = size
     if not complete.any():
         # A sphere has cones of every half-angle, and other surfaces of a range of them: one that
-        # was found will do. If none agrees no point tells all its sizes.
+        # was found will do. Else no point tells all its sizes.
         trial = np.pi / 4 if size[name] is None else size[name]
-        every = _tried(kind, f, off, tolerance, trial, 0.0, sharp)
-        return [every._replace(refutes=np.zeros_like(every.refutes))], size
+        found = _tried(kind, f, off, tolerance, trial, 0.0, sharp)
+        agrees = found.agrees & every.all()
+        return [found._replace(refutes=np.zeros_like(agrees), agrees=agrees)], size
     # Each size of the point that knows its own best is tried, as well as any point knows it.
     width = np.where(np.isnan(values), 0.0, unsure / (np.abs(values) + (values == 0)))
     best = np.argmin(np.where(complete, width.max(axis=-1), np.inf))
@@ -330,7 +334,8 @@ def _searched(kind, f, off, tolerance, sharp, size):
         nearest = np.argmin(apart, axis=-1)[:, None]
         there = np.take_along_axis(values, nearest, -1)[:, 0]
         known = np.take_along_axis(unsure, nearest, -1)[:, 0]
-        known[~(np.abs(there - value) <= own + known)] = np.inf  # those that may be the same
+        same = np.abs(there - value) <= own + known
+        known[~same] = np.inf
         sharpest = np.argmin(known)
         if known[sharpest] < own:
             evidence = _tried(kind, f, off, tolerance, there[sharpest], known[sharpest], sharp)
@@ -339,7 +344,7 @@ def _searched(kind, f, off, tolerance, sharp, size):
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
         again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp)
-        tried.append((again._replace(refutes=evidence.refutes), shared))
+        tried.append((again._replace(refutes=evidence.refutes | (complete & ~same)), shared))
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))
@@ -350,7 +355,7 @@ def _searched(kind, f, off, tolerance, sharp, size):
     return [found[0] for found in tried], size
 
 
-def _sizes(kind, f, off, tolerance):
+def _sizes(kind, f, off, runs, tolerance):
     """Return the sizes that each point allows, how far they may be off, and whether that's all.
 
     Parameters
@@ -359,6 +364,8 @@ def _sizes(kind, f, off, tolerance):
         Of which the radius or the half-angle is asked.
     f, off : Jet
         In adapted frames, at n points, and the errors of its coefficients.
+    runs : Jet
+        The same as f, each time rounded at random.
     tolerance : float
         Their relative error besides.
 
@@ -368,21 +375,24 @@ def _sizes(kind, f, off, tolerance):
         In m or rad; NaN-padded.
     complete : (n,) bool
         Whether no other size is possible.
+    every : (n,) bool
+        Whether each size of a range is.
     """
-    two, three, four = (off_by(off, k, tolerance, f)[:, None] for k in (2, 3, 4))
+    two, three = (off_by(off, k, tolerance, f)[:, None] for k in (2, 3))
     values = _principal_values(f) / 2
     exact = np.broadcast_to(two, values.shape)
     if kind == "pipe":
-        return values, exact, np.ones(len(values), dtype=bool)
+        certain = np.ones(len(values), dtype=bool)
+        return values, exact, certain, ~certain
     if kind == "cylinder":
         angle, spread, _ = zeros(lambda a: derivative_along(f, a, 3), 3, three[:, 0])
         rate = np.abs(derivative_along(f, angle, 1, 1)) + frobenius(f, 2)[:, None] * spread
         found = derivative_along(f, angle, 2) / 2
         # Where f_eee vanishes altogether every direction has its own size.
-        complete = (frobenius(f, 3) > 4 * three[:, 0]) | (np.ptp(values, axis=-1) <= 4 * two[:, 0])
+        every = (frobenius(f, 3) <= 4 * three[:, 0]) & (np.ptp(values, axis=-1) > 4 * two[:, 0])
         values = np.hstack([found, values])
-        return values, np.hstack([two + 2 * rate * spread, exact]), complete
-    slack = _eliminated_off(f, two, three, four)
+        return values, np.hstack([two + 2 * rate * spread, exact]), ~every, every
+    slack = scatter(_eliminated(runs, _SOME)) + _eliminated_off(f, tolerance)
     angle, spread, _ = zeros(lambda b: _eliminated(f, b / 2), 4, slack[:, 0])
     angle, spread = angle / 2, spread / 2
     up = 3 * derivative_along(f, angle, 1, 1)
@@ -408,19 +418,23 @@ def _sizes(kind, f, off, tolerance):
     passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
     passing = np.hstack([passing, np.zeros_like(circle)])
     vague = ~np.isnan(angles) & ~(unsure <= 0.1)
-    complete = ~(vague & ~passing).any(axis=-1)
-    complete &= np.abs(_eliminated(f, _SOME)).max(axis=-1) > 4 * slack[:, 0]
+    every = np.abs(_eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
+    # Near the parabolic curve the zeros crowd, and one may be lost; so may a pair between samples.
+    values = _principal_values(f)
+    curved = np.abs(values.prod(axis=-1)) > ROUND * frobenius(f, 2) ** 2
+    signs = np.sign(_eliminated(f, _MANY))
+    changes = np.count_nonzero(signs != np.roll(signs, 1, axis=-1), axis=-1)
+    complete = ~(vague & ~passing).any(axis=-1) & ~every & curved
+    complete &= changes <= np.count_nonzero(~np.isnan(angle), axis=-1)
     outside = (angles < NEEDLE) | (angles > np.pi / 2 - NEEDLE)
     angles[vague | passing | outside] = np.nan
-    return angles, np.where(np.isnan(angles), 0.0, unsure), complete
+    return angles, np.where(np.isnan(angles), 0.0, unsure), complete, every
 
 
-def _eliminated_off(f, two, three, four):
-    """Return by how much the form of degree 8 may be off, (n, 1)."""
-    a, b, c = (frobenius(f, k)[:, None] for k in (2, 3, 4))
-    first = 6 * a * c * two + 3 * a * a * four
-    second = 12 * a * b * three + 6 * b * b * two
-    return first + second + 2 * b * b * two + 4 * a * b * three
+def _eliminated_off(f, tolerance):
+    """Return by how much the form of degree 8 is off by a relative error of f, (n, 1)."""
+    two, three, four = (frobenius(f, k)[:, None] for k in (2, 3, 4))
+    return tolerance * (9 * two**2 * four + 18 * two * three**2 + 6 * two * three**2)
 
 
 def _ruled(g):

@@ -68,3 +68,10 @@ def errors(jet):
     middle = np.median(every, axis=1)
     away = np.abs(every - middle[:, None]).max(axis=1)
     return Jet(SAFETY * away + UNIT * np.abs(middle))
+
+
+def scatter(values):
+    """Return the error (n, 1) of values (RUNS n, m) that were found so, the largest of the m."""
+    every = values.reshape(RUNS, -1, values.shape[-1])
+    away = np.abs(every - np.median(every, axis=0))
+    return SAFETY * away.max(axis=(0, 2))[:, None]
