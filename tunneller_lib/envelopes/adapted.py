@@ -85,7 +85,22 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
 
 
 def frames_by(surface, s, t, model):
-    """Return what `adapted_frames` does, by its variables as jets (n,)."""
+    """Return what `adapted_frames` does, by its variables as jets.
+
+    Parameters
+    ----------
+    surface : callable
+        As for `adapted_frames`.
+    s, t : Jet
+        The two variables, at n points.
+    model : {"isotropic", "space"}
+        As for `adapted_frames`.
+
+    Returns
+    -------
+    frames : AdaptedFrames
+        At these points.
+    """
     with np.errstate(all="ignore"):
         answer = surface(s, t)
         if model == "isotropic":

@@ -153,7 +153,24 @@ def weigh(forms, sharp):
 
 
 def off_by(errors, degree, sure, f):
-    """Return by how much derivatives of a degree may be off in any direction, (n,)."""
+    """Return by how much derivatives of a degree may be off in any direction.
+
+    Parameters
+    ----------
+    errors : Jet
+        Of a jet's coefficients, at n points.
+    degree : int
+        Of the derivatives.
+    sure : float
+        The coefficients' relative error besides.
+    f : Jet
+        The jet itself.
+
+    Returns
+    -------
+    off : (n,) float
+        In the jet's unit.
+    """
     return frobenius(errors, degree) + sure * frobenius(f, degree)
 
 
