@@ -239,7 +239,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     about, columns = read_csv((out / "setvalues.csv").read_text())
     assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
     assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")
-    assert (out / "budget.csv").read_text().count("\n") == 8
+    assert (out / "budget.csv").read_text().count("\n") == 10
 
 
 def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
@@ -351,6 +351,38 @@ REFUSED = [
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
      "[section] pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m."),
 ]  # fmt: skip
+
+
+# Ten wrong jobs and the whole sentence that is said of each.
+ADVICE = [
+    ({"R = 0.80 ": "R = 800"},
+     "[machine] R: must be at most 50 m; got 800. If that is in mm, it is 0.8 m."),
+    ({"depth = 0.02 ": "depth = 20"},
+     "[machine] depth: must be at most 1 m; got 20. If that is in mm, it is 0.02 m."),
+    ({"tick = 5e-3 ": "tick = 5"},
+     "[plan] tick: must be at most 0.5 s; got 5. If that is in ms, it is 0.005 s."),
+    ({"feed = 0.2 ": "feed = 100"},
+     "[limits] feed: must be at most 5 m/s; got 100. If that is in mm/s, it is 0.1 m/s."),
+    ({"acceleration = 0.5": "acceleration = 500"},
+     "[limits] acceleration: must be at most 50 m/s^2; got 500. If that is in mm/s^2, it is 0.5 "
+     "m/s^2."),
+    ({"theta_min_deg = -60": "theta_min = -60"},
+     "[machine] theta_min: must be at most 7 rad; got -60. In degrees its name is theta_min_deg."),
+    ({"tolerance = 1e-3 ": "tolerance = 1 "},
+     "[plan] tolerance: must be at most 0.3 m; got 1. If that is in mm, it is 0.001 m."),
+    ({"tolerance = 1e-3 ": "tolerance = 1e-7 "},
+     "[plan] tolerance: must be at least what a count of 9.59e-05 rad moves the cutter, 8.4e-05 m; "
+     "got 1e-07 m."),
+    ({"height = -0.36": "height = -0.9"}, "[machine] height: may be from -"),
+    ({"gain = 10 ": "gain = 1000 "}, "the gain must be below "),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence"), ADVICE)
+def test_cut_says_what_was_meant_or_what_is_allowed(capsys, job, tmp_path, changes, sentence):
+    code, said, told = run(capsys, "cut", job(changes), "--out", tmp_path / "cut", "--json")
+    assert code in (1, 2) and sentence in told.splitlines()[-1]
+    assert sentence in " ".join(json.loads(said).values())
 
 
 @pytest.mark.parametrize(("changes", "sentence"), REFUSED)

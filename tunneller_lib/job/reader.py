@@ -48,6 +48,12 @@ CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", del
                   encoder="rad")  # fmt: skip
 POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
 WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
+# Beyond this a number is meant in another unit: the most, that unit, and what one of it is.
+TOO_MUCH = {
+    "m": (50.0, "mm", 1e-3), "m/s": (5.0, "mm/s", 1e-3), "m/s^2": (50.0, "mm/s^2", 1e-3),
+    "m^3/s": (1.0, "l/min", 1e-3 / 60), "rad": (7.0, "degrees", np.pi / 180),
+    "tick": (0.5, "ms", 1e-3), "tolerance": (0.3, "mm", 1e-3), "depth": (1.0, "mm", 1e-3),
+}  # fmt: skip
 MOST_RAYS = 100_000  # each way; memory bounds both together
 PLANTS = "T0", "T1", "T2", "T3"
 # The time that TOML's keys of many dots take grows with the square of their number.
@@ -101,7 +107,8 @@ class Job:
             machine = Machine(**self.machine)
         with _said_of("section"):
             section = _shape(self.section)
-        circuit = cutting_circuit(machine, section, **self.stance)
+        circuit = _circuit(machine, section, self.stance)
+        _check_tolerance(machine, self.plan)
         bounds = dict(self.limits)
         if "flow" in bounds or "valve" in bounds:
             bounds["axes"] = reference_axes(machine)
@@ -261,6 +268,8 @@ def _read(table, given, units, needed=()):
             wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
             kind = wanted.get(unit, f"a number in {unit}")
             raise WrongJob(f"{where}: must be {kind}; got {shown(value)}.")
+        if key == name and unit not in (TEXT, WHOLE):
+            _check_unit(where, key, value, unit)
         values[key] = float(np.radians(value)) if key != name else value
     for key in needed:
         if key not in values:
@@ -298,6 +307,43 @@ def _shape(section):
     sizes = dict(section)
     make, _ = SHAPES[sizes.pop("shape")]
     return make(**sizes)
+
+
+def _circuit(machine, section, stance):
+    """Return the circuit; a refusal also says which heights of the machine would do."""
+    try:
+        return cutting_circuit(machine, section, **stance)
+    except ValueError as error:
+        low, high = machine.heights(section)
+        if any(stance.values()) or low <= machine.height <= high:
+            raise
+        which = f"may be from {low:.3f} to {high:.3f} m" if low < high else "of no size would do"
+        raise ValueError(f"{error} [machine] height: {which}.") from None
+
+
+def _check_tolerance(machine, plan):
+    """Raise ValueError where a tolerance is below what one count moves the cutter."""
+    count = plan.get("count", 2 * np.pi / 2**16)
+    moved = count * (machine.r + machine.R)
+    if 0 < plan["tolerance"] < moved:
+        raise ValueError(
+            f"[plan] tolerance: must be at least what a count of {count:.3g} rad moves the cutter, "
+            f"{moved:.2g} m; got {plan['tolerance']:g} m."
+        )
+
+
+def _check_unit(where, key, value, unit):
+    """Raise WrongJob for a number that must be in another unit than it is said to be."""
+    most, other, factor = TOO_MUCH.get(key, TOO_MUCH.get(unit, (np.inf, "", 1)))
+    if not np.inf > abs(value) > most:
+        return
+    if unit == "rad":
+        raise WrongJob(f"{where}: must be at most {most:g} rad; got {value:g}. In degrees its name "
+                       f"is {key}_deg.")  # fmt: skip
+    raise WrongJob(
+        f"{where}: must be at most {most:g} {unit}; got {value:g}. "
+        f"If that is in {other}, it is {value * factor:g} {unit}."
+    )
 
 
 @contextmanager

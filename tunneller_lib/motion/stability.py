@@ -4,6 +4,7 @@ Gains are Kv, the wanted rate over the following error, in 1/s; what a plant's o
 doesn't matter, because the static inverse divides by it.
 """
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +15,7 @@ from .oil import Compressible, Rigid
 from .plant import Integrator, Lag, Resonance, ValveResonance
 from .quantities import Quantity, Quantity0, Tick, Ticks
 
+GENTLE = 1e-3  # 1/s, a gain with which every loop of the study is stable
 LinearPlant = Integrator | Lag | Resonance | ValveResonance
 Plant = LinearPlant | Rigid | Compressible
 
@@ -133,11 +135,28 @@ def is_stable(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     T2 and T3 are judged by their linear models at each of the joint angles `angles`, in rad;
     encoder, dead band and limit of the valve are left out.
     """
+    return all(bool(_radius(one, loop, loop.gain) < 1) for one in _models(plant, angles))
+
+
+@checked
+def gain_limit(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
+    """Return the gain from which a loop isn't stable at each of some joint angles, in 1/s.
+
+    As `is_stable` judges it, for the `plant` and a `loop` whose own gain doesn't matter, at
+    `angles` in rad. A loop with an integral has no such limit, for it needs a least gain, too; it
+    is refused with ValueError.
+    """
+    if loop.integral:
+        raise ValueError(f"loop: must be without integral; got {loop.integral:g} 1/s^2.")
+    gentle = replace(loop, gain=GENTLE)
+    return min(float(eigenvalue_limit(one, gentle)) for one in _models(plant, angles))
+
+
+def _models(plant, angles):
+    """Return the linear models of small motions about rest, at joint angles in rad."""
     if isinstance(plant, LinearPlant):
-        models = {plant}
-    else:
-        models = {plant.linear.unchecked(plant, angle) for angle in np.ravel(angles).tolist()}
-    return all(bool(_radius(model, loop, loop.gain) < 1) for model in models)
+        return {plant}
+    return {plant.linear.unchecked(plant, angle) for angle in np.ravel(angles).tolist()}
 
 
 @checked

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
 from ..motion import Track, follow
+from ..motion.stability import gain_limit
 from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid
 from ..removal.dexel import Shape
@@ -171,9 +172,17 @@ def simulate(
     setvalues = np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
     slopes = np.concatenate([run.slopes for run in runs])
     track = follow(plant, loop, setvalues, slopes=slopes)
-    for name, stable in zip(("theta", "phi"), track.stable, strict=True):
-        if stable is False:
-            raise ValueError(f"loop: must be stable; that of {name} isn't at its gain and tick.")
+    for axis, name in enumerate(("theta", "phi")):
+        if track.stable[axis] is False:
+            said = f"loop: must be stable; that of {name} isn't at its gain and tick"
+            if loop[axis].integral:
+                raise ValueError(f"{said}.")
+            reached = setvalues[:, axis]
+            angles = np.linspace(reached.min(), reached.max(), 5)
+            limit = gain_limit(plant[axis], loop[axis], angles)
+            raise ValueError(
+                f"{said}: the gain must be below {limit:.3g} 1/s; got {loop[axis].gain:g} 1/s."
+            )
     first = len(parts[0]) - 1
     last = first + plan.laps * int(plan.ticks.sum())
     ends = track.position[: first + 1], track.position[last:]
