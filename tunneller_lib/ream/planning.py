@@ -31,6 +31,8 @@ from .timing import move_shares, move_ticks
 
 LONGEST_REST = 1e4  # s
 PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
+CORNER_PLACES = 33  # of a rounded corner
+EASED, EASINGS = 1.0005, 6  # what is left to a slower run, and how often limits are tightened
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
 # Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
@@ -312,8 +314,8 @@ def plan(
     torus = circuit.machine.torus
     blend = tolerance / 2 if blend is None else blend
     way = route_through(circuit, knots, way=path_points(torus, path), blend=blend)
-    length, speed, moment, straight_time = _timed(
-        way, circuit, limits, advance if laps > 1 else 0.0
+    length, speed, moment, straight_time = _eased(
+        way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
     back = _stepping(limits, advance, tick) if laps > 1 else np.zeros(1)
     held = max(round(rest / tick), 1) + len(back) - 1
@@ -360,13 +362,40 @@ def plan(
     )
 
 
-def _timed(way, circuit, limits, advance):
-    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s."""
-    pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
-    length = np.concatenate([
-        np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
-    ] + [way.ends[-1:]])  # fmt: skip
+def _eased(way, circuit, limits, advance, tick):
+    """Return `_timed`, with limits that are tightened where the run between places leaves them."""
+    length = _places(way)
+    ease = np.ones_like(length)
+    for _ in range(EASINGS):
+        _, speed, moment, _ = found = _timed(way, circuit, limits, advance, length, ease)
+        if not tick * MOST_TICKS > moment[-1]:
+            break  # refused for its ticks
+        i, along = _sampled(length, speed, moment, tick)
+        strain, _ = strains(circuit.machine.torus, way.at(along), tick, limits)
+        if strain.max() <= EASED:
+            break
+        worse = np.ones_like(length)
+        for place in (i, i + 1):
+            np.maximum.at(worse, place, strain)
+        ease = ease * worse
+    return found
+
+
+def _sampled(length, speed, moment, tick):
+    """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
+    time = tick * np.arange(np.ceil(moment[-1] / tick - 1e-9) + 1)
+    i = np.clip(np.searchsorted(moment, time, side="right") - 1, 0, len(moment) - 2)
+    # Of constant acceleration between two places. The feed may be that of a slower run.
+    share = np.minimum((time - moment[i]) / (moment[i + 1] - moment[i]), 1.0)
+    mean = (speed[i] + (speed[i + 1] - speed[i]) * share / 2) / (speed[i] + speed[i + 1])
+    return i, length[i] + 2 * (length[i + 1] - length[i]) * share * mean
+
+
+def _timed(way, circuit, limits, advance, length, ease):
+    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
+
+    Limits of acceleration are divided by `ease`.
+    """
     at = way.at(length)
     moves = np.diff(length)
     ground = _ground(circuit, way.place(length), moves, advance)
@@ -374,8 +403,8 @@ def _timed(way, circuit, limits, advance):
         moves,
         at,
         ground,
-        slopes=way.at(length, order=1),
-        bends=way.at(length, order=2),
+        slopes=way.at(length, order=1) * ease[:, None],
+        bends=way.at(length, order=2) * ease[:, None],
         twists=way.at(length, order=3),
         levers=levers(circuit.machine.torus, at),
     )
@@ -385,17 +414,30 @@ def _timed(way, circuit, limits, advance):
     return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
 
 
+def _places(way):
+    """Return lengths of way (k + 1,) at which limits are kept, closer where corners are rounded."""
+    pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
+    even = [
+        np.linspace(a, b, n, endpoint=False)
+        for a, b, n in zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
+    ]
+    rounded = way.ends[:, None] + way.halves[:, None] * np.linspace(-1, 1, CORNER_PLACES)
+    every = np.concatenate([*even, rounded.ravel(), [way.length]])
+    length = np.unique(every.clip(0, way.length))
+    # Places that are one but for rounding count once; the last one stays.
+    apart = np.diff(length, prepend=-np.inf) > 1e-9 * way.length
+    apart[-1] = True
+    length = length[apart]
+    if length[-1] - length[-2] <= 1e-9 * way.length:
+        length = np.delete(length, -2)
+    return length
+
+
 def _at_ticks(way, torus, limits, length, speed, moment, tick):
     """Return the lengths of way (ticks + 1,) at whole ticks, within the limits."""
     slower = 1.0
     for _ in range(MOST_SLOWINGS):
-        due = slower * moment
-        time = tick * np.arange(np.ceil(due[-1] / tick - 1e-9) + 1)
-        i = np.clip(np.searchsorted(due, time, side="right") - 1, 0, len(due) - 2)
-        # Of constant acceleration between two places.
-        share = np.minimum((time - due[i]) / (due[i + 1] - due[i]), 1.0)
-        gained = (speed[i + 1] - speed[i]) * share / 2
-        along = length[i] + (moment[i + 1] - moment[i]) * share * (speed[i] + gained)
+        _, along = _sampled(length, speed, slower * moment, tick)
         along = _without_jerk(way, torus, limits, along, tick)
         strain, change = strains(torus, way.at(along), tick, limits)
         excess = max(

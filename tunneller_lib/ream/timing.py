@@ -131,7 +131,10 @@ def move_ticks(distance, speed, acceleration, jerk, tick):
     n1 = min(speed / reached, (sqrt(n2 * n2 + 4 * distance / reached) - n2) / 2)
     n1 = max(n1, n2)
     n0 = distance / (reached * n1)
-    return [max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1, n2)]
+    first, second, third = (max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1, n2))
+    # Rounded up each by itself they could overlap, and two changes of the acceleration add.
+    second = max(second, third)
+    return [max(first, second + third if jerk < inf else second), second, third]
 
 
 def move_shares(ticks):
