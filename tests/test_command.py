@@ -330,7 +330,7 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     times = next(line for line in lines if line.startswith("time in s: "))
     assert all(part in times for part in ("straight ", "corners ", "entry ", "exit ", "all "))
     used = next(line for line in lines if line.startswith("limits used: "))
-    assert "feed 95 %" in used and "acceleration 100 %" in used
+    assert "feed 100 %" in used and "acceleration 100 %" in used
     assert "valve open for 0 % and 0 % of the time" in said
 
 
