@@ -258,6 +258,12 @@ def verdicts_of(kind, exact, seeds):
     return found
 
 
+@pytest.mark.parametrize("seed", [352, 413])
+def test_direction_that_is_hardly_known_proves_nothing(seed):
+    """Near-misses next to a double zero, whose wide bounds once passed for agreement."""
+    assert "is" not in verdicts_of("cone", False, [seed])
+
+
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_random_members_and_near_misses(kind, part):

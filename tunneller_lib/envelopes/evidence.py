@@ -13,6 +13,7 @@ import numpy as np
 from .circle_roots import real_zeros
 from .forms import frobenius
 
+_KNOWN = 1e-5  # rad
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
 
@@ -27,8 +28,8 @@ class Forms(NamedTuple):
         Of the first; the second's is at most 8.
     off_first, off_second : (n,) float
         By how much they may be off, in m.
-    size : (n,) float
-        What the second is to be compared with, in m.
+    size : callable
+        Of angles (n, m): what the second is to be compared with there (n, m), in m.
     """
 
     first: object
@@ -36,7 +37,7 @@ class Forms(NamedTuple):
     degree: int
     off_first: np.ndarray
     off_second: np.ndarray
-    size: np.ndarray
+    size: object
 
 
 class Evidence(NamedTuple):
@@ -137,12 +138,16 @@ def weigh(forms, sharp):
     bound = bound + second.most(2) * spread**2
     known = ~np.isnan(angle)
     common = known & (value <= bound)
-    agrees = common & (bound <= sharp * forms.size[:, None])
+    # A direction that is hardly known, next to a multiple zero, proves nothing either.
+    size = forms.size(angle)
+    agrees = common & (bound <= sharp * size) & (spread <= _KNOWN)
     # Where the first form vanishes altogether any direction would do: the point agrees where the
     # second does as well, as on a sphere, and else doesn't tell.
     whole = np.abs(forms.first(_AROUND)).max(axis=-1) <= 4 * forms.off_first
     rest = np.abs(forms.second(_AROUND)).max(axis=-1)
-    everywhere = (rest <= 4 * forms.off_second) & (forms.off_second <= sharp * forms.size)
+    everywhere = (rest <= 4 * forms.off_second) & (
+        forms.off_second <= sharp * forms.size(_AROUND).max(axis=-1)
+    )
     return Evidence(
         ~whole & ~common.any(axis=-1),
         np.where(whole, everywhere, agrees.any(axis=-1)),

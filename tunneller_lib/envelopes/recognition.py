@@ -19,7 +19,7 @@ LEAST_POINTS = 12
 LARGEST_TOLERANCE = 1e-3
 SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
 SAME_SIZE = 1e-11  # relative difference of sizes that count as one
-SHARP_OVER_WINDOW = 1e-6  # and above which, over the normals' spread, none tells of an unknown size
+SHARP_OVER_WINDOW = 1e-7  # and above which, over the normals' spread, none tells of an unknown size
 TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
@@ -258,8 +258,11 @@ def _with(evidence, where, other):
     return evidence._replace(refutes=refutes, agrees=agrees)
 
 
-def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0):
-    """Return a class' two conditions at n points, for a size that may be off by `unsure`."""
+def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0, floor=1.0):
+    """Return a class' two conditions at n points, for a size that may be off by `unsure`.
+
+    What order 4 is compared with is the sum of its terms, but a share `floor` of the jet at least.
+    """
     two, three, four = (off_by(off, k, tolerance, f) for k in (2, 3, 4))
 
     def normal(a):
@@ -279,29 +282,36 @@ def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0):
             return rho * third(a) + 3 * mixed(a)
 
         def order_4(a):
+            return sum(terms(a))
+
+        def terms(a):
             last = derivative_along(f, a, 0, 2) - derivative_along(f, a, 2)
-            return (
-                rho**2 * derivative_along(f, a, 4)
-                + 6 * rho * derivative_along(f, a, 2, 1)
-                + 3 * last
-            )
+            fourth = rho**2 * derivative_along(f, a, 4)
+            return [fourth, 6 * rho * derivative_along(f, a, 2, 1), 3 * last]
+
+        def size_4(a):
+            return np.maximum(sum(np.abs(term) for term in terms(a)), floor * whole[:, None])
 
         whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
         off_3 = rho * three + 3 * two + unsure * frobenius(f, 3)
         off_4 = rho**2 * four + 6 * rho * three + 6 * two
         off_4 = off_4 + unsure * (2 * rho * frobenius(f, 4) + 6 * frobenius(f, 3))
-        return Forms(order_3, order_4, 3, off_3, off_4, whole)
+        return Forms(order_3, order_4, 3, off_3, off_4, size_4)
+
+    def whole(size):
+        return lambda a: size[:, None] + 0 * a
+
     if kind in ("ruled", "cylinder"):
         beside = frobenius(f, 2) if kind == "cylinder" else frobenius(f, 2) ** 2
-        return Forms(normal, third, 2, two + 2 * unsure, three, frobenius(f, 3) + beside)
+        return Forms(normal, third, 2, two + 2 * unsure, three, whole(frobenius(f, 3) + beside))
     if kind == "channel":
-        return Forms(mixed, third, 2, two, three, frobenius(f, 3) + frobenius(f, 2))
-    return Forms(mixed, normal, 2, two, two + 2 * unsure, frobenius(f, 2) + 2 * abs(size))
+        return Forms(mixed, third, 2, two, three, whole(frobenius(f, 3) + frobenius(f, 2)))
+    return Forms(mixed, normal, 2, two, two + 2 * unsure, whole(frobenius(f, 2) + 2 * abs(size)))
 
 
-def _tried(kind, f, off, tolerance, size, unsure, sharp):
+def _tried(kind, f, off, tolerance, size, unsure, sharp, floor=1.0):
     """Return the evidence for a class and one size."""
-    evidence = weigh(_forms(kind, f, off, tolerance, size or 0.0, unsure), sharp)
+    evidence = weigh(_forms(kind, f, off, tolerance, size or 0.0, unsure, floor), sharp)
     if kind != "cone":
         return evidence
     # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.
@@ -343,7 +353,7 @@ def _searched(kind, f, off, runs, tolerance, sharp, size):
             evidence = _tried(kind, f, off, tolerance, value, own, sharp)
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
-        again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp)
+        again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp, 1e-3)
         tried.append((again._replace(refutes=evidence.refutes | (complete & ~same)), shared))
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
