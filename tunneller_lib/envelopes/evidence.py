@@ -13,7 +13,6 @@ import numpy as np
 from .circle_roots import real_zeros
 from .forms import frobenius
 
-_KNOWN = 1e-5  # rad
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
 
@@ -138,9 +137,8 @@ def weigh(forms, sharp):
     bound = bound + second.most(2) * spread**2
     known = ~np.isnan(angle)
     common = known & (value <= bound)
-    # A direction that is hardly known, next to a multiple zero, proves nothing either.
     size = forms.size(angle)
-    agrees = common & (bound <= sharp * size) & (spread <= _KNOWN)
+    agrees = common & (bound <= sharp * size)
     # Where the first form vanishes altogether any direction would do: the point agrees where the
     # second does as well, as on a sphere, and else doesn't tell.
     whole = np.abs(forms.first(_AROUND)).max(axis=-1) <= 4 * forms.off_first
