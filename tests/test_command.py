@@ -243,11 +243,11 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
 
 
 def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
-    code, said, told = run(capsys, "cut", job({"tolerance = 1e-3": "tolerance = 1.0"}),
+    code, said, told = run(capsys, "cut", job({"tolerance = 1e-3": "tolerance = 0.3"}),
                            "--out", tmp_path / "cut", "--json")  # fmt: skip
     (asked,) = json.loads(said)["warnings"]
     assert code == 0 and told.splitlines()[-1] == f"warning: {asked}"
-    assert asked.startswith("[plan] tolerance: 1 m isn't below the depth of cut 0.02 m; ")
+    assert asked.startswith("[plan] tolerance: 0.3 m isn't below the depth of cut 0.02 m; ")
     code, said, told = run(capsys, "cut", job({"# [pose]": "[pose]", "# y = 1e-3": "y = 1e-2"}),
                            "--out", tmp_path / "cut", "--json")  # fmt: skip
     assert code == 0 and told.splitlines()[-2:] == [

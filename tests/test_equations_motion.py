@@ -349,14 +349,14 @@ def test_fast_division(judge):
     assert dearest < 9 * 32
     # Once a segment, not once a tick.
     preparation, tick = structured_text().split("\nELSE\n")
-    assert preparation.count(" / nTicks") == 1 and "/" not in tick and "MOD" not in tick
+    assert preparation.count("(nStop - nStart) / ") == 1 and "/" not in tick and "MOD" not in tick
 
 
 def test_slope_above_one(judge):
     # Once a move, as the listing prepares it; in whole numbers the remainder needs a product too.
     text = structured_text()
     preparation, tick = text.split("\nELSE\n")
-    once = (preparation.count(" / nTicks"), preparation.count(" MOD ")) == (1, 1)
+    once = [preparation.count(f"(nStop - nStart) {sign} ") for sign in ("/", "MOD")] == [1, 1]
     never = not any(operator in tick for operator in ("/", "MOD", "*"))
     fractions = []
     for difference, ticks in [(25, 10), (7, 3), (1000, 37)]:

@@ -46,7 +46,7 @@ def pseudo_envelope(half_angle: HalfAngle, *, offset: Shift = 0.0):
     --------
     >>> f = pseudo_envelope(np.radians(20))
     >>> float(np.round(f(0.2, 0.15), 6))
-    -1.028776
+    -0.982232
     """
     end = np.tan(np.pi / 4 - half_angle / 2)
 
