@@ -5,9 +5,11 @@ import shlex
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from report.sources import ROOT
+from tunneller_lib.surfaces import Torus
 
 READS = ["README.md", "Makefile", "notebooks/reference.toml"]
 
@@ -43,6 +45,15 @@ def test_programs_are_called_rightly(command):
         rest.append("--help")
     done = subprocess.run([sys.executable, *rest], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout, done.stderr
+
+
+def test_line_for_builders_prints_the_foot_of_a_point_on_the_torus():
+    [command] = [c for c in PROGRAMS if c.startswith("plain/bin/python -c")]
+    _, *rest = shlex.split(command)
+    done = subprocess.run([sys.executable, *rest], cwd=ROOT, capture_output=True, text=True)
+    printed = [float(word) for word in done.stdout.strip().strip("[]").split()]
+    assert len(printed) == 3 and np.isfinite(printed).all()
+    np.testing.assert_allclose(printed, Torus(r=0.08, R=0.80).foot((0.5, 0.2, 0.1)), atol=1e-8)
 
 
 def test_the_test_to_try_is_there():
