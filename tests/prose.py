@@ -40,13 +40,6 @@ STATISTICS = {
 ALIKE = {
     "findings": {("median aside", "third rule's gain in position, median"),
                  ("third rule's gain, median", "third rule's gain in position, median")},
-    "geodesics": {("leaving", "leaving by"), ("leaving", "aside, corner to corner"),
-                  ("leaving by", "aside, corner to corner"),
-                  ("law off, shortest", "law off, longest"),
-                  ("power of the next order", "power of the one-third rule"),
-                  ("worst excess", "worst excess, third rule"),
-                  ("worst aside", "worst aside, third rule"),
-                  ("third rule worse", "third rule worse from")},
 }  # fmt: skip
 
 
@@ -90,9 +83,6 @@ def sources(root=ROOT):
     """Return the files of prose, report.typ last."""
     report = root / "report"
     return [*sorted((report / "sections").glob("*.typ")), report / "report.typ"]
-
-
-UNREAD = {"geodesics"}  # files whose running text isn't read for words that compare
 
 
 def running(path):

@@ -22,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.prose import CALL, CAPTION, NUMBER, UNREAD, bracketed, sources
+from tests.prose import CALL, CAPTION, NUMBER, bracketed, sources
 from tests.typeset_faults import faults as equation_faults
 from tests.typst_math import tokens
 
@@ -150,8 +150,8 @@ def comparing(path):
         printed = match[0].startswith(("#than", "#compared"))
         return " " * word.start() + word[0] + "  " if printed else " " * len(match[0])
 
-    text = told(path) if path.stem in UNREAD else whole(path)
-    return CALL.sub(blank, re.sub(r"//[^\n]*", lambda match: " " * len(match[0]), text))
+    text = re.sub(r"//[^\n]*", lambda match: " " * len(match[0]), whole(path))
+    return CALL.sub(blank, text)
 
 
 def in_prose(kind, pattern, change, rng, places=whole):
