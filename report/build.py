@@ -14,6 +14,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 
+from report.lists import FIGURE_LIST, RECORD_LIST, figure_list, record_list
 from report.lock import locked
 from report.sources import (
     ROOT,
@@ -30,7 +31,6 @@ from report.state import State, replace
 DOCUMENTS = ("report", "corrigenda")
 PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
 PDF = PDFS["report"]
-FIGURE_LIST = ROOT / "figures" / "README.md"
 USUAL = 10.0  # s that a notebook may take of which nothing is known
 
 
@@ -154,10 +154,11 @@ def write_report():
         say(f"report/report.pdf left as it was: {error}")
         return 1
     replace(FIGURE_LIST, figure_list().encode())
+    replace(RECORD_LIST, record_list().encode())
     for name, pdf in made.items():
         replace(PDFS[name], pdf)
     seconds = time.monotonic() - begun
-    state.save(sources, file_digests(ROOT, [*PDFS.values(), FIGURE_LIST]), seconds)
+    state.save(sources, file_digests(ROOT, [*PDFS.values(), FIGURE_LIST, RECORD_LIST]), seconds)
     say(f"report/report.pdf, {seconds:.1f} s")
     return 0
 
@@ -184,17 +185,6 @@ def forget_deleted_notebooks():
             gone = figure_files(ROOT / "notebooks" / numbers.name)
             for path in {numbers, *gone} - kept:
                 path.unlink(missing_ok=True)
-
-
-def figure_list():
-    """Return figures/README.md: where each figure comes from and what it shows."""
-    lines = ["# Figures", "", "Made by `make report`; each by one notebook.", ""]
-    lines += ["| figure | notebook | what it shows |", "| --- | --- | --- |"]
-    for notebook in notebooks():
-        for _, figure in sorted(records(notebook)[1].get("figures", {}).items()):
-            link = f"[{notebook.name}](../notebooks/{notebook.name})"
-            lines.append(f"| [{figure['file']}]({figure['file']}) | {link} | {figure['alt']} |")
-    return "\n".join(lines) + "\n"
 
 
 def say(text):

@@ -6,8 +6,9 @@ import shutil
 
 import pytest
 
-from report.build import DOCUMENTS, FIGURE_LIST, PDFS, figure_list
+from report.build import DOCUMENTS, PDFS
 from report.compile import ReportFailed, compile_report
+from report.lists import FIGURE_LIST, RECORD_LIST, figure_list, record_list, uses
 from report.sources import ROOT, cells, figure_files, notebooks, records
 
 READS = [
@@ -20,15 +21,6 @@ READS = [
     "tests/text_faults.csv",
     "tests/text_faults.toml",
 ]
-
-USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
-KINDS = {
-    "num": "numbers",
-    "count": "numbers",
-    "than": "orders",
-    "tabular": "tables",
-    "fig": "figures",
-}
 
 
 @pytest.fixture(scope="module")
@@ -56,20 +48,19 @@ def test_every_record_names_its_cell():
                 assert "record" in source, f"{notebook.stem}: {kind} {name} in cell {entry['cell']}"
 
 
-def test_figure_list_is_what_the_records_give():
+def test_lists_are_what_the_records_give():
     assert FIGURE_LIST.read_text() == figure_list()
+    assert RECORD_LIST.read_text() == record_list()
 
 
 def test_every_record_is_used_and_every_use_recorded():
-    texts = [path.read_text() for path in (ROOT / "report").rglob("*.typ")]
-    used = {(n, KINDS[kind], name) for text in texts for kind, n, name in USE.findall(text)}
     recorded = {
         (notebook.stem, kind, name)
         for notebook in notebooks()
         for kind, entries in records(notebook)[1].items()
         for name in entries
     }
-    assert used == recorded
+    assert uses().keys() == recorded
 
 
 def test_folders_hold_nothing_but_records():

@@ -1,0 +1,61 @@
+"""Two lists of what the report shows: its figures, and where each record comes from."""
+
+import csv
+import io
+import re
+from collections import defaultdict
+
+from report.sources import ROOT, notebooks, records
+
+FIGURE_LIST = ROOT / "figures" / "README.md"
+RECORD_LIST = ROOT / "report" / "records.csv"
+
+USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+KINDS = {
+    "num": "numbers",
+    "count": "numbers",
+    "than": "orders",
+    "tabular": "tables",
+    "fig": "figures",
+}
+
+
+def figure_list():
+    """Return figures/README.md: where each figure comes from and what it shows."""
+    lines = ["# Figures", "", "Made by `make report`; each by one notebook.", ""]
+    lines += ["| figure | notebook | what it shows |", "| --- | --- | --- |"]
+    for notebook in notebooks():
+        for _, figure in sorted(records(notebook)[1].get("figures", {}).items()):
+            link = f"[{notebook.name}](../notebooks/{notebook.name})"
+            lines.append(f"| [{figure['file']}]({figure['file']}) | {link} | {figure['alt']} |")
+    return "\n".join(lines) + "\n"
+
+
+def uses():
+    """Return where the report shows a record: {(notebook, kind, name): names of files}."""
+    found = defaultdict(set)
+    for path in sorted((ROOT / "report").rglob("*.typ")):
+        for call, notebook, name in USE.findall(path.read_text(encoding="utf-8")):
+            found[notebook, KINDS[call], name].add(path.name)
+    return found
+
+
+def record_list():
+    """Return report/records.csv: each record with its notebook, code cell and place of use."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["notebook", "kind", "record", "printed", "unit", "code cell", "used in"])
+    used = uses()
+    for notebook in notebooks():
+        for kind, entries in sorted(records(notebook)[1].items()):
+            for name, entry in sorted(entries.items()):
+                where = " ".join(sorted(used.get((notebook.stem, kind, name), [])))
+                row = [notebook.stem, kind, name, _printed(kind, entry), entry.get("unit", "")]
+                table.writerow([*row, entry["cell"], where])
+    return text.getvalue()
+
+
+def _printed(kind, entry):
+    if kind == "numbers":
+        return f"at most {entry['text']}" if "bound" in entry else entry["text"]
+    return {"figures": entry.get("file"), "orders": entry.get("order")}.get(kind, "")
