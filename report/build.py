@@ -14,7 +14,14 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 
-from report.lists import FIGURE_LIST, RECORD_LIST, figure_list, record_list
+from report.lists import (
+    FIGURE_LIST,
+    RECORD_LIST,
+    VERDICT_LIST,
+    figure_list,
+    record_list,
+    verdict_list,
+)
 from report.lock import locked
 from report.sources import (
     ROOT,
@@ -28,7 +35,7 @@ from report.sources import (
 )
 from report.state import State, replace
 
-DOCUMENTS = ("report", "corrigenda")
+DOCUMENTS = ("report", "supplement", "corrigenda")
 PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
 PDF = PDFS["report"]
 USUAL = 10.0  # s that a notebook may take of which nothing is known
@@ -153,12 +160,13 @@ def write_report():
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
-    replace(FIGURE_LIST, figure_list().encode())
-    replace(RECORD_LIST, record_list().encode())
+    lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
+    for path, text in lists.items():
+        replace(path, text.encode())
     for name, pdf in made.items():
         replace(PDFS[name], pdf)
     seconds = time.monotonic() - begun
-    state.save(sources, file_digests(ROOT, [*PDFS.values(), FIGURE_LIST, RECORD_LIST]), seconds)
+    state.save(sources, file_digests(ROOT, [*PDFS.values(), *lists]), seconds)
     say(f"report/report.pdf, {seconds:.1f} s")
     return 0
 

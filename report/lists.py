@@ -1,14 +1,16 @@
-"""Two lists of what the report shows: its figures, and where each record comes from."""
+"""Lists beside the report: its figures, its records and its verdicts."""
 
 import csv
 import io
 import re
+import tomllib
 from collections import defaultdict
 
 from report.sources import ROOT, notebooks, records
 
 FIGURE_LIST = ROOT / "figures" / "README.md"
 RECORD_LIST = ROOT / "report" / "records.csv"
+VERDICT_LIST = ROOT / "report" / "verdicts.csv"
 
 USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
 KINDS = {
@@ -42,16 +44,31 @@ def uses():
 
 def record_list():
     """Return report/records.csv: each record with its notebook, code cell and place of use."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["notebook", "kind", "record", "printed", "unit", "code cell", "used in"])
-    used = uses()
+    used, rows = uses(), []
     for notebook in notebooks():
         for kind, entries in sorted(records(notebook)[1].items()):
             for name, entry in sorted(entries.items()):
                 where = " ".join(sorted(used.get((notebook.stem, kind, name), [])))
                 row = [notebook.stem, kind, name, _printed(kind, entry), entry.get("unit", "")]
-                table.writerow([*row, entry["cell"], where])
+                rows.append([*row, entry["cell"], where])
+    return _table(["notebook", "kind", "record", "printed", "unit", "code cell", "used in"], rows)
+
+
+def verdict_list():
+    """Return report/verdicts.csv: each claim with its verdict, what is right, and its test."""
+    columns = ["where", "claim", "verdict", "severity", "says", "effect", "origin", "proof"]
+    rows = []
+    for path in sorted((ROOT / "report" / "ledger").glob("*.toml")):
+        for name, row in tomllib.loads(path.read_text(encoding="utf-8")).items():
+            rows.append([path.stem, name, *(row.get(column, "") for column in columns)])
+    return _table(["document", "row", *columns], rows)
+
+
+def _table(columns, rows):
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows(rows)
     return text.getvalue()
 
 

@@ -80,9 +80,13 @@ class Use:
 
 
 def sources(root=ROOT):
-    """Return the files of prose, report.typ last."""
+    """Return the files of prose: the sections of the supplement, and the two documents last."""
     report = root / "report"
-    return [*sorted((report / "sections").glob("*.typ")), report / "report.typ"]
+    return [
+        *sorted((report / "sections").glob("*.typ")),
+        report / "supplement.typ",
+        report / "report.typ",
+    ]
 
 
 def running(path):

@@ -14,17 +14,20 @@ EQUATIONS = tomllib.loads((ROOT / "report" / "equations.toml").read_text(encodin
 LEDGER = {id: row for document in DOCUMENTS for id, row in ledger(document).items()}
 SOURCES = {
     path: path.read_text(encoding="utf-8")
-    for path in [ROOT / "report" / "report.typ", *(ROOT / "report" / "sections").iterdir()]
+    for path in [
+        *(ROOT / "report" / f"{name}.typ" for name in ("report", "supplement")),
+        *(ROOT / "report" / "sections").iterdir(),
+    ]
 }
 
 
 def in_order():
-    """Return the sections' texts as the report includes them."""
-    names = re.findall(r'#include "([^"]+)"', SOURCES[ROOT / "report" / "report.typ"])
+    """Return the sections' texts as the supplement includes them."""
+    names = re.findall(r'#include "([^"]+)"', SOURCES[ROOT / "report" / "supplement.typ"])
     return [SOURCES[ROOT / "report" / name] for name in names]
 
 
-def test_every_equation_stands_in_the_report_once_and_in_its_order():
+def test_every_equation_stands_in_the_supplement_once_and_in_its_order():
     uses = re.findall(r'#(?:judged|displayed)\("([^"]+)"\)', "\n".join(in_order()))
     assert uses == list(EQUATIONS)
 

@@ -25,7 +25,7 @@ from tunneller_lib.removal import bowl, ring
 from tunneller_lib.surfaces import Egg, Rod
 from tunneller_lib.surfaces.rod_interval import frame
 
-READS = ["report/report.typ", "report/sections/*"]
+READS = ["report/*.typ", "report/sections/*"]
 
 
 def formulas(path):

@@ -16,7 +16,7 @@ from tests.basic_listing import REPAIRS
 READS = [
     "report/ledger/*",
     "report/numbers/*",
-    "report/report.typ",
+    "report/*.typ",
     "report/sections/*",
     "tests/test_*.py",
 ]
@@ -163,7 +163,7 @@ def parts(place):
 
 # What a document's figure, table or listing is called where it stands here, and by its rows.
 SOURCE = re.compile(r'\bsource: "([^"]+)"|#unsourced\("([^"]+)"')
-SECTIONS = [ROOT / "report" / "report.typ", *(ROOT / "report" / "sections").glob("*.typ")]
+SECTIONS = [ROOT / "report" / "supplement.typ", *(ROOT / "report" / "sections").glob("*.typ")]
 SOURCES = {one or other for path in SECTIONS for one, other in SOURCE.findall(path.read_text())}
 
 

@@ -8,8 +8,17 @@ import pytest
 
 from report.build import DOCUMENTS, PDFS
 from report.compile import ReportFailed, compile_report
-from report.lists import FIGURE_LIST, RECORD_LIST, figure_list, record_list, uses
+from report.lists import (
+    FIGURE_LIST,
+    RECORD_LIST,
+    VERDICT_LIST,
+    figure_list,
+    record_list,
+    uses,
+    verdict_list,
+)
 from report.sources import ROOT, cells, figure_files, notebooks, records
+from tests.prose import sources
 
 READS = [
     "report/*",
@@ -51,6 +60,7 @@ def test_every_record_names_its_cell():
 def test_lists_are_what_the_records_give():
     assert FIGURE_LIST.read_text() == figure_list()
     assert RECORD_LIST.read_text() == record_list()
+    assert VERDICT_LIST.read_text() == verdict_list()
 
 
 def test_every_record_is_used_and_every_use_recorded():
@@ -124,7 +134,7 @@ RESULT = re.compile(r"(?<![\w.])\d+(?:\.\d+)*(?:°|(?= ?(?:mm|%|ppm)\b))|(?<![\w
 
 
 def test_no_result_is_typed_in_the_report():
-    for path in [ROOT / "report" / "report.typ", *(ROOT / "report" / "sections").iterdir()]:
+    for path in sources():
         prose = NOT_PROSE.sub(" ", path.read_text())
         assert {number.rstrip(".") for number in RESULT.findall(prose)} - GIVEN == set(), path
 
@@ -132,4 +142,5 @@ def test_no_result_is_typed_in_the_report():
 def test_every_figure_of_the_pdf_has_its_text():
     texts = [path.read_text() for path in (ROOT / "report").rglob("*.typ")]
     figures = sum(len(re.findall(r'#fig\("', text)) for text in texts)
-    assert PDFS["report"].read_bytes().count(b"/Alt") >= figures > 0
+    pdfs = b"".join(PDFS[name].read_bytes() for name in ("report", "supplement"))
+    assert pdfs.count(b"/Alt") >= figures > 0

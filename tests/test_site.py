@@ -57,8 +57,8 @@ def test_site_has_no_faults(site):
 
 
 def test_site_has_its_parts(site):
-    for name in ("index.html", "report.html", "report/report.pdf", "library/index.html",
-                 "scenes/viewer.js", "chapters/02_torus.html"):  # fmt: skip
+    for name in ("index.html", "report.html", "supplement.html", "report/report.pdf",
+                 "library/index.html", "scenes/viewer.js", "chapters/02_torus.html"):  # fmt: skip
         assert (site / name).stat().st_size > 1000, name
 
 
@@ -74,7 +74,7 @@ def test_site_shows_recorded_figures_with_text_and_caption(site):
     figure = re.search(r"<figure>.*?</figure>", page(site, "08"), re.S)[0]
     assert 'src="../figures/cone_spheres.png"' in figure
     assert 'alt="Half a cone with a small ball' in figure
-    assert re.search(r'<a href="../report.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
+    assert re.search(r'<a href="../supplement.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
 
 
 def test_site_numbers_cells_and_keeps_their_names_outside_the_code(site):
@@ -82,7 +82,7 @@ def test_site_numbers_cells_and_keeps_their_names_outside_the_code(site):
     assert (
         '<div class="cell" id="cell-2">\n<div class="source"><p class="number">cell 2</p>' in text
     )
-    assert "linked as pages of this site" in (site / "report.html").read_text()
+    assert "linked as pages of this site" in (site / "supplement.html").read_text()
 
 
 def test_site_sets_recorded_tables(site):
@@ -109,13 +109,13 @@ def test_search_finds_sections_that_are_there(site, index):
 
 
 def test_search_finds_tests_and_equations_by_name(site, index):
-    assert "\u200b" not in (site / "report.html").read_text()
+    assert "\u200b" not in (site / "supplement.html").read_text()
     assert not any("&#" in text for _, _, text in index["sections"])
     places = {index["sections"][n][1] for n in index["words"]["test_eq05_quartic"]}
     assert "tests/test_equations_line.html#test_eq05_quartic" in places
-    assert any(place.startswith("report.html#judged") for place in places)
+    assert any(place.startswith("supplement.html#judged") for place in places)
     numbered = [title for title, _, _ in index["sections"] if title.endswith(" · Eq. 5")]
-    assert numbered[0].startswith("Report · ") and "ruling" in numbered[0]
+    assert numbered[0].startswith("Supplement · ") and "ruling" in numbered[0]
 
 
 def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
@@ -194,7 +194,7 @@ def test_inline_links_what_it_knows_only():
 
 def test_captions_lead_into_the_report():
     body = '<figure id="f"><img src="figures/a.svg"><figcaption>Figure\xa03: b</figcaption>'
-    assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the report: b'}
+    assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the supplement: b'}
 
 
 def policy(text):

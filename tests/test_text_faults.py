@@ -11,7 +11,7 @@ READS = [
     "report/equations.toml",
     "report/ledger/*",
     "report/numbers/*",
-    "report/report.typ",
+    "report/*.typ",
     "report/sections/*",
     "tests/text_faults.*",
 ]

@@ -26,7 +26,7 @@ PAGES = jinja2.Environment(
 PLACES = [
     ("Chapters", "index.html"),
     ("Report", "report.html"),
-    ("PDF", "report/report.pdf"),
+    ("Supplement", "supplement.html"),
     ("Library", "library/index.html"),
 ]
 
@@ -73,9 +73,10 @@ def build(folder, chosen=None):
     site = Site(folder)
     shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
     chosen = notebooks() if chosen is None else chosen
-    style, body, headings = report_page()
-    add_chapters(site, chosen, captions(body))
-    add_report(site, style, body, headings, chosen)
+    add_report(site, "report", report_page("report"), chosen)
+    supplement = report_page("supplement")
+    add_report(site, "supplement", supplement, chosen)
+    add_chapters(site, chosen, captions(supplement[1]))
     add_proofs(site)
     add_library(site)
     style = HtmlFormatter(cssclass="code").get_style_defs(".code")
@@ -129,8 +130,8 @@ def follow(url, chosen, root):
     """Return where a link of a notebook or of the report leads on the site."""
     path, hash_, anchor = url.partition("#")
     name = Path(path).name
-    if name == "report.pdf":
-        return f"{root}report/report.pdf"
+    if name in ("report.pdf", "supplement.pdf", "corrigenda.pdf"):
+        return f"{root}report/{name}"
     if name.startswith("test_"):
         return f"{root}{proof_page(Path(name))}{hash_}{anchor}"
     if name.endswith(".ipynb"):
@@ -139,21 +140,25 @@ def follow(url, chosen, root):
     return url
 
 
-def add_report(site, style, body, headings, chosen):
-    """Write the report's page, and the PDF where its links find the tests."""
+def add_report(site, name, made, chosen):
+    """Write the page of the report or of its supplement, and the PDF beside it."""
+    style, body, headings = made
     body = re.sub(r'href="(\.\./[^"]+)"', lambda m: f'href="{follow(m[1], chosen, "")}"', body)
-    contents = [entry(plain(text), f"#{name}", level=level) for level, name, text in headings]
+    body = f'<p><a href="report/{name}.pdf">This page as a PDF</a></p>{body}'
+    contents = [entry(plain(text), f"#{at}", level=level) for level, at, text in headings]
     site.page(
-        "report.html", "Report", body, kind="report", style=style, contents=contents,
+        f"{name}.html", name.title(), body, kind="report", style=style, contents=contents,
         contents_name="Sections",
     )  # fmt: skip
-    site.write("report/report.pdf", (ROOT / "report" / "report.pdf").read_bytes())
+    site.write(f"report/{name}.pdf", (ROOT / "report" / f"{name}.pdf").read_bytes())
 
 
 def add_proofs(site):
     """Write a page for each file of tests that the ledger names, and the file."""
     for path in proofs():
-        site.page(proof_page(path), path.name, proof_html(path), kind="library", here="report.html")
+        site.page(
+            proof_page(path), path.name, proof_html(path), kind="library", here="supplement.html"
+        )
         site.write(f"tests/{path.name}", path.read_bytes())
 
 

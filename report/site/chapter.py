@@ -98,7 +98,7 @@ class Chapter:
         """Return a picture: the recorded figure, or what only the notebook shows."""
         if alt in self.figures:
             file = self.figures[alt]
-            caption = self.captions[file].replace('href="', f'href="{self.to_root}report.html')
+            caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
             file, caption = f"{self.stem}-{len(self.pictures)}.png", escape(self.heading)
             self.pictures[file] = content

@@ -33,10 +33,10 @@ def to_html(source):
     return STYLE.search(html)[1], BODY.search(html)[1]
 
 
-def report_page():
-    """Return the report's body, its figures by their files, and the contents list's entries."""
+def report_page(name):
+    """Return a document's body, its figures by their files, and the contents list's entries."""
     figures = {digest(path.read_bytes()): path.name for path in (ROOT / "figures").iterdir()}
-    style, body = to_html(ROOT / "report" / "report.typ")
+    style, body = to_html(ROOT / "report" / f"{name}.typ")
 
     def by_file(match):
         name = figures[digest(base64.b64decode(match[1]))]
@@ -59,7 +59,7 @@ def report_page():
 def captions(body):
     """Return each figure's caption, its number a link into the report, by the figure's file."""
     return {
-        file: NUMBERED.sub(rf'<a href="#{name}">\1</a> of the report: ', caption.strip())
+        file: NUMBERED.sub(rf'<a href="#{name}">\1</a> of the supplement: ', caption.strip())
         for name, content, caption in FIGURE.findall(body)
         for file in re.findall(r'src="figures/([^"]+)"', content)
     }

@@ -111,7 +111,7 @@ def test_code_stays_hidden_but_where_a_link_leads(browser):
 def test_anchors_are_seen_on_a_small_screen(browser):
     browser.send("Emulation.setDeviceMetricsOverride", width=420, height=800, deviceScaleFactor=1,
                  mobile=False)  # fmt: skip
-    browser.open((SITE / "report.html").as_uri() + "#circuit")
+    browser.open((SITE / "supplement.html").as_uri() + "#circuit")
     browser.until("Math.abs(document.getElementById('circuit').getBoundingClientRect().top) < 200")
     header = "document.querySelector('header').getBoundingClientRect().bottom"
     assert browser.run(f"{header} < document.getElementById('circuit').getBoundingClientRect().top")
