@@ -32,7 +32,7 @@ help: ## show this list
 environment:
 	@$(PYTHON) -m report.environment
 
-report: environment ## run the notebooks that changed, then make report/report.pdf
+report: environment ## run the notebooks that changed, then make report/report.pdf and what lies beside it
 	@$(HEADLESS) $(BIN)/python -m report.build
 
 stale: environment ## say which notebooks `make report` would run, and why
