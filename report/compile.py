@@ -1,13 +1,18 @@
-"""Compile the report and the corrigenda: the same sources give the same bytes everywhere."""
+"""Compile the report and its companions: the same sources give the same bytes everywhere."""
 
 import json
 import re
+import tempfile
+from contextlib import contextmanager
 from datetime import UTC, datetime
+from pathlib import Path
 
 import typst
 
 from report.sources import ROOT, results_digest
 
+STANDARDS = ["a-2b", "ua-1"]  # to be kept: fonts, colours, date inside; and to be heard
+FORMULA = re.compile(r"(?<!\\)\$(?=\S)((?:[^$\\]|\\.)*?)(?<=\S)\$", re.S)  # within a line
 NAMED = "numpy scipy matplotlib pyvista vtk sympy mpmath typst".split()
 
 
@@ -34,6 +39,34 @@ def inputs(root=ROOT):
     return {"hash": results_digest(root)[:16], "versions": json.dumps(versions(root))}
 
 
+@contextmanager
+def spoken_copy(root):
+    """Make a copy of the sources in which each formula within a line is given its words.
+
+    Typst wants an alternative text of every formula where it stands; no rule can add it later. The
+    prose keeps its `$x$`, the copy has `#inline($x$)`.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder)
+        _link(root, copy, but="report")
+        _link(root / "report", copy / "report", but="sections")
+        _link(root / "report" / "sections", copy / "report" / "sections")
+        prose = [root / "report" / f"{name}.typ" for name in ("report", "supplement", "corrigenda")]
+        for source in [*prose, *(root / "report" / "sections").glob("*.typ")]:
+            if source.exists():
+                target = copy / source.relative_to(root)
+                target.unlink()
+                target.write_text(FORMULA.sub(r"#inline($\1$)", source.read_text("utf-8")), "utf-8")
+        yield copy
+
+
+def _link(folder, copy, but=None):
+    copy.mkdir(exist_ok=True)
+    for entry in folder.iterdir() if folder.is_dir() else []:
+        if entry.name != but:
+            (copy / entry.name).symlink_to(entry.resolve())
+
+
 def compile_report(root=ROOT, name="report"):
     """Return the report, or another of the documents beside it, as the bytes of a PDF.
 
@@ -49,17 +82,18 @@ def compile_report(root=ROOT, name="report"):
     ReportFailed
         If Typst finds an error or gives a warning, such as an unknown font.
     """
-    try:
-        pdf, warnings = typst.compile_with_warnings(
-            root / "report" / f"{name}.typ",
-            root=root,
-            ignore_system_fonts=True,
-            sys_inputs=inputs(root),
-            timestamp=release_date(root),
-            pdf_standards="a-2b",  # to be kept: fonts, colours and date inside
-        )
-    except typst.TypstError as error:
-        raise ReportFailed(f"{name}.typ: {error.diagnostic}") from None
+    with spoken_copy(root) as copy:
+        try:
+            pdf, warnings = typst.compile_with_warnings(
+                copy / "report" / f"{name}.typ",
+                root=copy,
+                ignore_system_fonts=True,
+                sys_inputs=inputs(root),
+                timestamp=release_date(root),
+                pdf_standards=STANDARDS,
+            )
+        except typst.TypstError as error:
+            raise ReportFailed(f"{name}.typ: {error.diagnostic}") from None
     if warnings:
         raise ReportFailed(f"{name}.typ: {warnings[0].diagnostic}")
     return pdf

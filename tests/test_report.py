@@ -5,6 +5,7 @@ import re
 import shutil
 
 import pytest
+import typst
 
 from report.build import DOCUMENTS, PDFS
 from report.compile import ReportFailed, compile_report
@@ -144,3 +145,28 @@ def test_every_figure_of_the_pdf_has_its_text():
     figures = sum(len(re.findall(r'#fig\("', text)) for text in texts)
     pdfs = b"".join(PDFS[name].read_bytes() for name in ("report", "supplement"))
     assert pdfs.count(b"/Alt") >= figures > 0
+
+
+def test_pdfs_can_be_kept_and_heard():
+    """They declare the standards that Typst checked: PDF/A-2b and PDF/UA-1."""
+    for pdf in PDFS.values():
+        metadata = re.search(rb"<x:xmpmeta.*?</x:xmpmeta>", pdf.read_bytes(), re.S)[0]
+        for standard in (b"pdfaid:part>2<", b"pdfaid:conformance>B<", b"pdfuaid:part>1<"):
+            assert standard in metadata, (pdf.name, standard)
+
+
+WORDS = {
+    "R\\/r": "R over r",
+    "w'' + w = psi": "w prime prime plus w equals psi",
+    "sqrt(m_1^2 + m_3^2)": "the square root of m sub 1 squared plus m sub 3 squared end root",
+    "-60° <= theta": "minus 60 degrees is at most theta",
+    "F = 1/(2 Theta)": "F equals the fraction 1 over 2 capital theta end",
+    "x^(n+1)": "x to the power n plus 1",
+}
+
+
+@pytest.mark.parametrize("formula", WORDS)
+def test_formula_within_a_line_has_its_words(formula):
+    text = f'#import "/report/spoken.typ": spoken\n#metadata(spoken(${formula}$.body)) <words>'
+    found = typst.query(text.encode(), "<words>", field="value", one=True, root=ROOT)
+    assert json.loads(found) == WORDS[formula]
