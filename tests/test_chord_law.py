@@ -51,6 +51,12 @@ def test_gap_is_the_oscillator_s(p, q):
     assert float(chord.angle) == pytest.approx(law.angle, rel=1e-13)
 
 
+@pytest.mark.parametrize(("turn", "told"), [(6e-6, False), (8e-6, True)])
+def test_gap_is_said_to_be_zero_below_the_least_angle(turn, told):
+    law = ChordLaw((0, 0.3), (turn, 0.3 + turn))
+    assert bool(np.any(law.pole)) == (law.angle >= 1e-5) == told
+
+
 def test_greatest_excess_in_forty_digits():
     with mp.workdps(40):
         p, q = ([mp.radians(v) for v in end] for end in ((0, 40), (95, -40)))

@@ -418,3 +418,12 @@ def test_limits_refuse_wrong_numbers(value):
         delay_limit(T, -1)
     with pytest.raises(ValueError, match=r"^lag: must be one finite number, not below zero"):
         resonance_limit(1, 1, -1.0)
+
+
+@pytest.mark.parametrize("last", [3, 2, 11])
+def test_part_of_a_track_ends_behind_its_begin_and_within_the_run(last):
+    track = follow(Integrator(1.0), Loop(10.0, 5e-3, count=1e-3), np.arange(11))
+    assert len(track.between(3, 10).setvalue) == 8
+    with pytest.raises(ValueError) as refusal:
+        track.between(3, last)
+    assert str(refusal.value) == f"last: must be behind 3 and at most 10; got {last}."
