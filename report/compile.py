@@ -39,12 +39,23 @@ def inputs(root=ROOT):
     return {"hash": results_digest(root)[:16], "versions": json.dumps(versions(root))}
 
 
+def with_words(text):
+    """Return a text with each formula within a line in a call that gives it its words.
+
+    Examples
+    --------
+    >>> with_words("for $R > r$; else")
+    'for #inline($R > r$);; else'
+    """
+    return FORMULA.sub(r"#inline($\1$);", text)  # the semicolon ends the call and isn't printed
+
+
 @contextmanager
 def spoken_copy(root):
     """Make a copy of the sources in which each formula within a line is given its words.
 
     Typst wants an alternative text of every formula where it stands; no rule can add it later. The
-    prose keeps its `$x$`, the copy has `#inline($x$)`.
+    prose keeps its `$x$`.
     """
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder)
@@ -56,7 +67,7 @@ def spoken_copy(root):
             if source.exists():
                 target = copy / source.relative_to(root)
                 target.unlink()
-                target.write_text(FORMULA.sub(r"#inline($\1$)", source.read_text("utf-8")), "utf-8")
+                target.write_text(with_words(source.read_text("utf-8")), "utf-8")
         yield copy
 
 

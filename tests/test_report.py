@@ -9,7 +9,7 @@ import pytest
 import typst
 
 from report.build import DOCUMENTS, PDFS
-from report.compile import ReportFailed, compile_report
+from report.compile import ReportFailed, compile_report, with_words
 from report.lists import (
     FIGURE_LIST,
     RECORD_LIST,
@@ -170,6 +170,13 @@ def test_pdfs_can_be_kept_and_heard():
         metadata = re.search(rb"<x:xmpmeta.*?</x:xmpmeta>", pdf.read_bytes(), re.S)[0]
         for standard in (b"pdfaid:part>2<", b"pdfaid:conformance>B<", b"pdfuaid:part>1<"):
             assert standard in metadata, (pdf.name, standard)
+
+
+def test_text_behind_a_formula_stays():
+    assert (
+        with_words("$a$; $b$(c) $d$.\n$ e $")
+        == "#inline($a$);; #inline($b$);(c) #inline($d$);.\n$ e $"
+    )
 
 
 WORDS = {
