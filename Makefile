@@ -24,7 +24,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site test long check lab browser atlas bench mutants words format lock clean
+.PHONY: help environment report stale site test long check lab browser atlas bench plc mutants words format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -66,6 +66,9 @@ atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atla
 bench: ## time the library against others, in an environment of its own
 	@$(PYTHON) -m report.environment bench
 	@$(HEADLESS) build/bench/bin/python -m pytest tests/bench --benchmark-only
+
+plc: environment ## run the exported Structured Text, compiled by iec2c, for tests/plc.md
+	@$(ALONE) $(BIN)/python -m tests.plc
 
 mutants: environment ## plant faults in the library and see that the tests notice (hours)
 	@$(HEADLESS) $(BIN)/python tests/mutants.py

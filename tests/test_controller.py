@@ -12,6 +12,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
+from tests.controllers import closed_loop, moved
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_text, plcopen_xml, structured_text_of
@@ -79,56 +80,13 @@ def made(tmp_path_factory):
     return make
 
 
-def moved(run):
-    """Return set-values and slopes of a whole run of a plan, one after the other."""
-    runs = [run.entry, *[run] * run.laps, run.leave]
-    first = runs[0].setvalues[:1]
-    return (
-        np.concatenate([first, *(one.setvalues[1:] for one in runs)]),
-        np.concatenate([one.slopes for one in runs]),
-    )
-
-
-def closed_loop(controller, wanted, scans, *, ahead=3, before=lambda n, c: None):
-    """Run a controller on the library's axes; return set-values, positions and valves a scan.
-
-    The delay of the loop is in the wires: the valves get what the scan before asked for.
-    """
-    plants, loops = wanted.axes
-    count = wanted.planned.count
-    steps = [plant.stepper(wanted.planned.tick) for plant in plants]
-    c = controller.c
-    states = [
-        plant.rest(float(at)) for plant, at in zip(plants, (
-            count * c.nSetTheta, count * c.nSetPhi), strict=True)
-    ]  # fmt: skip
-    waiting = [(0.0, 0.0)] * loops[0].delay
-    rows = []
-    for n in range(scans):
-        for _ in range(ahead):
-            controller.slow()
-        c.nActualTheta, c.nActualPhi = (int((s[0] / count + 0.5) // 1) for s in states)
-        before(n, c)
-        controller.fast()
-        waiting.append((c.rValveTheta, c.rValvePhi))
-        valves = waiting.pop(0)
-        rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves])
-        states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
-    return np.array(rows)
-
-
-def start(n, c):
-    c.bRun = 1
-
-
 @compiled
-@pytest.mark.parametrize("plant", ["T0", "T3"])
-def test_closed_loop_of_the_c99_is_the_librarys(made, plant):
-    wanted = job(plant)
+def test_closed_loop_of_the_c99_is_the_librarys(made):
+    wanted = job("T0")
     lap = wanted.planned
     setvalues, slopes = moved(lap)
     controller = made(wanted)
-    found = closed_loop(controller, wanted, len(slopes), before=start)
+    found = closed_loop(controller, wanted, len(slopes))
     counts = np.rint(setvalues / lap.count).astype(int)
     np.testing.assert_array_equal(found[:, :2], counts[:-1])
     track = follow(*wanted.axes, setvalues, slopes=slopes)
@@ -146,8 +104,13 @@ def test_closed_loop_of_the_c99_is_the_librarys(made, plant):
 @compiled
 @pytest.mark.parametrize(
     "plan, options",
-    [({}, {"setpoints": "stored"}), ({"path": "corrected chord"}, {}), ({"laps": 2}, {})],
-    ids=["stored", "corrected", "two laps"],
+    [
+        ({}, {"setpoints": "stored"}),
+        ({"path": "corrected chord"}, {}),
+        ({"path": "corrected chord"}, {"setpoints": "stored"}),
+        ({"laps": 2}, {}),
+    ],
+    ids=["stored", "corrected", "corrected, stored", "two laps"],
 )
 def test_set_values_are_the_librarys_with_one_setpoint_every_other_scan(made, plan, options):
     wanted = job("T0", **plan)
@@ -296,16 +259,23 @@ def test_plcopen_xml_holds_the_same_programs_and_variables(texts):
         texts.tables["aTicks"]
     )
     tasks = [task.get("interval") for task in root.iterfind(".//p:task", space)]
-    assert tasks == ["T#5000us", "T#10000us"]
+    assert tasks == ["T#5ms", "T#10ms"]
 
 
-def test_slow_task_computes_the_plans_setpoints(texts):
-    """The foot of a point on a chord, in Python: the table gives the plan's setpoints back."""
-    lap = job("T3").planned
-    t = {name: np.array(values) for name, values in texts.tables.items()}
+@pytest.mark.parametrize("path", ["tangent spheres", "corrected chord"])
+def test_slow_task_computes_the_plans_setpoints(path):
+    """The foot of a point on a chord or beside it: the table gives the plan's setpoints back."""
+    wanted = job("T0", path=path)
+    lap = wanted.planned
+    t = {name: np.array(values) for name, values in program(lap, wanted).tables.items()}
     knots = np.stack([t["aKnotX"], t["aKnotY"], t["aKnotZ"]], axis=-1)
     start, stop = knots[t["aKnot"]], knots[t["aKnot"] + 1]
     m = start + t["aShare"][:, None] * (stop - start)
+    if path == "corrected chord":
+        aside = np.stack([t["aAsideX"], t["aAsideY"], t["aAsideZ"]], axis=-1)
+        m += t["aShift"][:, None] * aside[t["aKnot"]]
+        assert 1e-7 < np.abs(t["aShift"]).max() < 1e-3
+    assert "aShift" in t or path == "tangent spheres"
     foot = np.stack(lap.circuit.machine.torus.angles(m), axis=-1)
     kinks = np.stack([t["aKinkTheta"], t["aKinkPhi"]], axis=-1)
     found = foot + t["aWeight"][:, None] * kinks[t["aCorner"]]

@@ -79,7 +79,7 @@ RING_STATE = [
 RING_ARRAYS = ["aRingTicks", "aRingTheta", "aRingPhi"]
 SLOW_STATE = [
     ("nKnot", "DINT", "where the chord begins"),
-    ("rX", "LREAL", "point M of the chord, in the machine's frame, m"),
+    ("rX", "LREAL", "point M on the chord or beside it, in the machine's frame, m"),
     ("rY", "LREAL", ""),
     ("rZ", "LREAL", ""),
     ("rRho", "LREAL", "its distance from the axis, m"),
@@ -118,7 +118,8 @@ def chord_rows(plan):
     """Return what the slow task needs for a lap: a dict of lists, a row for each move.
 
     Each setpoint is the foot of a point M on a chord between two knots (section 3.3.1) at a share
-    of the chord, moved by a weight times the knot's kink where the corner is rounded.
+    of the chord, moved by a weight times the knot's kink where the corner is rounded. For a
+    corrected chord M is shifted aside.
     """
     torus = plan.circuit.machine.torus
     way = plan.route
@@ -131,27 +132,33 @@ def chord_rows(plan):
     x = np.abs(along - way.ends[corner]) / np.where(half > 0, half, 1)
     weight = np.where((half > 0) & (x < 1), half * (3 / 16 + 3 * x**2 / 8 - x**4 / 16 - x / 2), 0.0)
     foot = plan.setpoints[1:] - way.kinks[corner] * weight[:, None]
-    # M is where the chord comes closest to the torus' normal through its foot.
     at = plan.circuit.position(way.places)
     at[-1] = at[0]
     points = torus.point(*at.T)
-    start, chord = points[knot], points[knot + 1] - points[knot]
-    normal = torus.normal(*foot.T)
-    off = torus.point(*foot.T) - start
-    across = chord - np.sum(chord * normal, -1, keepdims=True) * normal
-    share = np.sum(off * across, -1) / np.sum(chord * across, -1)
-    return {
-        "aTicks": plan.ticks.tolist(),
-        "aKnot": knot.tolist(),
-        "aShare": share.tolist(),
-        "aWeight": weight.tolist(),
-        "aCorner": corner.tolist(),
-        "aKnotX": points[:, 0].tolist(),
-        "aKnotY": points[:, 1].tolist(),
-        "aKnotZ": points[:, 2].tolist(),
-        "aKinkTheta": way.kinks[:, 0].tolist(),
-        "aKinkPhi": way.kinks[:, 1].tolist(),
+    normals = torus.normal(*at.T)
+    chords = np.diff(points, axis=0)
+    aside = np.cross(normals[:-1] + normals[1:], chords)
+    aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
+    # M is where the plane of chord and normals, moved aside, meets the normal line of its foot; by
+    # nothing for tangent spheres, which have M on the chord.
+    off = torus.point(*foot.T) - points[knot]
+    frame = np.stack([chords[knot], aside[knot], -torus.normal(*foot.T)], axis=-1)
+    share, shift, _ = np.linalg.solve(frame, off[..., None])[..., 0].T
+    rows = {
+        "aTicks": plan.ticks,
+        "aKnot": knot,
+        "aShare": share,
+        "aWeight": weight,
+        "aCorner": corner,
+        "aKnotX": points[:, 0],
+        "aKnotY": points[:, 1],
+        "aKnotZ": points[:, 2],
+        "aKinkTheta": way.kinks[:, 0],
+        "aKinkPhi": way.kinks[:, 1],
     }
+    if plan.path == "corrected chord":
+        rows |= {"aShift": shift, **{f"aAside{x}": aside[:, i] for i, x in enumerate("XYZ")}}
+    return {name: values.tolist() for name, values in rows.items()}
 
 
 def line_rows(name, moves, parts):
@@ -175,8 +182,8 @@ def program(plan: Plan, job: Job, *, setpoints: Literal["computed", "stored"] = 
     job : Job
         For its axes and loops.
     setpoints : {"computed", "stored"}
-        Whether the slow task computes them, as feet of points on chords, or finds the whole lap in
-        constant arrays. Those of corrected chords are stored.
+        Whether the slow task computes them, as feet of points on chords or beside them, or finds
+        the whole lap in constant arrays.
 
     Returns
     -------
@@ -202,7 +209,7 @@ def program(plan: Plan, job: Job, *, setpoints: Literal["computed", "stored"] = 
     trail = np.abs(np.concatenate([moves.slopes for moves in (plan, plan.entry)])).max()
     trip = 2 * trail / min(loop.gain for loop in loops) / plan.count + 50
     ramp = plan.limits.acceleration * plan.tick / max(plan.feed.max(), 1e-9) * FULL
-    stored = setpoints == "stored" or plan.path != "tangent spheres"
+    stored = setpoints == "stored"
     away = plan.setpoints - plan.entry.setpoints[0]
     farthest = 1.01 * np.linalg.norm(levers(machine.torus, plan.setpoints) * away, axis=-1).max()
     constants = {
@@ -240,7 +247,8 @@ def program(plan: Plan, job: Job, *, setpoints: Literal["computed", "stored"] = 
     }
     both = "".join(_loop(name, plant) for name, plant in zip(AXES, plants, strict=True))
     fast = _expanded(FAST.replace("@TAKE", TAKE).replace("@LOOPS", both))
-    slow = _lines(SLOW.replace("@SETPOINT", STORED if stored else FOOT))
+    shifted = SHIFT if plan.path == "corrected chord" else ""
+    slow = _lines(SLOW.replace("@SETPOINT", STORED if stored else FOOT.replace("@SHIFT", shifted)))
     return Program(constants, tables, slow, fast, parts, plan.tick)
 
 
@@ -350,6 +358,7 @@ FOOT = """
         rX := aKnotX[nKnot] + aShare[nRow] * (aKnotX[nKnot + 1] - aKnotX[nKnot]);
         rY := aKnotY[nKnot] + aShare[nRow] * (aKnotY[nKnot + 1] - aKnotY[nKnot]);
         rZ := aKnotZ[nKnot] + aShare[nRow] * (aKnotZ[nKnot + 1] - aKnotZ[nKnot]);
+@SHIFT
         rRho := SQRT(rX * rX + rZ * rZ);
         rTheta := ATAN(-rZ / rX);
         rPhi := ATAN(rY / (rRho - rRingRadius));
@@ -368,6 +377,12 @@ FOOT = """
         ELSE
             aRingPhi[nTail] := TRUNC(rPhi + 0.5);
         END_IF;
+"""
+SHIFT = """
+        (* Of a corrected chord M lies beside the chord. *)
+        rX := rX + aShift[nRow] * aAsideX[nKnot];
+        rY := rY + aShift[nRow] * aAsideY[nKnot];
+        rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
 """
 STORED = """
         aRingTicks[nTail] := aLapTicks[nRow];
@@ -419,7 +434,7 @@ IF nMode = 1 AND NOT bHold THEN
     nWanted := nOverride;
 ELSIF nMode = 2 THEN
     nWanted := nFull;
-    IF nSpeed * nSpeed >= 2 * nRamp * nFull * nLeft THEN
+    IF nSpeed * nSpeed / (2 * nRamp * nFull) >= nLeft THEN
         nWanted := nRamp;
     END_IF;
 END_IF;

@@ -124,6 +124,8 @@ ST_HEAD = """(* Controller of a tunnelling robot: setpoints ahead, integer lines
 """
 SHARED = [field for field in RING_STATE if field[0] in ("nHead", "nTail", "bEnd")]
 OWN = [field for field in RING_STATE if field not in SHARED]
+# Of one name in both tasks: arrays that are only alike are of different types.
+RING_TYPE, RING_ARRAY = "T_Ring", f"ARRAY [0..{RING - 1}] OF DINT"
 NEXT = ("nNext", "DINT", "the ring's place behind nTail")
 
 
@@ -132,11 +134,12 @@ def structured_text_of(controller: Program):
     """Return a `Program` as two programs, the line's function block and a configuration."""
     units = _units(controller)
     texts = [ST_HEAD.format(tick=controller.tick, ring=RING)]
+    texts.append(f"TYPE\n    {RING_TYPE} : {RING_ARRAY};\nEND_TYPE\n")
     texts.append(structured_text(parts=controller.parts))
     for name, sections, body in units:
         declared = [_declared(kind, rows) for kind, rows in sections if rows]
         texts.append("\n".join([f"PROGRAM {name}", *declared, *body, "END_PROGRAM", ""]))
-    fast, slow = (f"T#{round(1e6 * ticks * controller.tick)}us" for ticks in (1, 2))
+    fast, slow = _periods(controller)
     texts.append("\n".join([
         "CONFIGURATION Tunneller", _declared("VAR_GLOBAL", _globals()),
         "RESOURCE Controller ON PLC",
@@ -161,7 +164,8 @@ def plcopen_xml(controller: Program):
     for kind in ("fbd", "ld", "sfc"):
         Xml.SubElement(Xml.SubElement(coordinates, kind), "scaling", x="1", y="1")
     types = Xml.SubElement(project, "types")
-    Xml.SubElement(types, "dataTypes")
+    ring = Xml.SubElement(Xml.SubElement(types, "dataTypes"), "dataType", name=RING_TYPE)
+    _kind(Xml.SubElement(ring, "baseType"), RING_ARRAY)
     pous = Xml.SubElement(types, "pous")
     line = structured_text(parts=controller.parts).splitlines()
     begin = line.index("IF bLoad THEN")
@@ -178,8 +182,7 @@ def plcopen_xml(controller: Program):
     instances = Xml.SubElement(Xml.SubElement(project, "instances"), "configurations")
     configuration = Xml.SubElement(instances, "configuration", name="Tunneller")
     resource = Xml.SubElement(configuration, "resource", name="Controller")
-    for name, ticks, priority in (("Fast", 1, "0"), ("Slow", 2, "1")):
-        period = f"T#{round(1e6 * ticks * controller.tick)}us"
+    for name, period, priority in zip(("Fast", "Slow"), _periods(controller), "01", strict=True):
         task = Xml.SubElement(resource, "task", name=name, interval=period, priority=priority)
         Xml.SubElement(task, "pouInstance", name=f"{name}Task", typeName=f"PRG_{name}")
     _variables(configuration, "globalVars", _globals())
@@ -239,8 +242,12 @@ def _units(controller):
 
 def _globals():
     """Return what both tasks share."""
-    arrays = [(name, f"ARRAY [0..{RING - 1}] OF DINT", "") for name in RING_ARRAYS]
-    return [*SHARED, *arrays]
+    return [*SHARED, *((name, RING_TYPE, "") for name in RING_ARRAYS)]
+
+
+def _periods(controller):
+    """Return the intervals of the fast and of the slow task, in ms as all editions write them."""
+    return [f"T#{round(1e6 * ticks * controller.tick) / 1000:g}ms" for ticks in (1, 2)]
 
 
 def _list(values):
@@ -283,19 +290,10 @@ def _variables(parent, section, rows):
     found = Xml.SubElement(parent, section)
     for name, of, what, *begin in rows:
         variable = Xml.SubElement(found, "variable", name=name)
-        kind = Xml.SubElement(variable, "type")
-        array = re.fullmatch(r"ARRAY \[0\.\.(\d+)\] OF (\w+)", of)
-        if array:
-            field = Xml.SubElement(kind, "array")
-            Xml.SubElement(field, "dimension", lower="0", upper=array[1])
-            Xml.SubElement(Xml.SubElement(field, "baseType"), array[2])
-        elif of in ("BOOL", "DINT", "LREAL"):
-            Xml.SubElement(kind, of)
-        else:
-            Xml.SubElement(kind, "derived", name=of)
+        _kind(Xml.SubElement(variable, "type"), of)
         if begin:
             initial = Xml.SubElement(variable, "initialValue")
-            if array:
+            if of.startswith("ARRAY"):
                 values = Xml.SubElement(initial, "arrayValue")
                 for value in re.findall(r"[^\s,\[\]]+", begin[0]):
                     Xml.SubElement(Xml.SubElement(values, "value"), "simpleValue", value=value)
@@ -306,3 +304,16 @@ def _variables(parent, section, rows):
             text.set("xmlns", "http://www.w3.org/1999/xhtml")
             text.text = what
     return found
+
+
+def _kind(parent, of):
+    """Add the type of a variable: of a number, an array of numbers, or one that has a name."""
+    array = re.fullmatch(r"ARRAY \[0\.\.(\d+)\] OF (\w+)", of)
+    if array:
+        field = Xml.SubElement(parent, "array")
+        Xml.SubElement(field, "dimension", lower="0", upper=array[1])
+        Xml.SubElement(Xml.SubElement(field, "baseType"), array[2])
+    elif of in ("BOOL", "DINT", "LREAL"):
+        Xml.SubElement(parent, of)
+    else:
+        Xml.SubElement(parent, "derived", name=of)

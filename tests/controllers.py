@@ -1,0 +1,223 @@
+"""The exported controller as a program of its own, driven scan by scan through pipes.
+
+The texts are those of a job: the C99, or the Structured Text as iec2c makes C of it. Around either
+stands the same main program, which reads the inputs of a scan and writes its outputs.
+"""
+
+import contextlib
+import struct
+import subprocess
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+
+from tunneller_lib.job import Job
+from tunneller_lib.job.controller import program
+from tunneller_lib.job.controller_texts import c99_text
+from tunneller_lib.motion import follow
+from tunneller_lib.motion.stability import gain_limit
+
+WHOLE_INPUTS = (
+    "bRun", "bHold", "bRetract", "bReset", "nOverride", "nActualTheta", "nActualPhi",
+)  # fmt: skip
+WHOLE_OUTPUTS = (
+    "nSetTheta", "nSetPhi", "nMode", "nTripped", "bDone", "nStarved", "nFullyOpen",
+)  # fmt: skip
+REAL_OUTPUTS = "rSlopeTheta", "rSlopePhi", "rValveTheta", "rValvePhi"
+ANSWER = struct.Struct(f"={len(WHOLE_OUTPUTS)}i{len(REAL_OUTPUTS)}d")
+MAIN = """
+#include <stdio.h>
+static int answered(void)
+{{
+    int32_t whole[] = {{ {whole} }};
+    double real[] = {{ {real} }};
+    return fwrite(whole, sizeof whole, 1, stdout) == 1 && fwrite(real, sizeof real, 1, stdout) == 1
+        && fflush(stdout) == 0;
+}}
+int main(void)
+{{
+    int32_t in[{size}];
+    {begin};
+    if (!answered()) return 1;
+    while (fread(in, sizeof in, 1, stdin) == 1) {{
+        for (int32_t k = 0; k < in[0]; ++k) {{ {slow}; }}
+        {given}
+        {fast};
+        if (!answered()) return 1;
+    }}
+    return 0;
+}}
+"""
+
+
+def main_program(place, begin, slow, fast):
+    """Return the main program in C; `place` says where a variable of the fast task is."""
+    return MAIN.format(
+        whole=", ".join(f"(int32_t){place(name)}" for name in WHOLE_OUTPUTS),
+        real=", ".join(map(place, REAL_OUTPUTS)),
+        size=1 + len(WHOLE_INPUTS),
+        given=" ".join(f"{place(n)} = in[{i}];" for i, n in enumerate(WHOLE_INPUTS, start=1)),
+        begin=begin, slow=slow, fast=fast,
+    )  # fmt: skip
+
+
+def build(compiler, folder, text, *options):
+    """Compile a C text with options in a folder; return the program's path."""
+    (folder / "main.c").write_text(text)
+    command = [compiler, *options, "-ffp-contract=off", "main.c", "-o", "main", "-lm"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return folder / "main"
+
+
+def c99_program(compiler, folder, controller, *options):
+    """Return the path of the C99 of a controller, compiled into a program of its own."""
+    calls = [f"tunneller_{name}(&c)" for name in ("init", "slow", "fast")]
+    main = main_program("c.{}".format, *calls)
+    return build(compiler, folder, f"{c99_text(controller)}\nstatic tunneller c;\n{main}", *options)
+
+
+class Driven:
+    """A running program: `c` holds what goes in and what came out of the last scan."""
+
+    def __init__(self, path):
+        self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.c = SimpleNamespace(**dict.fromkeys(WHOLE_INPUTS, 0))
+        self.c.nOverride = 256
+        self.ahead = 0
+        self._hear()
+
+    def _hear(self):
+        said = self.process.stdout.read(ANSWER.size)
+        if len(said) < ANSWER.size:
+            raise RuntimeError(f"the controller ended with {self.process.wait()}")
+        self.c.__dict__.update(zip(WHOLE_OUTPUTS + REAL_OUTPUTS, ANSWER.unpack(said), strict=True))
+
+    def slow(self):
+        self.ahead += 1
+
+    def fast(self):
+        given = (getattr(self.c, name) for name in WHOLE_INPUTS)
+        self.process.stdin.write(struct.pack(f"={1 + len(WHOLE_INPUTS)}i", self.ahead, *given))
+        self.process.stdin.flush()
+        self.ahead = 0
+        self._hear()
+
+    def close(self):
+        """End the program; return its exit code."""
+        self.process.stdin.close()
+        self.process.stdout.close()
+        return self.process.wait()
+
+
+def start(n, c):
+    """Let the controller run from the first scan on."""
+    c.bRun = 1
+
+
+def closed_loop(controller, wanted, scans, *, ahead=3, before=start):
+    """Run a controller on the library's axes; return set-values, positions and valves a scan.
+
+    The delay of the loop is in the wires: the valves get what an earlier scan asked for.
+    """
+    plants, loops = wanted.axes
+    count = wanted.planned.count
+    encoder = loops[0].count
+    steps = [plant.stepper(wanted.planned.tick) for plant in plants]
+    c = controller.c
+    states = [
+        plant.rest(float(at)) for plant, at in zip(plants, (
+            count * c.nSetTheta, count * c.nSetPhi), strict=True)
+    ]  # fmt: skip
+    waiting = [(0.0, 0.0)] * loops[0].delay
+    rows = []
+    for n in range(scans):
+        for _ in range(ahead):
+            controller.slow()
+        c.nActualTheta, c.nActualPhi = (int((s[0] / encoder + 0.5) // 1) for s in states)
+        before(n, c)
+        controller.fast()
+        waiting.append((c.rValveTheta, c.rValvePhi))
+        valves = waiting.pop(0)
+        rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves])
+        states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
+    return np.array(rows)
+
+
+def moved(run):
+    """Return set-values and slopes of a whole run of a plan, one after the other."""
+    runs = [run.entry, *[run] * run.laps, run.leave]
+    first = runs[0].setvalues[:1]
+    return (
+        np.concatenate([first, *(one.setvalues[1:] for one in runs)]),
+        np.concatenate([one.slopes for one in runs]),
+    )
+
+
+def differences(found, track, count):
+    """Return how far a `closed_loop` is from the library's `Track` of the same run.
+
+    The number of set-values that differ, and the largest differences of positions, in rad, and of
+    valves.
+    """
+    counts = np.rint(track.setvalue[:-1] / count)
+    return (
+        int(np.count_nonzero(np.any(found[:, :2] != counts, axis=1))),
+        float(np.abs(found[:, 2:4] - track.position[:-1]).max()),
+        float(np.abs(found[:, 4:6] - track.command).max()),
+    )
+
+
+def followed(wanted):
+    """Return the library's `Track` of a whole job."""
+    setvalues, slopes = moved(wanted.planned)
+    return follow(*wanted.axes, setvalues, slopes=slopes)
+
+
+def random_jobs(seed):
+    """Yield random jobs that the planner accepts, without end: machines, sections, feeds, loops."""
+    rng = np.random.default_rng(seed)
+    while True:
+        wanted = _random_job(rng)
+        with contextlib.suppress(ValueError):
+            axes, loops = wanted.axes
+            turns = wanted.planned.setvalues
+            angles = np.linspace(turns.min(axis=0), turns.max(axis=0), 5).T
+            limit = min(map(gain_limit, axes, loops, angles))
+            gain = min(limit * rng.uniform(0.2, 0.7), 30.0)
+            yield replace(wanted, controller={**wanted.controller, "gain": gain})
+
+
+def _random_job(rng):
+    """Return a random job, which may be refused."""
+    R = rng.uniform(0.6, 1.1)
+    shape = rng.choice(["egg", "circle"])
+    size = R * rng.uniform(0.5, 0.75)
+    low, high, swing = np.radians(rng.uniform([-60, 30, 35], [-50, 35, 40]))
+    tick = float(rng.choice([2e-3, 5e-3, 10e-3]))
+    feed = rng.uniform(0.03, 0.25)
+    return Job(
+        machine={
+            "r": R * rng.uniform(0.02, 0.25), "R": R, "theta_min": low, "theta_max": high,
+            "phi_min": -swing, "phi_max": swing, "cutter_radius": R * rng.uniform(0.15, 0.3),
+            "depth": rng.uniform(0.005, 0.03), "height": -R * rng.uniform(0.2, 0.6),
+        },
+        section={"shape": str(shape), {"egg": "a", "circle": "radius"}[str(shape)]: size},
+        limits={"feed": feed, "acceleration": rng.uniform(0.2, 1.5)},
+        plan={
+            "tolerance": rng.uniform(5e-4, 3e-3), "step": max(5e-3, 1.5 * feed * tick),
+            "tick": tick, "count": 2 * np.pi / 2 ** int(rng.integers(15, 20)),
+            "rest": rng.uniform(0, 1), "laps": int(rng.integers(1, 3)), "advance": 0.03,
+            "path": str(rng.choice(["tangent spheres", "corrected chord"])),
+        },
+        controller={
+            "plant": str(rng.choice(["T0", "T1", "T2", "T3"])), "gain": 1.0,
+            "feedforward": float(rng.choice([0, 0.5, 1])), "delay": int(rng.integers(0, 3)),
+        },
+        stance={}, pose={}, wall={"along": 60, "around": 120},
+    )  # fmt: skip
+
+
+def with_program(wanted, **options):
+    """Return the `Program` of a job's controller."""
+    return program(wanted.planned, wanted, **options)
