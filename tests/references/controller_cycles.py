@@ -1,0 +1,196 @@
+"""Write controller_cycles.csv: what a controller's parts cost on an ATmega328P and on a Cortex-M.
+
+    python -m tests.references.controller_cycles
+
+Needs Debian's gcc-avr, avr-libc, libsimavr-dev, libelf-dev, gcc-arm-none-eabi, libnewlib-arm-none-eabi,
+qemu-system-arm and gcc. simavr counts cycles; qemu counts instructions, of which a Cortex-M0 and a
+Cortex-M4 do most in one cycle. Each part is a call; what a call of an empty function costs is taken off.
+"""
+
+import csv
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from tunneller_lib.job import read_job
+from tunneller_lib.job.controller import RING, program
+from tunneller_lib.job.controller_texts import c99_text
+from tunneller_lib.motion import time_bresenham
+from tunneller_lib.motion.export import c99
+from tunneller_lib.motion.slow_task import waypoints_c99
+
+HERE = Path(__file__).parent
+TABLE = Path(__file__).with_suffix(".csv")
+SOURCE = Path(__file__).with_suffix(".c")
+COLUMNS = ["processor", "part", "unit", "calls", "least", "median", "most"]
+MOVES, ROWS, SMALL_RING, POINTS = 60, 8, 12, 9
+PARTS = {
+    2: "integer line, a move", 3: "integer line, a tick", 4: "two-axis line, a tick",
+    5: "the listing, a move", 6: "the listing, a tick",
+    7: "y = k x + d, a move", 8: "y = k x + d, a tick",
+    9: "a setpoint, {}", 10: "a scan of the fast task",
+    11: f"{POINTS} waypoints, corrected chord",
+}  # fmt: skip
+ARM = ["arm-none-eabi-gcc", "--specs=nosys.specs", "-nostartfiles", "-mthumb"]
+SCALE = 1024 / 62.5, 1024 / 40  # ticks of the timer an instruction, at 16 and at 25 MHz
+CORTEX = {
+    "Cortex-M0": (["-mcpu=cortex-m0"], "microbit", SCALE[0]),
+    "Cortex-M4 without FPU": (["-mcpu=cortex-m4", "-mfloat-abi=soft"], "mps2-an386", SCALE[1]),
+    "Cortex-M4 with FPU": (
+        ["-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"], "mps2-an386", SCALE[1],
+    ),
+}  # fmt: skip
+
+
+def subjects():
+    """Yield a name, a C text and the switches of each thing to be measured."""
+    yield "lines", c99(), ["-DLINES", f"-DMOVES={MOVES}"]
+    job = read_job(HERE / "reference_job.toml")
+    job = replace(job, controller={**job.controller, "plant": "T3"})
+    for path in ("tangent spheres", "corrected chord"):
+        wanted = replace(job, plan={**job.plan, "path": path})
+        text = c99_text(few_rows(program(wanted.planned, wanted)))
+        yield path, text.replace(f"[{RING}]", f"[{SMALL_RING}]"), ["-DCONTROLLER"]
+    yield "waypoints", waypoints_c99(POINTS), [f"-DPOINTS={POINTS}"]
+
+
+def few_rows(whole):
+    """Return a program of eight moves about a corner, which the memory of an ATmega328P holds."""
+    tables = {name: np.array(values) for name, values in whole.tables.items()}
+    middle = int(np.flatnonzero(tables["aCorner"] > tables["aKnot"])[0])
+    rows = slice(middle - ROWS // 2, middle + ROWS // 2)
+    knot = tables["aKnot"][rows]
+    knots = slice(knot.min(), knot.max() + 2)
+    few = {}
+    for name, values in tables.items():
+        if name.startswith(("aEntry", "aLeave")):
+            few[name] = values[:1]
+        elif len(values) == len(tables["aKnot"]):
+            few[name] = values[rows]
+        else:
+            few[name] = values[knots]
+    few["aKnot"] = few["aKnot"] - knots.start
+    few["aCorner"] = few["aCorner"] - knots.start
+    constants = {**whole.constants, "nRing": SMALL_RING, "nMoves": ROWS, "nEntry": 1, "nLeave": 1}
+    constants["nTrip"] = 2**30
+    return replace(
+        whole, constants=constants, tables={name: v.tolist() for name, v in few.items()}
+    )
+
+
+def ran(command, folder):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
+    if done.returncode not in (0, 1):
+        raise RuntimeError(f"{command[0]}: {done.stderr[-2000:]}")
+    return done.stdout + done.stderr
+
+
+def built(command, folder):
+    subprocess.run(command, cwd=folder, check=True)
+
+
+def firmware(compiler, options, switches, folder):
+    """Build the firmware in a folder that holds its subject."""
+    built([*compiler, "-O2", "-std=gnu99", "-ffp-contract=off", '-DSUBJECT="subject.c"', "-I.",
+           *switches, *options, str(SOURCE), "-lm", "-o", "firmware.elf"], folder)  # fmt: skip
+
+
+def on_avr(text, switches, folder):
+    """Return what the simulated ATmega328P prints."""
+    (folder / "subject.c").write_text(text)
+    built(["gcc", "-O2", str(HERE / "controller_cycles_avr.c"), "-o", "host", "-lsimavr", "-lelf"],
+          folder)  # fmt: skip
+    firmware(["avr-gcc"], ["-mmcu=atmega328p"], switches, folder)
+    return ran(["./host", "firmware.elf"], folder), 1
+
+
+def on_arm(text, switches, folder, kind, board, scale):
+    """Return what the simulated Cortex-M prints, and its timer's ticks an instruction."""
+    (folder / "subject.c").write_text(text)
+    firmware(ARM, [*kind, f"-T{HERE / 'controller_cycles.ld'}"], switches, folder)
+    return ran(
+        ["qemu-system-arm", "-M", board, "-icount", "shift=10", "-nographic", "-monitor", "none",
+         "-serial", "none", "-semihosting-config", "enable=on,target=native", "-kernel",
+         "firmware.elf"], folder), scale  # fmt: skip
+
+
+def read(printed, scale):
+    """Return the costs of each part and what was said, from a firmware's print."""
+    costs, said = defaultdict(list), []
+    for line in printed.splitlines():
+        if line.startswith("@"):
+            what = int(line[1:])
+        elif line.startswith("+"):
+            costs[what].append(round(int(line[1:]) / scale))
+        elif line.startswith("="):
+            said.append(int(line[1:]))
+    return costs, said
+
+
+def check_lines(said):
+    """Raise where the lines that a firmware said aren't the library's."""
+    drawn = 2026
+
+    def random_number(low, high):
+        nonlocal drawn
+        drawn = (drawn * 1664525 + 1013904223) % 2**32
+        return low + (drawn >> 8) % (high - low)
+
+    at = 0
+    off = [0, 0]
+    for _ in range(MOVES):
+        ends = []
+        for _ in range(2):
+            start = random_number(-32768, 32768)
+            ends.append((start, start + random_number(-2000, 2000)))
+        ticks = random_number(2, 40)
+        lines = [time_bresenham(*one, ticks) for one in ends]
+        rows = np.reshape(said[at : at + 3 * (ticks + 1)], (-1, 3))
+        np.testing.assert_array_equal(rows[:, 0], lines[0])
+        off = np.maximum(off, np.abs(rows[:, 1:] - lines[0][:, None]).max(axis=0))
+        at += rows.size + 1
+        assert said[at - 1] == lines[1][-1]
+    assert at == len(said)
+    print("the listing and y = k x + d are off by at most", off.tolist(), "counts", file=sys.stderr)
+
+
+def measured(processor, run, unit):
+    """Yield the rows of a processor."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text, switches in subjects():
+            printed, scale = run(text, switches, Path(folder))
+            costs, said = read(printed, scale)
+            if name == "lines":
+                check_lines(said)
+            print(processor, name, said[-2 * ROWS :] if name != "lines" else "", file=sys.stderr)
+            (empty,) = costs.pop(1)
+            for what, every in costs.items():
+                if what == 10 and name != "tangent spheres":
+                    continue
+                every = np.array(every) - empty
+                part = PARTS[what].format(name)
+                middle = int(np.median(every))
+                yield [processor, part, unit, len(every), int(every.min()), middle, int(every.max())]
+
+
+def rows():
+    """Yield the rows of the table."""
+    yield from measured("ATmega328P", on_avr, "cycles")
+    for processor, (kind, board, scale) in CORTEX.items():
+        run = lambda *given, about=(kind, board, scale): on_arm(*given, *about)  # noqa: E731
+        yield from measured(processor, run, "instructions")
+
+
+if __name__ == "__main__":
+    every = list(rows())
+    with TABLE.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(every)
+    for row in every:
+        print(*row, file=sys.stderr)
