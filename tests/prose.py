@@ -186,7 +186,7 @@ FREE = {
     r"\b(upper|lower) disc\b|\blower left\b|\blarger circle\b": "a place in the drawing",
     r"\blower the\b": "a verb",
     r"\bmore urgent\b": "an order of tasks that's given",
-    r"\bmore than (ten times the operations|a million such lines)\b": "held by the number's test",
+    r"\bmore than a million such lines\b": "held by the number's test",
     r"\bat (most|least|worst)\b": "a statistic, which stands by its number",
     r"\b(nearest and a farthest|nearest to the|highest of its section)\b": "a choice by a size",
     r"\bgreatest of those\b": "a choice by a size",

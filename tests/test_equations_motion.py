@@ -5,17 +5,20 @@ form is proved, and the library is held against what was proved. The verdicts st
 report/ledger/tunneller.toml.
 """
 
+import csv
 import math
 import re
 from fractions import Fraction
 from math import floor, trunc
+from pathlib import Path
 
 import numpy as np
 import pytest
 import sympy as sp
 
-from tests import matlab_listing, prose, soft_float
+from tests import matlab_listing
 from tests import structured_text as interpreter
+from tests.counted import Counted
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib.motion import (
@@ -46,7 +49,9 @@ from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-READS = ["report/ledger/*", "report/sections/motion.typ"]
+READS = ["report/ledger/*", "tests/references/controller_cycles.csv"]
+
+CYCLES = Path(__file__).parent / "references" / "controller_cycles.csv"
 
 HALF = Fraction(1, 2)
 PLOT = [5, 7, 10, 12, 15, 17, 20, 22, 25, 27, 30]
@@ -232,26 +237,25 @@ def test_equal_increments(judge):
 
 
 def test_float_time(judge):
-    judge("float-time", missing="a microcontroller of its kind, whose time could be taken")
-    # How many operations it takes can be counted.
-    rng = np.random.default_rng(4)
-    numbers = (rng.uniform(-2, 2, (5000, 2)) * 2.0 ** rng.integers(-30, 30, (5000, 2))).astype("f4")
-    for a, b in [*numbers, (1.5, -1.5), (0, 2.5), (3, 0), (1, -1 + 2.0**-24), (16777215, 1)]:
-        assert soft_float.value(soft_float.add(soft_float.bits(a), soft_float.bits(b))) == (
-            np.float32(a) + np.float32(b)
-        )
-        assert soft_float.greater(soft_float.bits(a), soft_float.bits(b)) == (a > b)
-    # The listing's error term alone, e > emax, e - cstep and e + nx - nxi, and all whole numbers
-    # of the listing left out, against everything that the integer line does.
-    whole, nx, nxi, emax, minus_one = map(soft_float.bits, (0, 2.5, -2, 0.5, -1))
-    soft_float.Counted.operations, e, ticks = 0, whole, 10
-    for _ in range(ticks):
-        if soft_float.greater(e, emax):
-            e = soft_float.add(e, minus_one)
-        e = soft_float.add(soft_float.add(e, nx), nxi)
-    assert soft_float.Counted.operations > 10 * ticks * sum(operations_a_tick())
-    said = prose.worded((prose.ROOT / "report" / "sections" / "motion.typ").read_text("utf-8"))
-    assert "alone takes more than ten times the operations of the integer line" in said
+    # Measured on simulated processors by tests/references/controller_cycles.py: the cheapest tick
+    # of the listing and of y = k x + d, in single precision, over the dearest of the integer line.
+    with CYCLES.open(newline="", encoding="utf-8") as file:
+        rows = {(row["processor"], row["part"]): row for row in csv.DictReader(file)}
+    times = {}
+    for processor in {processor for processor, _ in rows}:
+        dearest = int(rows[processor, "integer line, a tick"]["most"])
+        cheapest = (rows[processor, f"{part}, a tick"]["least"]
+                    for part in ("the listing", "y = k x + d"))  # fmt: skip
+        times[processor] = min(map(int, cheapest)) / dearest
+    simple = {p: n for p, n in times.items() if p != "Cortex-M4 with FPU"}
+    judge("float-time", len(simple) == 3 and min(simple.values()) > 4)
+    # With a unit for floating point it isn't so: such a controller isn't a simple one.
+    assert 1 < times["Cortex-M4 with FPU"] < 2
+    # A second way, of which the cycles are no part: 6 operations of the integer line a tick.
+    for row in rows.values():
+        assert int(row["least"]) <= int(row["median"]) <= int(row["most"])
+    line = rows["Cortex-M0", "integer line, a tick"]
+    assert sum(operations_a_tick()) < int(line["median"]) < 4 * sum(operations_a_tick())
 
 
 def test_dda_errors(judge):
@@ -326,7 +330,7 @@ def test_display_interpolation(judge):
 
 def restoring_division(number, divisor):
     """Return quotient and remainder of whole numbers below 2^32 by shifts and subtractions."""
-    quotient = remainder = soft_float.Counted(0)
+    quotient = remainder = Counted(0)
     for bit in range(31, -1, -1):
         remainder = (remainder << 1) + ((number >> bit) & 1)
         quotient = quotient << 1
@@ -342,10 +346,10 @@ def test_fast_division(judge):
     pairs = [*rng.integers(1, 2**32, (200, 2)).tolist(), (0, 1), (2**32 - 1, 1), (7, 2**32 - 1)]
     dearest = 0
     for number, divisor in pairs:
-        soft_float.Counted.operations = 0
-        found = restoring_division(soft_float.Counted(number), soft_float.Counted(divisor))
+        Counted.operations = 0
+        found = restoring_division(Counted(number), Counted(divisor))
         assert found == divmod(number, divisor)
-        dearest = max(dearest, soft_float.Counted.operations)
+        dearest = max(dearest, Counted.operations)
     assert dearest < 9 * 32
     # Once a segment, not once a tick.
     preparation, tick = structured_text().split("\nELSE\n")

@@ -2,9 +2,10 @@
 
     python -m tests.references.controller_cycles
 
-Needs Debian's gcc-avr, avr-libc, libsimavr-dev, libelf-dev, gcc-arm-none-eabi, libnewlib-arm-none-eabi,
-qemu-system-arm and gcc. simavr counts cycles; qemu counts instructions, of which a Cortex-M0 and a
-Cortex-M4 do most in one cycle. Each part is a call; what a call of an empty function costs is taken off.
+Needs Debian's gcc-avr, avr-libc, libsimavr-dev, libelf-dev, gcc-arm-none-eabi,
+libnewlib-arm-none-eabi, qemu-system-arm and gcc. simavr counts cycles; qemu counts instructions, of
+which a Cortex-M0 and a Cortex-M4 do most in one cycle. Each part is a call; what a call of an empty
+function costs is taken off.
 """
 
 import csv
@@ -78,9 +79,7 @@ def few_rows(whole):
     few["aCorner"] = few["aCorner"] - knots.start
     constants = {**whole.constants, "nRing": SMALL_RING, "nMoves": ROWS, "nEntry": 1, "nLeave": 1}
     constants["nTrip"] = 2**30
-    return replace(
-        whole, constants=constants, tables={name: v.tolist() for name, v in few.items()}
-    )
+    return replace(whole, constants=constants, tables={name: v.tolist() for name, v in few.items()})
 
 
 def ran(command, folder):
@@ -175,7 +174,15 @@ def measured(processor, run, unit):
                 every = np.array(every) - empty
                 part = PARTS[what].format(name)
                 middle = int(np.median(every))
-                yield [processor, part, unit, len(every), int(every.min()), middle, int(every.max())]
+                yield [
+                    processor,
+                    part,
+                    unit,
+                    len(every),
+                    int(every.min()),
+                    middle,
+                    int(every.max()),
+                ]
 
 
 def rows():
