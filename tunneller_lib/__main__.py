@@ -119,6 +119,16 @@ def parser():
         "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )
 
+    log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
+    log.add_argument(
+        "log",
+        type=Path,
+        help="CSV: time_s, and valve with speed_rad_s or position_rad, or set_rad with actual_rad",
+    )
+    log.add_argument(
+        "--feedforward", type=float, default=0.0, help="share of the slope that a loop adds"
+    )
+    log.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
     added.add_argument(
         "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
@@ -268,6 +278,20 @@ def run_animate(options):
     count = options.frames
     every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
     return {"files": [str(pictures.write_picture(out, counted(every, count)))]}
+
+
+def run_identify(options):
+    """Say what a log tells."""
+    from .job import identified_text, identify_log
+
+    try:
+        text = options.log.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{options.log}: is no text in UTF-8.") from None
+    numbers = identify_log(text, feedforward=options.feedforward)
+    if not options.json:
+        tell(identified_text(numbers))
+    return numbers if options.json else None
 
 
 def counted(pictures, count):

@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from tunneller_lib.job import Job, mesh, read_job, summarise
+from tunneller_lib.job import Job, identify_log, mesh, read_job, summarise
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream import Cut, Plan
 from tunneller_lib.removal import DexelGrid
@@ -75,7 +75,13 @@ _results = {
     "say": lambda text: None,
 }
 
+_log = "time_s,valve,speed_rad_s\n" + "".join(
+    f"{0.005 * n:g},{0.3 * (n // 20 % 2)},{0.15 * (n // 21 % 2)}\n" for n in range(120)
+)
+
 CALLS = {
+    "identified_text": {"numbers": identify_log(_log)},
+    "identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
     "mesh.wall_solid": {"wall": _cut.wall},

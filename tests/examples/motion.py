@@ -39,6 +39,7 @@ INSTANCES = {
 }
 
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
+LOGGED = np.tile(np.repeat([0.0, 0.3], 15), 3)
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
@@ -55,6 +56,12 @@ CALLS = {
     "rest_to_rest_ticks": {"ticks": 8},
     "rounding_spectrum": {"difference": 5, "ticks": 12},
     "export.setvalue_table": {"setvalues": [[0, 0], [3, -2]], "names": ["theta", "phi"]},
+    "identify.identify_axis": {"valve": LOGGED, "measured": np.cumsum(LOGGED), "tick": 0.005},
+    "identify.identify_loop": {
+        "setvalue": np.cumsum(LOGGED),
+        "actual": np.cumsum(LOGGED),
+        "tick": 0.005,
+    },
     "slow_task.waypoint_operations": {"points": 9},
     "slow_task.waypoints_c99": {"points": 9},
     "slow_task.waypoints_st": {"points": 9},

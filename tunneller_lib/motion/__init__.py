@@ -1,6 +1,6 @@
 """Motion: set-values in whole counts, the hydraulic axes and their loops, tasks, exports."""
 
-from . import export, slow_task, stability, tasks
+from . import export, identify, slow_task, stability, tasks
 from .hydraulics import Hydraulics, reference_axes
 from .interpolate import (
     line_ticks,
@@ -27,6 +27,7 @@ __all__ = [
     "ValveResonance",
     "export",
     "follow",
+    "identify",
     "line_ticks",
     "polyline",
     "polyline_slopes",

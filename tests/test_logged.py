@@ -1,0 +1,82 @@
+"""`tunneller identify`: logs of an axis, as CSV, and what is said of them."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.test_identify import TICK, axis_log, openings, set_values
+from tunneller_lib.__main__ import main
+from tunneller_lib.job import identify_log
+from tunneller_lib.motion import Lag, Loop, follow
+
+READS = []
+
+RNG = np.random.default_rng(7)
+VALVE = openings(RNG)
+VALVE[:20] = 0.0
+POSITION, SPEED = axis_log(Lag(0.5, 0.02), VALVE, 1)
+WANTED = set_values(RNG)
+ACTUAL = follow(Lag(0.5, 0.02), Loop(10.0, TICK, feedforward=0.5), WANTED,
+                slopes=np.diff(WANTED) / TICK).position  # fmt: skip
+
+
+def csv(**columns):
+    """Return a log with times and columns of these names."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [
+        ",".join([f"{TICK * n:.6f}", *map(repr, map(float, row))]) for n, row in enumerate(rows)
+    ]
+    return "\n".join(["# a log", ",".join(["time_s", *columns]), *lines, ""])
+
+
+def noisy(values, size):
+    return values + size * np.random.default_rng(9).standard_normal(len(values))
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [{"valve": VALVE, "speed_rad_s": noisy(SPEED, 2e-3)},
+     {"valve": VALVE, "position_rad": noisy(POSITION, 1e-4), "pressure": SPEED}],
+    ids=["speed", "position"],
+)  # fmt: skip
+def test_log_of_an_axis(columns):
+    found = identify_log(csv(**columns))
+    assert found["columns"] == list(columns)[:2] and found["rows"] == len(VALVE)
+    assert found["tick_s"] == pytest.approx(TICK) and found["delay"] == 1
+    assert found["gain_unit"] == "rad/s"
+    assert abs(found["gain"] - 0.5) < 4 * found["gain_error"] < 0.01
+    assert abs(found["lag_s"] - 0.02) < 4 * found["lag_error_s"] < 2e-3
+
+
+def test_command_says_what_a_log_of_a_loop_tells(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    path.write_text(csv(set_rad=WANTED, actual_rad=noisy(ACTUAL, 2e-5)), encoding="utf-8")
+    assert main(["identify", str(path), "--feedforward", "0.5"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == f"{len(WANTED)} rows, 5 ms apart: set_rad and actual_rad"
+    assert [line.split()[0] for line in said[1:]] == ["gain", "lag", "delay", "left"]
+    assert said[1].endswith("1/s") and " ± " in said[1] and said[2].endswith("ms")
+    assert main(["identify", str(path), "--feedforward", "0.5", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["gain"] == pytest.approx(10, rel=0.02)
+    assert found["rms"] == pytest.approx(2e-5, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("", "text: must have a heading; got none."),
+        ("time,valve\n1,2\n", "text: must have the columns time_s, valve, speed_rad_s; or "),
+        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n3,1,1\n", "text: time_s must be even to 1 %"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n0,1,1\n", "text: time_s must be even to 1 %"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "valve: must be one column of 20 to 200000"),
+        ("time_s,valve,speed_rad_s\n0,1,x\n", "text: column 'speed_rad_s' must hold numbers"),
+        (csv(valve=0 * VALVE, speed_rad_s=SPEED), "valve: must move the axis; got a column that"),
+    ],
+)
+def test_wrong_logs_are_refused_in_a_sentence(tmp_path, capsys, text, said):
+    path = tmp_path / "log.csv"
+    path.write_text(text)
+    assert main(["identify", str(path)]) == 1
+    assert capsys.readouterr().err.startswith(f"refused: {said}")

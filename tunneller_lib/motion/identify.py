@@ -1,0 +1,256 @@
+"""Gains and lags of an axis or of its position loop, from what a controller logged.
+
+The model is T1, a lag and an integrator, sampled with the log's tick. It is run with the logged
+input alone, so that noise of the measurement biases nothing, and fitted by least squares.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Rule, checked
+from .loop import Loop
+from .plant import Lag
+from .quantities import Share, Tick, moderate_array
+from .servo import follow
+
+LEAST_ROWS, MOST_ROWS = 20, 200_000
+MOST_DELAY = 10  # ticks that are tried
+SHORTEST, LONGEST = 1e-2, 1e3  # of a lag, in ticks
+STEP = 1e-4  # of a parameter, relative, for derivatives
+TIGHT = 1e-13
+LIKELY = 4.0  # that twice the logarithm of the likelihood falls by: two standard deviations
+WIDE_OPEN = 1e9  # a loop's limit that none is: what the log's valve did isn't known
+
+
+def _logged(name, value):
+    column = moderate_array(name, value)
+    if column.ndim != 1 or not LEAST_ROWS <= len(column) <= MOST_ROWS:
+        raise ValueError(
+            f"{name}: must be one column of {LEAST_ROWS} to {MOST_ROWS} rows; got shape "
+            f"{column.shape}."
+        )
+    return column
+
+
+Column = Annotated[ArrayLike, Rule("(n,) float", _logged)]
+Angles = Annotated[ArrayLike, Rule("(n,) float", _logged, "rad")]
+
+
+class Estimate(NamedTuple):
+    """A number that was identified, and its standard error, in the same unit."""
+
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What a log says of an axis or of a loop.
+
+    Parameters
+    ----------
+    gain : Estimate
+        Of an axis in rad/s for the full valve, of a loop Kv in 1/s.
+    lag : Estimate
+        In s.
+    delay : int
+        Whole ticks, up to 10, that fit best.
+    rms : float
+        Of what the model leaves of the measured column, in its unit.
+    """
+
+    gain: Estimate
+    lag: Estimate
+    delay: int
+    rms: float
+
+
+@checked
+def identify_axis(
+    valve: Column, measured: Column, tick: Tick, *, kind: Literal["speed", "position"] = "speed"
+):
+    """Return gain and lag of an axis, from the valve's opening and what the axis did.
+
+    Parameters
+    ----------
+    valve : (n,) float
+        Opening at the ticks, each held until the next; -1 to 1.
+    measured : (n,) float
+        Speeds in rad/s, or positions in rad, at the same ticks.
+    tick : float
+        Between rows, in s.
+    kind : {"speed", "position"}
+        What was measured.
+
+    Returns
+    -------
+    found : Identified
+        Standard errors are those of white noise on the measurement; what the axis does otherwise
+        than T1 isn't in them, but in `rms`.
+
+    Raises
+    ------
+    ValueError
+        If the columns differ in length, or the valve doesn't move the axis.
+
+    Examples
+    --------
+    >>> valve = np.repeat([0.2, -0.1, 0.3, 0.0], 50)
+    >>> speed, speeds = 0.0, []
+    >>> for opening in valve:
+    ...     speeds.append(speed)
+    ...     speed = speed + (0.5 * opening - speed) * -np.expm1(-0.005 / 0.02)
+    >>> found = identify_axis(valve, speeds, 0.005)
+    >>> round(found.gain.value, 3), round(found.lag.value, 4)
+    (0.5, 0.02)
+    """
+    from scipy.optimize import minimize_scalar
+
+    _check_alike("measured", measured, "valve", valve)
+    if not np.ptp(valve) or not np.ptp(measured):
+        raise ValueError("valve: must move the axis; got a column that stays the same.")
+
+    def left(logarithm, delay):
+        columns = _columns(valve, tick, np.exp(logarithm), delay, kind)
+        return float(np.sum((columns @ _solved(columns, measured) - measured) ** 2))
+
+    def fit(delay):
+        bounds = np.log(np.array([SHORTEST, LONGEST]) * tick)
+        found = minimize_scalar(left, bounds=bounds, args=(delay,), method="bounded")
+        return float(found.fun), delay, float(np.exp(found.x))
+
+    _, delay, lag = _shortest(fit, measured)
+    columns = _columns(valve, tick, lag, delay, kind)
+    weights = _solved(columns, measured)
+    steps = [
+        _columns(valve, tick, lag * (1 + side * STEP), delay, kind) @ weights for side in (1, -1)
+    ]
+    slope = (steps[0] - steps[1]) / (2 * lag * STEP)
+    jacobian = np.concatenate([slope[:, None], columns], axis=1)
+    errors, rms = _errors(jacobian, columns @ weights - measured)
+    return Identified(Estimate(float(weights[0]), errors[1]), Estimate(lag, errors[0]), delay, rms)
+
+
+@checked
+def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: Share(2) = 0.0):
+    """Return gain and lag of a position loop, from set and actual positions.
+
+    Parameters
+    ----------
+    setvalue, actual : (n,) float
+        Of one axis at the ticks, in rad; the log begins at rest.
+    tick : float
+        Between rows, in s, which is the loop's.
+    feedforward : float
+        Share of the set-values' slope that the loop adds, as it is set. A log of smooth motions
+        can't tell it from the gain: both make the axis trail less.
+
+    Returns
+    -------
+    found : Identified
+        As of `identify_axis`; the valve must not have been fully open.
+
+    Raises
+    ------
+    ValueError
+        If the columns differ in length, or the set-values stay the same.
+    """
+    from scipy.optimize import least_squares
+
+    _check_alike("actual", actual, "setvalue", setvalue)
+    if not np.ptp(setvalue) or not np.ptp(actual):
+        raise ValueError("setvalue: must move the axis; got a column that stays the same.")
+    slopes = np.diff(setvalue) / tick
+
+    def residual(numbers, delay):
+        gain, lag = np.exp(numbers)
+        loop = Loop(float(gain), tick, feedforward=feedforward, delay=delay, limit=WIDE_OPEN)
+        track = follow.unchecked(Lag(1.0, float(lag)), loop, setvalue, slopes=slopes)
+        off = track.position - actual
+        return off - np.mean(off)  # where the encoder has its zero doesn't matter
+
+    low = np.array([np.log(1e-3 / tick), np.log(SHORTEST * tick)])
+    high = np.array([np.log(3 / tick), np.log(LONGEST * tick)])
+    start = np.array([np.log(0.05 / tick), np.log(2 * tick)])
+
+    def fit(delay):
+        found = least_squares(
+            lambda numbers: residual(numbers, delay),
+            start,
+            bounds=(low, high),
+            x_scale=(0.1, 0.3),
+            diff_step=STEP,
+            ftol=TIGHT,
+            xtol=TIGHT,
+            gtol=TIGHT,
+        )
+        return 2 * float(found.cost), delay, found
+
+    _, delay, found = _shortest(fit, actual)
+    errors, rms = _errors(found.jac, found.fun)
+    gain, lag = np.exp(found.x).tolist()
+    return Identified(Estimate(gain, gain * errors[0]), Estimate(lag, lag * errors[1]), delay, rms)
+
+
+def _check_alike(name, column, other, like):
+    """Raise ValueError if two columns aren't of one length."""
+    if len(column) != len(like):
+        raise ValueError(
+            f"{name}: must have as many rows as {other}, {len(like)}; got {len(column)}."
+        )
+
+
+def _shortest(fit, measured):
+    """Return the fit (squares left, delay, ..) of the shortest delay that is about as likely.
+
+    Delays are tried until two more of them fit worse and worse.
+    """
+    fits = [fit(0), fit(1)]
+    while len(fits) <= MOST_DELAY:
+        fits.append(fit(len(fits)))
+        if fits[-1][0] > fits[-2][0] > fits[-3][0]:
+            break
+    rows = len(measured)
+    least = min(fit[0] for fit in fits)
+    most = least * (1 + LIKELY / rows) + rows * (1e-9 * np.ptp(measured)) ** 2
+    return next(fit for fit in fits if fit[0] <= most)
+
+
+def _columns(valve, tick, lag, delay, kind):
+    """Return what each unknown adds to the measured column, (n, 2) or (n, 3), for a lag in s.
+
+    The unknowns are the gain and the first speed, of positions also the first position.
+    """
+    from scipy.signal import lfilter
+
+    (_, drift), (_, kept) = Lag(1.0, lag).discrete(tick)[0]
+    pushed, taken = Lag(1.0, lag).discrete(tick)[1]
+    late = np.concatenate([np.full(delay, valve[0]), valve])[: len(valve)]
+    # The state after a tick: speed' = kept speed + taken u, position' = position + drift speed + ..
+    speed = lfilter([0.0, taken], [1.0, -kept], late)
+    free = kept ** np.arange(len(valve))
+    if kind == "speed":
+        return np.stack([speed, free], axis=-1)
+    moved = np.concatenate([[0.0], np.cumsum(drift * speed + pushed * late)[:-1]])
+    coasted = np.concatenate([[0.0], np.cumsum(drift * free)[:-1]])
+    return np.stack([moved, coasted, np.ones(len(valve))], axis=-1)
+
+
+def _solved(columns, measured):
+    """Return the weights that make columns come closest to what was measured."""
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0] = 1.0
+    return np.linalg.lstsq(columns / scale, measured, rcond=None)[0] / scale
+
+
+def _errors(jacobian, residual):
+    """Return the standard errors of parameters, and the residual's root mean square."""
+    rows, unknowns = jacobian.shape
+    rms = float(np.sqrt(np.sum(residual**2) / (rows - unknowns)))
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale[scale == 0] = 1.0
+    spread = np.linalg.pinv(jacobian / scale)  # of covariance spread spread' rms^2
+    return (rms * np.linalg.norm(spread, axis=1) / scale).tolist(), rms
