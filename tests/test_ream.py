@@ -1,5 +1,6 @@
 """The whole cut: plan, feed, wall; ideal chains against closed forms; plans that are refused."""
 
+import re
 import time
 import tracemalloc
 from dataclasses import replace
@@ -16,6 +17,8 @@ from tunneller_lib.ream import (
     Limits,
     Pose,
     carve,
+    cutting,
+    expected_seconds,
     lap_volume,
     overbreak,
     pass_distance,
@@ -287,7 +290,44 @@ def two_laps():
 def test_carve_tells_of_each_lap():
     told, job = [], lap(laps=2, advance=0.05)
     carve(job, ideal(job), shape=COARSE, say=told.append)
-    assert told == ["cutting: lap 1 of 2", "cutting: lap 2 of 2"]
+    assert [line.partition(";")[0] for line in told] == [
+        "cutting: lap 1 of 2", "cutting: lap 2 of 2"]  # fmt: skip
+
+
+def test_carve_tells_how_far_it_is_within_a_lap(monkeypatch):
+    monkeypatch.setattr(cutting, "SILENCE", 0.0)
+    told, job = [], lap(laps=2, advance=0.05)
+    carve(job, ideal(job), shape=COARSE, say=told.append)
+    shares = [[int(n) for n in re.findall(r"\d+", line.partition(";")[0])] for line in told]
+    within = [share for lap, all_laps, *share in shares if lap == 1 and all_laps == 2]
+    assert len(within) > 20 and within[-1] == []
+    parts = [share for (share,) in within[:-1]]
+    assert parts == sorted(parts) and parts[0] < 10 and parts[-1] > 90
+    assert told[0].startswith("cutting: lap 1 of 2, ") and "% of it" in told[0]
+
+
+def test_expected_seconds_are_those_of_a_run_within_a_factor():
+    job = lap(laps=2, advance=0.05)
+    plant, loop = Integrator(0.5), Loop(10.0, job.tick)
+    axes, wall = expected_seconds(job, plant, loop, shape=COARSE)
+    begun = time.perf_counter()
+    simulate(job, plant, loop, shape=COARSE)
+    assert 0 < min(axes, wall) and 0.1 < (axes + wall) / (time.perf_counter() - begun) < 10
+
+
+@pytest.mark.parametrize(
+    ("integral", "said"),
+    [(0.0, "the gain must be below 400 1/s; got 500 1/s."),
+     (20.0, "with an integral of 20 1/s^2 the gain must be from 0.1 to 400 1/s; got 500 1/s."),
+     (2e5, "with an integral of 200000 1/s^2 no gain would do; got 500 1/s.")],
+)  # fmt: skip
+def test_unstable_loop_is_refused_with_the_gains_that_would_do(integral, said):
+    job = lap()
+    loop = Loop(500.0, job.tick, integral=integral)
+    with pytest.raises(
+        ValueError, match=rf"^loop: must be stable; that of theta .*{re.escape(said)}"
+    ):
+        simulate(job, Integrator(0.5), loop, shape=COARSE)
 
 
 def test_ideal_chain_leaves_the_wanted_wall_at_the_bottom(two_laps):

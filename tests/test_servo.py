@@ -25,12 +25,14 @@ from tunneller_lib.motion.stability import (
     continuous_limit,
     delay_limit,
     eigenvalue_limit,
+    gain_limit,
     integral_limits,
     is_stable,
     lag_limit,
     resonance_limit,
     ripple,
     sampled_resonance_limit,
+    stable_gains,
 )
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -77,6 +79,27 @@ def test_integral_limits_close_at_four():
     low, high = integral_limits(4 / T**2, T)
     assert low == pytest.approx(high)
     assert not is_stable(Integrator(1.0), Loop(2.5 / T, T, integral=5 / T**2))
+
+
+@pytest.mark.parametrize("integral", [1.0, 20.0, 3e4])
+def test_stable_gains_with_an_integral_are_its_limits(integral):
+    found = stable_gains(Integrator(0.5), Loop(1.0, T, integral=integral))
+    assert found == pytest.approx(integral_limits(integral, T), rel=1e-9)
+
+
+def test_stable_gains_of_oil_are_those_at_the_worst_angle():
+    plant = Compressible(AXES[0])
+    angles = np.linspace(-0.8, 0.4, 5)
+    low, high = stable_gains(plant, Loop(1.0, T, integral=5.0), angles)
+    each = [stable_gains(plant, Loop(1.0, T, integral=5.0), angle) for angle in angles]
+    assert (low, high) == pytest.approx((max(a for a, _ in each), min(b for _, b in each)))
+    assert 0 < low < 1 and high == pytest.approx(gain_limit(plant, Loop(1.0, T), angles), rel=0.01)
+    inside, outside = (Loop(gain, T, integral=5.0) for gain in (0.99 * high, 1.01 * high))
+    assert is_stable(plant, inside, angles) and not is_stable(plant, outside, angles)
+
+
+def test_stable_gains_of_none_are_empty():
+    assert stable_gains(Integrator(0.5), Loop(1.0, T, integral=5 / T**2)) == (np.inf, 0.0)
 
 
 @given(log_uniform(1.0, 1e4), log_uniform(0.01, 3.0))

@@ -51,6 +51,7 @@ def main(arguments=None):
         return ended(options, 2 if wrong else 1, "wrong" if wrong else "refused", str(error))
 
 
+BUDGET_RUNS = 4  # of a lap's axes: trailing, with and without encoder, with the gain raised
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
@@ -202,7 +203,11 @@ def read(options, out, *, budget=False):
     check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     rays = f"{job.wall['along']} x {job.wall['around']} rays"
-    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays} ...")
+    axes, wall = job.expected_seconds
+    # The budget runs a lap's axes some times more.
+    more = BUDGET_RUNS / plan.laps if budget else 0.0
+    lasts = f"about {max(round(axes * (1 + more) + wall), 1)} s"
+    say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays}, {lasts} ...")
     cut = job.simulated(say)
     say(
         f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "

@@ -69,6 +69,7 @@ CALLS = {
     "stability.continuous_limit": LINEAR,
     "stability.eigenvalue_limit": LINEAR,
     "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
+    "stability.stable_gains": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
     "stability.is_stable": {"plant": INSTANCES[Compressible], "angles": (0.0, 0.1)},
     "stability.ripple": LINEAR,
     "tasks.Task": {"name": "line"},

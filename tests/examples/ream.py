@@ -41,6 +41,7 @@ CALLS = {
     "budget": AXIS,
     "carve": {"position": IDEAL, "shape": (6, 12)},
     "encoder_fault": AXIS,
+    "expected_seconds": AXIS | {"shape": (6, 12)},
     "following_fault": AXIS,
     "lap_volume": {"advance": 0.05},
     "overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at

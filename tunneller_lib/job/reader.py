@@ -17,7 +17,7 @@ import numpy as np
 from ..arguments import checked, positive, shown, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
 from ..paths import cutting_circuit
-from ..ream import Limits, Pose, plan, simulate
+from ..ream import Limits, Pose, expected_seconds, plan, simulate
 from ..surfaces import Arc, Egg, Line, Machine, closed_profile
 
 TEXT, WHOLE = "text", "whole number"
@@ -142,15 +142,28 @@ class Job:
         """Return the over-break at which the colours of pictures end, in m."""
         return 1.5 * self.plan["tolerance"]
 
-    @checked
-    def simulated(self, say: Callable[[str], object] | None = None):
-        """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
+    @property
+    def expected_seconds(self):
+        """Return about how long axes and wall of `simulated` will take, two numbers in s."""
+        shape, thickness = self._rays
+        return expected_seconds(self.planned, *self.axes, shape=shape, thickness=thickness)
+
+    @property
+    def _rays(self):
+        """Return the numbers of rays and the thickness of the modelled ground, in m."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
         with _said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
-            positive("thickness", about.get("thickness", 1.0))
-        return simulate(self.planned, *self.axes, pose=self.error, shape=shape, say=say, **about)
+            return shape, positive("thickness", about.get("thickness", 0.1))
+
+    @checked
+    def simulated(self, say: Callable[[str], object] | None = None):
+        """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
+        shape, thickness = self._rays
+        return simulate(
+            self.planned, *self.axes, pose=self.error, shape=shape, thickness=thickness, say=say
+        )
 
 
 @checked

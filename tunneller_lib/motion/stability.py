@@ -16,6 +16,7 @@ from .plant import Integrator, Lag, Resonance, ValveResonance
 from .quantities import Quantity, Quantity0, Tick, Ticks
 
 GENTLE = 1e-3  # 1/s, a gain with which every loop of the study is stable
+GAINS = 60  # that are tried for a loop with an integral
 LinearPlant = Integrator | Lag | Resonance | ValveResonance
 Plant = LinearPlant | Rigid | Compressible
 
@@ -144,12 +145,45 @@ def gain_limit(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
 
     As `is_stable` judges it, for the `plant` and a `loop` whose own gain doesn't matter, at
     `angles` in rad. A loop with an integral has no such limit, for it needs a least gain, too; it
-    is refused with ValueError.
+    is refused with ValueError, and `stable_gains` has both.
     """
     if loop.integral:
         raise ValueError(f"loop: must be without integral; got {loop.integral:g} 1/s^2.")
-    gentle = replace(loop, gain=GENTLE)
-    return min(float(eigenvalue_limit(one, gentle)) for one in _models(plant, angles))
+    return stable_gains.unchecked(plant, loop, angles)[1]
+
+
+@checked
+def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
+    """Return between which gains a loop is stable at each of some joint angles, in 1/s.
+
+    Parameters
+    ----------
+    plant : Integrator, Lag, Resonance, ValveResonance, Rigid or Compressible
+        The axis.
+    loop : Loop
+        Its own gain doesn't matter, its integral does.
+    angles : (...) float
+        Joint angles, in rad.
+
+    Returns
+    -------
+    low, high : float
+        Without integral `low` is 0; where no gain tried is stable, ``inf`` and 0.
+    """
+    models = _models(plant, angles)
+    if not loop.integral:
+        gentle = replace(loop, gain=GENTLE)
+        return 0.0, min(float(eigenvalue_limit(one, gentle)) for one in models)
+    worst = lambda gain: max(_radius(one, loop, gain) for one in models)  # noqa: E731
+    tried = np.geomspace(GENTLE, 10 / loop.tick, GAINS)
+    radii = [worst(gain) for gain in tried]
+    calmest = int(np.argmin(radii))
+    if not radii[calmest] < 1:
+        return np.inf, 0.0
+    growth = lambda gain: worst(gain) - 1  # noqa: E731
+    start = float(tried[calmest])
+    low, high = (_first_unstable(growth, start, factor) for factor in (0.8, 1.25))
+    return float(low), float(high)
 
 
 def _models(plant, angles):

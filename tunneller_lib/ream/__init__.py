@@ -1,6 +1,6 @@
 """The whole job: plan a cut, run it through controller and axes, and look at the wall it leaves."""
 
-from .cutting import Cut, carve, simulate, starved
+from .cutting import Cut, carve, expected_seconds, simulate, starved
 from .error_budget import budget
 from .faults import (
     Fault,
@@ -32,6 +32,7 @@ __all__ = [
     "corner_fault",
     "count_fault",
     "encoder_fault",
+    "expected_seconds",
     "following_fault",
     "knot_fault",
     "lap_volume",

@@ -1,5 +1,6 @@
 """The planned cut run through controller and axes, and the wall that the cutter leaves."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,7 +11,7 @@ import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
 from ..motion import Track, follow
-from ..motion.stability import gain_limit
+from ..motion.stability import stable_gains
 from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid
 from ..removal.dexel import Shape
@@ -19,6 +20,8 @@ from .planning import Plan, Pose, Run
 from .wall import intact_wall, overbreak, standing
 
 CHUNK = 50  # ticks after which the removed volume is noted
+SILENCE = 5.0  # s after which the cutting says how far it is
+PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
 Cost = Whole(1, 2**31 - 1)
 Energy = Annotated[float, Rule("float", size)]
 
@@ -166,28 +169,73 @@ def simulate(
         raise ValueError("cost: needs tasks, and they need it; got only one of both.")
     if tasks is not None:
         _check_tasks(plan, tasks, cost)
-    # The cutter rests at the lap's begin, so that runs one after the other share a tick there.
-    runs = [plan.entry, *[plan] * plan.laps, plan.leave]
-    parts = [run.setvalues for run in runs]
-    setvalues = np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
-    slopes = np.concatenate([run.slopes for run in runs])
+    setvalues, slopes = _whole(plan)
     track = follow(plant, loop, setvalues, slopes=slopes)
     for axis, name in enumerate(("theta", "phi")):
         if track.stable[axis] is False:
-            said = f"loop: must be stable; that of {name} isn't at its gain and tick"
-            if loop[axis].integral:
-                raise ValueError(f"{said}.")
             reached = setvalues[:, axis]
             angles = np.linspace(reached.min(), reached.max(), 5)
-            limit = gain_limit(plant[axis], loop[axis], angles)
+            low, high = stable_gains(plant[axis], loop[axis], angles)
+            allowed = f"the gain must be below {high:.3g} 1/s"
+            if loop[axis].integral:
+                integral = f"with an integral of {loop[axis].integral:g} 1/s^2"
+                allowed = f"{integral} no gain would do"
+                if low < high:
+                    allowed = f"{integral} the gain must be from {low:.3g} to {high:.3g} 1/s"
             raise ValueError(
-                f"{said}: the gain must be below {limit:.3g} 1/s; got {loop[axis].gain:g} 1/s."
+                f"loop: must be stable; that of {name} isn't at its gain and tick: {allowed}; "
+                f"got {loop[axis].gain:g} 1/s."
             )
-    first = len(parts[0]) - 1
+    first = int(plan.entry.ticks.sum())
     last = first + plan.laps * int(plan.ticks.sum())
     ends = track.position[: first + 1], track.position[last:]
     cut = _carved(plan, track.position[first : last + 1], ends, pose, shape, thickness, say)
     return replace(cut, track=track.between(first, last))
+
+
+def _whole(plan):
+    """Return set-values (n + 1, 2) and slopes (n, 2) from the entry to the exit."""
+    # The cutter rests at the lap's begin, so that runs one after the other share a tick there.
+    runs = [plan.entry, *[plan] * plan.laps, plan.leave]
+    setvalues = [run.setvalues for run in runs]
+    return (
+        np.concatenate([setvalues[0][:1], *(values[1:] for values in setvalues)]),
+        np.concatenate([run.slopes for run in runs]),
+    )
+
+
+@checked
+def expected_seconds(
+    plan: Plan, plant: Plants, loop: Loops, *, shape: Shape = (400, 720), thickness: Length = 0.1
+):
+    """Return about how long `simulate` will take on this computer, in s.
+
+    Parameters
+    ----------
+    plan, plant, loop, shape, thickness
+        As for `simulate`: a `Plan`, axes, loops, the numbers of rays, in m.
+
+    Returns
+    -------
+    axes, wall : float
+        For running the axes and for cutting the wall: as long as a few of its ticks take, here
+        and now, times their number.
+    """
+    setvalues, slopes = _whole(plan)
+    follow(plant, loop, setvalues[:2], slopes=slopes[:1])  # imports what it needs
+    tried = min(PROBE, len(slopes))
+    begun = time.perf_counter()
+    follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried])
+    axes = (time.perf_counter() - begun) * len(slopes) / tried
+    centres = plan.centres(plan.setvalues)
+    reach = plan.circuit.machine.cutter_radius
+    wall = intact_wall(plan.circuit, *_ends(centres, reach), shape, thickness=thickness)
+    chunks = [centres[a : a + CHUNK + 1] for a in range(0, len(centres) - 1, CHUNK)]
+    some = chunks[:: max(len(chunks) // PROBED, 1)]
+    begun = time.perf_counter()
+    for chunk in some:
+        wall.cut_path(chunk, reach)
+    return axes, (time.perf_counter() - begun) * len(slopes) / sum(len(c) - 1 for c in some)
 
 
 @checked
@@ -249,10 +297,18 @@ def _carved(plan, position, ends, pose, shape, thickness, say):
     noted = np.append(np.add.outer(laps, within[within < ticks]).ravel(), ticks * plan.laps)
     plunged = wall.cut_path(before, reach) if len(before) else 0.0
     removed = []
+    begun = said = time.monotonic()
     for a, b in pairwise(noted):
         removed.append(wall.cut_path(centres[a : b + 1], reach))
-        if say is not None and b % ticks == 0:
-            say(f"cutting: lap {b // ticks} of {plan.laps}")
+        now = time.monotonic()
+        if say is None or (b % ticks and now - said < SILENCE):
+            continue
+        said = now
+        lap, within = divmod(b - 1, ticks)
+        part = f", {100 * (within + 1) // ticks} % of it" if b % ticks else ""
+        left = (now - begun) * (noted[-1] - b) / b
+        to_go = f"; about {left:.0f} s to go" if left >= 1 else ""
+        say(f"cutting: lap {lap + 1} of {plan.laps}{part}{to_go}")
     plunged += wall.cut_path(after, reach) if len(after) else 0.0
     standing(wall)  # refuses a wall that is cut through
     return Cut(plan, None, centres, wall, noted, np.array(removed), before, after, plunged)

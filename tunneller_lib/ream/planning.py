@@ -330,7 +330,7 @@ def plan(
     if step < farthest:
         raise ValueError(
             f"step: must be at least the {farthest:.4g} m of a tick at the greatest feed; "
-            f"got {step:g} m."
+            f"got {step:g} m, for which the feed may be {step / tick:.4g} m/s."
         )
     positions = way.at(along)
     positions[-1] = positions[0]  # not off by a rounding
