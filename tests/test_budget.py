@@ -184,6 +184,20 @@ def test_encoder_alone_in_motion_is_what_the_linear_loop_passes_on(tier):
     assert max(fault.over, fault.under) <= 1.2 * half
 
 
+# The extremes of all feeds, resolutions and tiers tried, and some between.
+@pytest.mark.parametrize(
+    ("tier", "feed", "bits", "ratio"),
+    [("T0", 0.03, 16, 1.43), ("T0", 0.06, 12, 1.42), ("T1", 0.03, 14, 1.23), ("T1", 0.06, 14, 1.09),
+     ("T1", 0.06, 16, 0.89), ("T1", 0.1, 15, 0.85), ("T1", 0.2, 13, 0.65), ("T1", 0.2, 15, 1.07)],
+)  # fmt: skip
+def test_encoder_is_off_the_linear_theory_by_half_at_most(tier, feed, bits, ratio):
+    count = 2 * np.pi / 2**bits
+    fault = encoder_fault(job(feed=feed, count=count), [PLANTS[tier]] * 2, pair(count=count, **FED))
+    found = fault.measured / fault.closed
+    assert 0.6 < found < 1.5
+    assert found == pytest.approx(ratio, abs=0.06)  # which rounding leads where is a chance
+
+
 @CIRCUITS
 @pytest.mark.parametrize("name", ["y", "z", "roll", "pitch", "yaw"])
 def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, name):

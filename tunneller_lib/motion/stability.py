@@ -169,7 +169,14 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     -------
     low, high : float
         Without integral `low` is 0; where no gain tried is stable, ``inf`` and 0.
+
+    Raises
+    ------
+    ValueError
+        If there is no angle.
     """
+    if not np.size(angles):
+        raise ValueError("angles: must hold one joint angle at least; got none.")
     models = _models(plant, angles)
     if not loop.integral:
         gentle = replace(loop, gain=GENTLE)

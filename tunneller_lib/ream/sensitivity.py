@@ -79,7 +79,8 @@ def rounding_passed(plant, loop, rate):
     At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
     loop passes on each one, sampled at the ticks: 1/12 in slow motion, 1/12 Kv T / (2 - Kv T) for
     T0 in fast motion. The axis also answers to the rounding and shifts its phase, which a linear
-    theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion, up to a third more between.
+    theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion. On the wall 0.65 to 1.43 times
+    this rms were measured, of T0, T1 and T2 at 30 to 200 mm/s with 2^12 to 2^18 counts a turn.
     """
     if not loop.count:
         return np.zeros(len(rate))
