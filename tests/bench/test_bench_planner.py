@@ -15,6 +15,9 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
 TICK = 1e-3
+# rad/s, rad/s^2, and by how much corners may be missed, in m.
+LAPS = [(*limits, blend) for limits in ((0.2, 0.5), (0.3, 2.0), (1.0, 0.2))
+        for blend in (1e-4, 5e-4)]  # fmt: skip
 
 
 def toppra_run(toppra, route, speed, acceleration):
@@ -40,16 +43,24 @@ def toppra_run(toppra, route, speed, acceleration):
     return solver.compute_trajectory(0, 0).duration
 
 
+def lap(speed, acceleration, blend):
+    """Return our lap under limits of both joints, in rad/s and rad/s^2, corners rounded in m."""
+    limits = Limits(feed=1e3, acceleration=1e6, joint_speed=speed, joint_acceleration=acceleration)
+    return plan(CIRCUIT, limits, tolerance=1e-3, blend=blend, tick=TICK, step=0.05, rest=0.0)
+
+
+def duration(job):
+    """Return how long a lap takes without its rest, in s."""
+    return job.lap_time - job.tick * int(job.ticks[-1])
+
+
 @pytest.mark.parametrize("package", ["toppra"])
-@pytest.mark.parametrize("speed, acceleration", [(0.2, 0.5), (0.3, 2.0), (1.0, 0.2)])
-@pytest.mark.parametrize("blend", [1e-4, 5e-4])
+@pytest.mark.parametrize("speed, acceleration, blend", LAPS)
 def test_laps_last_as_long_as_toppras(
     installed, benchmark, say, package, speed, acceleration, blend
 ):
-    limits = Limits(feed=1e3, acceleration=1e6, joint_speed=speed, joint_acceleration=acceleration)
-    options = {"tolerance": 1e-3, "blend": blend, "tick": TICK, "step": 0.05, "rest": 0.0}
-    job = benchmark.pedantic(plan, args=(CIRCUIT, limits), kwargs=options, rounds=3)
-    lasts = job.lap_time - job.tick * int(job.ticks[-1])
+    job = benchmark.pedantic(lap, args=(speed, acceleration, blend), rounds=3)
+    lasts = duration(job)
     begun = time.process_time()
     theirs = toppra_run(installed, job.route, speed, acceleration)
     spent = time.process_time() - begun
@@ -59,22 +70,33 @@ def test_laps_last_as_long_as_toppras(
     assert max(job.shares.values()) <= 1 and abs(lasts / theirs - 1) < 0.02
 
 
+def ruckigs_duration(ruckig, distance, speed, acceleration, jerk):
+    """Return the duration that ruckig gives a move from rest to rest, in s."""
+    wanted = ruckig.InputParameter(1)
+    wanted.current_position, wanted.target_position = [0.0], [distance]
+    wanted.max_velocity, wanted.max_acceleration = [speed], [acceleration]
+    wanted.max_jerk = [jerk]
+    found = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(wanted, found)
+    return found.duration
+
+
+def single_moves():
+    """Return random distances, speeds, accelerations and jerks (2000, 4)."""
+    rng = np.random.default_rng(7)
+    return 10.0 ** rng.uniform([-3, -2, -1, 0], [0, 0, 1, 2], (2000, 4))
+
+
 @pytest.mark.parametrize("package", ["ruckig"])
 def test_single_moves_last_as_long_as_ruckigs(installed, benchmark, say, package):
-    rng = np.random.default_rng(7)
-    asked = 10.0 ** rng.uniform([-3, -2, -1, 0], [0, 0, 1, 2], (2000, 4))
+    asked = single_moves().tolist()
     runs = benchmark.pedantic(
-        lambda: [move_shares(move_ticks(*one, TICK)) for one in asked.tolist()], rounds=3
+        lambda: [move_shares(move_ticks(*one, TICK)) for one in asked], rounds=3
     )
-    ratios = []
-    for run, (distance, speed, acceleration, jerk) in zip(runs, asked.tolist(), strict=True):
-        wanted = installed.InputParameter(1)
-        wanted.current_position, wanted.target_position = [0.0], [distance]
-        wanted.max_velocity, wanted.max_acceleration = [speed], [acceleration]
-        wanted.max_jerk = [jerk]
-        found = installed.Trajectory(1)
-        installed.Ruckig(1).calculate(wanted, found)
-        ratios.append((len(run) - 1) * TICK / found.duration)
+    ratios = [
+        (len(run) - 1) * TICK / ruckigs_duration(installed, *one)
+        for run, one in zip(runs, asked, strict=True)
+    ]
     say("duration over ruckig's, the greatest of 2000", max(ratios), package)
     say("duration over ruckig's, in the median", float(np.median(ratios)), package)
     assert 0.95 < min(ratios) and max(ratios) < 1.05

@@ -1,5 +1,8 @@
 """The slow task for other controllers: waypoints of a corrected chord, in Structured Text and C99.
 
+It needs the two ends of a chord alone, for a controller that gets its knots as it goes. That of a
+job (`tunneller_lib.job`) is told beforehand where on each chord its setpoints are.
+
 Both programs come from one description, a list of statements: (variable, expression) assigns,
 ("IF", condition, then, otherwise) branches, ("FOR", first, last, body) counts i upwards and
 ("DOWN", first, last, body) downwards. Expressions are those that both languages, and Python, share.
