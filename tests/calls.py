@@ -23,7 +23,18 @@ from tunneller_lib.removal import (
 )
 from tunneller_lib.replica import quartics
 from tunneller_lib.replica.quartics import foot_quartic, line_quartic
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Frustum, Rod, Torus, meet_rods
+from tunneller_lib.surfaces import (
+    REFERENCE_MACHINE,
+    Box,
+    Cone,
+    Egg,
+    Frustum,
+    Rod,
+    Torus,
+    meet_boxes,
+    meet_frusta,
+    meet_rods,
+)
 
 
 class Call(NamedTuple):
@@ -41,6 +52,8 @@ class Call(NamedTuple):
 
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
 _ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
+_EDGES = (0.4, 0.3, 0), (-0.3, 0.4, 0), (0, 0, 0.2)
+_BOX = Box((0.1, 0, 0), *_EDGES)
 _FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)
 _ALIGNED = Circuit(REFERENCE_MACHINE, _EGG)
 _TILTED = Circuit(REFERENCE_MACHINE, _EGG, 0.01, 0.02)
@@ -79,6 +92,15 @@ CALLS = {
         meet_rods, ("a", "b", "radius", "point", "direction"), ((3,), (3,), (), (3,), (3,)),
         ((), ()),
     ),
+    "meet_frusta": Call(
+        meet_frusta, ("a", "b", "radius_a", "radius_b", "point", "direction"),
+        ((3,), (3,), (), (), (3,), (3,)), ((), ()),
+    ),
+    "meet_boxes": Call(
+        lambda corner, point, direction: meet_boxes(corner, *_EDGES, point, direction),
+        ("corner", "point", "direction"), ((3,), (3,), (3,)), ((), ()),
+    ),
+    "Box.meet_line": Call(_BOX.meet_line, *_LINE),
     "Frustum.contains": Call(_FRUSTUM.contains, ("points",), _POINT, ((),)),
     "Frustum.meet_line": Call(_FRUSTUM.meet_line, *_LINE),
     "half_lens": Call(partial(half_lens, 5), ("advance",), ((),), ((),)),

@@ -5,6 +5,7 @@ import numpy as np
 from tunneller_lib.surfaces import (
     REFERENCE_MACHINE,
     Arc,
+    Box,
     Cone,
     Egg,
     Frustum,
@@ -17,8 +18,11 @@ from tunneller_lib.surfaces import (
     linkages,
 )
 
+_EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
+
 INSTANCES = {
     Arc: Arc(0.0, 0.0, 0.5, 0.0, 1.0),
+    Box: Box((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)),
     Cone: Cone(0.5),
     Egg: Egg(0.5),
     Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
@@ -32,6 +36,7 @@ INSTANCES = {
 
 CALLS = {
     "Arc.depth": {"slack": 0.0},
+    "Box": _EDGES,
     "Egg.offset": {"d": 0.2},
     "Frustum": {"b": (1.0, 2.0, 3.0)},
     "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
@@ -44,5 +49,7 @@ CALLS = {
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"low": (0.1, 0.1), "high": (0.3, 0.4)},
+    "meet_boxes": _EDGES,
+    "meet_frusta": {"b": (1.0, 2.0, 3.0)},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

@@ -1,8 +1,9 @@
-"""Shapes: the torus of the cutter's centre, cone, rod, sewer section, machine, its cylinders."""
+"""Shapes: the cutter's torus, cone, rod, frustum, box, sewer section, machine, its cylinders."""
 
+from .box import Box, meet_boxes
 from .cone import Cone
 from .egg import Egg
-from .frustum import Frustum
+from .frustum import Frustum, meet_frusta
 from .linkage import Linkage, linkages
 from .machine import REFERENCE_MACHINE, Machine
 from .pieces import Arc, Line
@@ -14,6 +15,7 @@ from .torus import Torus
 __all__ = [
     "REFERENCE_MACHINE",
     "Arc",
+    "Box",
     "Cone",
     "Egg",
     "Frustum",
@@ -26,5 +28,7 @@ __all__ = [
     "closed_profile",
     "linkages",
     "meet_box",
+    "meet_boxes",
+    "meet_frusta",
     "meet_rods",
 ]

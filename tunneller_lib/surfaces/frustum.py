@@ -4,9 +4,55 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Point, Points, checked, sizes
+from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
-from .rod_interval import GUARD, frame, nearest_point
+from .rod_interval import GUARD, flat_interval, frame, nearest_point
+
+
+@checked
+def meet_frusta(
+    a: Points, b: Points, radius_a: Lengths, radius_b: Lengths, point: Points, direction: Directions
+):
+    """Return where lines enter and leave frusta, one frustum a line.
+
+    Parameters
+    ----------
+    a, b : (..., 3) float
+        Centres of the discs, in m; where they are the same the frustum is empty.
+    radius_a, radius_b : (...) float
+        Of the discs, in m, zero or above.
+    point, direction : (..., 3) float
+        One point of each line, in m, and its direction, not zero.
+
+    Returns
+    -------
+    enter, leave : (...) float
+        In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
+
+    Raises
+    ------
+    ValueError
+        As by `Frustum` and `Frustum.meet_line`.
+
+    Examples
+    --------
+    >>> enter, leave = meet_frusta((0, 0, 0), (0, 0, 2), 1, [0, 1], (-5, 0, 1), (1, 0, 0))
+    >>> enter, leave
+    (array([4.5, 4. ]), array([5.5, 6. ]))
+    """
+    for name, radius in (("radius_a", radius_a), ("radius_b", radius_b)):
+        if not np.all(radius >= 0):
+            raise ValueError(f"{name}: must not be below zero; got {np.min(radius):g} m.")
+        sizes(name, radius)
+    sizes("b - a", np.abs(b - a).max(axis=-1))
+    axis = frame(a, b, direction)
+    turned = np.any(axis.start != a, axis=-1)
+    first = np.where(turned, radius_b, radius_a)
+    last = np.where(turned, radius_a, radius_b)
+    s, m, z, shift = nearest_point(axis, point, direction)
+    hit, enter, leave = frustum_interval(axis.run, axis.rise, axis.length, first, last, s, m)
+    enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
+    return enter[()], np.where(hit, shift + (leave - z) / axis.speed, -np.inf)[()]
 
 
 @dataclass(frozen=True)
@@ -47,8 +93,12 @@ class Frustum:
         along = dot(q, v) / length
         off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
         guard = GUARD * (self.radius_a + self.radius_b + length)
-        wide = self.radius_a + (self.radius_b - self.radius_a) * along / length
-        return (along >= -guard) & (along <= length + guard) & (off <= wide + guard)
+        gain = self.radius_b - self.radius_a
+        slant = np.hypot(length, gain)
+        # Across the wall: a flat cone's wall is near where its radius at that height is far.
+        outside = (length * (off - self.radius_a) - gain * along) / slant
+        outside = np.maximum(outside, off - max(self.radius_a, self.radius_b))
+        return (along >= -guard) & (along <= length + guard) & (outside <= guard)
 
     @checked
     def meet_line(self, point: Points, direction: Directions):
@@ -66,9 +116,12 @@ class Frustum:
 
         Notes
         -----
-        How far a point is inside the cone's wall is a concave function along the line. Its signs
-        at the discs' planes and at its greatest tell the surfaces that are met, each decided
-        once, so that there is no crack at a rim or at the apex; the roots only say where.
+        How far a point is inside the cone's wall is a concave function along the line. Its
+        greatest between the discs decides once whether the line meets the frustum, so that there
+        is no crack at a rim or at the tip; the roots only say where. The answer is that of a
+        frustum whose surface is off by at most 64 eps (radius + run), of the wider disc and with
+        run the length of the axis as the line sees it, for needles and wafers alike: a line that
+        touches the frustum is never missed.
 
         Examples
         --------
@@ -76,57 +129,88 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        a, b = np.array(self.a), np.array(self.b)
-        axis = frame(a, b, direction)
-        turned = np.any(axis.start != a, axis=-1)
-        r = np.where(turned, self.radius_b, self.radius_a)
-        gain = np.where(turned, self.radius_a, self.radius_b) - r
-        s, m, z, shift = nearest_point(axis, point, direction)
-        hit, enter, leave = _interval(axis, r, gain, np.abs(s), m)
-        enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
-        leave = np.where(hit, shift + (leave - z) / axis.speed, -np.inf)
-        return enter[()], leave[()]
+        return meet_frusta(self.a, self.b, self.radius_a, self.radius_b, point, direction)
 
 
-def _interval(axis, r, gain, s, m):
-    """Return hits and intervals along lines at (m, s), of frusta of radii r and r + gain.
+def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
+    """Return where lines are inside frusta: inside the rod of the wider disc, and a cone's wall.
 
-    A line's point z is at tau = h m + e z along the axis, and beside it at s and at
-    sigma = e m - h z, with h and e the sine and cosine between line and axis.
+    Parameters
+    ----------
+    run, rise, length : (...) float
+        Of the axes, in m, as in `Frame`.
+    first_radius, last_radius : (...) float
+        Of the discs at the axes' starts and at their other ends, in m.
+    s, m : (...) float
+        As of `flat_interval`.
+
+    Returns
+    -------
+    hit : (...) bool
+        Whether the line meets the frustum.
+    enter, leave : (...) float
+        In m, as by `flat_interval`; meaningless where the line misses.
+
+    Notes
+    -----
+    With slant^2 = length^2 + gain^2, c = length/slant and d = gain/slant, a point is as deep
+    inside the wall as w - c rho, where rho is its distance from the axis and w = c r + d tau that
+    of the wall, times c, at its height tau. Along the line the depth is concave. Its greatest
+    tells whether the wall is met, once, so that there is no crack at a rim or at the tip. From
+    there it falls to zero where x y = (c s)^2 with x, y = w -+ c sigma, both linear along the line.
     """
-    run, rise, length = axis.run, axis.rise, axis.length
-    guard = GUARD * (r + np.abs(gain) + run)
-    h, e, g = run / length, rise / length, gain / length
-    # A line across the axis, within rounding, meets neither disc: the slab between their planes
-    # holds it all or misses it. Any bound beyond the frustum serves as its ends.
-    level = rise * (r + np.abs(gain)) <= guard * length
-    far = 4 * (r + np.abs(gain) + run)
+    radius = np.maximum(first_radius, last_radius)
+    guard = GUARD * (radius + run)
+    gain = last_radius - first_radius
+    wall = (gain != 0) & (length > guard)  # else a rod, or a disc but for less than the guard
     with np.errstate(all="ignore"):
-        # The discs' planes: tau = 0 and tau = length.
-        first = np.where(level, -far, -run * m / rise)
-        last = np.where(level, far, rise + run * (run - m) / rise)
-        slab = ~level | ((m >= -guard) & (m <= run + guard))
-        k = g * e
-        # The wall is where (r + g tau)^2 - s^2 - sigma^2 = -A z^2 + 2 B z + C vanishes; the
-        # discriminant B^2 + A C is (h r + g m)^2 - A s^2, in which nothing is lost.
-        A = (h - k) * (h + k)
-        wide, aside = r + g * h * m, e * m
-        B, C = wide * k + aside * h, (wide - s) * (wide + s) - aside**2
-        root = np.sqrt(np.maximum((h * r + g * m) ** 2 - A * s * s, 0))
-        # Of the two forms of each root the one whose sum doesn't cancel. A is negative where the
-        # line is steeper than the wall, which it then meets once on this half of the cone.
-        enter = np.where(B > 0, -C / (B + root), (B - root) / A)
-        leave = np.where(B >= 0, (B + root) / A, C / (root - B))
-        # Deepest inside the wall: where it's as steep as the line, or at an end.
-        deepest = np.where(A > 0, (aside + k * s / np.sqrt(A)) / h, np.where(k > 0, last, first))
-        deepest = np.clip(np.where(np.isnan(deepest), first, deepest), first, last)
+        h, e = run / length, rise / length  # sine and cosine between line and axis
+        # The rod is larger by the guard all round: where a line is nearly level with a disc, or
+        # nearly parallel to the axis, rounding moves the rod's ends far along it, off a touch.
+        more = np.where(wall, guard, 0.0)
+        length_over = np.where(wall, length + 2 * more, length)
+        hit, enter, leave = flat_interval(
+            run + 2 * h * more, rise + 2 * e * more, length_over, radius + more, s, m + h * more
+        )
+        enter, leave = enter - e * more, leave - e * more
+        slant = np.hypot(length, gain)
+        c, d = length / slant, gain / slant
+        up, steep = c * h + np.abs(d) * e, np.abs(d) * e - c * h
+        # So nearly along a ruling that the wall is as far away all along the line.
+        steep = np.where(np.abs(steep) * (radius + length) <= guard, 0.0, steep)
+        # Deepest: where the wall is as steep as the line, or at the wide end.
+        turn = np.where(gain < 0, -1.0, 1.0)
+        sigma = -d * e * np.abs(s) / np.sqrt(-up * steep)
+        z = np.clip(np.where(steep < 0, (e * m - sigma) / h, turn * np.inf), enter, leave)
+        sigma = e * m - h * z
+        w = c * first_radius + d * (h * m + e * z)
+        hit = hit & (~wall | (w - c * np.hypot(s, sigma) >= -2 * guard))
+        before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
+        before, after = np.where(turn < 0, after, before), np.where(turn < 0, before, after)
+        # The discs' planes as they are, unless the line is level with them.
+        level = rise * radius <= guard * length
+        first = np.where(level, -np.inf, -run * m / rise)
+        last = np.where(level, np.inf, rise + run * (run - m) / rise)
+    # The deepest point belongs to what is met, on whichever side of an end rounding puts it.
+    inner = np.minimum(z, np.maximum(np.maximum(enter, first), z - before))
+    outer = np.maximum(z, np.minimum(np.minimum(leave, last), z + after))
+    return hit, np.where(wall, inner, enter), np.where(wall, outer, leave)
 
-    def depth(z):
-        return r + g * (h * m + e * z) - np.hypot(s, e * m - h * z)
 
-    # The depth is concave: it grows from the first plane to the deepest point and falls from there
-    # to the last. Its signs at these three say which of disc and wall is met on either side.
-    hit = slab & (depth(deepest) >= -guard)
-    enter = np.clip(np.where(np.isnan(enter), first, enter), first, deepest)
-    leave = np.clip(np.where(np.isnan(leave), last, leave), deepest, last)
-    return hit, np.where(depth(first) >= 0, first, enter), np.where(depth(last) >= 0, last, leave)
+def _to_the_wall(w, aside, sigma, up, steep):
+    """Return how far it is from a point inside a wall back to the wall and on to it.
+
+    The line goes to the wide end: from the point on, w - sigma grows by `up` (above zero) and
+    w + sigma by `steep`, which is less, and they meet the wall where their product is aside^2.
+    """
+    x, y = np.maximum(w - sigma, 0), np.maximum(w + sigma, 0)
+    square = np.minimum(aside**2, x * y)
+    slope = steep / up
+    # Both roots, each of that of x and y which is small there, in sums where nothing cancels.
+    half = (y - slope * x) / 2
+    root = np.sqrt(np.maximum(half**2 + slope * square, 0))
+    small = np.where(half >= 0, square / (half + root), (root - half) / slope)
+    small = np.where((half >= 0) & (square == 0), 0.0, small)
+    before = np.maximum((x - small) / up, 0)
+    # At least as steep as the wall the line doesn't meet it again.
+    return before, np.where(steep < 0, np.maximum((y + slope * small) / -steep, 0), np.inf)

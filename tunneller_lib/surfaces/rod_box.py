@@ -77,7 +77,8 @@ def _ball_points(rod, axis, side):
             off = side - end[axis]
             centre = end + off[..., None] * np.eye(3)[axis]
         room = (rod.radius - off) * (rod.radius + off)
-        rise = np.where(room >= 0, np.sqrt(np.maximum(room, 0)), np.nan)
+        met = np.abs(off) <= rod.radius + GUARD * (rod.radius + rod.length)
+        rise = np.where(met, np.sqrt(np.maximum(room, 0)), np.nan)
         points += [centre + sign * rise[..., None] * np.eye(3)[2] for sign in (1, -1)]
     return points
 
@@ -101,7 +102,11 @@ def _rim_points(rod, axis, side):
         reach = np.hypot(level[axis], steep[axis])
         if reach * rod.radius > GUARD * (rod.radius + rod.length):
             off = (side - end[axis]) / (rod.radius * reach)
-            root = np.where(np.abs(off) <= 1, np.sqrt(np.maximum((1 - off) * (1 + off), 0)), np.nan)
+            # A side that touches the rim within the guard touches it where it comes nearest.
+            beyond = GUARD * (rod.radius + rod.length) / (rod.radius * reach)
+            met = np.abs(off) <= 1 + beyond
+            off = np.clip(off, -1, 1)
+            root = np.where(met, np.sqrt((1 - off) * (1 + off)), np.nan)
             cos, sin = level[axis] / reach, steep[axis] / reach
             for sign in (1, -1):
                 first, second = cos * off - sign * sin * root, sin * off + sign * cos * root
@@ -122,7 +127,9 @@ def _ruling_points(rod, axis, side):
     for sign in (1, -1):
         start = np.array(rod.a) + sign * offset
         share = (side - start[axis]) / v[axis]
-        share = np.where((share >= 0) & (share <= 1), share, np.nan)
+        beyond = GUARD * (rod.radius + rod.length) / np.abs(v[axis])
+        met = (share >= -beyond) & (share <= 1 + beyond)
+        share = np.where(met, np.clip(share, 0, 1), np.nan)
         points.append(start + share[..., None] * v)
     return points
 

@@ -30,9 +30,7 @@ class Frame(NamedTuple):
 
 def frame(a, b, direction):
     """Return the `Frame` of axes from a to b (..., 3) for directions (..., 3), none zero."""
-    # A power of two changes no digit of the direction and keeps its square in range.
-    exponent = np.frexp(np.max(np.abs(direction), axis=-1))[1]
-    u = np.ldexp(direction, -exponent[..., None])
+    u, exponent = near_one(direction)
     turn = dot(b - a, u)[..., None] < 0
     start, end = np.where(turn, b, a), np.where(turn, a, b)
     v, v_low = two_sum(end, -start)
@@ -48,16 +46,34 @@ def frame(a, b, direction):
     )  # fmt: skip
 
 
+def near_one(v):
+    """Return vectors (..., 3) over powers of two that bring them near 1, and their exponents.
+
+    No digit changes, and the squares are in range.
+    """
+    exponent = np.frexp(np.max(np.abs(v), axis=-1))[1]
+    return np.ldexp(v, -exponent[..., None]), exponent
+
+
+def nearest_offset(start, along, speed, p, direction):
+    """Return from `start` to lines' nearest points (..., 3), in m, and these points' parameters.
+
+    Parameters: start and the lines' points p (..., 3), in m, unit vectors along them, their
+    speeds, and their directions.
+    """
+    q, q_low = two_sum(p, -start)
+    shift = -dot(q, along) / speed
+    step, step_low = two_product(shift[..., None], direction)
+    q, low = two_sum(q, step)
+    return q + (low + (step_low + q_low)), shift  # at most one rounding, however far away p is
+
+
 def nearest_point(axis, p, direction):
     """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
 
     Parameters: axis, the points p (..., 3) and the direction of each line, in m.
     """
-    q, q_low = two_sum(p, -axis.start)
-    shift = -dot(q, axis.along) / axis.speed
-    step, step_low = two_product(shift[..., None], direction)
-    q, low = two_sum(q, step)
-    q = q + (low + (step_low + q_low))  # at most one rounding, however far away p is
+    q, shift = nearest_offset(axis.start, axis.along, axis.speed, p, direction)
     # Without a run the axis has no plane of its own: any length across will do.
     s = np.where(axis.run > 0, dot(q, axis.across), norm(q))
     return s, dot(q, axis.flat), dot(q, axis.along), shift

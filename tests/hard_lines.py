@@ -1,0 +1,271 @@
+"""Hard lines against rods, capsules, frusta and boxes, by family.
+
+A family takes a kind, a random generator and a number n, and returns shapes (n, 12) as
+`tests.exact_shapes` reads them, points and directions (n, 3). It uses sums, products, quotients
+and roots alone, whose last bits are the same on every processor.
+
+Most shapes are whole: a whole rotation, whose columns are N long, takes whole rims, corners and
+touches to exact places. Radii are multiples of 4095 N, for which circle and ball have whole
+points in many directions.
+"""
+
+import numpy as np
+
+EPS = np.finfo(float).eps
+KINDS = ("rod", "capsule", "frustum", "box")
+CIRCLE = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]]) * 63  # on 4095
+BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]]) * 585
+SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis
+
+
+def rotations(rng, n):
+    """Return whole matrices (n, 3, 3) whose columns are perpendicular and N (n,) long."""
+    w, x, y, z = rng.integers(-9, 10, (4, n))
+    w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
+    N = w * w + x * x + y * y + z * z
+    rows = [[N - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), N - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), N - 2 * (x * x + y * y)]]  # fmt: skip
+    return np.moveaxis(np.array(rows), -1, 0), N
+
+
+class Whole:
+    """Whole shapes of a kind, and on each a point with its normal and two directions beside it."""
+
+    def __init__(self, kind, rng, n):
+        self.kind = kind
+        matrix, N = rotations(rng, n)
+        e1, e2, e3 = np.moveaxis(matrix, -1, 0)
+        at = rng.integers(-999, 1000, (n, 3)) * 4
+        # A quarter of the shapes are long, a quarter are flat.
+        proportion = rng.integers(0, 4, n)
+        wide = np.where(proportion == 0, 16, 16 * rng.integers(1, 5, n))
+        high = np.where(proportion == 1, 4, 4 * rng.integers(1, 400, n) * 65)
+        self.share = rng.choice(SHARES, n)
+        if kind == "box":
+            size = np.stack([wide * 4095, wide * rng.integers(1, 4095, n), high], axis=-1)
+            edges = np.moveaxis(matrix, -1, 1) * size[..., None]
+            self.shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
+            # A point of the face e1, inside it, on an edge or a corner.
+            turn = rng.choice([-1, 1], n)[:, None]
+            other = rng.choice(SHARES, n)
+            self.point = at + np.where(turn > 0, edges[:, 0], 0)
+            self.point += edges[:, 1] // 4 * other[:, None] + edges[:, 2] // 4 * self.share[:, None]
+            self.normal, self.side, self.ruling = turn * e1, e2, e3
+            self.end = e3
+            self.size = N * (size.sum(axis=-1))
+            return
+        v = e3 * high[:, None]
+        start = wide * 4095 * N
+        taper = rng.choice([0, 0, 1, 2, 3, 5, 8], n) if kind == "frustum" else np.full(n, 4)
+        end = start // 4 * taper
+        if kind == "frustum":  # and upside down
+            swap = rng.random(n) < 0.5
+            start, end = np.where(swap, end, start), np.where(swap, start, end)
+        pair = CIRCLE[rng.integers(0, len(CIRCLE), n)] * rng.choice([-1, 1], (n, 2))
+        pair = np.where(rng.random(n)[:, None] < 0.5, pair, pair[:, ::-1])
+        out = pair[:, :1] * e1 + pair[:, 1:] * e2  # 4095 N long
+        self.side = pair[:, :1] * e2 - pair[:, 1:] * e1
+        steps = start // (4095 * N), end // (4095 * N)
+        first, last = (out * step[:, None] for step in steps)
+        self.shapes = np.concatenate(
+            [at, at + v, start[:, None], end[:, None], np.zeros((n, 4))], axis=-1
+        )
+        self.ruling = v + last - first
+        self.point = at + first + self.ruling // 4 * self.share[:, None]
+        self.normal = out * high[:, None] + e3 * (4095 * (steps[0] - steps[1]))[:, None]
+        self.end = e3
+        self.size = np.maximum(start, end) + high * N
+        if kind == "capsule":  # half of the points are on the balls
+            quad = BALL[rng.integers(0, len(BALL), n)] * rng.choice([-1, 1], (n, 3))
+            upper = quad[:, 2] > 0
+            away = np.einsum("nij,nj->ni", matrix, quad)
+            ball = rng.random(n)[:, None] < 0.5
+            centre = np.where(upper[:, None], at + v, at)
+            self.point = np.where(ball, centre + away * steps[0][:, None], self.point)
+            self.normal = np.where(ball, away, self.normal)
+            side = np.cross(e1, away)
+            self.side = np.where(ball & np.any(side, axis=-1)[:, None], side, self.side)
+            turned = np.cross(away, side)
+            self.ruling = np.where(ball & np.any(side, axis=-1)[:, None], turned, self.ruling)
+
+    def lines(self, u, shift=0):
+        """Return the shapes with lines along u through their points, moved by a shift."""
+        u = np.array(u, dtype=float)
+        u[np.all(u == 0, axis=-1)] = 1
+        return self.shapes.astype(float), self.point + np.asarray(shift, dtype=float), u
+
+
+def some(rng, n):
+    """Return whole directions (n, 3)."""
+    return rng.integers(-99, 100, (n, 3))
+
+
+def touches(kind, rng, n):
+    """Any line through a whole point of a rim, a wall, an end, a face or an edge."""
+    return Whole(kind, rng, n).lines(some(rng, n))
+
+
+def tangents(kind, rng, n):
+    """Lines in the tangent plane of such a point, which touch or run along the surface."""
+    whole = Whole(kind, rng, n)
+    turn = rng.integers(-9, 10, (2, n, 1))
+    return whole.lines(whole.side * turn[0] + whole.ruling * turn[1])
+
+
+def rulings(kind, rng, n):
+    """Lines along a ruling or an edge, in the surface."""
+    whole = Whole(kind, rng, n)
+    return whole.lines(whole.ruling * rng.choice([-3, 1], n)[:, None])
+
+
+def ends(kind, rng, n):
+    """Lines in the plane across the axis, through such a point."""
+    whole = Whole(kind, rng, n)
+    turn = rng.integers(-9, 10, (2, n, 1))
+    across = np.cross(whole.end, whole.side)
+    return whole.lines(whole.side * turn[0] + across * turn[1])
+
+
+def axial(kind, rng, n):
+    """Lines along the axis, through such a point."""
+    whole = Whole(kind, rng, n)
+    return whole.lines(whole.end * rng.choice([-3, 1], n)[:, None])
+
+
+def tips(kind, rng, n):
+    """Lines through the ends of the axis, or a box's corners: tips of cones among them."""
+    whole = Whole(kind, rng, n)
+    if kind == "box":
+        edges = whole.shapes[:, 3:].reshape(n, 3, 3)
+        whole.point = whole.shapes[:, :3] + (edges * rng.integers(0, 2, (n, 3, 1))).sum(axis=1)
+    else:
+        whole.point = np.where(rng.random(n)[:, None] < 0.5, whole.shapes[:, :3],
+                               whole.shapes[:, 3:6])  # fmt: skip
+    u = np.where(rng.random(n)[:, None] < 0.3, whole.ruling, some(rng, n))
+    return whole.lines(u)
+
+
+def grazes(kind, rng, n):
+    """Tangents moved in or out by 2^-52 to 2^-20 of the shape."""
+    whole = Whole(kind, rng, n)
+    turn = rng.integers(-9, 10, (2, n, 1))
+    length = np.sqrt(np.sum(whole.normal.astype(float) ** 2, axis=-1))
+    move = whole.size * 2.0 ** -rng.integers(20, 53, n) * rng.choice([-1, 1, 1], n) / length
+    return whole.lines(whole.side * turn[0] + whole.ruling * turn[1], whole.normal * move[:, None])
+
+
+def leaning(kind, rng, n):
+    """Lines that lean by 2^-53 to 2^-10 against a ruling, an axis, an end or an edge."""
+    whole = Whole(kind, rng, n)
+    which = rng.integers(0, 3, n)[:, None]
+    u = np.select([which == 0, which == 1], [whole.ruling, whole.end], whole.side).astype(float)
+    length = np.sqrt(np.sum(u * u, axis=-1))
+    lean = length * 2.0 ** -rng.integers(10, 54, n)
+    return whole.lines(u + rng.normal(size=(n, 3)) * lean[:, None])
+
+
+def far(kind, rng, n):
+    """The first three with everything up to 2^50 away: coordinates are still exact."""
+    family = [touches, tangents, rulings][rng.integers(0, 3)]
+    shapes, p, u = family(kind, rng, n)
+    room = np.floor(np.log2(2.0**52 / np.abs(np.concatenate([shapes, p], axis=-1)).max()))
+    away = np.rint(rng.uniform(-1, 1, (n, 3)) * 2.0**51)
+    away *= 2.0 ** -rng.integers(0, 30, n)[:, None]
+    away = np.rint(away) * (room >= 0)
+    shapes[:, :3] += away
+    if kind != "box":
+        shapes[:, 3:6] += away
+    return shapes, p + away, u
+
+
+def from_far(kind, rng, n):
+    """Touches and tangents, given by a point up to 2^50 steps away."""
+    family = [touches, tangents][rng.integers(0, 2)]
+    shapes, p, u = family(kind, rng, n)
+    steps = np.floor(2.0 ** rng.uniform(0, 50, n)) * rng.choice([-1, 1], n)
+    return shapes, p + u * steps[:, None], u
+
+
+def scaled(kind, rng, n):
+    """All of these at scales from 2^-300 to 2^300, the direction at one of its own."""
+    family = [touches, tangents, rulings, grazes, leaning, tips][rng.integers(0, 6)]
+    shapes, p, u = family(kind, rng, n)
+    scale = 2.0 ** rng.integers(-300, 301, n)[:, None]
+    return shapes * scale, p * scale, u * 2.0 ** rng.integers(-280, 280, n)[:, None]
+
+
+def _lengths(v):
+    return np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 2] ** 2)
+
+
+def _floats(kind, rng, n, spread, placed=1):
+    """Return shapes of full mantissa whose sizes differ by 10^spread, and a point on each.
+
+    Those that are placed are anywhere, the others begin at the origin, so that their axes keep
+    every digit.
+    """
+    placed = np.broadcast_to(placed, n)
+    sizes = 10.0 ** rng.uniform(-spread, spread, (3, n))
+    axis, other = rng.normal(size=(2, n, 3))
+    axis *= (sizes[0] / _lengths(axis))[:, None]
+    side = np.cross(axis, other)
+    side /= _lengths(side)[:, None]
+    at = rng.normal(size=(n, 3)) * sizes.max(axis=0)[:, None] * placed[:, None]
+    start, end = sizes[1], sizes[2]
+    if kind == "box":
+        third = np.cross(axis, side)
+        third /= _lengths(third)[:, None]
+        edges = np.stack([axis, side * start[:, None], third * end[:, None]], axis=1)
+        shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
+        return shapes, at + (edges * rng.choice([0, 0.5, 1], (n, 3, 1))).sum(axis=1)
+    same = kind != "frustum"
+    end = start if same else np.where(rng.random(n) < 0.3, 0, end)
+    shapes = np.concatenate([at, at + axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
+    share = rng.choice([0, 0.3, 1], n)
+    wide = start + share * (end - start)
+    return shapes, at + axis * share[:, None] + side * wide[:, None]
+
+
+def floats(kind, rng, n):
+    """Lines through the surface as near as floats come to it."""
+    shapes, p = _floats(kind, rng, n, 1)
+    return shapes, p, rng.normal(size=(n, 3))
+
+
+def proportions(kind, rng, n):
+    """The same of shapes from needles to wafers, sizes of 10^-9 to 10^9 in one shape."""
+    shapes, p = _floats(kind, rng, n, 9, placed=rng.integers(0, 2, n))
+    u = rng.normal(size=(n, 3))
+    axis = shapes[:, 3:6] - (0 if kind == "box" else shapes[:, :3])
+    length = _lengths(axis)
+    unit = axis / np.where(length > 0, length, 1)[:, None]
+    # A third of the lines nearly along the axis, and a third nearly across it.
+    along = np.sum(u * unit, axis=-1)[:, None] * unit
+    lean = 10.0 ** -rng.uniform(0, 16, n)[:, None]
+    which = rng.integers(0, 3, n)[:, None]
+    u = np.select([which == 0, which == 1], [along + lean * u, u - along + lean * u], u)
+    # Lengths below the last digit of the place are none.
+    gone = length == 0
+    if kind != "box":
+        shapes[gone, 3:6] = shapes[gone, :3] + np.maximum(np.abs(shapes[gone, :3]), 1)
+    return shapes, p, u
+
+
+def sizes(kind, rng, n):
+    """Lines through shapes about the origin whose every size is between 1e-99 and 1e99."""
+    shapes, p = _floats(kind, rng, n, 99, placed=0)
+    return shapes, p, rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-90, 90, n)[:, None]
+
+
+def ordinary(kind, rng, n):
+    """Lines between random points near a shape."""
+    shapes, _ = _floats(kind, rng, n, 0.5)
+    reach = np.abs(shapes[:, 3:]).max(axis=-1)[:, None]
+    first, last = shapes[:, :3] + rng.normal(size=(2, n, 3)) * reach
+    return shapes, first, last - first
+
+
+FAMILIES = (touches, tangents, rulings, ends, axial, tips, grazes, leaning, far, from_far, scaled,
+            floats, proportions, sizes, ordinary)  # fmt: skip
+TOUCHING = (touches, tangents, rulings, ends, axial, tips, far)

@@ -1,0 +1,189 @@
+"""Lines against rods, capsules, frusta and boxes: one promise, one judge in whole numbers."""
+
+import numpy as np
+import pytest
+
+from tests.exact_shapes import EPS, exact_interval, exact_intervals, judged, size_of
+from tests.hard_lines import FAMILIES, KINDS, TOUCHING, scaled, sizes
+from tests.long import many
+from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box, meet_boxes, meet_frusta, meet_rods
+
+LINES = many(250, 2_500)  # a family and kind, each judged in whole numbers
+MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already
+every_kind = pytest.mark.parametrize("kind", KINDS)
+every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
+
+
+def meet(kind, shapes, p, u):
+    """Return where lines enter and leave shapes (n, 12)."""
+    a, b, radius, other = shapes[:, :3], shapes[:, 3:6], shapes[:, 6], shapes[:, 7]
+    if kind == "box":
+        return meet_boxes(a, b, shapes[:, 6:9], shapes[:, 9:], p, u)
+    if kind == "frustum":
+        return meet_frusta(a, b, radius, other, p, u)
+    return meet_rods(a, b, radius, p, u, ends="round" if kind == "capsule" else "flat")
+
+
+@every_kind
+@every_family
+def test_kernel_keeps_its_promise(family, kind):
+    lines = family(kind, np.random.default_rng(1), LINES)
+    missed, thin, thick = judged(meet(kind, *lines), kind, *lines)
+    assert not missed.any() and not thin.any() and not thick.any()
+
+
+@every_kind
+@pytest.mark.parametrize("family", MIDDLING, ids=lambda f: f.__name__)
+def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):
+    shapes, p, u = family(kind, np.random.default_rng(2), 200)
+    found = meet(kind, shapes, p, u)
+    for power in (-90, 7):
+        k = 2.0**power
+        np.testing.assert_array_equal(meet(kind, shapes * k, p * k, u), np.multiply(found, k))
+        np.testing.assert_array_equal(np.multiply(meet(kind, shapes, p, u * k), k), found)
+
+
+@every_kind
+def test_judge_notices_each_fault(kind):
+    # An answer emptied, one end moved inwards or outwards by more than the promise.
+    lines = FAMILIES[-1](kind, np.random.default_rng(3), 300)
+    shapes, _, u = lines
+    enter, leave = exact_intervals(kind, *lines)
+    chord = leave - enter
+    hit = chord * np.linalg.norm(u, axis=-1) > 0.1 * size_of(kind, shapes, u)
+    assert hit.sum() >= 20
+    step = np.where(hit, chord / 100, 0)
+    wrong = [
+        (np.where(hit, np.inf, enter), np.where(hit, -np.inf, leave)),
+        (enter + step, leave),
+        (enter - step, leave),
+    ]
+    for found, fault in zip(wrong, range(3), strict=True):
+        verdicts = judged(found, kind, *lines)
+        np.testing.assert_array_equal(verdicts[fault], hit)
+    assert not np.any(judged((enter, leave), kind, *lines))
+    # A hit invented for a line that misses.
+    missing = enter > leave
+    verdicts = judged((np.where(missing, 0.0, enter), np.where(missing, 0.0, leave)), kind, *lines)
+    assert verdicts[2][missing].all() and missing.sum() >= 20
+
+
+@every_kind
+@pytest.mark.parametrize("family", TOUCHING, ids=lambda f: f.__name__)
+def test_touching_families_touch(family, kind):
+    lines = family(kind, np.random.default_rng(4), 100)
+    enter, leave = exact_intervals(kind, *lines)
+    assert np.all(enter <= leave)
+
+
+def test_judge_by_hand():
+    # A cone of radius 4 and height 3, in whole numbers; a ball; a unit box.
+    cone = [0, 0, 0, 0, 0, 3, 4, 0, 0, 0, 0, 0]
+    assert exact_interval("frustum", cone, (-5, 0, 3), (1, 0, 0)) == [5, 5]
+    assert exact_interval("frustum", cone, (4, 0, 0), (-4, 0, 3)) == [0, 1]
+    assert exact_interval("frustum", cone, (0, 0, 4), (1, 0, 0)) is None
+    assert exact_interval("frustum", cone, (2, 0, -1), (0, 0, 1)) == [1, 2.5]
+    # One unit outside of it the wall's radius is 20/3 at the base, the disc's is 5.
+    grown = exact_interval("frustum", cone, (0, 0, -1), (1, 0, 0), 1.0)
+    assert [float(end) for end in grown] == [-5, 5]
+    grown = exact_interval("frustum", cone, (-9, 0, 1.75), (1, 0, 0), 1.0)
+    assert [float(end) for end in grown] == pytest.approx([9 - 10 / 3, 9 + 10 / 3], rel=1e-15)
+    shrunk = exact_interval("frustum", cone, (0, 0, -9), (0, 0, 1), -0.75)
+    assert [float(end) for end in shrunk] == pytest.approx([9.75, 12 - 0.75 / 0.8], rel=1e-15)
+    ball = [0, 0, 0, 0, 0, 0, 13, 13, 0, 0, 0, 0]
+    assert exact_interval("capsule", ball, (0, 5, 0), (1, 0, 0)) == [-12, 12]
+    box = [0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2]
+    assert exact_interval("box", box, (-1, 1, 3), (1, 0, -1)) == [1, 3]
+    assert exact_interval("box", box, (-1, 0, 5), (1, 0, -1)) == [3, 3]
+    assert exact_interval("box", box, (-1, 0, 5.5), (1, 0, -1)) is None
+
+
+def test_frustum_is_met_at_a_rim_in_whole_numbers():
+    frustum = Frustum((-222, 802, -883), (6882, -974, -3695), 3445, 6890)
+    point, direction = (-742, -2513, -103), (7, 6, 14)
+    enter, leave = frustum.meet_line(point, direction)
+    assert enter <= leave
+    shape = np.array([[*frustum.a, *frustum.b, 3445, 6890, 0, 0, 0, 0]], dtype=float)
+    line = np.array([point], dtype=float), np.array([direction], dtype=float)
+    assert not np.any(judged((enter[None], leave[None]), "frustum", shape, *line))
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_flat_cones_keep_their_chords(height):
+    # Lines that slant through a cone much wider than high, which lost up to 0.6 of its radius.
+    rng = np.random.default_rng(5)
+    n = 500
+    angle = rng.uniform(0, 2 * np.pi, n)
+    unit = np.stack([np.cos(angle), np.sin(angle), height * rng.normal(size=n)], axis=-1)
+    p = np.insert(rng.uniform(-0.5, 0.5, (n, 2)), 2, height * rng.uniform(0, 0.4, n), axis=-1)
+    shapes = np.tile([0, 0, 0, 0, 0, height, 1, 0, 0, 0, 0, 0], (n, 1))
+    found = Frustum((0, 0, 0), (0, 0, height), 1, 0).meet_line(p, unit)
+    exact = exact_intervals("frustum", shapes, p, unit)
+    assert not np.any(judged(found, "frustum", shapes, p, unit))
+    # Rounding places the wall to eps of the radius, and so an end to that over the slope between
+    # line and wall, which is the height in the median.
+    assert np.median(np.abs(np.subtract(found, exact))) <= 64 * EPS / height
+
+
+AXES = [(12, 3, 4), (8, 9, 12), (12, 4, 3), (8, 12, 9), (15, 12, 16), (3, 4, 0), (0, 3, 4)]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("axis", AXES, ids=str)
+def test_meet_box_touches_flat_rods_at_their_sides(axis, side):
+    # In whole numbers: how far a disc reaches along x is its radius times a whole ratio.
+    rng = np.random.default_rng(6)
+    v = np.array(axis)
+    wide, length = round(np.hypot(*v[1:])), round(np.linalg.norm(v))
+    for _ in range(50):
+        step = rng.integers(1, 40)
+        a = rng.integers(-999, 1000, 3)
+        b = a + v * rng.integers(1, 300)
+        end = b if side > 0 else a
+        tip = end + side * step * np.array([wide**2, -v[0] * v[1], -v[0] * v[2]])
+        low = tip[:2] - (5 if side < 0 else 0, 5)
+        bottom, top = meet_box(Rod(a, b, int(step * wide * length)), low, low + np.array([5, 10]))
+        assert bottom <= top
+        # A touch in a point of the rim, but for a lying axis: there it's a ruling or a disc.
+        if v[0] and v[2]:
+            size = step * wide * length + np.linalg.norm(b - a)
+            # Within the guard beside the touch the rim has risen by the root of it.
+            assert abs(top - tip[2]) <= 8 * np.sqrt(EPS) * size
+
+
+BOX = Box((1, 2, 3), (2, 0, 0), (0, 2, 0), (0, 0, 2))
+WRONG = [
+    (lambda: Box((0, 0), *np.eye(3)), "corner: the last axis must hold x, y, z"),
+    (lambda: Box((0, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 1)), "x, y, z: must not be zero"),
+    (lambda: Box((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 0, 1)), "x, y, z: must be perpendicular"),
+    (lambda: Box((0, 0, 0), (1e-101, 0, 0), (0, 1, 0), (0, 0, 1)), "x, y, z: must be zero or from"),
+    (lambda: BOX.meet_line((0, 0, 0), (0, 0, 0)), "direction: must not be zero"),
+    (lambda: BOX.meet_line((0, 0, np.nan), (0, 0, 1)), "point: must hold finite numbers"),
+    (lambda: meet_frusta((0, 0, 0), (1, 0, 0), -1, 1, (0, 0, 0), (0, 0, 1)), "radius_a: must not"),
+    (lambda: meet_frusta((0, 0, 0), (1, 0, 0), 1, [1, 1e-200], (0, 0, 0), (0, 0, 1)), "radius_b"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "message"), WRONG)
+def test_wrong_input_is_told(call, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        call()
+
+
+def test_a_box_by_hand():
+    cases = {
+        ((0, 3, 4), (1, 0, 0)): (1, 3),
+        ((0, 2, 3), (1, 0, 0)): (1, 3),  # along an edge
+        ((0, 3, 3), (1, 0, 0)): (1, 3),  # in a face
+        ((0, 2, 4), (1, 0, 1)): (1, 1),  # touches an edge
+        ((0, 1, 2), (1, 1, 1)): (1, 3),  # through two corners
+        ((0, 3, 2), (1, -1, 1)): (1, 1),  # touches a corner
+        ((0, 3, 2.999999), (1, 0, 0)): (np.inf, -np.inf),
+    }
+    for (p, u), expected in cases.items():
+        assert BOX.meet_line(p, u) == expected
+
+
+def test_a_frustum_without_an_axis_is_empty():
+    enter, leave = meet_frusta((0, 0, 0), (0, 0, 0), 1, 1, (0, 0, -1), (0, 0, 1))
+    assert (enter, leave) == (np.inf, -np.inf)
