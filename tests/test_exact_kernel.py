@@ -32,6 +32,59 @@ def test_kernel_keeps_its_promise(family, kind):
     assert not missed.any() and not thin.any() and not thick.any()
 
 
+def shape_of(kind, row):
+    """Return a shape of the library."""
+    a, b = row[:3], row[3:6]
+    if kind == "box":
+        return Box(a, b, row[6:9], row[9:])
+    if kind == "frustum":
+        return Frustum(a, b, *row[6:8])
+    return Rod(a, b, row[6], ends="round" if kind == "capsule" else "flat")
+
+
+@every_kind
+@every_family
+def test_quick_way_leaves_hard_lines_to_the_careful_one(family, kind):
+    # One shape at a time, each with its hard line and the ordinary lines beside it.
+    lines = family(kind, np.random.default_rng(6), many(30, 300))
+    found = np.array([
+        shape_of(kind, row).meet_line(p[None], u[None]) for row, p, u in zip(*lines, strict=True)
+    ])[..., 0].T  # fmt: skip
+    assert not np.any(judged(found, kind, *lines))
+    with_one = np.array([
+        shape_of(kind, row).meet_line(p[None], u) for row, p, u in zip(*lines, strict=True)
+    ])[..., 0].T  # fmt: skip
+    assert not np.any(judged(with_one, kind, *lines))
+
+
+@every_kind
+@pytest.mark.parametrize("far", [0, 3, 1e4])
+@pytest.mark.parametrize("proportion", [1e-3, 0.3, 1, 4, 1e3])
+def test_many_lines_against_one_shape(kind, proportion, far):
+    # Through points about its surface, from near and from far, and between points anywhere.
+    rng = np.random.default_rng(7)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    edges = turn * np.array([[1.0], [proportion], [rng.uniform(0.2, 2)]])
+    at = rng.normal(size=3)
+    row = np.array([*at, *edges.ravel()])
+    if kind != "box":
+        row = np.array([*at, *(at + edges[0]), proportion, proportion, 0, 0, 0, 0])
+        row[7] *= rng.uniform(0, 1) if kind == "frustum" else 1
+    shape, n = shape_of(kind, row), many(400, 4000)
+    p = (
+        at + rng.normal(size=(n, 3)) @ edges
+        if kind == "box"
+        else (at + rng.uniform(-0.2, 1.2, (n, 1)) * edges[0] + rng.normal(size=(n, 3)) * proportion)
+    )
+    u = rng.normal(size=(n, 3))
+    u[::3] = turn[rng.integers(0, 3, len(u[::3]))]  # along the axis or an edge, within rounding
+    p = p - far * u
+    shapes = np.tile(row, (n, 1))
+    assert not np.any(judged(shape.meet_line(p, u), kind, shapes, p, u))
+    for one in (u[0], u[1]):
+        assert not np.any(judged(shape.meet_line(p, one), kind, shapes, p, np.tile(one, (n, 1))))
+
+
 @every_kind
 @pytest.mark.parametrize("family", MIDDLING, ids=lambda f: f.__name__)
 def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):

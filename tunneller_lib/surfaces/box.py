@@ -6,6 +6,8 @@ import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, plain, unsure
+from .blocks import dot as columns
 from .rod_interval import GUARD, near_one, nearest_offset
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
@@ -107,6 +109,26 @@ def box_interval(half, size, at, pace):
     return hit, np.where(crossed, touch, enter), np.where(crossed, touch, leave)
 
 
+def _quickly(normals, half, size, q, u):
+    """Return `enter`, `leave` and where they are sure (n,), of lines (3, n) from the corner."""
+    enter, leave, sure = -np.inf, np.inf, columns(q, q) <= (FAR * size) ** 2
+    speed = np.sqrt(columns(u, u))
+    sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
+    for normal, wide in zip(normals, half, strict=True):
+        at, pace = columns(normal, q) - wide, columns(normal, u)
+        middle, reach = -at / pace, wide / np.abs(pace)
+        level = np.abs(pace) <= CLOSE * speed
+        if np.any(level):
+            # Such a line is between the faces all along the box, or nowhere, unless it's close.
+            middle = np.where(level, 0, middle)
+            reach = np.where(level, np.where(np.abs(at) < wide, np.inf, -np.inf), reach)
+            sure = sure & (~level | (np.abs(np.abs(at) - wide) > 10 * CLOSE * size))
+        enter, leave = np.maximum(enter, middle - reach), np.minimum(leave, middle + reach)
+    sure = sure & (np.abs(leave - enter) * speed > CLOSE * size)
+    hit = enter <= leave
+    return np.where(hit, enter, np.inf), np.where(hit, leave, -np.inf), sure
+
+
 def _next(values):
     return np.roll(values, -1, axis=-1)
 
@@ -186,4 +208,16 @@ class Box:
         >>> float(enter), float(leave)
         (4.0, 9.0)
         """
-        return meet_boxes(self.corner, self.x, self.y, self.z, point, direction)
+        corner, x, y, z = np.array([self.corner, self.x, self.y, self.z])
+        normals, wide = _faces(x, y, z)
+        half, size = wide / 2, norm(wide)
+
+        def careful(p, u):
+            return meet_boxes.unchecked(corner, x, y, z, p, u)
+
+        def quick(q, u):
+            return _quickly(normals, half, size, q, u)
+
+        if not plain(*wide):
+            quick = unsure
+        return meet_in_blocks(quick, careful, corner, point, direction)

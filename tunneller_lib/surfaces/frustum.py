@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, plain, unsure
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
 
 
@@ -129,7 +130,54 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        return meet_frusta(self.a, self.b, self.radius_a, self.radius_b, point, direction)
+        a, b = np.array([self.a, self.b])
+        v, length = b - a, float(norm(b - a))
+        radius, gain = max(self.radius_a, self.radius_b), self.radius_b - self.radius_a
+
+        def careful(p, u):
+            return meet_frusta.unchecked(
+                a, b, np.float64(self.radius_a), np.float64(self.radius_b), p, u
+            )
+
+        def quick(q, u):
+            return about_an_axis(v, radius, inside, q, u)
+
+        def inside(lines):
+            return _inside_frustum(lines, self.radius_a, gain)
+
+        # A wall within 27 degrees of the discs is left to the careful way, too.
+        if not plain(length, radius) or abs(gain) > 2 * length:
+            quick = unsure
+        return meet_in_blocks(quick, careful, a, point, direction)
+
+
+def _inside_frustum(lines, start_radius, gain):
+    """Return where lines enter and leave a frustum, and where that is sure.
+
+    From its point nearest to the axis a line is at t: there the wall's radius is w + grow t, and
+    the squared distance from the axis aside^2 + across t^2.
+    """
+    across, grow = lines.nn / lines.vv, gain * lines.uv / lines.vv
+    w = start_radius + gain * lines.share
+    first, last, steep = lines.planes()
+    # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
+    A, B, C = across - grow**2, w * grow, lines.aside2 - w**2
+    square = w**2 * across - A * lines.aside2
+    larger = B + np.copysign(np.sqrt(square), B)
+    one, other = larger / A, C / larger
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    # A line steeper than the wall is on this side of the tip beyond one root.
+    low, high = (
+        np.where(A > 0, low, np.where(grow > 0, high, -np.inf)),
+        np.where(A > 0, high, np.where(grow > 0, np.inf, low)),
+    )
+    enter, leave = np.maximum(first, lines.middle + low), np.minimum(last, lines.middle + high)
+    # Shallower lines may meet the wall's other half alone, beyond the tip, or no wall.
+    beyond = (A > 0) & ((w < 0) | (square < 0))
+    clear = np.abs(leave - enter) > CLOSE * (last - first)
+    clear = (clear | beyond) & (np.abs(A) > 1e-3 * across) & (np.abs(w) > CLOSE * lines.radius)
+    clear = clear & (np.abs(square) > CLOSE * w**2 * across)
+    return np.where(beyond, np.inf, enter), np.where(beyond, -np.inf, leave), steep & clear
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):

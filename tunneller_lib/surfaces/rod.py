@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, plain, unsure
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
@@ -178,7 +179,7 @@ class Rod:
         (-12.0, 54.667)
         """
         if direction.ndim > 1:
-            return meet_rods(self.a, self.b, self.radius, point, direction, ends=self.ends)
+            return self._meet_any(point, direction)
         enter = np.empty(point.shape[:-1])
         leave = np.empty(point.shape[:-1])
         rows, firsts, lasts = point.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
@@ -187,6 +188,22 @@ class Rod:
             block = slice(start, start + BLOCK)
             self._meet_parallel(axis, rows[block], direction, firsts[block], lasts[block])
         return enter[()], leave[()]
+
+    def _meet_any(self, point, direction):
+        """Return `enter` and `leave` of lines of any directions (..., 3)."""
+        a, b = np.array(self.a), np.array(self.b)
+        radius, v = self.radius, b - a
+        round_ends = self.ends == "round"
+
+        def careful(p, u):
+            return _meet(frame(a, b, u), radius, round_ends, p, u)
+
+        def quick(q, u):
+            return about_an_axis(v, radius, _inside_capsule if round_ends else _inside_rod, q, u)
+
+        if not plain(self.length, radius):
+            quick = unsure
+        return meet_in_blocks(quick, careful, a, point, direction)
 
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
@@ -247,6 +264,28 @@ class Rod:
             np.copyto(t, none, where=missed)
         if len(edge):
             found[0][edge], found[1][edge] = _meet(axis, r, False, p[edge], u)
+
+
+def _inside_rod(lines):
+    """Return where lines enter and leave a rod, and where that is sure."""
+    first, last, steep = lines.planes()
+    enter = np.maximum(first, lines.middle - lines.half)
+    leave = np.minimum(last, lines.middle + lines.half)
+    clear = np.abs(leave - enter) > CLOSE * (lines.half + (last - first))
+    return enter, leave, steep & clear
+
+
+def _inside_capsule(lines):
+    """Return where lines enter and leave a capsule, by the balls on which they do."""
+    share, step = lines.share, lines.half * (lines.uv / lines.vv)
+    ends, clear = [], True
+    for sign in (-1, 1):
+        beside = np.clip(share + sign * step, 0, 1) - share
+        room = (lines.room - beside**2 * (lines.nn**2 / lines.uu)) / lines.nn
+        ends.append(lines.middle + beside * (lines.uv / lines.uu) + sign * np.sqrt(room / lines.uu))
+        clear = clear & (np.abs(room) > CLOSE * lines.radius**2)
+        ends[-1] = np.where(room > 0, ends[-1], -sign * np.inf)
+    return *ends, clear
 
 
 def _along(p, start, unit):
