@@ -5,22 +5,21 @@ A family takes a kind, a random generator and a number n, and returns shapes (n,
 and roots alone, whose last bits are the same on every processor.
 
 Most shapes are whole: a whole rotation, whose columns are N long, takes whole rims, corners and
-touches to exact places. Radii are multiples of 4095 N, for which circle and ball have whole
-points in many directions.
+touches to exact places.
 """
 
 import numpy as np
 
 EPS = np.finfo(float).eps
 KINDS = ("rod", "capsule", "frustum", "box")
-CIRCLE = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]]) * 63  # on 4095
-BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]]) * 585
+CIRCLE = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # 65 from the origin
+BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
 SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis
 
 
 def rotations(rng, n):
     """Return whole matrices (n, 3, 3) whose columns are perpendicular and N (n,) long."""
-    w, x, y, z = rng.integers(-9, 10, (4, n))
+    w, x, y, z = rng.integers(-4, 5, (4, n))
     w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
     N = w * w + x * x + y * y + z * z
     rows = [[N - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -36,14 +35,14 @@ class Whole:
         self.kind = kind
         matrix, N = rotations(rng, n)
         e1, e2, e3 = np.moveaxis(matrix, -1, 0)
-        at = rng.integers(-999, 1000, (n, 3)) * 4
+        at = rng.integers(-25, 26, (n, 3)) * 4
         # A quarter of the shapes are long, a quarter are flat.
         proportion = rng.integers(0, 4, n)
         wide = np.where(proportion == 0, 16, 16 * rng.integers(1, 5, n))
-        high = np.where(proportion == 1, 4, 4 * rng.integers(1, 400, n) * 65)
+        high = np.where(proportion == 1, 4, 4 * rng.integers(1, 60, n) * 65)
         self.share = rng.choice(SHARES, n)
         if kind == "box":
-            size = np.stack([wide * 4095, wide * rng.integers(1, 4095, n), high], axis=-1)
+            size = np.stack([wide * 65, wide * rng.integers(1, 65, n), high], axis=-1)
             edges = np.moveaxis(matrix, -1, 1) * size[..., None]
             self.shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
             # A point of the face e1, inside it, on an edge or a corner.
@@ -56,7 +55,8 @@ class Whole:
             self.size = N * (size.sum(axis=-1))
             return
         v = e3 * high[:, None]
-        start = wide * 4095 * N
+        unit = 455 if kind == "capsule" else 65
+        start = wide * unit * N
         taper = rng.choice([0, 0, 1, 2, 3, 5, 8], n) if kind == "frustum" else np.full(n, 4)
         end = start // 4 * taper
         if kind == "frustum":  # and upside down
@@ -64,20 +64,21 @@ class Whole:
             start, end = np.where(swap, end, start), np.where(swap, start, end)
         pair = CIRCLE[rng.integers(0, len(CIRCLE), n)] * rng.choice([-1, 1], (n, 2))
         pair = np.where(rng.random(n)[:, None] < 0.5, pair, pair[:, ::-1])
-        out = pair[:, :1] * e1 + pair[:, 1:] * e2  # 4095 N long
+        pair = pair * (unit // 65)
+        out = pair[:, :1] * e1 + pair[:, 1:] * e2  # a unit times N long
         self.side = pair[:, :1] * e2 - pair[:, 1:] * e1
-        steps = start // (4095 * N), end // (4095 * N)
+        steps = start // (unit * N), end // (unit * N)
         first, last = (out * step[:, None] for step in steps)
         self.shapes = np.concatenate(
             [at, at + v, start[:, None], end[:, None], np.zeros((n, 4))], axis=-1
         )
         self.ruling = v + last - first
         self.point = at + first + self.ruling // 4 * self.share[:, None]
-        self.normal = out * high[:, None] + e3 * (4095 * (steps[0] - steps[1]))[:, None]
+        self.normal = out * high[:, None] + e3 * (unit * (steps[0] - steps[1]))[:, None]
         self.end = e3
         self.size = np.maximum(start, end) + high * N
         if kind == "capsule":  # half of the points are on the balls
-            quad = BALL[rng.integers(0, len(BALL), n)] * rng.choice([-1, 1], (n, 3))
+            quad = BALL[rng.integers(0, len(BALL), n)] * 65 * rng.choice([-1, 1], (n, 3))
             upper = quad[:, 2] > 0
             away = np.einsum("nij,nj->ni", matrix, quad)
             ball = rng.random(n)[:, None] < 0.5
@@ -91,14 +92,22 @@ class Whole:
 
     def lines(self, u, shift=0):
         """Return the shapes with lines along u through their points, moved by a shift."""
+        if u.dtype.kind == "i":
+            u = u // np.maximum(np.gcd.reduce(u, axis=-1), 1)[:, None]
         u = np.array(u, dtype=float)
         u[np.all(u == 0, axis=-1)] = 1
         return self.shapes.astype(float), self.point + np.asarray(shift, dtype=float), u
 
 
+def powers(rng, low, high, shape):
+    """Return numbers of any mantissa, about 10^low to 10^high."""
+    steps = rng.integers(round(low * 10 / 3), round(high * 10 / 3) + 1, shape)
+    return np.ldexp(rng.uniform(0.5, 1, shape), steps)
+
+
 def some(rng, n):
     """Return whole directions (n, 3)."""
-    return rng.integers(-99, 100, (n, 3))
+    return rng.integers(-29, 30, (n, 3))
 
 
 def touches(kind, rng, n):
@@ -109,7 +118,7 @@ def touches(kind, rng, n):
 def tangents(kind, rng, n):
     """Lines in the tangent plane of such a point, which touch or run along the surface."""
     whole = Whole(kind, rng, n)
-    turn = rng.integers(-9, 10, (2, n, 1))
+    turn = rng.integers(-5, 6, (2, n, 1))
     return whole.lines(whole.side * turn[0] + whole.ruling * turn[1])
 
 
@@ -122,7 +131,7 @@ def rulings(kind, rng, n):
 def ends(kind, rng, n):
     """Lines in the plane across the axis, through such a point."""
     whole = Whole(kind, rng, n)
-    turn = rng.integers(-9, 10, (2, n, 1))
+    turn = rng.integers(-5, 6, (2, n, 1))
     across = np.cross(whole.end, whole.side)
     return whole.lines(whole.side * turn[0] + across * turn[1])
 
@@ -149,7 +158,7 @@ def tips(kind, rng, n):
 def grazes(kind, rng, n):
     """Tangents moved in or out by 2^-52 to 2^-20 of the shape."""
     whole = Whole(kind, rng, n)
-    turn = rng.integers(-9, 10, (2, n, 1))
+    turn = rng.integers(-5, 6, (2, n, 1))
     length = np.sqrt(np.sum(whole.normal.astype(float) ** 2, axis=-1))
     move = whole.size * 2.0 ** -rng.integers(20, 53, n) * rng.choice([-1, 1, 1], n) / length
     return whole.lines(whole.side * turn[0] + whole.ruling * turn[1], whole.normal * move[:, None])
@@ -183,7 +192,7 @@ def from_far(kind, rng, n):
     """Touches and tangents, given by a point up to 2^50 steps away."""
     family = [touches, tangents][rng.integers(0, 2)]
     shapes, p, u = family(kind, rng, n)
-    steps = np.floor(2.0 ** rng.uniform(0, 50, n)) * rng.choice([-1, 1], n)
+    steps = np.floor(powers(rng, 0, 15, n)) * rng.choice([-1, 1], n)
     return shapes, p + u * steps[:, None], u
 
 
@@ -206,7 +215,7 @@ def _floats(kind, rng, n, spread, placed=1):
     every digit.
     """
     placed = np.broadcast_to(placed, n)
-    sizes = 10.0 ** rng.uniform(-spread, spread, (3, n))
+    sizes = powers(rng, -spread, spread, (3, n))
     axis, other = rng.normal(size=(2, n, 3))
     axis *= (sizes[0] / _lengths(axis))[:, None]
     side = np.cross(axis, other)
@@ -242,7 +251,7 @@ def proportions(kind, rng, n):
     unit = axis / np.where(length > 0, length, 1)[:, None]
     # A third of the lines nearly along the axis, and a third nearly across it.
     along = np.sum(u * unit, axis=-1)[:, None] * unit
-    lean = 10.0 ** -rng.uniform(0, 16, n)[:, None]
+    lean = powers(rng, -16, 0, n)[:, None]
     which = rng.integers(0, 3, n)[:, None]
     u = np.select([which == 0, which == 1], [along + lean * u, u - along + lean * u], u)
     # Lengths below the last digit of the place are none.
@@ -255,7 +264,7 @@ def proportions(kind, rng, n):
 def sizes(kind, rng, n):
     """Lines through shapes about the origin whose every size is between 1e-99 and 1e99."""
     shapes, p = _floats(kind, rng, n, 99, placed=0)
-    return shapes, p, rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-90, 90, n)[:, None]
+    return shapes, p, rng.normal(size=(n, 3)) * powers(rng, -90, 90, n)[:, None]
 
 
 def ordinary(kind, rng, n):
