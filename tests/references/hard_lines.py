@@ -68,9 +68,14 @@ def gives(kind, shapes, p, u, sizes, eps):
     return np.where(enter <= leave, np.maximum(most_of, least_of), 0.0)
 
 
-def rows(kind, family, rng):
-    """Yield the rows of one family as texts."""
-    shapes, p, u = family(kind, rng, ROWS[family])
+def rounded_up(number):
+    """Return a number as a text of two digits that isn't below it."""
+    return f"{1.06 * number:.1e}"
+
+
+def rows(kind, family, rng, only=None):
+    """Yield the rows of one family as texts, all or only so many."""
+    shapes, p, u = (part[:only] for part in family(kind, rng, ROWS[family]))
     sizes = np.array([size_of(kind, shape) for shape in shapes])
     ends = exact_intervals(kind, shapes, p, u)
     double = gives(kind, shapes, p, u, sizes, EPS)
@@ -82,7 +87,7 @@ def rows(kind, family, rng):
         numbers = [f"{number:.17g}" for number in numbers]
         numbers = [min(text, repr(float(text)).removesuffix(".0"), key=len) for text in numbers]
         yield [kind, family.__name__, *numbers, f"{deep:.1e}" if deep else "0",
-               f"{double[i]:.1e}", f"{single[i]:.1e}"]  # fmt: skip
+               rounded_up(double[i]), rounded_up(single[i])]  # fmt: skip
 
 
 def main():

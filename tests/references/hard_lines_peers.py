@@ -1,0 +1,331 @@
+"""Write hard_lines_peers.csv: how public routines answer the lines of hard_lines.csv.gz.
+
+    python -m tests.references.hard_lines_peers rays FOLDER     (in this environment)
+    python hard_lines_peers.py python FOLDER                    (in one with the packages below)
+    node hard_lines_peers.mjs FOLDER                            (where npm installed those)
+    python -m tests.references.hard_lines_peers table FOLDER
+
+Each routine gets the same rays, called as its package offers it, and says where each meets its
+shape first. The packages are no part of this library's environment: mujoco, pybullet, open3d,
+embreex and vtk from PyPI, @dimforge/rapier3d-compat, jolt-physics and three from npm.
+"""
+
+import csv
+import gzip
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).parent
+TABLE = HERE / "hard_lines_peers.csv"
+DOUBLE, SINGLE = 2.0**-52, 2.0**-23
+SIDES = 64
+# What each routine computes with; a mesh of 64 sides may be off by 0.005 of the size.
+PRECISION = {
+    "tunneller_lib": DOUBLE, "MuJoCo": DOUBLE, "PyBullet": DOUBLE, "VTK box": DOUBLE,
+    "Rapier": SINGLE, "Jolt": SINGLE, "three.js": DOUBLE,
+    "Open3D, mesh": None, "embree, mesh": None, "VTK, mesh": None,
+}  # fmt: skip
+COLUMNS = ["routine", "version", "kind", "family", "lines", "holes", "ghosts", "displaced",
+           "touches", "touches lost"]  # fmt: skip
+
+
+def cases():
+    """Return the table's rows."""
+    with gzip.open(HERE / "hard_lines.csv.gz", "rt", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def ray_of(row):
+    """Return a row as a ray: its shape at a size near 1, scaled by a power of two, from outside."""
+    shape = np.array([float(row[f"s{i}"]) for i in range(1, 13)])
+    p, u = (np.array([float(row[v + axis]) for axis in "xyz"]) for v in "pu")
+    box = row["kind"] == "box"
+    size = np.linalg.norm(shape[3:]) if box else (
+        shape[6:8].max() + np.linalg.norm(shape[3:6] - shape[:3]))  # fmt: skip
+    scale, speed = 2.0 ** -np.frexp(size)[1], 2.0 ** -np.frexp(np.abs(u).max())[1]
+    shape, p, u, size = shape * scale, p * scale, u * speed, size * scale
+    # From so far that the shape lies ahead, by a whole power of two of the direction.
+    away = np.abs(p - shape[:3]).max() + 2 * size
+    steps = 2.0 ** np.ceil(np.log2(2 * away / np.linalg.norm(u)))
+    origin = p - steps * u
+    along = scale / speed  # a parameter of the table in those of this ray
+    return {
+        "kind": row["kind"], "family": row["family"], "shape": shape.tolist(),
+        "origin": origin.tolist(), "direction": u.tolist(), "reach": 2 * steps, "size": size,
+        "enter": steps + float(row["enter"]) * along if row["enter"] != "inf" else None,
+        "depth": float(row["depth"]) * scale,
+        "give": float(row["give"]) * along, "give_single": float(row["give_single"]) * along,
+    }  # fmt: skip
+
+
+def write_rays(folder):
+    """Write the rays for the others, and this library's own answers."""
+    from tests.test_exact_kernel import shape_of
+
+    # At a size near 1 the other lengths of a needle of 1e-99 by 1e99 m are no lengths any more.
+    rays = [ray_of(row) for row in cases() if row["family"] != "sizes"]
+    (folder / "rays.json").write_text(json.dumps(rays))
+    answers = []
+    for ray in rays:
+        shape = shape_of(ray["kind"], np.array(ray["shape"]))
+        enter, leave = shape.meet_line(ray["origin"], ray["direction"])
+        answers.append(float(enter) if enter <= leave else None)
+    keep(folder, "tunneller_lib", "this", answers)
+
+
+def keep(folder, routine, version, answers):
+    """Write a routine's answers: a parameter, null for a miss, "none" for no such shape."""
+    name = routine.split(",")[0].replace(" ", "_") + ("_mesh" if "mesh" in routine else "")
+    answers = [float(x) if isinstance(x, (float, np.floating)) else x for x in answers]
+    record = {"routine": routine, "version": version, "answers": answers}
+    (folder / f"{name}.json").write_text(json.dumps(record))
+
+
+def pose(ray):
+    """Return centre, rotation matrix and half lengths of a shape; the axis is the matrix's z."""
+    shape = np.array(ray["shape"])
+    if ray["kind"] == "box":
+        edges = shape[3:].reshape(3, 3)
+        lengths = np.linalg.norm(edges, axis=-1)
+        turn = (edges / lengths[:, None]).T
+        if np.linalg.det(turn) < 0:
+            turn[:, 0] *= -1
+        return shape[:3] + edges.sum(axis=0) / 2, turn, lengths / 2
+    a, b = shape[:3], shape[3:6]
+    length = np.linalg.norm(b - a)
+    z = (b - a) / length if length else np.array([0.0, 0, 1])
+    x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
+    x /= np.linalg.norm(x)
+    return (a + b) / 2, np.stack([x, np.cross(z, x), z], axis=-1), np.array([length / 2])
+
+
+def mesh(ray):
+    """Return vertices and triangles of a shape, round ones with 64 sides."""
+    centre, turn, half = pose(ray)
+    if ray["kind"] == "box":
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+        quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        faces = [[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)]
+        return corners @ turn.T + centre, np.array(faces)
+    start, end = ray["shape"][6:8]
+    profile = [(start, -half[0]), (end, half[0])]  # radius, height
+    if ray["kind"] == "capsule":
+        angle = np.linspace(0, np.pi / 2, SIDES // 4 + 1)[:-1]
+        low = [(start * np.cos(t), -half[0] - start * np.sin(t)) for t in angle[::-1]]
+        profile = low + [(r, -z) for r, z in low[::-1]]
+    tips = [profile[0][1], profile[-1][1]]
+    if ray["kind"] == "capsule":
+        tips = [-half[0] - start, half[0] + start]
+    around = np.arange(SIDES) * 2 * np.pi / SIDES
+    rings = [np.stack([r * np.cos(around), r * np.sin(around), np.full(SIDES, z)], -1)
+             for r, z in profile]  # fmt: skip
+    points = np.concatenate([*rings, [[0, 0, tips[0]], [0, 0, tips[1]]]])
+    i, j, n = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES, len(points)
+    faces = [np.stack([j, i, np.full(SIDES, n - 2)], -1)]
+    for k in range(len(rings) - 1):
+        low, high = k * SIDES, (k + 1) * SIDES
+        faces += [np.stack([low + i, low + j, high + i], -1),
+                  np.stack([low + j, high + j, high + i], -1)]  # fmt: skip
+    top = (len(rings) - 1) * SIDES
+    faces.append(np.stack([top + i, top + j, np.full(SIDES, n - 1)], -1))
+    return points @ turn.T + centre, np.concatenate(faces)
+
+
+def with_mujoco(rays):
+    import mujoco
+
+    kinds = {"rod": mujoco.mjtGeom.mjGEOM_CYLINDER, "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+             "box": mujoco.mjtGeom.mjGEOM_BOX}  # fmt: skip
+    for ray in rays:
+        if ray["kind"] not in kinds:
+            yield "none"
+            continue
+        centre, turn, half = pose(ray)
+        size = half if ray["kind"] == "box" else np.array([ray["shape"][6], half[0], 0])
+        found = mujoco.mju_rayGeom(centre, turn.ravel(), size, np.array(ray["origin"]),
+                                   np.array(ray["direction"]), kinds[ray["kind"]])  # fmt: skip
+        yield found if found >= 0 else None
+
+
+def with_pybullet(rays):
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    for ray in rays:
+        if ray["kind"] == "frustum":
+            yield "none"
+            continue
+        centre, turn, half = pose(ray)
+        if ray["kind"] == "box":
+            shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half.tolist())
+        else:
+            kind = pybullet.GEOM_CYLINDER if ray["kind"] == "rod" else pybullet.GEOM_CAPSULE
+            shape = pybullet.createCollisionShape(kind, radius=ray["shape"][6], height=2 * half[0])
+        if shape < 0:
+            yield None
+            continue
+        body = pybullet.createMultiBody(0, shape, -1, centre.tolist(), quaternion(turn))
+        end = np.add(ray["origin"], np.multiply(ray["direction"], ray["reach"]))
+        hit = pybullet.rayTest(ray["origin"], end.tolist())[0]
+        pybullet.removeBody(body)
+        pybullet.removeCollisionShape(shape)
+        yield hit[2] * ray["reach"] if hit[0] >= 0 else None
+
+
+def quaternion(turn):
+    """Return a rotation matrix as a quaternion (x, y, z, w)."""
+    square = np.array([
+        1 + turn[0, 0] - turn[1, 1] - turn[2, 2], 1 - turn[0, 0] + turn[1, 1] - turn[2, 2],
+        1 - turn[0, 0] - turn[1, 1] + turn[2, 2], 1 + turn.trace(),
+    ])  # fmt: skip
+    k = int(np.argmax(square))
+    both, apart = turn + turn.T, turn - turn.T
+    axial = [apart[2, 1], apart[0, 2], apart[1, 0]]
+    q = np.array([*axial, square[3]]) if k == 3 else np.array([*both[k], axial[k]])
+    if k != 3:
+        q[k] = square[k]
+    return (q / np.linalg.norm(q)).tolist()
+
+
+def with_vtk_box(rays):
+    import vtk
+
+    t1, t2 = vtk.mutable(0.0), vtk.mutable(0.0)
+    plane = vtk.mutable(0), vtk.mutable(0)
+    for ray in rays:
+        if ray["kind"] != "box":
+            yield "none"
+            continue
+        centre, turn, half = pose(ray)
+        start = (np.array(ray["origin"]) - centre) @ turn
+        end = start + np.array(ray["direction"]) @ turn * ray["reach"]
+        bounds = np.stack([-half, half], axis=-1).ravel().tolist()
+        met = vtk.vtkBox.IntersectWithLine(bounds, start.tolist(), end.tolist(), t1, t2,
+                                           [0] * 3, [0] * 3, *plane)  # fmt: skip
+        yield float(t1) * ray["reach"] if met else None
+
+
+def with_vtk_mesh(rays):
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+    for ray in rays:
+        vertices, faces = mesh(ray)
+        points = vtk.vtkPoints()
+        points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
+        cells = vtk.vtkCellArray()
+        rows = np.insert(faces, 0, 3, axis=-1).astype(np.int64).ravel()
+        cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows, deep=True))
+        body = vtk.vtkPolyData()
+        body.SetPoints(points)
+        body.SetPolys(cells)
+        tree = vtk.vtkOBBTree()
+        tree.SetDataSet(body)
+        tree.BuildLocator()
+        end = np.add(ray["origin"], np.multiply(ray["direction"], ray["reach"]))
+        found = vtk.vtkPoints()
+        tree.IntersectWithLine(ray["origin"], end.tolist(), found, None)
+        if not found.GetNumberOfPoints():
+            yield None
+            continue
+        step = np.subtract(found.GetPoint(0), ray["origin"])
+        along = np.array(ray["direction"])
+        yield float(step @ along / (along @ along))
+
+
+def with_open3d(rays):
+    import open3d
+
+    for ray in rays:
+        vertices, faces = mesh(ray)
+        scene = open3d.t.geometry.RaycastingScene()
+        scene.add_triangles(open3d.core.Tensor(vertices.astype(np.float32)),
+                            open3d.core.Tensor(faces.astype(np.uint32)))  # fmt: skip
+        one = np.array([[*ray["origin"], *ray["direction"]]], dtype=np.float32)
+        found = float(scene.cast_rays(open3d.core.Tensor(one))["t_hit"].numpy()[0])
+        yield found if np.isfinite(found) else None
+
+
+def with_embree(rays):
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    for ray in rays:
+        vertices, faces = mesh(ray)
+        scene = EmbreeScene()
+        TriangleMesh(scene, vertices[faces].astype(np.float32))
+        one = [np.array([ray[name]], dtype=np.float32) for name in ("origin", "direction")]
+        found = scene.run(*one, query="DISTANCE")
+        yield float(found[0]) if found[0] < 1e30 else None
+
+
+PYTHON = {
+    "MuJoCo": ("mujoco", with_mujoco), "PyBullet": ("pybullet", with_pybullet),
+    "VTK box": ("vtk", with_vtk_box), "Open3D, mesh": ("open3d", with_open3d),
+    "embree, mesh": ("embreex", with_embree), "VTK, mesh": ("vtk", with_vtk_mesh),
+}  # fmt: skip
+
+
+def run_python(folder):
+    """Let the routines of the Python packages answer."""
+    from importlib.metadata import version
+
+    rays = json.loads((folder / "rays.json").read_text())
+    for routine, (package, answer) in PYTHON.items():
+        keep(folder, routine, version(package), list(answer(rays)))
+
+
+def verdict(ray, found, precision):
+    """Return how an answer is wrong, "touch", "touch lost", or "" where there is nothing to say."""
+    shape = np.array(ray["shape"][:3] if ray["kind"] == "box" else ray["shape"][:6])
+    place = max(np.abs(shape).max(), np.abs(ray["origin"]).max())
+    slack = 64 * precision * (ray["size"] + place) if precision else 0.005 * ray["size"]
+    if abs(ray["depth"]) <= slack:
+        if ray["depth"] < 0 or ray["enter"] is None:
+            return ""
+        return "touch" if found is not None else "touch lost"
+    if found is None:
+        return "hole" if ray["depth"] > 0 else ""
+    if ray["depth"] < 0:
+        return "ghost"
+    if precision is None or place > 64 * ray["size"]:
+        return ""
+    give = ray["give"] if precision == DOUBLE else ray["give_single"]
+    speed = np.linalg.norm(ray["direction"])
+    off = abs(found - ray["enter"])
+    return "displaced" if not off <= 100 * (give + slack / speed) else ""
+
+
+def write_table(folder):
+    """Judge all answers, by routine, kind and family."""
+    rays = json.loads((folder / "rays.json").read_text())
+    with TABLE.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        records = [json.loads(path.read_text()) for path in folder.glob("*.json")
+                   if path.name != "rays.json"]  # fmt: skip
+        for record in sorted(records, key=lambda r: list(PRECISION).index(r["routine"])):
+            counts, lines = Counter(), Counter()
+            precision = PRECISION[record["routine"]]
+            for ray, found in zip(rays, record["answers"], strict=True):
+                if found == "none":
+                    continue
+                group = ray["kind"], ray["family"]
+                lines[group] += 1
+                counts[*group, verdict(ray, found, precision)] += 1
+            for kind, family in lines:
+                said = {word: counts[kind, family, word] for word in
+                        ("hole", "ghost", "displaced", "touch", "touch lost")}  # fmt: skip
+                writer.writerow([
+                    record["routine"], record["version"], kind, family, lines[kind, family],
+                    said["hole"], said["ghost"], said["displaced"],
+                    said["touch"] + said["touch lost"], said["touch lost"],
+                ])  # fmt: skip
+
+
+if __name__ == "__main__":
+    {"rays": write_rays, "python": run_python, "table": write_table}[sys.argv[1]](Path(sys.argv[2]))
