@@ -1,5 +1,7 @@
 """Lines against rods, capsules, frusta and boxes: one promise, one judge in whole numbers."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -221,6 +223,19 @@ WRONG = [
 def test_wrong_input_is_told(call, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         call()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_memory_a_line_is_at_most_64_bytes(kind):
+    rng = np.random.default_rng(8)
+    p, u = rng.normal(size=(2, 400_000, 3))
+    row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
+    shape = shape_of(kind, np.array(row, dtype=float))
+    tracemalloc.start()
+    shape.meet_line(p, u)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most <= 64 * len(p)
 
 
 def test_a_box_by_hand():

@@ -3,7 +3,7 @@
 Lines over the square about a leaning rod, along z or each of its own direction. Each ratio is of
 the best of several rounds in which both sides take turns. The meshes have 64 sides: pyvista (VTK)
 answers line by line; embree, called by its own interface, is asked for the entry alone, in single
-precision, where the library finds entry and exit in double.
+precision, where the library finds entry and exit in double; open3d finds both, in single precision.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ import pyvista
 
 from tests.bench.conftest import best_times
 from tunneller_lib.replica.rod_methods import METHODS
-from tunneller_lib.surfaces import Rod
+from tunneller_lib.surfaces import Frustum, Rod
 
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 LINES = 500_000
@@ -42,12 +42,12 @@ def slab(p):
     return enter - p[:, 2], leave - p[:, 2]
 
 
-def mesh():
-    """Return the rod with 64 sides as vertices and triangles."""
+def mesh(start=25, end=25):
+    """Return a frustum about the rod's axis with 64 sides, as vertices and triangles."""
     turn = np.arange(SIDES) * 2 * np.pi / SIDES
     unit = ROD.axis / ROD.length
     side = np.outer(np.cos(turn), [0, 1, 0]) + np.outer(np.sin(turn), np.cross(unit, [0, 1, 0]))
-    rims = [np.array(end) + ROD.radius * side for end in (ROD.a, ROD.b)]
+    rims = [np.array(ROD.a) + start * side, np.array(ROD.b) + end * side]
     vertices = np.concatenate([*rims, [ROD.a], [ROD.b]])
     i, j = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES
     wall = [np.stack([i, j, i + SIDES], axis=-1), np.stack([j, j + SIDES, i + SIDES], axis=-1)]
@@ -103,6 +103,29 @@ def test_entries_against_embree(installed, benchmark, say, what):
     assert np.mean(np.isfinite(entry) == (first < 1e6)) > 0.99
     error = np.median(np.abs(first[both] - entry[both]))
     say(f"{what}, embree's error of the entry, median / m", error, "embreex")
+
+
+@pytest.mark.parametrize("package", ["open3d"])
+@pytest.mark.parametrize("end", [25, 10], ids=["rod", "frustum"])
+@pytest.mark.parametrize("points", [POINTS, CLOSE], ids=["all about", "close"])
+def test_any_lines_against_open3d(installed, benchmark, say, points, end):
+    # Both find where each line enters and leaves, with one thread: in double precision against the
+    # exact shape, and in single precision against 64 sides, by open3d's own call for all hits.
+    shape = ROD if end == 25 else Frustum(ROD.a, ROD.b, 25, end)
+    vertices, faces = mesh(25, end)
+    tensor = installed.core.Tensor
+    scene = installed.t.geometry.RaycastingScene(nthreads=1)
+    scene.add_triangles(tensor(vertices.astype(np.float32)), tensor(faces.astype(np.uint32)))
+    rays = tensor(np.concatenate([points, SLANTED], axis=-1).astype(np.float32))
+    benchmark.pedantic(shape.meet_line, (points, SLANTED), rounds=3)
+    ours, theirs = best_times(
+        lambda: shape.meet_line(points, SLANTED), lambda: scene.list_intersections(rays), rounds=7
+    )
+    say("any lines, entry and exit in double over open3d's all hits in single, time",
+        ours / theirs, "open3d")  # fmt: skip
+    met = np.isfinite(shape.meet_line(points, SLANTED)[0])
+    assert np.mean(met == (scene.count_intersections(rays).numpy() > 0)) > 0.99
+    assert ours <= 2 * theirs
 
 
 def test_parallel_lines_against_vtk(benchmark, say):

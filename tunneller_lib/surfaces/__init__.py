@@ -2,6 +2,7 @@
 
 from .box import Box, meet_boxes
 from .cone import Cone
+from .cutter import Cutter
 from .egg import Egg
 from .frustum import Frustum, meet_frusta
 from .linkage import Linkage, linkages
@@ -17,6 +18,7 @@ __all__ = [
     "Arc",
     "Box",
     "Cone",
+    "Cutter",
     "Egg",
     "Frustum",
     "Line",

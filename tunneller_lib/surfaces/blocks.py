@@ -55,24 +55,24 @@ def meet_in_blocks(quick, careful, start, point, direction):
     return enter[()], leave[()]
 
 
-def dot(a, b):
+def scalar_products(a, b):
     """Return scalar products of vectors (3, ...) along the first axis."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def cross(a, b):
+def vector_products(a, b):
     """Return the components of vector products of vectors (3, ...)."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def plain(*sizes):
+def well_shaped(*sizes):
     """Return whether a shape's sizes, in m, let the quick way decide: no needle, no wafer."""
     least, most = min(sizes), max(sizes)
     return least > CLOSE * most and least > 1 / RANGE and most < RANGE
 
 
 def unsure(q, u):
-    """Return for any lines that nothing is sure, as the quick way of a shape that isn't `plain`."""
+    """Return for any lines that nothing is sure, as the quick way of a shape that isn't `well_shaped`."""
     del u
     return np.empty(q.shape[1]), np.empty(q.shape[1]), np.zeros(q.shape[1], dtype=bool)
 
@@ -91,10 +91,10 @@ def about_an_axis(v, radius, inside, q, u):
     q, u : (3, n) float
         The lines' points from the axis' start, in m, and their directions.
     """
-    n = cross(u, v)
-    nn, aside = dot(n, n), dot(q, n)
-    uu, size = dot(u, u), dot(q, q)
-    size = size * (uu * dot(v, v))
+    n = vector_products(u, v)
+    nn, aside = scalar_products(n, n), scalar_products(q, n)
+    uu, size = scalar_products(u, u), scalar_products(q, q)
+    size = size * (uu * scalar_products(v, v))
     # Most lines pass beside the endless wall, by more than what rounding makes of it.
     near = ~(aside * aside > (1 + 10 * CLOSE) * radius**2 * nn + 1e-23 * size)
     enter = np.full(near.shape, np.inf)
@@ -123,9 +123,9 @@ class Nearest:
 
     def __init__(self, v, radius, q, u, n, nn, aside, uu, size):
         self.radius, self.nn, self.uu = radius, nn, uu
-        self.vv = dot(v, v)
-        self.qv, self.uv = dot(q, v), dot(u, v)
-        self.middle = -dot(cross(q, v), n) / nn
+        self.vv = scalar_products(v, v)
+        self.qv, self.uv = scalar_products(q, v), scalar_products(u, v)
+        self.middle = -scalar_products(vector_products(q, v), n) / nn
         self.aside2 = aside * aside / nn
         self.room = radius**2 * nn - aside * aside
         self.half = np.sqrt(self.room * self.vv) / nn

@@ -6,8 +6,7 @@ import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, plain, unsure
-from .blocks import dot as columns
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, scalar_products, unsure, well_shaped
 from .rod_interval import GUARD, near_one, nearest_offset
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
@@ -111,11 +110,11 @@ def box_interval(half, size, at, pace):
 
 def _quickly(normals, half, size, q, u):
     """Return `enter`, `leave` and where they are sure (n,), of lines (3, n) from the corner."""
-    enter, leave, sure = -np.inf, np.inf, columns(q, q) <= (FAR * size) ** 2
-    speed = np.sqrt(columns(u, u))
+    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= (FAR * size) ** 2
+    speed = np.sqrt(scalar_products(u, u))
     sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
     for normal, wide in zip(normals, half, strict=True):
-        at, pace = columns(normal, q) - wide, columns(normal, u)
+        at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)
         middle, reach = -at / pace, wide / np.abs(pace)
         level = np.abs(pace) <= CLOSE * speed
         if np.any(level):
@@ -218,6 +217,6 @@ class Box:
         def quick(q, u):
             return _quickly(normals, half, size, q, u)
 
-        if not plain(*wide):
+        if not well_shaped(*wide):
             quick = unsure
         return meet_in_blocks(quick, careful, corner, point, direction)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, plain, unsure
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
 
 
@@ -146,7 +146,7 @@ class Frustum:
             return _inside_frustum(lines, self.radius_a, gain)
 
         # A wall within 27 degrees of the discs is left to the careful way, too.
-        if not plain(length, radius) or abs(gain) > 2 * length:
+        if not well_shaped(length, radius) or abs(gain) > 2 * length:
             quick = unsure
         return meet_in_blocks(quick, careful, a, point, direction)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, plain, unsure
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
@@ -201,7 +201,7 @@ class Rod:
         def quick(q, u):
             return about_an_axis(v, radius, _inside_capsule if round_ends else _inside_rod, q, u)
 
-        if not plain(self.length, radius):
+        if not well_shaped(self.length, radius):
             quick = unsure
         return meet_in_blocks(quick, careful, a, point, direction)
 
