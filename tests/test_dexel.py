@@ -8,7 +8,7 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid, removed_volume
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.surfaces import Rod
+from tunneller_lib.surfaces import Box, Frustum, Rod
 
 
 def block(n=40, m=50, **options):
@@ -288,7 +288,7 @@ def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
         ),
         (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
         (lambda: DexelGrid(wall().lines, [0, 0], 1), "low: must broadcast to 40 x 90 lines"),
-        (lambda: wall().cut("rod"), "rod: must be of class Rod; got 'rod'"),
+        (lambda: wall().cut("rod"), "solid: must be of class Rod or Frustum or Box; got 'rod'"),
         (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),
         (lambda: wall().cut_path([[0, 0, np.nan]], 1), "centres: must hold finite"),
         (lambda: wall().cut_path([[0, 0, 0]], 0), "radius: must be one finite number above zero"),
@@ -312,3 +312,43 @@ def test_degenerate_and_far_windows_have_no_warnings():
         for size in (1e-100, 1.0, 1e100):
             grid.cut(Rod((0, 0, 0), (size, -size, size), size, ends="round"))
             assert grid.cut_path([[size, size, -size]] * 2, size) >= 0
+
+
+SOLIDS = {
+    "frustum": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.2, 0.07),
+    "cone": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.0, 0.2),
+    "box": Box((-0.2, -0.1, 0.3), (0.24, 0.18, 0), (-0.06, 0.08, 0), (0, 0, 0.2)),
+}
+
+
+def volume_of(solid):
+    if isinstance(solid, Box):
+        return np.prod([np.linalg.norm(edge) for edge in (solid.x, solid.y, solid.z)])
+    ra, rb = solid.radius_a, solid.radius_b
+    length = np.linalg.norm(np.subtract(solid.b, solid.a))
+    return np.pi * length * (ra * ra + ra * rb + rb * rb) / 3
+
+
+@pytest.mark.parametrize("radial", [False, True])
+@pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
+def test_any_solid_is_cut_by_its_volume(solid, radial):
+    if radial:
+        grid = DexelGrid.radial(-0.5, 0.5, 0, 1, (300, 900))
+    else:
+        grid = DexelGrid.cartesian((-0.5, -0.5, -0.5), (0.5, 0.5, 1), (300, 300))
+    whole = grid.volume
+    shared = grid.overlap(solid)
+    removed = grid.cut(solid)
+    assert shared == pytest.approx(removed, rel=1e-12)
+    assert removed == pytest.approx(volume_of(solid), rel=2e-3)
+    assert grid.volume + removed == pytest.approx(whole, rel=1e-12)
+    assert grid.overlap(solid) <= 1e-12 * removed
+
+
+def test_frustum_of_equal_radii_cuts_as_a_rod():
+    grids_cut = [DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (120, 120)) for _ in range(2)]
+    a, b = (0.1, -0.2, -0.4), (0.5, 0.3, 0.6)
+    for grid, solid in zip(grids_cut, (Rod(a, b, 0.2), Frustum(a, b, 0.2, 0.2)), strict=True):
+        grid.cut(solid)
+    np.testing.assert_allclose(grids_cut[0].low, grids_cut[1].low, atol=1e-13)
+    np.testing.assert_allclose(grids_cut[0].high, grids_cut[1].high, atol=1e-13)

@@ -101,7 +101,7 @@ def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):
 @every_kind
 def test_judge_notices_each_fault(kind):
     # An answer emptied, one end moved inwards or outwards by more than the promise.
-    lines = FAMILIES[-1](kind, np.random.default_rng(3), 300)
+    lines = FAMILIES[-1](kind, np.random.default_rng(3), 600)
     shapes, _, u = lines
     enter, leave = exact_intervals(kind, *lines)
     chord = leave - enter

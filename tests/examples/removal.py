@@ -11,7 +11,7 @@ INSTANCES = {DexelGrid: WALL, Lines: WALL.lines}
 CALLS = {
     "DexelGrid": {"high": 0.9},
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
-    "DexelGrid.cut": {"rod": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
+    "DexelGrid.cut": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.cut_path": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},
     "advance_for_volume": {"radius": 0.5, "volume": 0.1, "depth": 0.3},

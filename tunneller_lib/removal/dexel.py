@@ -19,7 +19,8 @@ from ..arguments import (
     shown,
     whole,
 )
-from ..surfaces import Rod
+from ..exact import norm
+from ..surfaces import Box, Frustum, Rod
 from .grid import Lines, fan, parallel
 
 GROUP = 6  # moves of a path that are cut at once, as long as
@@ -213,14 +214,14 @@ class DexelGrid:
         return other
 
     @checked
-    def cut(self, rod: Rod):
-        """Remove a rod, or a ball as a round rod without length, and return the volume, in m^3."""
-        return sum(self._subtract(*touched) for touched in self._touched_by(rod))
+    def cut(self, solid: Rod | Frustum | Box):
+        """Remove a solid and return the volume, in m^3; a ball is a round rod without length."""
+        return sum(self._subtract(*touched) for touched in self._touched_by(solid))
 
     @checked
-    def overlap(self, rod: Rod):
-        """Return the volume, in m^3, that a rod shares with the material: 0 without a collision."""
-        return sum(self._shared(*touched)[0] for touched in self._touched_by(rod))
+    def overlap(self, solid: Rod | Frustum | Box):
+        """Return the volume, in m^3, that a solid shares with the material: 0 if they are clear."""
+        return sum(self._shared(*touched)[0] for touched in self._touched_by(solid))
 
     @checked
     def cut_path(self, centres: Centres, radius: Length):
@@ -287,16 +288,15 @@ class DexelGrid:
                     removed += self._subtract(*touched)
         return removed
 
-    def _touched_by(self, rod):
-        """Return `_touched` for one rod; that of its capsule has all lines that may meet it."""
-        a, b = np.array([rod.a, rod.b])
-        window = self.lines.windows(a[None], b[None], rod.radius, self._nearest)[0]
-        return self._touched(a, b, rod.radius, rod.ends == "round", window)
-
-    def _touched(self, a, b, radius, round_ends, window):
-        """Yield what `_met` does of the lines of a window against one rod."""
+    def _touched_by(self, solid):
+        """Yield what `_met` does of the lines that may meet one solid."""
+        a, b, radius = _capsule_about(solid)
+        window = self.lines.windows(a[None], b[None], radius, self._nearest)[0]
         for rows, columns in self.lines.blocks(window):
-            enter, leave = self.lines.meet(a, b, radius, round_ends, rows, columns)
+            if isinstance(solid, Rod):
+                enter, leave = self.lines.meet(a, b, radius, solid.ends == "round", rows, columns)
+            else:
+                enter, leave = self.lines.meet_solid(solid, rows, columns)
             hit = enter < leave
             i, j = np.nonzero(hit)
             yield from self._met(enter[hit], leave[hit], i + rows.start, j + columns.start)
@@ -347,6 +347,16 @@ class DexelGrid:
         slot = np.argmax(free, axis=0)
         self.low[(slot, *place)] = low
         self.high[(slot, *place)] = high
+
+
+def _capsule_about(solid):
+    """Return the ends (3,) and the radius of a capsule that holds a solid, in m."""
+    if isinstance(solid, Box):
+        half = np.add(np.add(solid.x, solid.y), solid.z) / 2
+        # A little more than half of the diagonal, for its edges are square but for rounding.
+        return solid.corner + half, solid.corner + half, float(norm(half)) * (1 + 1e-9)
+    radius = solid.radius if isinstance(solid, Rod) else max(solid.radius_a, solid.radius_b)
+    return np.array(solid.a), np.array(solid.b), radius
 
 
 def _count(window):

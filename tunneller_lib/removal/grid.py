@@ -163,6 +163,25 @@ class Lines(NamedTuple):
         start = cos * sy + sin * sz
         return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
 
+    def meet_solid(self, solid, rows, columns):
+        """Return `enter` and `leave` (i, j) of the lines of a window against a solid, in m.
+
+        Parameters
+        ----------
+        solid : Rod, Frustum or Box
+            Met by its own `meet_line`.
+        rows, columns : slice
+            The window. A line that misses gets an empty interval.
+        """
+        cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
+        # Each line's point next to the axis y = z = 0.
+        points = np.empty((len(self.x[rows]), len(cos), 3))
+        points[..., 0] = self.x[rows, None]
+        points[..., 1] = aside * sin
+        points[..., 2] = -aside * cos
+        along = np.stack([0 * cos, cos, sin], axis=-1)
+        return solid.meet_line(points, along if self.rays else along[0])
+
     def meet_ball(self, centre, radius, rows, columns):
         """Return `enter` and `leave` (i, j) of the lines of a window against a ball, in m.
 

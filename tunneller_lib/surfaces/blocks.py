@@ -72,7 +72,7 @@ def well_shaped(*sizes):
 
 
 def unsure(q, u):
-    """Return for any lines that nothing is sure, as the quick way of a shape that isn't `well_shaped`."""
+    """Return that nothing is sure: the quick way of a shape that isn't `well_shaped`."""
     del u
     return np.empty(q.shape[1]), np.empty(q.shape[1]), np.zeros(q.shape[1], dtype=bool)
 
