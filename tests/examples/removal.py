@@ -13,6 +13,7 @@ CALLS = {
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
     "DexelGrid.cut": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.cut_path": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
+    "DexelGrid.overlap": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},
     "advance_for_volume": {"radius": 0.5, "volume": 0.1, "depth": 0.3},
     "circuit_clearance": {"lowest": -0.3, "highest": 0.4, "arm_radius": 0.1},

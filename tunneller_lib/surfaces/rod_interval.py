@@ -61,11 +61,16 @@ def nearest_offset(start, along, speed, p, direction):
     Parameters: start and the lines' points p (..., 3), in m, unit vectors along them, their
     speeds, and their directions.
     """
-    q, q_low = two_sum(p, -start)
-    shift = -dot(q, along) / speed
-    step, step_low = two_product(shift[..., None], direction)
-    q, low = two_sum(q, step)
-    return q + (low + (step_low + q_low)), shift  # at most one rounding, however far away p is
+    q, low = two_sum(p, -start)
+    total = np.zeros(np.broadcast_shapes(q.shape[:-1], along.shape[:-1]))
+    # The way back from a point 1e16 sizes away is off by a size: once more, from nearby.
+    for _ in range(2):
+        shift = -dot(q, along) / speed
+        step, step_low = two_product(shift[..., None], direction)
+        q, q_low = two_sum(q, step)
+        q, low = two_sum(q, q_low + (step_low + low))
+        total = total + shift
+    return q, total
 
 
 def nearest_point(axis, p, direction):
