@@ -1,5 +1,7 @@
 """Plane drawings: what is drawn lies where the shapes, paths and tasks have it."""
 
+from itertools import combinations, pairwise
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -85,6 +87,23 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
         assert ends == pytest.approx([arc.radius] * 2)
 
 
+def test_radii_stand_inside_their_arcs_and_off_the_rays(ax):
+    rays = plot.draw_construction(ax, EGG)
+    written = [text.get_text() for text in ax.texts]
+    values = {"$a$": EGG.a, "$3a$": 3 * EGG.a, "$a/2$": EGG.a / 2}
+    assert [values[text] for text in written] == pytest.approx([arc.radius for arc in EGG.arcs])
+    for text in ax.texts:
+        place = np.array(text.get_position())
+        assert EGG.depth(*place) == pytest.approx(0.15 * EGG.a)
+        for ray in rays:
+            corners = ray.get_xydata()
+            for start, stop in pairwise(corners):
+                share = np.clip(
+                    (place - start) @ (stop - start) / np.sum((stop - start) ** 2), 0, 1
+                )
+                assert np.hypot(*(start + share * (stop - start) - place)) > 0.1 * EGG.a
+
+
 def test_pictures_are_as_many_as_axes_and_titles():
     drawing, axes = figure(1, 2, height=2)
     picture = np.zeros((4, 6, 3), dtype=np.uint8)
@@ -167,6 +186,26 @@ def test_cone_unrolls_with_a_straight_geodesic(ax):
     assert np.hypot(*(stop - start)) == pytest.approx(chord.geodesic_length, rel=1e-12)
     assert length(path) == pytest.approx(chord.path_length, rel=1e-4)
     np.testing.assert_allclose(points.get_xydata(), path.get_xydata()[[0, 100, 200]], atol=1e-12)
+
+
+def test_cone_seen_from_afar_has_the_lengths_of_its_projection(ax):
+    chord = ConeChord(1.0, 1.0, 0.5, 0.25)
+    share = np.linspace(0, 1, 5)
+    geodesic, path, points = cone_plot.draw_cone(ax, chord, share)
+    for line in (geodesic, path, points):
+        ends = line.get_xydata()[[0, -1]]
+        # From midway between P and Q: across, half a turn's sine; upwards, less for the far ones.
+        sine, cosine = np.sin(chord.turn / 2), np.cos(chord.turn / 2)
+        radius = np.array([1.0, 0.5])
+        height = -radius * np.cos(cone_plot.HEIGHT) - radius * cosine * np.sin(cone_plot.HEIGHT)
+        expected = np.transpose([[-1.0, 0.5] * np.array(sine), height])
+        np.testing.assert_allclose(ends, expected, atol=1e-12)
+    assert [text.get_text() for text in ax.texts] == ["apex", "$P$", "$Q$"]
+    outline = [line.get_xydata() for line in ax.lines[2:4]]
+    rim = np.concatenate([line.get_xydata() for line in ax.lines[:2]])
+    for ruling in outline:  # all of the rim lies on one side of it
+        side = np.cross(np.append(ruling[1], 0), np.pad(rim, ((0, 0), (0, 1))))[:, 2]
+        assert side.min() > -1e-9 or side.max() < 1e-9
 
 
 # ---- rods and balls -------------------------------------------------------------------------
@@ -258,3 +297,28 @@ def test_hand_over_draws_each_segment_and_only_the_waits(ax):
     assert spans["segment"] == [(1.5, 4.0), (6.0, 11.0)]  # halves of 3 to 8 and of 12 to 22
     assert spans["starved"] == [(1.0, 1.5)]
     assert spans["preparation"] == [(0.0, 1.5), (1.5, 4.5)]
+
+
+def test_scheme_has_each_word_in_a_block_of_its_own(ax):
+    blocks = motion_plot.draw_scheme(ax)
+    boxes = [block.get_bbox() for block in blocks]
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+    inside = [
+        next(text.get_text() for text in ax.texts if box.contains(*text.xy) and text.get_text())
+        for box in boxes
+    ]
+    words = ["circuit", "slow", "buffer", "fast"]
+    words += ["loop", "valve", "cylinder", "encoder"] * 2
+    assert len(inside) == len(words)
+    assert all(word in text for word, text in zip(words, inside, strict=True))
+    middles = [(box.x0 + box.x1) / 2 for box in boxes]
+    assert middles[4:8] == sorted(middles[4:8]) == middles[8:]
+    heads = [
+        text.xy for text in ax.texts if text.arrow_patch and text.arrowprops["arrowstyle"] != "-"
+    ]
+    assert len(heads) == 3 + 2 * 5
+    for x, y in heads:  # an arrow ends on a block's frame
+        assert any(
+            box.x0 - 1e-9 <= x <= box.x1 + 1e-9 and box.y0 - 1e-9 <= y <= box.y1 + 1e-9
+            for box in boxes
+        )

@@ -46,6 +46,40 @@ def test_wall_about_the_machine_is_left_open_on_its_right():
     assert nearest < machine.cutter_radius
 
 
+def test_letters_of_the_machine_stand_at_its_joints_and_angles():
+    machine, theta, phi = REFERENCE_MACHINE, -0.5, 0.3
+    lines, letters = machine_scene.machine_letters(machine, theta, phi)
+    named = {text: point for text, (point, _) in letters.items()}
+    axis = named[r"axis of $\theta$"]
+    np.testing.assert_allclose(axis[[0, 2]], 0, atol=1e-12)
+    hinge = machine.r * np.array([np.cos(theta), 0.0, -np.sin(theta)])
+    upwards = named[r"axis of $\varphi$"] - hinge
+    assert np.dot(upwards, hinge) == pytest.approx(0, abs=1e-12) and upwards[2] > 0
+    rise = np.arctan2(-named[r"$\theta$"][2], named[r"$\theta$"][0])
+    assert theta < rise < 0
+    assert len(lines) == 6 and all(mesh.n_cells for mesh, _ in lines)
+
+
+@pytest.mark.parametrize("parallel", [True, False])
+def test_letters_are_written_where_the_scene_has_their_point(parallel):
+    def shot(letters):
+        plotter = scene.empty(parallel=parallel)
+        plotter.window_size = 400, 300
+        for end in ((-1, -1, -1), (1, 1, 1)):
+            plotter.add_mesh(scene.ball(end, 0.05), color="white", lighting=False)
+        plotter.add_mesh(scene.ball(place, 0.1), color="red", lighting=False)
+        return scene.shoot(plotter, direction=(0.3, -1, 0.4), letters=letters, width=1.0)
+
+    place = np.array([0.4, 0.2, -0.5])
+    plain, lettered = shot(None), shot({"M": (place, (0, 0))})
+    assert plain.shape == lettered.shape
+    changed = np.argwhere(np.any(plain != lettered, axis=-1))
+    red = np.argwhere(plain[..., 0] > plain[..., 1].astype(int) + 100)
+    assert len(changed) and np.abs(changed.mean(axis=0) - red.mean(axis=0)).max() < 3
+    aside = shot({"M": (place, (4, 0))})
+    assert aside.shape[1] > plain.shape[1]  # what stands beside the scene isn't cut off
+
+
 def test_scene_without_a_library_says_how_to_get_one(monkeypatch):
     monkeypatch.setattr(gl, "problem", lambda: "No scene can be drawn here.")
     with pytest.raises(OSError, match=r"^No scene can be drawn here\.$"):

@@ -11,7 +11,7 @@ from report.sources import ROOT
 from tunneller_lib.reporting import COLOURS, figure
 from tunneller_lib.reporting.motion_plot import draw_setvalues
 
-READS = ["report/site/style.css"]
+READS = ["report/site/style.css", "report/verdicts.typ"]
 
 # Lines and bars of one drawing that a reader has to tell apart.
 COMPARED = [
@@ -75,10 +75,17 @@ def test_text_on_the_pages_can_be_read(sheet):
     assert contrast(named["ink"], named["machine"]) >= 4.5  # the button's
 
 
-def test_verdicts_on_the_pages_can_be_read(sheet):
-    grounds = re.findall(r"\.verdict[^{]*\{[^}]*background: (#\w{6})", sheet)
-    assert len(grounds) >= 5
-    assert min(contrast(ground, "#ffffff") for ground in grounds) >= 4.5
+def test_verdicts_can_be_read_and_differ_in_grey(sheet):
+    source = (ROOT / "report" / "verdicts.typ").read_text(encoding="utf-8")
+    printed = re.findall(r'"([\w ]+)": \(fill: rgb\("(#\w{6})"\), ink: (\w+)\)', source)
+    looks = {word: (fill.lower(), ink) for word, fill, ink in printed}
+    assert len(looks) == 6
+    on_pages = re.findall(r"\.verdict\.([\w-]+) \{ color: (\w+); background: (#\w{6})", sheet)
+    assert {word.replace("-", " "): (fill, ink) for word, ink, fill in on_pages} == looks
+    inks = {"white": "#ffffff", "black": "#000000"}
+    assert min(contrast(fill, inks[ink]) for fill, ink in looks.values()) >= 4.5
+    grounds = [fill for fill, _ in looks.values()]
+    assert min(abs(lightness(a) - lightness(b)) for a, b in combinations(grounds, 2)) >= 15
 
 
 def test_axes_have_no_more_divisions_than_asked_for():

@@ -10,15 +10,31 @@ from pathlib import Path
 import numpy as np
 from IPython import get_ipython
 from IPython.display import display
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 
 from ..arguments import checked
 from .kinds import Pixels
+from .style import COLOURS, STYLE, TEXT_WIDTH
 
 MARGIN = 20  # px of white left around a picture
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
+LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
+BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
 
 
-def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
+def shoot(
+    plotter,
+    *,
+    direction=(1.0, -1.5, 0.8),
+    up=(0.0, 0.0, 1.0),
+    zoom=1.3,
+    letters=None,
+    width=TEXT_WIDTH,
+):
     """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
 
     Parameters
@@ -30,6 +46,11 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
         direction of None is for a camera that is set already.
     zoom : float
         Above 1 for a closer look.
+    letters : dict of str to ((3,) float, (2,) float), optional
+        What is written over the picture: each text, as matplotlib sets it, with the point in the
+        scene that it names and its way from there, to the right and up in sizes of the letters.
+    width : float
+        Of the picture on paper, in cm, where letters have the size of those in drawings.
 
     Returns
     -------
@@ -39,6 +60,8 @@ def shoot(plotter, *, direction=(1.0, -1.5, 0.8), up=(0.0, 0.0, 1.0), zoom=1.3):
     if direction is not None:
         look(plotter, direction, up, zoom)
     pixels = plotter.screenshot(return_img=True)
+    if letters:
+        pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
     if folder := os.environ.get("TUNNELLER_SCENES"):
         _keep(plotter, Path(folder))
     if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
@@ -128,6 +151,36 @@ def refill(plotter, other):
     for name, actor in other.actors.items():
         plotter.add_actor(actor, name=name, reset_camera=False, render=False)
     other.close()
+
+
+def _lettered(plotter, pixels, letters, size):
+    """Return a scene's picture with letters of a size in pixels written over it."""
+    height, width = pixels.shape[:2]
+    inch = 72.0  # px, so that a point is a pixel
+    drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)
+    drawing.figimage(pixels)
+    halo = [withStroke(linewidth=size / 4, foreground="white")]
+    style = {"fontsize": size, "color": COLOURS["chord"], "path_effects": halo}
+    style |= {"ha": "center", "va": "center"}
+    line = {"arrowstyle": "-", "lw": size / 16, "shrinkA": 0, "shrinkB": 0, "path_effects": halo}
+    canvas = FigureCanvasAgg(drawing)
+    with rc_context(STYLE):
+        for text, (point, away) in letters.items():
+            named = _on_screen(plotter, point)
+            beside = named + size * np.asarray(away)
+            place = {"xy": named, "xycoords": "figure pixels", "xytext": beside}
+            leads = line if np.hypot(*away) > BESIDE else None
+            drawing.add_artist(Annotation(text, arrowprops=leads, **place, **style))
+        canvas.draw()
+    return np.array(canvas.buffer_rgba())[..., :3]
+
+
+def _on_screen(plotter, point):
+    """Return where a point (3,) of a scene lies in its picture, in px from the lower left."""
+    renderer = plotter.renderer
+    renderer.SetWorldPoint(*point, 1.0)
+    renderer.WorldToDisplay()
+    return np.array(renderer.GetDisplayPoint()[:2])
 
 
 def _keep(plotter, folder):

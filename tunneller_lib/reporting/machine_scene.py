@@ -9,7 +9,7 @@ import pyvista
 
 from ..arguments import Angle, checked
 from ..surfaces import Machine, Section
-from .scene import surface
+from .scene import curve, surface
 from .style import COLOURS
 
 PICKS = 90  # carbide teeth drawn on the cutter
@@ -18,6 +18,7 @@ BODY = {"color": COLOURS["machine"], **SOLID}
 DARK = {"color": COLOURS["cutter"], **SOLID}
 OIL = {"color": COLOURS["tangent sphere"], **SOLID}
 STEEL = {"color": "#B8BFC6", **SOLID}
+THIN = {"color": COLOURS["chord"]}
 
 
 @checked
@@ -65,6 +66,56 @@ def machine_model(machine: Machine, theta: Angle, phi: Angle):
         foot = crank.place((-0.2 * t, 0.95 * side, 0))
         parts += _cylinder(foot, arm.place((0.44 * R, 0.95 * side, 0)), 0.7 * t)
     return parts
+
+
+@checked
+def machine_letters(machine: Machine, theta: Angle, phi: Angle):
+    """Return both axes and both angles of a posed machine, and what its parts are called.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its sizes.
+    theta, phi : float
+        Joint angles in rad.
+
+    Returns
+    -------
+    parts : list of (mesh, dict)
+        Lines to add to those of `machine_model`: the axes, and each angle as an arc between the
+        arm and where it would be with that angle zero.
+    letters : dict of str to (point, away)
+        For `shoot`.
+    """
+    R = machine.R
+    frame, crank, arm, tip = _joints(machine, theta, phi)
+    out = 0.55 * R  # of the arcs, from their axes
+    half = 0.32 * R  # of an axis
+    high = 0.6 * half  # of the arc of phi, above the arm
+    share = np.linspace(0, 1, 30)
+    lifted = [_joints(machine, theta * one, phi)[1].place((out, 0, 0)) for one in share]
+    swung = [_joints(machine, theta, phi * one)[2].place((out, 0, high)) for one in share]
+    lines = [
+        [frame.place((0, -half, 0)), frame.place((0, half, 0))],
+        [arm.place((0, 0, -half)), arm.place((0, 0, half))],
+        [frame.place((0, 0, 0)), lifted[0]],
+        lifted,
+        [swung[0], arm.place((0, 0, high)), swung[-1]],
+        swung,
+    ]
+    letters = {
+        r"axis of $\theta$": (frame.place((0, -half, 0)), (-0.5, -4.3)),
+        r"axis of $\varphi$": (arm.place((0, 0, half)), (0, 0.8)),
+        r"$\theta$": (lifted[10], (0.8, 0.0)),
+        r"$\varphi$": (swung[15], (0.7, 0.3)),
+        r"cylinder of $\theta$": (frame.place((-0.5 * R, 0, -0.26 * R)), (-2, -4)),
+        r"tandem cylinders of $\varphi$": (arm.place((0.2 * R, -0.1 * R, 0)), (6, -5.5)),
+        "frame": (frame.place((-1.2 * R, 0, 0)), (0, 0)),
+        "bell crank": (crank.place((0, 0, -0.3 * R)), (2, -3)),
+        "arm": (arm.place((0.7 * R, 0, 0)), (1.5, -3)),
+        "cutter": (tip.place((0, 0, -machine.cutter_radius)), (1, -1)),
+    }
+    return [(curve(np.array(line), 0.007 * R), THIN) for line in lines], letters
 
 
 class _Frame:

@@ -1,5 +1,7 @@
 """Drawings of set-values in time and of tasks, each on the Axes `ax` that it is given."""
 
+from itertools import pairwise
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
@@ -152,3 +154,66 @@ def draw_hand_over(
     bars[-2].set(ec="white", lw=1.0)  # segments follow each other without a gap
     for start in run.started:
         ax.axvline(unit * start, color=COLOURS["chord"], lw=0.4, ls=":")
+
+
+@checked
+def draw_scheme(ax: Axes):
+    """Draw the blocks of the document's scheme (Fig. 7): two tasks, and a loop for each joint.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Sixteen units wide and seven high, once it is drawn on.
+
+    Returns
+    -------
+    blocks : list of matplotlib.patches.Rectangle
+        The four of the tasks from top to bottom, then those of each loop from left to right.
+    """
+    ax.set(xlim=(0, 16), ylim=(0, 7), aspect="equal")
+    ax.axis("off")
+    prepared = COLOURS["preparation"]
+    words = [
+        (6.4, "points on the circuit", COLOURS["chord"]),
+        (4.7, "slow task:\nfeet on the torus,\nnext segment", prepared),
+        (2.9, "buffer:\none segment ahead", prepared),
+        (1.1, "fast task, each tick:\ninteger line", COLOURS["interpolation"]),
+    ]
+    tasks = [_block(ax, 2.1, y, text, colour, width=3.4) for y, text, colour in words]
+    for upper, lower in pairwise(tasks):
+        _arrow(ax, (2.1, upper.get_y()), (2.1, lower.get_y() + lower.get_height()))
+    blocks = list(tasks)
+    for y, joint, cylinder in [(5.4, r"$\theta$", "cylinder"), (2.4, r"$\varphi$", "cylinders")]:
+        row = [
+            _block(ax, 7.8, y, f"loop of {joint}", COLOURS["servo"]),
+            _block(ax, 10.1, y, "servo\nvalve", COLOURS["cutter"]),
+            _block(ax, 12.4, y, cylinder, COLOURS["cutter"]),
+            _block(ax, 14.8, y, f"joint {joint},\nencoder", COLOURS["cutter"]),
+        ]
+        first, *_, last = row
+        out = tasks[-1].get_x() + tasks[-1].get_width()
+        _arrow(ax, (out, 1.1), (4.7, 1.1), (4.7, y), (first.get_x(), y))
+        for one, other in pairwise(row):
+            _arrow(ax, (one.get_x() + one.get_width(), y), (other.get_x(), y))
+        back = y - 1.3
+        _arrow(ax, (14.8, last.get_y()), (14.8, back), (7.8, back), (7.8, first.get_y()))
+        ax.annotate(f"set-value of {joint}", (4.8, y + 0.12), fontsize=7)
+        ax.annotate(f"counts of {joint}", (10.6, back + 0.12), fontsize=7)
+        blocks += row
+    return blocks
+
+
+def _block(ax, x, y, text, colour, width=1.7):
+    """Return a framed text about its middle, high enough for its lines."""
+    height = 0.3 + 0.4 * (1 + text.count("\n"))
+    frame = Rectangle((x - width / 2, y - height / 2), width, height, fc="white", ec=colour, lw=1.2)
+    ax.annotate(text, (x, y), ha="center", va="center", fontsize=8)
+    return ax.add_patch(frame)
+
+
+def _arrow(ax, *corners):
+    """Draw an arrow through its corners."""
+    for start, stop in pairwise(corners):
+        head = "-|>" if stop == corners[-1] else "-"
+        style = {"arrowstyle": head, "lw": 0.8, "shrinkA": 0, "shrinkB": 0, "fc": "k"}
+        ax.annotate("", stop, start, arrowprops=style)

@@ -65,7 +65,7 @@ def draw_section(ax: Axes, section: Section, **line: object):
 
 @checked
 def draw_construction(ax: Axes, egg: Egg):
-    """Draw how the section is made (Fig. 4): the arcs' centres, the rays to the blends.
+    """Draw how the section is made (Fig. 4): the arcs' centres and radii, the rays to the blends.
 
     Parameters
     ----------
@@ -80,10 +80,16 @@ def draw_construction(ax: Axes, egg: Egg):
     """
     lines = []
     ends = egg.point(egg.blends)
-    for arc, start, stop in zip(egg.arcs, ends[:-1], ends[1:], strict=True):
+    radii = ["$a$", "$3a$", "$a/2$", "$3a$"]  # of roof, right wall, invert, left wall
+    shares = np.array([0.5, 0.25, 0.5, 0.75])  # of each arc to its radius, clear of the rays
+    places = egg.point(egg.blends[:-1] + shares * np.diff(egg.blends))
+    arcs = zip(egg.arcs, ends[:-1], ends[1:], places, radii, strict=True)
+    for arc, start, stop, place, radius in arcs:
         centre = np.array([arc.y, arc.z])
         lines += ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
         ax.plot(*centre, "o", color=COLOURS["chord"], ms=3)
+        inwards = (centre - place) / arc.radius
+        ax.annotate(radius, place + 0.15 * egg.a * inwards, ha="center", va="center")
     ax.plot(*ends.T, "s", color=COLOURS["correct"], ms=4)
     return lines
 
