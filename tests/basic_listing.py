@@ -2,37 +2,13 @@
 
 import math
 import re
+import tomllib
 
-# As printed; the two halves of a broken line are joined again.
-PRINTED = {
-    100: "INPUT R,HH,H,F,J:PI=3.141592654:SS=SQR(HH^2+r*r)",
-    110: "LPRINT:LPRINT:LPRINT R,HH,H,F",
-    120: "S=H*SS/HH:K=(R/HH)^2:PH=2*PI/SS:PF=PH*F",
-    130: "FOR I=0 TO 10",
-    140: "U=I/J:ND1=SS+(S*COS(PF)-SS)*U:ND2=S*SIN(PF)*U",
-    150: "PHI=ATN(ND2/ND1):TH=SS*PHI/R:TTH=TAN(TH):D=HH*TTH+H",
-    160: "NN=SQR(ND1^2+ND2^2):M1=H*R/D:M2=H*R*TTH/D:M3=-H*HH*(TTH+1)/D",
-    170: "K1=K+1:M12=M1^2+M2^2:A=K1^2*M12:B=-2*K*K1*M1*M12",
-    180: "C=K*M1^2*(K*M12-M3^2):DS=B*B-4*A*C:A2=A*A:IF DS<0 THEN STOP",
-    190: "DQ=SQR(DS):N1P=(-B+DQ)/A2:N1M=(-B-DQ)/A2:M21=M2/M1",
-    200: "N2P=M21*N1P:N2M=M21*N1M:N3P=M3*N1P/(K*(N1P-M1)+N1P)",
-    210: "N3M=M3*N1M/(K*(N1M-M1)+N1M):LN=SQR(N1P^2+N2P^2+N3P^2)",
-    220: "M=(M1-N1M)^2+(M2-N2M)^2+(M3-N3M)^2:N=(M1-N1P)^2+(M2-N2P)^2+(M3-N3P)^2",
-    230: "IF M<N THEN LN=SQR(N1M^2+N2M^2+N3M^2)",
-    240: "LPRINT U,180*PHI/PI, LN, NN, NN-LN",
-    250: "NEXT I",
-}
+from report.sources import ROOT
 
-REPAIRS = {
-    100: "INPUT R,HH,H,F,J:PI=3.141592654:SS=SQR(HH^2+R*R)",
-    120: "S=H*SS/HH:K=(R/HH)^2:PH=2*PI*R/SS:PF=PH*F",
-    130: "FOR I=0 TO J",
-    # The half-angle keeps ATN on its branch; TH may pass 90 degrees without a tangent.
-    150: "NN=SQR(ND1^2+ND2^2):PHI=2*ATN(ND2/(NN+ND1)):TH=SS*PHI/R:TF=2*PI*F",
-    160: "T=HH*SIN(TH)/(HH*SIN(TH)+H*SIN(TF-TH)):M1=R+T*(H*R/HH*COS(TF)-R)"
-    ":M2=T*H*R/HH*SIN(TF):M3=T*(HH-H)-HH",
-    180: "C=K*M1^2*(K*M12-M3^2):DS=B*B-4*A*C:A2=2*A:IF DS<0 THEN STOP",
-}
+LISTING = tomllib.loads((ROOT / "report" / "listings.toml").read_text(encoding="utf-8"))["basic"]
+PRINTED = {int(number): line for number, line in LISTING["printed"].items()}
+REPAIRS = {int(number): line for number, line in LISTING["repaired"].items()}
 
 FUNCTIONS = {"SQR": math.sqrt, "ATN": math.atan, "SIN": math.sin, "COS": math.cos, "TAN": math.tan}
 

@@ -2,57 +2,14 @@
 
 import math
 import re
+import tomllib
 from types import SimpleNamespace
 
-# As printed, but that the page break inside the loop is closed.
-PRINTED = """\
-%motion parameters:
-t1 = 0; t2 = 10; y1 = 5; y2 = 30;
-%system parameters:
-T = 1; %sampling time
-%algorithm parameters:
-emax = 0.5;
-cstep = 1; %correction step
-%some MATLAB stuff:
-t_array = zeros(1000,1);
-y_array = zeros(1000,1);
-%preparation phase for the motion:
-j = t2 - t1; k = y2 - y1;
-nx = k/j;
-nxi = floor (nx); % simulate int division
-% command of modern CPUs
-e = 0; y = y1; n = 1;
-for t=t1: T: t2,
-    if e > emax
-        y = y + cstep;
-        e = e - cstep;
-    end
-    t_array(n) = t;
-    y_array(n) = y;
-    y = y + nxi;
-    e = e + nx - nxi;
-n = n + 1;
-end
-%the following plots the results:
-plot (t_array(1:n-1),y_array(1:n-1),'o');
-n = 1;
-for t=t1: T: t2,
-    rectangle('Position',
-        [t-T/2 y_array(n)-nxi/2 T nxi])
-    y_ref(n) = y1 + t*nx; %ideal line
-    n = n+1;
-end
-hold on;
-plot (t_array(1:n-1),y_ref(1:n-1));
-grid on;
-xlabel ('t [s]'); ylabel ('y'); hold off;
-axis ([0 t2+1 0 y2+5]);
-"""
-REPAIRS = {
-    "continuation": ("'Position',\n", "'Position', ...\n"),
-    "slope": ("nx = k/j;", "nx = k/j*T;"),
-    "ideal line": ("y_ref(n) = y1 + t*nx;", "y_ref(n) = y1 + (t-t1)*k/j;"),
-}
+from report.sources import ROOT
+
+LISTING = tomllib.loads((ROOT / "report" / "listings.toml").read_text(encoding="utf-8"))["matlab"]
+PRINTED = LISTING["printed"]
+REPAIRS = LISTING["repairs"]  # what each finds, and what it puts in its place
 
 
 class Array(list):

@@ -29,7 +29,7 @@ from tests.symbols_tunneller import (
 )
 from tunneller_lib.surfaces import Cone
 
-READS = ["report/ledger/*"]
+READS = ["report/ledger/*", "report/listings.toml"]
 
 EQ14 = n2 * (n1 - m1) - n1 * (n2 - m2)
 EQ15 = k * n3 * (n1 - m1) + n1 * (n3 - m3)

@@ -14,7 +14,7 @@ from tests.basic_listing import PRINTED, REPAIRS, run
 from tests.symbols_tunneller import CHORDS, EXAMPLE_CONE, H, R, close, development, f, h, u, zero
 from tunneller_lib.paths import ConeChord
 
-READS = ["report/ledger/*"]
+READS = ["report/ledger/*", "report/listings.toml"]
 
 TABLE = np.array([
     [0.0, 0.0, 1.4142, 1.4142, 0.0],

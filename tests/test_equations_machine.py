@@ -23,7 +23,7 @@ from tunneller_lib.paths import (
 from tunneller_lib.reporting.machine_scene import BODY, machine_model
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
 
-READS = ["report/ledger/*"]
+READS = ["report/ledger/*", "report/listings.toml"]
 
 MACHINE, EGG = REFERENCE_MACHINE, Egg(0.5)
 

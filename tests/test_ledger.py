@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.basic_listing import REPAIRS
+from tests import matlab_listing
+from tests.basic_listing import PRINTED, REPAIRS
 
 READS = [
     "report/ledger/*",
+    "report/listings.toml",
     "report/numbers/*",
     "report/*.typ",
     "report/sections/*",
@@ -193,6 +195,17 @@ def test_every_equation_of_the_robot_has_a_row_of_its_name(number):
 def test_every_listing_line_that_is_mended_has_a_row():
     rows = " ".join(id for id in LEDGER if id.startswith("listing-"))
     assert all(str(number) in rows for number in REPAIRS)
+
+
+def test_repairs_as_they_are_printed_are_those_that_run():
+    assert set(REPAIRS) < set(PRINTED) and all(REPAIRS[n] != PRINTED[n] for n in REPAIRS)
+    lines = matlab_listing.PRINTED.splitlines()
+    for old, new in matlab_listing.REPAIRS.values():  # the supplement repairs line by line
+        [found] = [line for line in lines if old.strip("\n") in line]
+        repaired = found.replace(old.strip("\n"), new.strip("\n"))
+        assert matlab_listing.PRINTED.replace(old, new) == "\n".join(
+            [repaired if line == found else line for line in lines] + [""]
+        )
 
 
 # ---- proofs find verdicts, in two ways that share nothing -----------------------------------
