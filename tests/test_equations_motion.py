@@ -49,11 +49,7 @@ from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-READS = [
-    "report/ledger/*",
-    "report/listings.toml",
-    "tests/references/controller_cycles.csv",
-]
+READS = ["report/ledger/*", "report/listings.toml", "tests/references/controller_cycles.csv"]
 
 CYCLES = Path(__file__).parent / "references" / "controller_cycles.csv"
 
