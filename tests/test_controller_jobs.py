@@ -30,8 +30,9 @@ REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
 SANITIZERS = "-fsanitize=address,undefined", "-fno-sanitize-recover=all"
 OPTIONS = "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1"
-# Solvers of ordinary differential equations meet what rounding leaves of the last bit.
-NEAR, OPENED = 1e-8, 1e-5  # rad; of the valve
+# Setpoints from tables are the library's. One that the slow task computes is, too, but where its
+# rounding to parts of a count meets a tie: then it is a part off, and the slope with it.
+STORED, COMPUTED, OPENED = 1e-12, 2.0, 1e-5  # rad; parts of a count; of the valve
 
 
 @pytest.fixture(scope="module")
@@ -62,15 +63,24 @@ def driven(tmp_path, options):
     assert [program.close() for program in programs] == [0] * len(programs)
 
 
+def part_of_a_count(lap):
+    """Return the angle, in rad, to which the setpoints of a plan's controller are rounded."""
+    return lap.count / min(moves.fineness for moves in (lap, lap.entry, lap.leave))
+
+
 def test_random_jobs_in_closed_loop_are_the_librarys(driven):
     kinds = []
-    for wanted in islice(random_jobs(5), many(3, 20)):
+    for number, wanted in enumerate(islice(random_jobs(5), many(3, 20))):
+        setpoints = ("computed", "stored")[number % 2]
         kinds.append((wanted.controller["plant"], wanted.plan["path"], wanted.section["shape"]))
-        controller = driven(wanted)
+        controller = driven(wanted, setpoints=setpoints)
         track = followed(wanted)
         found = closed_loop(controller, wanted, len(track.command))
         wrong, away, opened = differences(found, track, wanted.planned.count)
-        assert wrong == 0 and away < NEAR and opened < OPENED, kinds[-1]
+        near, open_by = STORED, STORED
+        if setpoints == "computed":
+            near, open_by = COMPUTED * part_of_a_count(wanted.planned), OPENED
+        assert wrong == 0 and away < near and opened < open_by, (number, kinds[-1])
         c = controller.c
         assert c.nStarved == c.nTripped == 0
         # What the scan after the last one says: all moves are made.
@@ -87,7 +97,7 @@ def test_closed_loop_with_oil_leaves_the_librarys_wall(driven):
     track = followed(wanted)
     found = closed_loop(driven(wanted), wanted, len(track.command))
     wrong, away, opened = differences(found, track, lap.count)
-    assert wrong == 0 and away < NEAR and opened < OPENED
+    assert wrong == 0 and away < COMPUTED * part_of_a_count(lap) and opened < OPENED
     first = int(lap.entry.ticks.sum())
     whole = slice(first, first + int(lap.ticks.sum()) + 1)
     ways = found[whole, 2:4], track.position[whole]
