@@ -10,10 +10,12 @@ import sympy as sp
 from mpmath import mp
 
 from tests.symbols_tunneller import R, close, x, y, zero
+from tunneller_lib.motion import reference_axes
 from tunneller_lib.paths import project_chord
 from tunneller_lib.ream import Limits
 from tunneller_lib.removal import (
     DexelGrid,
+    Ground,
     advance_for_volume,
     bowl,
     half_lens,
@@ -172,12 +174,27 @@ def test_advance_by_ground_and_power(judge):
 
     deep, shallow = ([feed(depth, energy) for energy in (20e6, 40e6)] for depth in (0.02, 1e-3))
 
+    # With more power than is asked for, theta's oil has to push the head down against the force.
+    axis = reference_axes(REFERENCE_MACHINE)[0]
+    arm = REFERENCE_MACHINE.r + REFERENCE_MACHINE.R
+
+    def pushed(energy):
+        oil = Limits(feed=1.0, acceleration=0.5, valve=0.8, axes=[axis, axis],
+                     ground=Ground(energy, 2.0))  # fmt: skip
+        levels = np.stack([np.linspace(-0.5, 1 / arm - 0.5, 1001), np.zeros(1001)], axis=-1)
+        ground = np.full(1000, removed_volume(0.2, 1.0, 0.02))
+        return oil.profile(moves, levels, ground, pushed=np.tile([arm, 0.0], (1001, 1)))
+
+    firm = [pushed(energy) for energy in (20e6, 40e6)]
+
     def dictated(place, feeds):  # by the ground: twice as hard, half as fast
         soft, hard = (feed[place] for feed in feeds)
         return bool(np.isclose(soft / hard, 2))
 
     judge("advance-dictated", cases={"in the middle of a deep groove": dictated(500, deep),
                                      "a millimetre from its start": dictated(1, deep),
-                                     "in a shallow groove": dictated(500, shallow)})  # fmt: skip
+                                     "in a shallow groove": dictated(500, shallow),
+                                     "where the oil binds": dictated(500, firm)})  # fmt: skip
+    assert 1.05 < firm[0][500] / firm[1][500] < 1.95
     assert close([feed[1] for feed in deep], np.sqrt(2 * 0.5 * 1e-3))
     assert close([feed[500] for feed in shallow], 0.1)

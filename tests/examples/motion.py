@@ -3,6 +3,7 @@
 import numpy as np
 
 from tunneller_lib.motion import (
+    Arm,
     Compressible,
     Hydraulics,
     Integrator,
@@ -10,19 +11,23 @@ from tunneller_lib.motion import (
     Loop,
     Resonance,
     Rigid,
+    Sizes,
     Track,
     ValveResonance,
     follow,
     reference_axes,
+    usual_sizes,
 )
 from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 THETA, PHI = reference_axes(REFERENCE_MACHINE)
+SIZES = usual_sizes(REFERENCE_MACHINE)
 TASKS = [Task("line", 5000, 400), Task("servo", 5000, 600), Task("watch", 20_000, 1500)]
 RAMP = np.linspace(0.0, 0.1, 30)
 
 INSTANCES = {
+    Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
     Compressible: Compressible(PHI),
     HandOver: HandOver((1,), (0,), (5,), (1,)),
     Hydraulics: THETA,
@@ -32,6 +37,7 @@ INSTANCES = {
     Release: Release("line", 0, 400),
     Resonance: Resonance(0.5, 100.0, 0.15),
     Rigid: Rigid(THETA),
+    Sizes: SIZES,
     Slice: Slice("line", 0, 400),
     Task: TASKS[0],
     Track: follow(Integrator(0.5), Loop(10.0, 0.005), RAMP),
@@ -43,6 +49,11 @@ LOGGED = np.tile(np.repeat([0.0, 0.3], 15), 3)
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
+    "Arm": {"r": 0.08, "R": 0.80, "head": 30.0, "beam": 60.0},
+    "Arm.coriolis": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
+    "Arm.energy": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
+    "Hydraulics.loaded": {"angle": 0.1, "rate": 0.2, "torque": 100.0, "opened": 0.8},
+    "Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
     "Track.between": {"first": 1, "last": 3},
     "Compressible.derivative": {"state": (0.1, 0.2, 8e6, 9e6, 0.1)},
     "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},

@@ -2,10 +2,20 @@
 
 import numpy as np
 
-from tunneller_lib.motion import Hydraulics, Integrator, Loop, reference_axes
+from tunneller_lib.motion import (
+    Arm,
+    Compressible,
+    Hydraulics,
+    Integrator,
+    Loop,
+    Sizes,
+    reference_axes,
+    usual_sizes,
+)
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import Circuit, cutting_circuit
 from tunneller_lib.ream import Cut, Fault, Limits, Moves, Plan, Pose, carve, knot_fault, plan
+from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -16,13 +26,16 @@ PLAN = plan(CIRCUIT, LIMITS, laps=2, advance=0.05, **COARSE)
 IDEAL = CIRCUIT.position(PLAN.places)
 CUT = carve(PLAN, IDEAL, shape=(6, 12))
 AXIS = {"plant": Integrator(0.5), "loop": Loop(5.0, 0.05)}
+OILY = {"plant": [Compressible(axis) for axis in AXES], "loop": Loop(5.0, 0.05)}
 TASKS = {"tasks": [Task("line", 50_000, 400)], "cost": 60}
 MOVES = {"lengths": [0.1, 0.2], "positions": np.zeros((3, 2)), "ground": [0.001, 0.002]}
 
 INSTANCES = {
+    Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
     Circuit: CIRCUIT,
     Cut: CUT,
     Fault: knot_fault(PLAN),
+    Ground: Ground(20e6, 2.0),
     Hydraulics: AXES[0],
     Integrator: AXIS["plant"],
     Limits: LIMITS,
@@ -30,6 +43,7 @@ INSTANCES = {
     Loop: AXIS["loop"],
     Plan: PLAN,
     Pose: Pose(y=1e-3),
+    Sizes: usual_sizes(REFERENCE_MACHINE),
     Task: TASKS["tasks"][0],
 }
 
@@ -38,16 +52,21 @@ CALLS = {
     "Limits.bounds": MOVES,
     "Limits.profile": MOVES,
     "Plan.centres": {"position": IDEAL},
+    "arm_fault": OILY,
     "budget": AXIS,
+    "capability": OILY,
     "carve": {"position": IDEAL, "shape": (6, 12)},
     "encoder_fault": AXIS,
     "expected_seconds": AXIS | {"shape": (6, 12)},
     "following_fault": AXIS,
+    "ground_fault": OILY,
     "lap_volume": {"advance": 0.05},
     "overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
+    "picks_fault": OILY,
     "plan": COARSE,
     "scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},
+    "steadiness": OILY,
     "standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,

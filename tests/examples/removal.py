@@ -1,14 +1,15 @@
 """Examples for the room removal."""
 
-from tunneller_lib.removal import DexelGrid
+from tunneller_lib.removal import DexelGrid, Ground
 from tunneller_lib.removal.grid import Lines
 from tunneller_lib.surfaces import Rod
 
 WALL = DexelGrid.radial(0, 1, 0.5, 0.8, (6, 12))
 
-INSTANCES = {DexelGrid: WALL, Lines: WALL.lines}
+INSTANCES = {DexelGrid: WALL, Ground: Ground(20e6, 2.0), Lines: WALL.lines}
 
 CALLS = {
+    "Ground": {"energy": 20e6, "pick_speed": 2.0, "ripple": 0.3, "ripple_frequency": 12.0},
     "DexelGrid": {"high": 0.9},
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
     "DexelGrid.cut": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},

@@ -7,7 +7,7 @@ its value is then in degrees. Names and types are checked here; sizes by what th
 import tomllib
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import checked, positive, shown, whole
-from ..motion import Compressible, Integrator, Lag, Loop, Rigid, reference_axes
+from ..motion import Compressible, Integrator, Lag, Loop, Rigid, arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
-from ..ream import Limits, Pose, expected_seconds, plan, simulate
+from ..ream import Limits, Pose, capability, expected_seconds, plan, simulate, steadiness
+from ..removal import Ground
 from ..surfaces import Arc, Egg, Line, Machine, closed_profile
 
 TEXT, WHOLE = "text", "whole number"
@@ -41,7 +42,15 @@ PIECES = {
     "line": (Line, dict(y="m", z="m", heading="rad", length="m")),
 }
 STANCE = dict(pitch="rad", yaw="rad")
-LIMITS = dict(feed="m/s", acceleration="m/s^2", volume="m^3/s", flow="m^3/s", valve="1")
+LIMITS = dict(feed="m/s", acceleration="m/s^2", volume="m^3/s", flow="m^3/s", valve="1",
+              power="W")  # fmt: skip
+GROUND = dict(energy="J/m^3", pick_speed="m/s", normal="1", ripple="1", ripple_frequency="Hz")
+CYLINDERS = dict(frame_pivot="a", arm_pivot="b", bore="bore", rod="rod", dead_length="dead_length")
+HYDRAULICS = dict(head="kg", beam="kg", supply="Pa", tank="Pa", bulk="Pa", hose="m^3",
+                  rated_flow="m^3/s", valve_lag="s", damping="1", lift_friction="N m",
+                  swing_friction="N m", piston_leak="m^3/s/Pa", valve_leak="m^3/s/Pa",
+                  pump="m^3/s")  # fmt: skip
+HYDRAULICS |= {f"{joint}_{name}": "m" for joint in ("lift", "swing") for name in CYLINDERS}
 PLAN = dict(tolerance="m", step="m", tick="s", count="rad", rest="s", laps=WHOLE, advance="m",
             arm_radius="m", path=TEXT)  # fmt: skip
 CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", delay=WHOLE,
@@ -56,6 +65,13 @@ TOO_MUCH = {
 }  # fmt: skip
 MOST_RAYS = 100_000  # each way; memory bounds both together
 PLANTS = "T0", "T1", "T2", "T3"
+OILY = "T2", "T3"  # those that ask for cylinders
+VALVE = 0.8  # of the open valve, what a plan in ground asks for unless told otherwise
+FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
+HYDRAULIC_REMEDY = (
+    "The cylinders' sizes are those of [hydraulics]: lift_ and swing_ frame_pivot, arm_pivot, "
+    'bore, rod and dead_length, and supply; or take plant = "T0" in [controller], which has none.'
+)
 # The time that TOML's keys of many dots take grows with the square of their number.
 MOST_BYTES, MOST_IN_A_LINE = 100_000, 4_000
 LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # as TOML has them
@@ -89,6 +105,11 @@ class Job:
         Arguments of `Pose`, by which the machine stands elsewhere, unknown to it.
     wall : dict
         Rays ``along`` the tunnel and ``around`` it; ``thickness`` of the modelled ground, in m.
+    hydraulics : dict
+        Fields of `Sizes`, its cylinders by ``lift_`` and ``swing_`` names, where they aren't the
+        usual ones of the machine.
+    ground : dict
+        Arguments of `Ground`: empty where nothing pushes back.
     """
 
     machine: dict
@@ -99,37 +120,104 @@ class Job:
     stance: dict
     pose: dict
     wall: dict
+    hydraulics: dict
+    ground: dict
+
+    @cached_property
+    def made(self):
+        """Return the `Machine`."""
+        with _said_of("machine"):
+            return Machine(**self.machine)
+
+    @cached_property
+    def sizes(self):
+        """Return the `Sizes` of the machine's hydraulics."""
+        usual = usual_sizes(self.made)
+        own = {name: value for name, value in self.hydraulics.items() if hasattr(usual, name)}
+        with _said_of("hydraulics"):
+            for joint in ("lift", "swing"):
+                names = {f"{joint}_{name}": field for name, field in CYLINDERS.items()}
+                changes = {names[k]: v for k, v in self.hydraulics.items() if k in names}
+                own[joint] = replace(getattr(usual, joint), **changes)
+            return replace(usual, **own)
+
+    @cached_property
+    def cylinders(self):
+        """Return the axes theta and phi, two `Hydraulics`; a refusal says what would do."""
+        with _said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
+            return axes_of(self.made, self.sizes)
+
+    @cached_property
+    def arm(self):
+        """Return the `Arm` that both joints share with plant T3, else None."""
+        return arm_of(self.made, self.sizes) if self.controller["plant"] == "T3" else None
+
+    @cached_property
+    def cut_ground(self):
+        """Return the `Ground`, or None where nothing pushes back."""
+        with _said_of("ground"):
+            return Ground(**self.ground) if self.ground else None
+
+    @cached_property
+    def pushing(self):
+        """Return the `Ground` with plant T3, which alone feels it, else None."""
+        return self.cut_ground if self.controller["plant"] == "T3" else None
 
     @cached_property
     def planned(self):
         """Return the `Plan`, or raise ValueError with the reason against it."""
-        with _said_of("machine"):
-            machine = Machine(**self.machine)
+        machine = self.made
         with _said_of("section"):
             section = _shape(self.section)
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
         bounds = dict(self.limits)
+        if self.controller["plant"] in OILY:
+            bounds = {"flow": self.sizes.pump, **bounds}
         if "flow" in bounds or "valve" in bounds:
-            bounds["axes"] = reference_axes(machine)
+            bounds["axes"] = self.cylinders
+        if self.ground:
+            bounds["ground"] = self.cut_ground
+            if self.controller["plant"] in OILY:
+                bounds = {"valve": VALVE, "axes": self.cylinders, **bounds}
         with _said_of("limits"):
             limits = Limits(**bounds)
+        self._check_steady(circuit)
         with _said_of("plan"):
             return plan(circuit, limits, **self.plan)
+
+    def _check_steady(self, circuit):
+        """Raise ValueError if the gain isn't below what cylinders and oil allow on a circuit."""
+        plants, loops = self.axes
+        if self.controller["plant"] in OILY and not loops[0].integral:
+            for margin in steadiness(circuit, plants, loops):
+                if margin.what.startswith("gain") and not margin.enough:
+                    raise ValueError(f"[controller] {margin}")
+
+    @cached_property
+    def margins(self):
+        """Return the list of `Margin` that the machine has for the plan; none without cylinders."""
+        plants, loops = self.axes
+        if self.controller["plant"] not in OILY or loops[0].integral:
+            return []
+        return capability(self.planned, plants, loops, self.sizes)
 
     @cached_property
     def axes(self):
         """Return the plants and the loops of theta and phi, each a list of two."""
         about = dict(self.controller)
         tier = about.pop("plant")
-        count = about.pop("encoder", self.planned.count)
-        plants = []
-        for axis in reference_axes(self.planned.circuit.machine):
-            rate = axis.resonance((axis.low + axis.high) / 2).gain
-            tiers = Integrator(rate), Lag(rate, axis.valve_lag), Rigid(axis), Compressible(axis)
-            plants.append(tiers[PLANTS.index(tier)])
+        count = about.pop("encoder", self.plan.get("count", 2 * np.pi / 2**16))
+        tick = self.plan.get("tick", 5e-3)
         with _said_of("controller"):
-            return plants, [Loop(tick=self.planned.tick, count=count, **about)] * 2
+            loops = [Loop(tick=tick, count=count, **about)] * 2
+        if tier not in OILY:
+            # The first models ask nothing of a cylinder: one full speed for both joints.
+            rate = FULL_SPEED / self.made.R
+            lag = self.sizes.valve_lag
+            return [Integrator(rate) if tier == "T0" else Lag(rate, lag)] * 2, loops
+        kind = Rigid if tier == "T2" else Compressible
+        return [kind(axis) for axis in self.cylinders], loops
 
     @cached_property
     def error(self):
@@ -162,7 +250,14 @@ class Job:
         """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
         shape, thickness = self._rays
         return simulate(
-            self.planned, *self.axes, pose=self.error, shape=shape, thickness=thickness, say=say
+            self.planned,
+            *self.axes,
+            pose=self.error,
+            shape=shape,
+            thickness=thickness,
+            arm=self.arm,
+            ground=self.pushing,
+            say=say,
         )
 
 
@@ -201,7 +296,14 @@ def read_job(path: str | Path):
         stance=_read("stance", given["stance"], STANCE),
         pose=_read("pose", given["pose"], POSE),
         wall={"along": 200, "around": 360, **_read("wall", given["wall"], WALL)},
+        hydraulics=_read("hydraulics", given["hydraulics"], HYDRAULICS),
+        ground=_read_ground(given["ground"]),
     )
+
+
+def _read_ground(given):
+    """Return what a ground's table says, if there is one."""
+    return _read("ground", given, GROUND, ("energy", "pick_speed")) if given else {}
 
 
 def _parsed(path):
@@ -360,12 +462,12 @@ def _check_unit(where, key, value, unit):
 
 
 @contextmanager
-def _said_of(table):
-    """Begin a refusal with the table that it is about."""
+def _said_of(table, *, remedy=""):
+    """Begin a refusal with the table that it is about, and end it with what would do."""
     try:
         yield
     except ValueError as error:
-        raise ValueError(f"[{table}] {error}") from None
+        raise ValueError(" ".join(filter(None, (f"[{table}] {error}", remedy)))) from None
 
 
 def _one_of(where, word, words):

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..motion.stability import is_stable
-from ..ream import Cut, budget, following_fault
+from ..ream import Cut, budget, following_fault, kind
 from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
@@ -24,7 +24,7 @@ from .reader import Job
 CONFIRMED = 0.6  # of a fault, at most, must be left where its halving is confirmed
 MOST_GAIN = 1e9  # of a Loop, in 1/s
 WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
-FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor"
+FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor", "kind"
 SUMMARY = (
     "knots",
     "setpoints",
@@ -38,8 +38,12 @@ SUMMARY = (
     "limits_used",
     "saturated_share",
     "faults",
+    "machine",
     "warnings",
 )
+MARGIN = "what", "has", "needs", "unit"
+BEYOND = 1.25  # times, either way: what is measured is beyond its closed form's range
+LEAST_SEEN = 5e-5  # m, below which a closed form's range matters to nobody
 
 
 def _summary(name, value):
@@ -71,13 +75,14 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         Of the plan, of the wall, and ``times_s``: what takes how long; ``limits_used``: the
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
-        alone, with its greatest over- and under-break, and the closed form of its ``measure``;
+        alone, with its greatest over- and under-break, the closed form of its ``measure`` and who
+        answers for it; ``machine``: what it has and needs, in the unit that each row names;
         ``warnings``, sentences.
     """
     plan = job.planned
     faults = [
-        (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f))
-        for f in budget(plan, *job.axes, pose=job.error, say=say)
+        (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f), kind(f))
+        for f in budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
     ]
     over = max(float(cut.deviation.max()), 0.0)
     under = max(float(-cut.deviation.min()), 0.0)
@@ -94,7 +99,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "limits_used": plan.shares,
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
-        "warnings": [*_warnings(job, over, under), *_coarse(job, cut)],
+        "machine": [dict(zip(MARGIN, margin, strict=False)) for margin in job.margins],
+        "warnings": [*_warnings(job, over, under), *_coarse(job, cut), *_strained(job, cut)],
     }
 
 
@@ -136,6 +142,25 @@ def _warnings(job, over, under):
     return found
 
 
+def _strained(job, cut):
+    """Return sentences about a machine that can hardly do the cut, or whose ground nobody felt."""
+    found = [str(margin) for margin in job.margins if not margin.enough]
+    if job.ground and job.pushing is None:
+        found.append(
+            '[ground]: limits the feed alone; only plant = "T3" feels its force, and the wall\'s '
+            "error lacks it."
+        )
+    if not job.ground and job.controller["plant"] == "T3":
+        found.append("[ground]: is missing, so that nothing pushes back on the axes.")
+    for joint, share in zip(("theta", "phi"), cut.track.saturated_share, strict=True):
+        if share > 0:
+            found.append(
+                f"{joint}'s valve is fully open for {100 * share:.2g} % of the time, and the axis "
+                "doesn't follow; a lower [limits] feed or power would do."
+            )
+    return found
+
+
 def _coarse(job, cut):
     """Return sentences about rays so far apart that a groove may meet one alone."""
     radius = job.machine["cutter_radius"]
@@ -151,6 +176,15 @@ def _coarse(job, cut):
         for name, size in sizes.items()
         if size / job.wall[name] > half
     ]
+
+
+def _mark(fault):
+    """Return a mark for a fault whose closed form is off by more than a quarter, and matters."""
+    worst = max(fault["over_m"], fault["under_m"])
+    measured = fault["rms_m"] if fault["measure"] == "rms" else worst
+    closed = fault["closed_m"]
+    within = closed / BEYOND <= measured <= closed * BEYOND
+    return "" if within or worst < LEAST_SEEN else " *"
 
 
 @checked
@@ -182,8 +216,14 @@ def summary_text(numbers: Summary):
         form = f"{closed:8.4f} {fault['measure']}"
         lines.append(
             f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:18s}"
-            f"{fault['halved_by']} x {fault['factor']:.2f}"
+            f"{fault['halved_by']} x {fault['factor']:.2f}, {fault['kind']}{_mark(fault)}"
         )
+    if any(_mark(fault) for fault in numbers["faults"]):
+        lines.append("* beyond the range of its closed form, which is for slow, small motions")
+    if numbers["machine"]:
+        lines += ["", "the machine            has      needs"]
+    for row in numbers["machine"]:
+        lines.append(f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}")
     return "\n".join(lines)
 
 

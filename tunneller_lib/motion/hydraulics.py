@@ -4,15 +4,15 @@ All sizes are the study's assumptions; the document names the parts and gives no
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arguments import Angle, Angles, Finite, Reals, checked
-from ..surfaces import Linkage, Machine, linkages
+from ..surfaces import Linkage
 from ..surfaces.linkage import JointAngles, check_stroke
 from .plant import Resonance
-from .quantities import Quantity, Size, Torque
+from .quantities import Quantity, Size, Size0, Torque
 
 STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cylinder's stroke
 
@@ -95,6 +95,12 @@ class Hydraulics:
         Flow of the open valve over the root of the pressure lost at one land, in m^3/s/Pa^0.5.
     valve_lag : float
         Time constant of the spool, in s.
+    friction : float
+        Dry friction of joint and seals, in N m.
+    piston_leak : float
+        Past the piston, in m^3/s/Pa.
+    valve_leak : float
+        Past each closed land, in m^3/s/Pa: two lands a side, from the supply and to the tank.
 
     Raises
     ------
@@ -115,6 +121,9 @@ class Hydraulics:
     hose: Size
     flow: Size
     valve_lag: Size
+    friction: Size0 = 0.0
+    piston_leak: Size0 = 0.0
+    valve_leak: Size0 = 0.0
 
     def __post_init__(self):
         if self.tank >= self.supply:
@@ -156,6 +165,49 @@ class Hydraulics:
         forward = speed(self, np.abs(spool), *positive)
         backward = speed(self, np.abs(spool), *negative)
         return np.where(spool > 0, forward, -backward)
+
+    @checked
+    def loaded(self, angle: Angles, rate: Reals, torque: Reals, opened: Quantity):
+        """Return how fast a loaded joint may go with an open valve, as a factor of its rate.
+
+        Parameters
+        ----------
+        angle : (...) float
+            Joint angles, in rad, within the stroke.
+        rate : (...) float
+            Rates of the joint, in rad/s, at the factor 1.
+        torque : (...) float
+            Torques, beside weight and friction, that resist positive motion at the factor 1, in
+            N m. They grow with the factor, as a cutting force does with the feed.
+        opened : float
+            Share of the open valve, at most 1.
+
+        Returns
+        -------
+        factor : (...) float
+            The greatest at which lands, friction and torque use up the pressure, and at which
+            neither side alone must hold more than the supply: infinite where nothing limits it.
+
+        Raises
+        ------
+        ValueError
+            If an `angle` is outside the stroke, or `opened` above 1.
+        """
+        check_stroke(angle, self.low, self.high)
+        if opened > 1:
+            raise ValueError(f"opened: must be at most 1; got {opened:g}.")
+        factor = np.inf
+        for sign, (D, rho, load) in zip((1, -1), sides_at(self, angle), strict=True):
+            drive = _drive(self, D, rho, load)
+            forward = np.maximum(sign * rate, 0.0)
+            # (forward D x / flow)^2 (1 + rho^3) + pull x = drive of the factor x; where the joint
+            # goes the other way, or stands, the oil still has to hold the torque.
+            lands = (forward * D / (self.flow * opened)) ** 2 * (1 + rho**3)
+            pull = (self.damping * forward + sign * torque) / D
+            with np.errstate(divide="ignore", invalid="ignore"):
+                root = 2 * drive / (pull + np.sqrt(pull**2 + 4 * drive * lands))
+            factor = np.minimum(factor, np.where((lands > 0) | (pull > 0), root, np.inf))
+        return factor
 
     @checked
     def command(self, rate: Finite, position: Angle):
@@ -214,66 +266,3 @@ class Hydraulics:
         """
         check_stroke(angle, self.low, self.high)
         return sides_at(self, angle)
-
-
-@checked
-def reference_axes(machine: Machine, *, damping: Quantity = 0.15):
-    """Return the study's axes theta and phi of a machine.
-
-    Parameters
-    ----------
-    machine : Machine
-        Its joint limits, and the radii r and R that set linkages and inertia.
-    damping : float
-        Damping ratio of the resonance at joint angle 0, or where the stroke comes nearest to it.
-
-    Returns
-    -------
-    theta, phi : Hydraulics
-        A cutter head of 30 kg at the end of an arm of 60 kg that is evenly spread from its joint;
-        supply 160 bar, tank 3 bar, oil of 1.0 GPa, hoses of 50 cm^3, valves of 4 L/min at 35 bar
-        a land with a lag of 4 ms. The weight loads theta alone.
-    """
-    head = 30.0  # kg
-    arm = 60.0  # kg
-    g = 9.81  # m/s^2
-    reach = machine.r + machine.R
-    lift, swing = linkages(machine)
-    return (
-        _reference_axis(
-            lift,
-            machine.theta_min,
-            machine.theta_max,
-            inertia=(head + arm / 3) * reach**2,
-            gravity=(head + arm / 2) * g * reach,
-            ratio=damping,
-        ),
-        _reference_axis(
-            swing,
-            machine.phi_min,
-            machine.phi_max,
-            inertia=(head + arm / 3) * machine.R**2,
-            gravity=0.0,
-            ratio=damping,
-        ),
-    )
-
-
-def _reference_axis(linkage, least, greatest, *, inertia, gravity, ratio):
-    """Return one of `reference_axes`, between joint limits, with a damping ratio near angle 0."""
-    axis = Hydraulics(
-        linkage=linkage,
-        low=least - STROKE_MARGIN,
-        high=greatest + STROKE_MARGIN,
-        inertia=inertia,
-        gravity=gravity,
-        damping=1e-9,  # not yet known: it follows from the frequency, which doesn't depend on it
-        supply=160e5,
-        tank=3e5,
-        bulk=1.0e9,
-        hose=5e-5,
-        flow=4e-3 / 60 / 35e5**0.5,
-        valve_lag=4e-3,
-    )
-    middle = min(max(0.0, axis.low), axis.high)
-    return replace(axis, damping=2 * ratio * axis.natural_frequency(middle) * inertia)

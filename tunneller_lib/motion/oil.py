@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Angle, Finite, Rule, checked
 from ..surfaces.linkage import check_stroke
-from .hydraulics import Hydraulics, displacements_at, load_at, sides_at, speed, volumes_at
+from .hydraulics import Hydraulics, load_at, sides_at, speed
 from .plant import Lag, ValveResonance
-from .quantities import Tick, moderate_array
+from .quantities import Tick, Torque, moderate_array
 
+SLIP = 2e-3  # rad/s, within which dry friction turns from one direction to the other
 LAMINAR = 1e5  # Pa, below which the flow through a land turns from its root to a straight line
 PHASE = 0.2  # rad of the fastest resonance, the longest step of the integration
 STEP = 2e-3  # s, the longest step with rigid oil
@@ -62,7 +63,7 @@ class Rigid:
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
         axis = self.axis
-        parts = _parts(tick, tick / STEP)
+        parts = parts_of(tick, tick / STEP)
         h = tick / parts
         fall = math.exp(-h / 2 / axis.valve_lag)
 
@@ -100,10 +101,10 @@ class Compressible:
 
     Notes
     -----
-    Lands leak nothing when shut; their flow is the root of the pressure lost, straightened below
-    1 bar: where both lose at least p, steady rates are those of `Rigid` to (1 bar / p)^2 / 4 of
-    themselves. Oil that would be torn apart stays at pressure zero, and the void isn't remembered.
-    The axes don't feel each other.
+    The flow of a land is the root of the pressure lost, straightened below 1 bar: where both lose
+    at least p and nothing leaks or rubs, steady rates are those of `Rigid` to (1 bar / p)^2 / 4 of
+    themselves. Leaks are laminar. Oil that would be torn apart stays at pressure zero, and the void
+    isn't remembered. The axes don't feel each other, unless `follow` is given their `Arm`.
     """
 
     axis: Hydraulics
@@ -130,11 +131,15 @@ class Compressible:
         )
 
     @checked
-    def rest(self, position: Angle):
-        """Return the state at rest at a position, in rad: pressures that sum to the supply."""
+    def rest(self, position: Angle, load: Torque | None = None):
+        """Return the state at rest at a position, in rad: pressures that sum to the supply.
+
+        They hold a `load` in N m that resists positive motion; the axis' own unless told.
+        """
         axis = self.axis
         check_stroke(position, axis.low, axis.high, "position")
-        (plus, _, load), (minus, _, _) = sides_at(axis, position)
+        (plus, _, own), (minus, _, _) = sides_at(axis, position)
+        load = own if load is None else load
         first = (load + minus * axis.supply) / (plus + minus)
         return position, 0.0, first, axis.supply - first, 0.0
 
@@ -143,15 +148,17 @@ class Compressible:
         """Return the function (state, command) -> state one tick, in s, later."""
         axis = self.axis
         fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
-        parts = _parts(tick, tick * max(fastest / PHASE, 1 / axis.valve_lag))
+        slowest = max(fastest / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
+        parts = parts_of(tick, tick * slowest)
         h = tick / parts
+        slopes = _slopes_of(axis)
 
         def step(state, u):
             for _ in range(parts):
-                k1 = _slopes(axis, state, u)
-                k2 = _slopes(axis, [y + h / 2 * k for y, k in zip(state, k1, strict=True)], u)
-                k3 = _slopes(axis, [y + h / 2 * k for y, k in zip(state, k2, strict=True)], u)
-                k4 = _slopes(axis, [y + h * k for y, k in zip(state, k3, strict=True)], u)
+                k1 = slopes(state, u)
+                k2 = slopes([y + h / 2 * k for y, k in zip(state, k1, strict=True)], u)
+                k3 = slopes([y + h / 2 * k for y, k in zip(state, k2, strict=True)], u)
+                k4 = slopes([y + h * k for y, k in zip(state, k3, strict=True)], u)
                 each = zip(state, k1, k2, k3, k4, strict=True)
                 state = [y + h / 6 * (a + 2 * (b + c) + d) for y, a, b, c, d in each]
                 state[2] = max(state[2], 0.0)
@@ -183,16 +190,58 @@ class Compressible:
             If the angle is outside the stroke.
         """
         check_stroke(state[0], self.axis.low, self.axis.high, "state")
-        return _slopes(self.axis, state, u)
+        return _slopes_of(self.axis)(state, u)
 
 
-def _slopes(axis, state, u):
-    """Return `Compressible.derivative`, unchecked but for the stroke's ends."""
-    angle, rate, first, second, spool = state
-    if not axis.low <= angle <= axis.high:
-        raise _out_of_stroke(axis, angle)
-    plus, minus = displacements_at(axis.linkage, angle)
-    plus_volume, minus_volume = volumes_at(axis.linkage, angle, axis.low, axis.high)
+def _slopes_of(axis):
+    """Return the function (state, u) of `Compressible.derivative`, which checks the stroke only."""
+    oil = oil_of(axis)
+
+    def slopes(state, u):
+        angle, rate, first, second, spool = state
+        driven, filling, emptying, opening, _ = oil(angle, rate, first, second, spool, u)
+        torque = driven - load_at(axis, angle) - resistance(axis, rate)
+        return rate, torque / axis.inertia, filling, emptying, opening
+
+    return slopes
+
+
+def oil_of(axis):
+    """Return the function (state and command) -> what an `axis`' chambers and spool do.
+
+    That is the torque of both pressures, in N m, how these change, in Pa/s, and the spool, in 1/s,
+    and the power that compresses the oil, in W. Nothing is checked but the stroke's ends.
+    """
+    chambers = axis.linkage.chambers(axis.low, axis.high)
+
+    def oil(angle, rate, first, second, spool, u):
+        if not axis.low <= angle <= axis.high:
+            raise _out_of_stroke(axis, angle)
+        plus, minus, plus_volume, minus_volume = chambers(angle)
+        inflow, outflow = flows(axis, first, second, spool)
+        filling = inflow - plus * rate
+        emptying = minus * rate - outflow
+        if first <= 0:
+            filling = max(filling, 0.0)
+        if second <= 0:
+            emptying = max(emptying, 0.0)
+        return (
+            plus * first - minus * second,
+            axis.bulk * filling / (plus_volume + axis.hose),
+            axis.bulk * emptying / (minus_volume + axis.hose),
+            (u - spool) / axis.valve_lag,
+            first * filling + second * emptying,
+        )
+
+    return oil
+
+
+def flows(axis, first, second, spool):
+    """Return the oil that flows into the plus side and out of the minus side, in m^3/s.
+
+    Of an `axis` at pressures `first` and `second` of both sides, in Pa, and a `spool` position:
+    through the lands, past the piston, and past the closed lands to and from either side.
+    """
     opened = axis.flow * spool
     if spool > 0:
         inflow = opened * _root(axis.supply - first)
@@ -200,21 +249,21 @@ def _slopes(axis, state, u):
     else:
         inflow = opened * _root(first - axis.tank)
         outflow = opened * _root(axis.supply - second)
-    load = load_at(axis, angle)
-    torque = plus * first - minus * second - load - axis.damping * rate
-    filling = axis.bulk * (inflow - plus * rate) / (plus_volume + axis.hose)
-    emptying = axis.bulk * (minus * rate - outflow) / (minus_volume + axis.hose)
-    return (
-        rate,
-        torque / axis.inertia,
-        filling if first > 0 else max(filling, 0.0),
-        emptying if second > 0 else max(emptying, 0.0),
-        (u - spool) / axis.valve_lag,
-    )
+    past = axis.piston_leak * (first - second)
+    both = axis.supply + axis.tank
+    inflow += axis.valve_leak * (both - 2 * first) - past
+    outflow += axis.valve_leak * (2 * second - both) - past
+    return inflow, outflow
 
 
-def _parts(tick, steps):
-    """Return the whole number of steps of the integration in a tick, at least so many."""
+def resistance(axis, rate):
+    """Return the torque of friction of an `axis`, in N m, at a `rate` in rad/s."""
+    drag = axis.damping * rate
+    return drag + axis.friction * math.tanh(rate / SLIP) if axis.friction else drag
+
+
+def parts_of(tick, steps):
+    """Return the whole number of `steps` of the integration in a `tick`, at least so many."""
     if steps > MOST_STEPS:
         raise ValueError(
             f"tick: must be at most {tick / steps * MOST_STEPS:.3g} s, which is {MOST_STEPS} steps "

@@ -97,5 +97,6 @@ Quantity0 = Number(LEAST, MOST, or_zero=True)
 Tick = Number(LEAST, MOST, unit="s")
 Ticks = Annotated[ArrayLike, Rule("(...) float", _ticks, "s")]
 Size = Number(1e-15, 1e15)  # of hydraulics, whose SI units are far apart: Pa, m^3, m^3/s/Pa^0.5
+Size0 = Number(1e-30, 1e15, or_zero=True)
 Torque = Annotated[float, Rule("float", _torque, "N m")]
 ComplexFrequencies = Annotated[ArrayLike, Rule("(...) complex", _complex_frequencies, "rad/s")]

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Positive, Rule, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
+from .arm import Arm
+from .both_joints import ENERGIES, Push, stepper
 from .hydraulics import spool_at
 from .loop import Loop
 from .oil import Compressible, Rigid
@@ -62,6 +64,9 @@ class Track:
     stable : tuple of bool or None
         For each axis, whether small motions are stable all over the range of its set-values; None
         with an `inverse` that isn't the plant's own.
+    energies : (ticks + 1, 5) float or None
+        What the pump gave and where it went, `both_joints.ENERGIES`, in J; None of axes that don't
+        act on each other.
     """
 
     tick: float
@@ -71,6 +76,7 @@ class Track:
     saturated: np.ndarray
     states: tuple
     stable: tuple
+    energies: np.ndarray | None = None
 
     @property
     def time(self):
@@ -119,6 +125,7 @@ class Track:
             command=self.command[ticks],
             saturated=self.saturated[ticks],
             states=tuple(states[held] for states in self.states),
+            energies=None if self.energies is None else self.energies[held] - self.energies[first],
         )
 
     @checked
@@ -142,6 +149,8 @@ def follow(
     *,
     slopes: Slopes | None = None,
     inverse: Callable[[float, float], float] | None = None,
+    arm: Arm | None = None,
+    push: Callable | None = None,
 ):
     """Run set-values through position loops and the axes that they move.
 
@@ -157,6 +166,12 @@ def follow(
         Exact slopes in rad/s, as from `polyline_slopes`; needed for a feed-forward only.
     inverse : function, optional
         (rate, position) -> command, in place of the plant's own static inverse ``command``.
+    arm : Arm, optional
+        The masses on theta and phi, whose motions then act on each other; for two `Compressible`
+        plants. Without it each axis has the inertia and the weight of its own `Hydraulics`.
+    push : function, optional
+        (tick, position, rate) -> `Push`, asked at the beginning of each tick, of two
+        `Compressible` plants; position and rate are tuples of both joints.
 
     Returns
     -------
@@ -195,10 +210,14 @@ def follow(
             check_stroke(column, one.axis.low, one.axis.high, "setvalues")
     if inverse is not None:
         _try(inverse, columns[0, 0])
-    # The axes don't act on each other: each is run by itself.
     wanted = columns.T.tolist()
     rates = _slope_columns(slopes, setvalues, loops).T.tolist()
-    runs = [_run(*one, inverse) for one in zip(plants, loops, wanted, rates, strict=True)]
+    if arm is None and push is None:
+        # The axes don't act on each other: each is run by itself.
+        energies = None
+        runs = [_run(*one, inverse) for one in zip(plants, loops, wanted, rates, strict=True)]
+    else:
+        runs, energies = _run_together(plants, loops, wanted, rates, inverse, arm, push)
     states = tuple(np.array(run[0]) for run in runs)
     shape = (-1, *setvalues.shape[1:])
     position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
@@ -211,7 +230,7 @@ def follow(
     else:
         stable = (None,) * axes
     saturated = np.abs(command) >= limit
-    return Track(loops[0].tick, setvalues, position, command, saturated, states, stable)
+    return Track(loops[0].tick, setvalues, position, command, saturated, states, stable, energies)
 
 
 def _for_each_axis(name, value, axes):
@@ -256,15 +275,59 @@ def _own_inverse(plant):
 
 
 def _run(plant, loop, setvalues, slopes, inverse):
-    """Return states and commands of one axis, in plain floats: arrays of one would be slow.
+    """Return states and commands of one axis, in plain floats: arrays of one would be slow."""
+    step = plant.stepper.unchecked(plant, loop.tick)
+    state = plant.rest(setvalues[0])
+    control = _controller(plant, loop, inverse)
+    states = [state]
+    commands = []
+    for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
+        u, opening = control(wanted, slope, state[0])
+        state = step(state, opening)
+        states.append(state)
+        commands.append(u)
+    return states, commands
 
-    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope,
-    and the static inverse of the axis says which command gives it.
+
+def _run_together(plants, loops, setvalues, slopes, inverse, arm, push):
+    """Return what `_run` does, of both axes of one machine, and the energies (ticks + 1, 5)."""
+    if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
+        raise ValueError(
+            "plant: must be two of class Compressible where the axes share an arm or are pushed; "
+            f"got {shown([type(one).__name__ for one in plants])}."
+        )
+    step = stepper([one.axis for one in plants], arm, loops[0].tick)
+    starts = [column[0] for column in setvalues]
+    loads = [None, None] if arm is None else arm.weight(starts).tolist()
+    state = [one.rest(*each) for one, *each in zip(plants, starts, loads, strict=True)]
+    state.append((0.0,) * len(ENERGIES))
+    controls = [_controller(*one, inverse) for one in zip(plants, loops, strict=True)]
+    states = [[state[0]], [state[1]]]
+    commands = [[], []]
+    energies = [state[2]]
+    ticks = zip(*(column[:-1] for column in setvalues), *slopes, strict=True)
+    for tick, (*wanted, theta_slope, phi_slope) in enumerate(ticks):
+        pushed = Push()
+        if push is not None:
+            pushed = push(tick, (state[0][0], state[1][0]), (state[0][1], state[1][1]))
+        theta_u, theta_opening = controls[0](wanted[0], theta_slope, state[0][0])
+        phi_u, phi_opening = controls[1](wanted[1], phi_slope, state[1][0])
+        state = step(state, (theta_opening, phi_opening), pushed)
+        energies.append(state[2])
+        for axis, u in enumerate((theta_u, phi_u)):
+            states[axis].append(state[axis])
+            commands[axis].append(u)
+    return list(zip(states, commands, strict=True)), np.array(energies)
+
+
+def _controller(plant, loop, inverse):
+    """Return the function (set-value, slope, position) -> command and opening of the valve.
+
+    It is called once a tick, in turn. Of the following error e the loop makes the rate gain e +
+    integral sum(e tick) + share slope, and the static inverse says which command gives it.
     """
     if inverse is None:
         inverse = _own_inverse(plant)
-    step = plant.stepper.unchecked(plant, loop.tick)
-    state = plant.rest(setvalues[0])
     gain = loop.gain
     share = loop.feedforward
     count = loop.count
@@ -273,11 +336,10 @@ def _run(plant, loop, setvalues, slopes, inverse):
     growth = loop.integral * loop.tick
     summed = 0.0
     waiting = [0.0] * loop.delay
-    states = [state]
-    commands = []
-    for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
+
+    def control(wanted, slope, position):
+        nonlocal summed
         # The encoder tells whole counts, the nearest.
-        position = state[0]
         if count:
             position = count * ((position / count + 0.5) // 1)
         error = wanted - position
@@ -296,11 +358,9 @@ def _run(plant, loop, setvalues, slopes, inverse):
         if waiting:
             waiting.append(u)
             u = waiting.pop(0)
-        opening = _opened(u, dead) if dead else u
-        state = step(state, opening)
-        states.append(state)
-        commands.append(u)
-    return states, commands
+        return u, _opened(u, dead) if dead else u
+
+    return control
 
 
 def _opened(u, dead):

@@ -1,7 +1,7 @@
 """The whole job: plan a cut, run it through controller and axes, and look at the wall it leaves."""
 
 from .cutting import Cut, carve, expected_seconds, simulate, starved
-from .error_budget import budget
+from .error_budget import budget, kind
 from .faults import (
     Fault,
     corner_fault,
@@ -15,6 +15,8 @@ from .faults import (
     tangent_sphere_fault,
 )
 from .feed import Limits
+from .ground_faults import arm_fault, ground_fault, picks_fault
+from .margins import Margin, capability, steadiness
 from .moves import Moves
 from .planning import Plan, Pose, plan
 from .sensitivity import trailing
@@ -24,20 +26,26 @@ __all__ = [
     "Cut",
     "Fault",
     "Limits",
+    "Margin",
     "Moves",
     "Plan",
     "Pose",
+    "arm_fault",
     "budget",
+    "capability",
     "carve",
     "corner_fault",
     "count_fault",
     "encoder_fault",
     "expected_seconds",
     "following_fault",
+    "ground_fault",
+    "kind",
     "knot_fault",
     "lap_volume",
     "overbreak",
     "pass_distance",
+    "picks_fault",
     "plan",
     "pose_fault",
     "ripple_fault",
@@ -46,6 +54,7 @@ __all__ = [
     "simulate",
     "standing",
     "starved",
+    "steadiness",
     "tangent_sphere_fault",
     "trailing",
 ]

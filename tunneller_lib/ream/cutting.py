@@ -10,12 +10,13 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
-from ..motion import Track, follow
+from ..motion import Arm, Track, follow
 from ..motion.stability import stable_gains
 from ..motion.tasks import Task, hand_over
-from ..removal import DexelGrid
+from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
+from .face import Face
 from .planning import Plan, Pose, Run
 from .wall import intact_wall, overbreak, standing
 
@@ -48,6 +49,8 @@ class Cut:
         Centres of the cutter while it entered and left; none where it was carried along laps only.
     plunged : float
         Volume removed by both, in m^3.
+    force : (ticks,) float or None
+        Of the ground against the feed at each tick's beginning, in N; None where it doesn't push.
     """
 
     plan: Plan
@@ -59,6 +62,7 @@ class Cut:
     before: np.ndarray
     after: np.ndarray
     plunged: float
+    force: np.ndarray | None = None
 
     @property
     def ends(self):
@@ -129,6 +133,8 @@ def simulate(
     cost: Cost | None = None,
     shape: Shape = (400, 720),
     thickness: Length = 0.1,
+    arm: Arm | None = None,
+    ground: Ground | None = None,
     say: Callable[[str], object] | None = None,
 ):
     """Run a plan and cut the wall.
@@ -151,6 +157,10 @@ def simulate(
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.
+    arm : Arm, optional
+        The masses on both joints, for two `Compressible` plants; see `follow`.
+    ground : Ground, optional
+        What pushes back on two `Compressible` plants while they cut; nothing unless told.
     say : function, optional
         Told after each lap how far the cutting is.
 
@@ -170,7 +180,13 @@ def simulate(
     if tasks is not None:
         _check_tasks(plan, tasks, cost)
     setvalues, slopes = _whole(plan)
-    track = follow(plant, loop, setvalues, slopes=slopes)
+    first = int(plan.entry.ticks.sum())
+    last = first + plan.laps * int(plan.ticks.sum())
+    face = None
+    if ground is not None:
+        face = Face(plan, ground, setvalues, first, pose, shape, thickness)
+    push = face and face.push
+    track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
     for axis, name in enumerate(("theta", "phi")):
         if track.stable[axis] is False:
             reached = setvalues[:, axis]
@@ -186,11 +202,10 @@ def simulate(
                 f"loop: must be stable; that of {name} isn't at its gain and tick: {allowed}; "
                 f"got {loop[axis].gain:g} 1/s."
             )
-    first = int(plan.entry.ticks.sum())
-    last = first + plan.laps * int(plan.ticks.sum())
     ends = track.position[: first + 1], track.position[last:]
     cut = _carved(plan, track.position[first : last + 1], ends, pose, shape, thickness, say)
-    return replace(cut, track=track.between(first, last))
+    force = face and face.force[first:last]
+    return replace(cut, track=track.between(first, last), force=force)
 
 
 def _whole(plan):

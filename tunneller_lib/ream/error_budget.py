@@ -1,10 +1,14 @@
 """Whose fault is which part of the wall's error: each source switched on alone."""
 
 from collections.abc import Callable
+from functools import partial
 
 from ..arguments import checked
+from ..motion import Arm
+from ..removal import Ground
 from .both_axes import Loops, Plants
 from .faults import (
+    Fault,
     check_unheld,
     corner_fault,
     count_fault,
@@ -16,10 +20,24 @@ from .faults import (
     setpoint_fault,
     tangent_sphere_fault,
 )
+from .ground_faults import arm_fault, ground_fault, picks_fault
 from .planning import Plan, Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
 OF_AXES = following_fault, encoder_fault
+# Who answers for a source; the path between knots, whatever its name, is what the paper is about.
+KINDS = {
+    "knots": "chosen", "corners": "chosen", "pose": "chosen",
+    "set-points": "machine", "counts": "machine", "feed ripple": "machine",
+    "following": "machine", "encoder": "machine", "both joints": "machine",
+    "ground, mean": "ground", "ground, picks": "ground",
+}  # fmt: skip
+
+
+@checked
+def kind(fault: Fault):
+    """Return who answers for a `fault`: "chosen", "machine", "ground" or "paper"."""
+    return KINDS.get(fault.source, "paper")
 
 
 @checked
@@ -29,6 +47,8 @@ def budget(
     loop: Loops,
     *,
     pose: Pose | None = None,
+    arm: Arm | None = None,
+    ground: Ground | None = None,
     say: Callable[[str], object] | None = None,
 ):
     """Return the faults of a planned lap, each switched on alone.
@@ -43,6 +63,10 @@ def budget(
         Their position loops.
     pose : Pose, optional
         Where the machine stands instead of where it should.
+    arm : Arm, optional
+        The masses on both joints, for two `Compressible` plants.
+    ground : Ground, optional
+        What pushes back, for two `Compressible` plants.
     say : function, optional
         Told which source is next.
 
@@ -50,9 +74,9 @@ def budget(
     -------
     faults : list of Fault
         Knots, tangent spheres, corners, setpoints, counts, feed ripple, following, encoder and, if
-        asked for, pose. Their deviations across the path add up to that of all together, but for
-        products: where the path turns a trailing axis cuts the corner, by more than its fault
-        alone.
+        asked for, both joints, the ground's mean force, its picks' ripple and pose. Their
+        deviations across the path add up to that of all together, but for products: where the path
+        turns a trailing axis cuts the corner, by more than its fault alone.
 
     Raises
     ------
@@ -66,6 +90,11 @@ def budget(
     check_unheld(plan)
     sources = [(source, ()) for source in OF_PLAN]
     sources += [(source, (plant, loop)) for source in OF_AXES]
+    if arm is not None:
+        sources.append((arm_fault, (plant, loop, arm)))
+    if ground is not None:
+        sources.append((partial(ground_fault, arm=arm), (plant, loop, ground)))
+        sources.append((partial(picks_fault, arm=arm), (plant, loop, ground)))
     if pose is not None:
         sources.append((pose_fault, (pose,)))
     faults = []

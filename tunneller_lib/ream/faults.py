@@ -11,17 +11,10 @@ from ..motion import follow
 from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .moves import Moves, levers
+from .outward import gradient, wall_frame
 from .planning import Plan, Pose
 from .route import ROUNDED, path_points, route_through
-from .sensitivity import (
-    geodesic_bend,
-    gradient,
-    joint_bend,
-    planned_motion,
-    rounding_passed,
-    trailing,
-    wall_frame,
-)
+from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
 from ..motion import Hydraulics
+from ..removal import Ground
 from .both_axes import Pair
 from .timing import Places, fastest
 
@@ -64,6 +65,10 @@ class Limits:
         Greatest change of the acceleration, in m/s^3.
     joint_speed, joint_acceleration, joint_jerk : float
         Of each joint, in rad/s, rad/s^2 and rad/s^3.
+    power : float
+        Of the cutter head, in W, on whole grooves, as those of a first lap; needs `ground`.
+    ground : Ground, optional
+        What cutting asks for; its force, with its ripple, loads the valves of the `axes`.
 
     Raises
     ------
@@ -82,8 +87,12 @@ class Limits:
     joint_speed: Bound = np.inf
     joint_acceleration: Bound = np.inf
     joint_jerk: Bound = np.inf
+    power: Bound = np.inf
+    ground: Ground | None = None
 
     def __post_init__(self):
+        if self.ground is None and self.power < np.inf:
+            raise ValueError("ground: must be given for a limit of power; got None.")
         if 1 < self.valve < np.inf:
             raise ValueError(f"valve: must be at most 1, the open valve; got {self.valve!r}.")
         if self.axes is None and min(self.flow, self.valve) < np.inf:
@@ -100,6 +109,8 @@ class Limits:
         bends: Bends | None = None,
         twists: Twists | None = None,
         levers: Levers | None = None,
+        groove: Areas | None = None,
+        pushed: Ends | None = None,
     ):
         """Return the fastest feed from rest to rest; its own changes have any jerk.
 
@@ -118,6 +129,10 @@ class Limits:
             Their second and third derivatives, in rad/m^2 and rad/m^3; needed with `slopes`.
         levers : (m + 1, 2) float, optional
             How far the cutter moves by a radian of each joint, in m; needed with `slopes`.
+        groove : (m,) float, optional
+            As for `bounds`, in m^2.
+        pushed : (m + 1, 2) float, optional
+            As for `bounds`, in m.
 
         Returns
         -------
@@ -130,7 +145,7 @@ class Limits:
         ValueError
             As `bounds`, or if only some of slopes, bends, twists and levers are given.
         """
-        bound = self.bounds(lengths, positions, ground)
+        bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the moves before and after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         joint = np.array([self.joint_acceleration] * 2)
@@ -161,7 +176,15 @@ class Limits:
         return np.sqrt(fastest(lengths, places))
 
     @checked
-    def bounds(self, lengths: Moves, positions: Ends, ground: Areas):
+    def bounds(
+        self,
+        lengths: Moves,
+        positions: Ends,
+        ground: Areas,
+        *,
+        groove: Areas | None = None,
+        pushed: Ends | None = None,
+    ):
         """Return the greatest steady feed on each move.
 
         Parameters
@@ -172,6 +195,12 @@ class Limits:
             Joint positions at their ends, in rad; straight in joint space between.
         ground : (m,) float
             Ground removed by each metre of a move, in m^2.
+        groove : (m,) float, optional
+            The same of a whole groove, beside which nothing is cut yet; that of `ground` unless
+            told.
+        pushed : (m + 1, 2) float, optional
+            Levers of the ground's force at both joints, in m: what torque resists positive motion
+            at the ends of the moves, in N m, by a newton against the feed. None pushes unless told.
 
         Returns
         -------
@@ -189,23 +218,35 @@ class Limits:
                 "lengths: must be (m,) with ground (m,) and positions (m + 1, 2), and "
                 f"m >= 2; got {lengths.shape}, {ground.shape}, {positions.shape}."
             )
+        groove = ground if groove is None else groove
+        pushed = np.zeros_like(positions) if pushed is None else pushed
+        if groove.shape != (m,) or pushed.shape != (m + 1, 2):
+            raise ValueError(
+                f"groove: must be ({m},), and pushed ({m + 1}, 2), as the moves; "
+                f"got {groove.shape} and {pushed.shape}."
+            )
         if np.any(lengths < LEAST):
             raise ValueError(f"lengths: must be above zero; got {lengths.min():g}.")
-        if np.any(ground < 0):
-            raise ValueError(f"ground: must not be below zero; got {ground.min():g}.")
+        if np.any(np.minimum(ground, groove) < 0):
+            least = np.minimum(ground, groove).min()
+            raise ValueError(f"ground: must not be below zero; got {least:g}.")
         with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
+            if self.ground is not None:
+                bound = np.minimum(bound, self.power / self.ground.power(groove))
         if self.axes is None:
             return bound
         rates = np.diff(positions, axis=0) / lengths[:, None]  # rad for each metre
         middle = (positions[1:] + positions[:-1]) / 2
+        torques = np.zeros_like(middle)
+        if self.ground is not None:
+            greatest = (1 + self.ground.ripple) * self.ground.force(groove)  # at a feed of 1 m/s
+            torques = greatest[:, None] * (pushed[1:] + pushed[:-1]) / 2
         drawn = 0.0
-        for axis, rate, angle in zip(self.axes, rates.T, middle.T, strict=True):
+        for axis, rate, angle, torque in zip(self.axes, rates.T, middle.T, torques.T, strict=True):
             (filled, _, _), (emptied, _, _) = axis.sides(angle)
             drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
             if self.valve < np.inf:
-                fastest = np.abs(axis.rate(angle, np.where(rate > 0, self.valve, -self.valve)))
-                with np.errstate(divide="ignore", over="ignore"):  # a joint that stands still
-                    bound = np.minimum(bound, fastest / np.abs(rate))
+                bound = np.minimum(bound, axis.loaded(angle, rate, torque, self.valve))
         with np.errstate(divide="ignore", over="ignore"):
             return np.minimum(bound, self.flow / drawn)

@@ -21,11 +21,13 @@ from ..arguments import (
     positions,
     size,
 )
+from ..exact import norm
 from ..paths import Circuit
 from ..paths.bounds import Way
 from ..removal import removed_volume, rod_clearance
 from .feed import Limits
 from .moves import Moves, levers, move_lengths, strains
+from .outward import gradient
 from .route import Route, path_points, route_through
 from .timing import move_shares, move_ticks
 
@@ -37,6 +39,8 @@ MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
 # Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
 GENTLY = 0.1
+STRIDE = 1e-4  # m of the section, for the lean of the circuit out of it
+AHEAD = 16  # places of the cutter's front over which the ground in its way is averaged
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -398,17 +402,25 @@ def _timed(way, circuit, limits, advance, length, ease):
     """
     at = way.at(length)
     moves = np.diff(length)
-    ground = _ground(circuit, way.place(length), moves, advance)
+    places = way.place(length)
+    ground = _ground(circuit, places, moves, advance)
+    slopes = way.at(length, order=1)
+    load = {}
+    if limits.ground is not None:
+        middle = (places[1:] + places[:-1]) / 2
+        load["groove"] = engaged_areas(circuit, middle)
+        load["pushed"] = push_levers(circuit, limits.ground, places, at, slopes)
     feed = limits.profile(
         moves,
         at,
         ground,
-        slopes=way.at(length, order=1) * ease[:, None],
+        **load,
+        slopes=slopes * ease[:, None],
         bends=way.at(length, order=2) * ease[:, None],
         twists=way.at(length, order=3),
         levers=levers(circuit.machine.torus, at),
     )
-    straight = limits.profile(moves, at, ground)
+    straight = limits.profile(moves, at, ground, **load)
     # The feed changes evenly in time over a move, so that its mean is that of both ends.
     due = [np.cumsum(2 * moves / (v[1:] + v[:-1])) for v in (feed, straight)]
     return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
@@ -503,7 +515,16 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     distance = float(np.linalg.norm(levers(torus, ends) * turn, axis=-1).max())
     # All in m at the cutter: the joints' limits as if they went as far as it.
     scale = distance / np.abs(turn).max()
-    speed = limits.bounds(np.full(2, distance / 2), ends, np.zeros(2)).min()
+    # At its greatest depth the plunging ball has all of its cap in the ground.
+    cap = np.pi * machine.depth * (2 * machine.cutter_radius - machine.depth)
+    slopes = np.tile(turn / distance, (3, 1))
+    speed = limits.bounds(
+        np.full(2, distance / 2),
+        ends,
+        np.zeros(2),
+        groove=np.full(2, cap),
+        pushed=levers(torus, ends) ** 2 * slopes,
+    ).min()
     ticks = move_ticks(
         distance,
         min(float(speed), limits.joint_speed * scale),
@@ -539,13 +560,46 @@ def _ground(circuit, s, lengths, advance):
 
     Moves are longer than what they cover of the section where the circuit leans out of its plane.
     """
+    across = np.diff(s) / lengths
+    return across * groove_areas(circuit, (s[1:] + s[:-1]) / 2, advance)
+
+
+def groove_areas(circuit, s, advance=0.0):
+    """Return the ground removed by each metre of the offset section at arc lengths s, in m^2.
+
+    Beside an earlier pass, an `advance` in m away, or of a whole groove for none.
+    """
     machine = circuit.machine
     with np.errstate(divide="ignore"):
-        wall = 1 / circuit.profile.curvature((s[1:] + s[:-1]) / 2) + machine.offset
-    across = np.diff(s) / lengths
-    return across * removed_volume(
+        wall = 1 / circuit.profile.curvature(s) + machine.offset
+    return removed_volume(
         machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
     )
+
+
+def engaged_areas(circuit, s):
+    """Return the ground removed by each metre of the circuit (...), in m^2, at arc lengths s, in m.
+
+    Of a whole groove: the mean over all places that the ball's front is at work on, for it meets a
+    bend before its centre does. The circuit leans out of the section's plane and is longer.
+    """
+    machine = circuit.machine
+    front = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
+    ahead = front * (np.arange(AHEAD) + 0.5) / AHEAD
+    near = s[..., None] + [-STRIDE / 2, STRIDE / 2]
+    lean = STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])
+    return lean * groove_areas(circuit, s[..., None] + ahead).mean(axis=-1)
+
+
+def push_levers(circuit, ground, s, positions, slopes):
+    """Return the torques (n, 2) that resist positive motion, in N m, by a newton against the feed.
+
+    On a `circuit` in a `ground`, at positions (n, 2), in rad, at places s (n,), in m; slopes (n, 2)
+    are those of the positions by the length of way, in rad/m. The force out of the wall goes along
+    with that against the feed.
+    """
+    along = levers(circuit.machine.torus, positions) ** 2 * slopes
+    return along + ground.normal * gradient(circuit, s, positions)
 
 
 def _keep_clear(circuit, arm_radius):

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
 from .machine import Machine
 
+USUAL_R = 0.80  # m, the reference machine's arm, by which the study's sizes are given
+
 
 def _joint_angles(name, value):
     # One angle is a float from here on: `_triangle` tells by that how to compute.
@@ -142,23 +144,36 @@ class Linkage:
         # A simulation asks for one angle after the other: it is to lose no time here.
         if not (isinstance(angle, float) and low <= angle <= high):
             check_stroke(angle, low, high)
+        return Linkage.chambers.unchecked(self, low, high)(angle)[2:]
+
+    @checked
+    def chambers(self, low: Angle, high: Angle):
+        """Return the function angle -> both `displacements` and both `volumes`, for simulations.
+
+        Of angles from `low` to `high`, in rad, which themselves aren't checked.
+        """
         whole, ring = self.areas
-        at_low = self._triangle(low, self.sense)[0]
-        at_high = self._triangle(high, self.sense)[0]
-        shortest = min(at_low, at_high)
-        longest = max(at_low, at_high)
-        length = self._triangle(angle, self.sense)[0]
-        pushing = whole * (length - shortest)
-        pulling = ring * (longest - length)
-        plus, minus = (pushing, pulling) if self.sense > 0 else (pulling, pushing)
-        if self.pair:  # the mirrored cylinder, whose limits are the same: as far to either side
-            length = self._triangle(angle, -self.sense)[0]
-            pushing = whole * (length - shortest)
-            pulling = ring * (longest - length)
-            first, second = (pulling, pushing) if self.sense > 0 else (pushing, pulling)
-            plus = plus + first
-            minus = minus + second
-        return plus, minus
+        lengths = self._triangle(low, self.sense)[0], self._triangle(high, self.sense)[0]
+        shortest, longest = min(lengths), max(lengths)
+        sense = self.sense
+
+        def cylinder(angle, sense):
+            length, arm = self._triangle(angle, sense)
+            pushing = whole * abs(arm), whole * (length - shortest)
+            pulling = ring * abs(arm), ring * (longest - length)
+            return (pushing, pulling) if sense > 0 else (pulling, pushing)
+
+        def of(angle):
+            (plus, plus_volume), (minus, minus_volume) = cylinder(angle, sense)
+            if self.pair:  # the mirrored cylinder drives both ways, too
+                (first, first_volume), (second, second_volume) = cylinder(angle, -sense)
+                plus = plus + first
+                minus = minus + second
+                plus_volume = plus_volume + first_volume
+                minus_volume = minus_volume + second_volume
+            return plus, minus, plus_volume, minus_volume
+
+        return of
 
     @checked
     def check(self, low: Angle, high: Angle):
@@ -214,11 +229,18 @@ def linkages(machine: Machine):
     >>> round(lift.length(0.0), 4)
     0.4347
     """
-    scale = machine.R / 0.80
+    lift, swing = usual_linkages(machine.R)
+    lift.check(machine.theta_min, machine.theta_max)
+    swing.check(machine.phi_min, machine.phi_max)
+    return lift, swing
+
+
+@checked
+def usual_linkages(R: Length):
+    """Return the study's linkages of theta and phi for an arm of a length `R`, in m, unchecked."""
+    scale = R / USUAL_R
     lift = Linkage(a=0.45 * scale, b=0.11 * scale, mounting=np.radians(75), sense=-1,
                    bore=0.050 * scale, rod=0.028 * scale, dead_length=0.20 * scale)  # fmt: skip
     swing = Linkage(a=0.30 * scale, b=0.07 * scale, mounting=np.radians(90), sense=1, pair=True,
                     bore=0.040 * scale, rod=0.022 * scale, dead_length=0.16 * scale)  # fmt: skip
-    lift.check(machine.theta_min, machine.theta_max)
-    swing.check(machine.phi_min, machine.phi_max)
     return lift, swing

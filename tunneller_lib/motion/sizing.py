@@ -1,0 +1,195 @@
+"""The sizes of a machine's hydraulics: what is usual, how it grows, and the axes that it makes.
+
+All are the study's assumptions. A machine with an arm s times as long is taken as similar: lengths
+grow with s, masses and volumes with s^3, a valve's flow with s^2 and its lag with s; pressures and
+oil are the same. Cutters are then equally fast, and joints and resonances s times as slow.
+"""
+
+from dataclasses import dataclass, replace
+
+from ..arguments import checked
+from ..surfaces import Linkage, Machine
+from ..surfaces.linkage import USUAL_R, usual_linkages
+from .arm import Arm
+from .hydraulics import STROKE_MARGIN, Hydraulics
+from .quantities import Quantity, Size, Size0
+
+LAND = 35e5  # Pa, the pressure that a land loses at a valve's rated flow
+
+
+@dataclass(frozen=True)
+@checked
+class Sizes:
+    """What the two axes of a machine are made of.
+
+    Parameters
+    ----------
+    lift, swing : Linkage
+        The cylinders of theta and of phi.
+    head, beam : float
+        Masses of the cutter head and of the arm, in kg, as in `Arm`.
+    supply, tank : float
+        Pressures, in Pa.
+    bulk : float
+        Bulk modulus of the oil with its hoses, in Pa.
+    hose : float
+        Oil between valve and piston on either side of each axis, in m^3.
+    rated_flow : float
+        Of each open valve at 35 bar a land, in m^3/s.
+    valve_lag : float
+        Time constant of the spools, in s.
+    damping : float
+        Damping ratio of each resonance at joint angle 0, or where the stroke comes nearest to it.
+    lift_friction, swing_friction : float
+        Dry friction of each joint with its seals, in N m.
+    piston_leak, valve_leak : float
+        Past each piston and past each closed land, in m^3/s/Pa.
+    pump : float
+        Oil that the pump delivers to both axes together, in m^3/s.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of its range.
+    """
+
+    lift: Linkage
+    swing: Linkage
+    head: Size
+    beam: Size0
+    supply: Size
+    tank: Size
+    bulk: Size
+    hose: Size
+    rated_flow: Size
+    valve_lag: Size
+    damping: Quantity
+    lift_friction: Size0
+    swing_friction: Size0
+    piston_leak: Size0
+    valve_leak: Size0
+    pump: Size
+
+
+@checked
+def usual_sizes(machine: Machine):
+    """Return the study's `Sizes` of a machine, by the length of its arm.
+
+    Parameters
+    ----------
+    machine : Machine
+        Whose `R` decides, in m.
+
+    Returns
+    -------
+    sizes : Sizes
+        At R = 0.80 m a head of 30 kg, an arm of 60 kg, 160 bar, hoses of 50 cm^3, valves of 4 L/min
+        with a lag of 4 ms, dry friction of 40 and 20 N m, and leaks that take 0.2 L/min at rest.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
+    >>> usual_sizes(replace(REFERENCE_MACHINE, r=0.16, R=1.6)).head
+    240.0
+    """
+    s = machine.R / USUAL_R
+    lift, swing = usual_linkages(machine.R)
+    return Sizes(
+        lift=lift,
+        swing=swing,
+        head=30.0 * s**3,
+        beam=60.0 * s**3,
+        supply=160e5,
+        tank=3e5,
+        bulk=1.0e9,
+        hose=5e-5 * s**3,
+        rated_flow=4e-3 / 60 * s**2,
+        valve_lag=4e-3 * s,
+        damping=0.15,
+        lift_friction=40.0 * s**3,
+        swing_friction=20.0 * s**3,
+        piston_leak=1e-13 * s,
+        valve_leak=1e-13 * s**2,
+        pump=1.5e-4 * s**2,
+    )
+
+
+@checked
+def arm_of(machine: Machine, sizes: Sizes):
+    """Return the `Arm` that a machine's `Sizes` put on both joints."""
+    return Arm(machine.r, machine.R, head=sizes.head, beam=sizes.beam)
+
+
+@checked
+def axes_of(machine: Machine, sizes: Sizes):
+    """Return the axes theta and phi of a machine, each as if the other joint stood at 0.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its joint limits, which the strokes leave by 2 degrees, and radii.
+    sizes : Sizes
+        Of cylinders, masses, oil and valves.
+
+    Returns
+    -------
+    theta, phi : Hydraulics
+        With the inertia and the weight of the `Arm` at joint angles 0: that loads theta alone.
+
+    Raises
+    ------
+    ValueError
+        If a stroke can't be had, or the supply can't hold the weight everywhere.
+    """
+    arm = arm_of(machine, sizes)
+    about_theta, about_phi = map(float, arm.inertias(0.0))
+    weight = -float(arm.weight((0.0, 0.0))[0])
+    lift = (sizes.lift, machine.theta_min, machine.theta_max, about_theta, weight)
+    swing = (sizes.swing, machine.phi_min, machine.phi_max, about_phi, 0.0)
+    return (_axis(sizes, *lift, sizes.lift_friction), _axis(sizes, *swing, sizes.swing_friction))
+
+
+def _axis(sizes, linkage, least, greatest, inertia, gravity, friction):
+    """Return one of `axes_of`, between joint limits, with a damping ratio near angle 0."""
+    axis = Hydraulics(
+        linkage=linkage,
+        low=least - STROKE_MARGIN,
+        high=greatest + STROKE_MARGIN,
+        inertia=inertia,
+        gravity=gravity,
+        damping=1e-9,  # not yet known: it follows from the frequency, which doesn't depend on it
+        supply=sizes.supply,
+        tank=sizes.tank,
+        bulk=sizes.bulk,
+        hose=sizes.hose,
+        flow=sizes.rated_flow / LAND**0.5,
+        valve_lag=sizes.valve_lag,
+        friction=friction,
+        piston_leak=sizes.piston_leak,
+        valve_leak=sizes.valve_leak,
+    )
+    middle = min(max(0.0, axis.low), axis.high)
+    return replace(axis, damping=2 * sizes.damping * axis.natural_frequency(middle) * inertia)
+
+
+@checked
+def reference_axes(machine: Machine, *, damping: Quantity = 0.15):
+    """Return the study's axes theta and phi of a machine, without dry friction and leaks.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its joint limits, and the radii r and R that set linkages, masses and oil.
+    damping : float
+        Damping ratio of the resonance at joint angle 0, or where the stroke comes nearest to it.
+
+    Returns
+    -------
+    theta, phi : Hydraulics
+        Of the `usual_sizes`: at R = 0.80 m a cutter head of 30 kg at the end of an arm of 60 kg
+        that is evenly spread from the tangential joint; supply 160 bar, tank 3 bar, oil of 1.0 GPa,
+        hoses of 50 cm^3, valves of 4 L/min at 35 bar a land with a lag of 4 ms.
+    """
+    smooth = dict.fromkeys(("lift_friction", "swing_friction", "piston_leak", "valve_leak"), 0.0)
+    return axes_of(machine, replace(usual_sizes(machine), damping=damping, **smooth))

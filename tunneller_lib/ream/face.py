@@ -1,0 +1,97 @@
+"""The ground at work on the joints: what stands is cut tick by tick, and pushes back."""
+
+import numpy as np
+
+from ..motion.both_joints import Push
+from .moves import levers
+from .outward import gradient
+from .wall import intact_wall
+
+EVERY = 4  # ticks after which the wall is cut and the ground in the cutter's way is known again
+BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
+STILL = 1e-6  # m, a way on which no ground in the way can be told
+
+
+class Face:
+    """The ground in the way of a cutter that two joints move; `push` is for `motion.follow`.
+
+    The ground that is removed for each metre of way is that of the last `EVERY` ticks.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    ground : Ground
+        What cutting asks for.
+    setvalues : (n, 2) float
+        Of the entry, all laps and the exit, in rad.
+    first : int
+        At which of them the first lap begins.
+    pose : Pose or None
+        Where the machine stands instead of where it should.
+    shape : (int, int)
+        Rays of the wall along the tunnel and round.
+    thickness : float
+        Of the modelled ground, in m.
+
+    Attributes
+    ----------
+    area : (n - 1,) float
+        Ground that is removed for each metre of way in each tick, in m^2.
+    force : (n - 1,) float
+        Against the motion, at each tick's beginning, in N.
+    """
+
+    def __init__(self, plan, ground, setvalues, first, pose, shape, thickness):
+        circuit = plan.circuit
+        machine = circuit.machine
+        ticks = np.arange(len(setvalues)) - first
+        lap = int(plan.ticks.sum())
+        inside = (ticks >= 0) & (ticks < lap * plan.laps)
+        places = np.where(inside, plan.places[ticks % lap], 0.0)
+        self.plan = plan
+        self.pose = pose
+        self.torus = machine.torus
+        self.radius = machine.cutter_radius
+        self.stepped = plan.stepped(np.clip(ticks, 0, lap * plan.laps))
+        self.lever = levers(self.torus, setvalues).tolist()
+        self.across = (ground.normal * gradient(circuit, places, setvalues)).tolist()
+        self.stiffness = ground.force(ground.pulse(plan.tick * (np.arange(len(ticks)) + 0.5)))
+        planned = self._centres(setvalues, slice(None))
+        ends = (
+            planned[:, 0].min() - self.radius - BESIDE,
+            planned[:, 0].max() + self.radius + BESIDE,
+        )
+        self.wall = intact_wall(circuit, *ends, shape, thickness=thickness)
+        self.area = np.zeros(len(setvalues) - 1)
+        self.force = np.zeros(len(setvalues) - 1)
+        self._way = []
+        self._ahead = 0.0
+
+    def push(self, tick, position, rate):
+        """Return the `Push` of a tick, at whose beginning both joints have position and rate."""
+        self._way.append(position)
+        if len(self._way) > EVERY:
+            self._cut(tick)
+        damper = self._ahead * float(self.stiffness[tick])
+        lever = self.lever[tick]
+        self.area[tick] = self._ahead
+        self.force[tick] = damper * np.hypot(lever[0] * rate[0], lever[1] * rate[1])
+        return Push(damper=damper, lever=lever, across=self.across[tick])
+
+    def _cut(self, tick):
+        """Cut what the last ticks reached, and look at how much ground was in the way."""
+        centres = self._centres(np.array(self._way), slice(tick - len(self._way) + 1, tick + 1))
+        moved = float(np.sum(np.linalg.norm(np.diff(centres, axis=0), axis=-1)))
+        if moved > STILL:
+            self._ahead = self.wall.cut_path(centres, self.radius) / moved
+            self._way = self._way[-1:]
+
+    def _centres(self, position, ticks):
+        """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""
+        circuit = self.plan.circuit
+        centres = circuit.in_tunnel(self.torus.point(position[:, 0], position[:, 1]))
+        if self.pose is not None:
+            centres = self.pose.moved(centres, circuit.in_tunnel(np.zeros(3)))
+        centres[:, 0] -= self.stepped[ticks]
+        return centres

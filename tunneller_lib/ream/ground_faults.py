@@ -1,0 +1,221 @@
+"""What loads that the controller doesn't know leave on the wall: the shared arm, the ground."""
+
+import numpy as np
+
+from ..arguments import checked
+from ..motion import Arm, Compressible, Push, follow
+from ..removal import Ground
+from .both_axes import Loops, Plants, check_linear, check_ticks
+from .faults import Fault
+from .moves import levers
+from .outward import gradient
+from .planning import Plan, engaged_areas
+from .sensitivity import planned_motion
+
+
+@checked
+def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm):
+    """Return the `Fault` of an arm that both joints share, of which the controller knows a part.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Compressible or a pair of them
+        The axes, whose static inverse knows their own weight.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band.
+    arm : Arm
+        The masses on both joints.
+
+    Returns
+    -------
+    fault : Fault
+        Its closed form is that of slow motion under the weight that the axes' own doesn't have.
+    """
+    _check(plan, plant, loop)
+    middle, _, _ = planned_motion(plan)
+    at = plan.circuit.position(middle)
+    known = np.stack([one.axis.load(q) for one, q in zip(plant, at.T, strict=True)], axis=-1)
+    off = pushed_off(plan, plant, loop, arm.weight(at) - known)
+    deviation = _followed(plan, plant, loop, arm, None) - _followed(plan, plant, loop, None, None)
+    return Fault(
+        source="both joints",
+        deviation=deviation,
+        measure="largest",
+        closed=float(np.abs(off).max()),
+        halved_by="gain",
+        factor=2.0,
+    )
+
+
+@checked
+def ground_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: Arm | None = None):
+    """Return the `Fault` of the ground's mean force, on whole grooves as those of a first lap.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Compressible or a pair of them
+        The axes.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band.
+    ground : Ground
+        What cutting asks for.
+    arm : Arm, optional
+        The masses on both joints.
+
+    Returns
+    -------
+    fault : Fault
+        Its closed form is that of slow motion: forces that change faster than the loops answer
+        leave more.
+    """
+    _check(plan, plant, loop)
+    off = pushed_off(plan, plant, loop, ground_torques(plan, ground))
+    pushed = _followed(plan, plant, loop, arm, _pushes(plan, ground, 1.0))
+    return Fault(
+        source="ground, mean",
+        deviation=pushed - _followed(plan, plant, loop, arm, None),
+        measure="largest",
+        closed=float(np.abs(off).max()),
+        halved_by="power",
+        factor=2.0,
+    )
+
+
+@checked
+def picks_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: Arm | None = None):
+    """Return the `Fault` of the picks' ripple, beyond that of their mean force.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Compressible or a pair of them
+        The axes.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral and dead band.
+    ground : Ground
+        What cutting asks for, with its ripple.
+    arm : Arm, optional
+        The masses on both joints.
+
+    Returns
+    -------
+    fault : Fault
+        Its closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
+        place, where the ground's damping takes part.
+    """
+    _check(plan, plant, loop)
+    middle, _, _ = planned_motion(plan)
+    torque = ground_torques(plan, ground)
+    answers = _compliance(plan, plant, loop, ground, middle)
+    slope = gradient(plan.circuit, middle, plan.circuit.position(middle))
+    off = ground.ripple * np.abs(np.sum(slope * torque * answers, axis=-1))
+    mean = _followed(plan, plant, loop, arm, _pushes(plan, ground, 1.0))
+    pulse = ground.pulse(plan.tick * (np.arange(int(plan.ticks.sum())) + 0.5))
+    return Fault(
+        source="ground, picks",
+        deviation=_followed(plan, plant, loop, arm, _pushes(plan, ground, pulse)) - mean,
+        measure="largest",
+        closed=float(off[:-1].max()),
+        halved_by="power",
+        factor=2.0,
+    )
+
+
+def pushed_off(plan, plant, loop, torque):
+    """Return how far (m,), in m, slow axes are off amid a plan's moves under a torque (m, 2).
+
+    The `torque`, in N m, resists positive motion of each `plant` under its `loop`.
+    The static inverse opens the valve for the rate w, as if nothing pushed. What the torque takes
+    of the pressure, and what it drives through the leaks, the loop has to add by its error: with
+    the drive d that lands and friction have without the torque,
+
+        Kv e = w (sqrt(d / (d - torque / D)) - 1) + leaks torque / D^2.
+    """
+    middle, rate, _ = planned_motion(plan)
+    at = plan.circuit.position(middle)
+    slope = gradient(plan.circuit, middle, at)
+    off = 0.0
+    for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
+        axis = one.axis
+        behind = 0.0
+        for sign, (D, rho, load) in zip((1, -1), axis.sides(at[:, i]), strict=True):
+            forward = np.maximum(sign * rate[:, i], 0.0)
+            drive = axis.supply - rho * axis.tank - load / D - axis.damping * forward / D
+            left = np.maximum(drive - sign * torque[:, i] / D, 1e-3 * drive)
+            behind = behind + sign * forward * (np.sqrt(drive / left) - 1)
+        plus, minus = axis.linkage.displacements(at[:, i])
+        # Of a torque both chambers carry a half, and each has three leaks: two lands, the piston.
+        leaks = 4 * (axis.piston_leak + axis.valve_leak) / (plus + minus) ** 2
+        off = off - slope[:, i] * (behind + leaks * torque[:, i]) / control.gain
+    return off
+
+
+def _check(plan, plant, loop):
+    """Raise ValueError where loads have no closed form, or the axes no oil that gives way."""
+    check_ticks(plan, loop)
+    check_linear(loop)
+    if not all(isinstance(one, Compressible) for one in plant):
+        raise ValueError(
+            "plant: must be of class Compressible, which alone feels a load; got "
+            f"{' and '.join(type(one).__name__ for one in plant)}."
+        )
+
+
+def _pushes(plan, ground, pulse):
+    """Return the `Push` of each tick on the plan's circuit, with a force `pulse` times its mean."""
+    circuit = plan.circuit
+    places = plan.places[:-1]
+    at = circuit.position(places)
+    damper = pulse * ground.force(engaged_areas(circuit, places))
+    lever = levers(circuit.machine.torus, at)
+    across = ground.normal * gradient(circuit, places, at)
+    rows = zip(damper.tolist(), lever.tolist(), across.tolist(), strict=True)
+    return [Push(damper=d, lever=along, across=out) for d, along, out in rows]
+
+
+def ground_torques(plan, ground):
+    """Return the torques (m, 2) of a `ground`'s mean force amid a plan's moves, in N m.
+
+    They resist positive motion.
+    """
+    circuit = plan.circuit
+    middle, rate, _ = planned_motion(plan)
+    at = circuit.position(middle)
+    along = levers(circuit.machine.torus, at)
+    speed = np.linalg.norm(along * rate, axis=-1, keepdims=True)
+    force = ground.force(engaged_areas(circuit, middle))[:, None]
+    return force * (along**2 * rate + speed * ground.normal * gradient(circuit, middle, at))
+
+
+def _compliance(plan, plant, loop, ground, middle):
+    """Return the complex answers (m, 2) of both joints to torques of the picks, in rad/(N m)."""
+    at = plan.circuit.position(middle)
+    if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
+        return np.zeros_like(at)
+    damper = ground.force(engaged_areas(plan.circuit, middle))
+    along = levers(plan.circuit.machine.torus, at)
+    s = 2j * np.pi * ground.ripple_frequency
+    answers = []
+    for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
+        axis = one.axis
+        spring = axis.inertia * axis.natural_frequency(at[:, i]) ** 2
+        damping = axis.damping + damper * along[:, i] ** 2
+        held = spring * (1 + control.gain * np.exp(-s * control.tick * control.delay)
+                         / (s * (1 + s * axis.valve_lag)))  # fmt: skip
+        answers.append(1 / (axis.inertia * s**2 + damping * s + held))
+    return np.stack(answers, axis=-1)
+
+
+def _followed(plan, plant, loop, arm, pushes):
+    """Return the overbreak (ticks + 1,), in m, of a lap on the circuit under a push each tick."""
+    circuit = plan.circuit
+    wanted = circuit.position(plan.places)
+    push = None if pushes is None else lambda tick, *_: pushes[tick]
+    rates = np.diff(wanted, axis=0) / plan.tick
+    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=push)
+    return circuit.overcut(track.position)

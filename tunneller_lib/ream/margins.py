@@ -1,0 +1,152 @@
+"""Whether a machine can do a planned cut: what it has, and needs, of torque, gain, oil, stroke."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arguments import checked
+from ..motion import Compressible, Rigid, Sizes
+from ..motion.stability import gain_limit
+from ..paths import Circuit
+from .both_axes import Loops, Plants, check_ticks
+from .planning import Plan, engaged_areas, push_levers
+
+JOINTS = "theta", "phi"
+PLACES = 41  # of the circuit, at which oil and loop are looked at
+
+
+class Margin(NamedTuple):
+    """What a machine has of something, and what a cut needs of it."""
+
+    what: str
+    has: float
+    needs: float
+    unit: str
+    remedy: str
+
+    @property
+    def enough(self):
+        """Whether it has what it needs."""
+        return self.has > self.needs
+
+    def __str__(self):
+        return (
+            f"{self.what}: needs {self.needs:.3g} {self.unit} and has {self.has:.3g} {self.unit}; "
+            f"{self.remedy}."
+        )
+
+
+@checked
+def steadiness(circuit: Circuit, plant: Plants, loop: Loops):
+    """Return the margins of both loops on a circuit, before anything is planned.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Which both joints follow.
+    plant : Rigid or Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, without integral.
+
+    Returns
+    -------
+    margins : list of Margin
+        Of each joint the gain in 1/s, at its least limit along the circuit, and the resonance in
+        Hz, at its least, of which 2 zeta times as much must be above the gain.
+    """
+    at = circuit.position(np.linspace(0, circuit.profile.perimeter, PLACES))
+    found = []
+    for joint, name in enumerate(JOINTS):
+        one, control = plant[joint], loop[joint]
+        axis = one.axis
+        limit = gain_limit(one, control, at[:, joint])
+        least = float(np.min(axis.natural_frequency(at[:, joint])))
+        ratio = axis.damping / (2 * axis.inertia * least)
+        lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
+        found += [
+            Margin(f"gain of {name}", limit, control.gain, "1/s",
+                   lower + "a smaller hose, would do"),
+            Margin(f"resonance of {name}", least / (2 * np.pi),
+                   control.gain / (2 * ratio) / (2 * np.pi), "Hz",
+                   lower + "a lighter head or arm, would do"),
+        ]  # fmt: skip
+    return found
+
+
+@checked
+def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
+    """Return what the machine has and what a planned cut needs, each as a `Margin`.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done; the ground that pushes is that of its limits.
+    plant : Rigid or Compressible or a pair of them
+        The axes theta and phi.
+    loop : Loop or a pair of them
+        Their position loops, with the plan's tick, without integral.
+    sizes : Sizes
+        Of the hydraulics.
+
+    Returns
+    -------
+    margins : list of Margin
+        Torque of both joints against the ground at the place where least is left, in N m; gain and
+        resonance; the pump's oil, in m^3/s; and the stroke that the shortest cylinder holds, in m.
+
+    Raises
+    ------
+    ValueError
+        If a plant has no cylinder, or a loop another tick than the plan or an integral.
+    """
+    check_ticks(plan, loop)
+    if not all(isinstance(one, (Rigid, Compressible)) for one in plant):
+        raise ValueError("plant: must be of class Rigid or Compressible, which have cylinders.")
+    circuit = plan.circuit
+    way = plan.route
+    length = (plan.reached[1:] + plan.reached[:-1]) / 2
+    feed = np.diff(plan.reached) / plan.tick
+    at = way.at(length)
+    slopes = way.at(length, order=1)
+    found = []
+    if plan.limits.ground is not None:
+        ground = plan.limits.ground
+        places = way.place(length)
+        force = (1 + ground.ripple) * ground.force(engaged_areas(circuit, places) * feed)
+        torque = force[:, None] * push_levers(circuit, ground, places, at, slopes)
+        for joint, name in enumerate(JOINTS):
+            has, needs = _torques(plant[joint].axis, at[:, joint], torque[:, joint])
+            remedy = (
+                f"a lower [limits] feed or power, or a greater {'lift' if joint == 0 else 'swing'}"
+                "_bore or supply in [hydraulics], would do"
+            )
+            found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
+    found += steadiness(circuit, plant, loop)
+    drawn = 0.0
+    for joint, one in enumerate(plant):
+        filled, emptied = one.axis.linkage.displacements(at[:, joint])
+        rate = slopes[:, joint] * feed
+        drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
+    oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
+    found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
+    for one, name in zip(plant, ("lift", "swing"), strict=True):
+        axis = one.axis
+        ends = axis.linkage.length(axis.low), axis.linkage.length(axis.high)
+        found.append(
+            Margin(f"stroke of the {name}", min(ends) - axis.linkage.dead_length,
+                   max(ends) - min(ends), "m",
+                   f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do")
+        )  # fmt: skip
+    return found
+
+
+def _torques(axis, angle, torque):
+    """Return the oil's torque and the load, in N m, where least of it is left beside the weight."""
+    has = np.full(angle.shape, np.inf)
+    for sign, (D, rho, load) in zip((1, -1), axis.sides(angle), strict=True):
+        can = D * (axis.supply - rho * axis.tank) - load
+        has = np.where(sign * torque > 0, can, has)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        worst = int(np.nanargmin(has / np.abs(torque)))
+    return float(has[worst]), float(np.abs(torque[worst]))

@@ -1,0 +1,24 @@
+"""How the joints move the cutter's centre out of the wall."""
+
+import numpy as np
+
+from ..exact import dot
+
+
+def wall_frame(circuit, s):
+    """Return normals and tangents (..., 3) and curvatures (...) of the offset section at s.
+
+    Arc lengths in m; directions in the machine's frame, curvatures 1/rho in 1/m.
+    """
+    normal = circuit.profile.normal(s)
+    tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    axes = circuit.axes[1:]
+    return normal @ axes, tangent @ axes, circuit.profile.curvature(s)
+
+
+def gradient(circuit, s, q):
+    """Return df/dq (..., 2), in m/rad, at joint positions q (..., 2) with f = 0 at places s."""
+    normal, _, _ = wall_frame(circuit, s)
+    units = np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2))
+    moves = circuit.machine.torus.velocity(q[..., None, :], units)
+    return dot(moves, normal[..., None, :])

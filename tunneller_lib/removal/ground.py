@@ -1,0 +1,76 @@
+"""What cutting asks for: force and power from the ground that is removed.
+
+A specific energy E, the work for each cubic metre, and the picks' speed u make of the ground A
+that is removed for each metre of way a force against the feed, E A v / u at a cutter's speed v:
+the picks' cutting force turned against the motion. It grows with the feed, as a damper's does.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from ..arguments import NotNegative, Reals, Rule, checked, not_negative, size
+
+Energy = Annotated[float, Rule("float", size)]
+PickSpeed = Annotated[float, Rule("float", size, "m/s")]
+
+
+def _below_one(name, value):
+    share = not_negative(name, value)
+    if not share < 1:
+        raise ValueError(f"{name}: must be from 0 to below 1; got {share:g}.")
+    return share
+
+
+@dataclass(frozen=True)
+@checked
+class Ground:
+    """Ground and picks: assumptions, all of them.
+
+    Parameters
+    ----------
+    energy : float
+        Specific energy of cutting, in J/m^3.
+    pick_speed : float
+        Of the picks round the head, in m/s.
+    normal : float
+        Force out of the wall over that against the feed.
+    ripple : float
+        Amplitude of both forces over their mean, as the picks enter one after the other; below 1.
+    ripple_frequency : float
+        Its frequency, in Hz.
+
+    Raises
+    ------
+    ValueError
+        If the energy or the picks' speed isn't above zero, another number is below zero, or the
+        ripple isn't below 1.
+
+    Examples
+    --------
+    >>> concrete = Ground(energy=20e6, pick_speed=2.0, normal=0.5)
+    >>> concrete.power(1.5e-4), concrete.force(1.5e-4)
+    (3000.0, 1500.0)
+    """
+
+    energy: Energy
+    pick_speed: PickSpeed
+    normal: NotNegative = 0.0
+    ripple: Annotated[float, Rule("float", _below_one)] = 0.0
+    ripple_frequency: NotNegative = 0.0
+
+    @checked
+    def power(self, rate: Reals):
+        """Return the power of the head (...), in W, for ground removed at a rate in m^3/s."""
+        return self.energy * rate
+
+    @checked
+    def force(self, rate: Reals):
+        """Return the force against the feed (...), in N, for ground removed at a rate in m^3/s."""
+        return self.energy * rate / self.pick_speed
+
+    @checked
+    def pulse(self, time: Reals):
+        """Return the force (...) over its mean at times in s."""
+        return 1 + self.ripple * np.sin(2 * np.pi * self.ripple_frequency * time)
