@@ -1,0 +1,321 @@
+"""Problems 15 and 30 once more, by who doubts the proofs: random solutions of the equations.
+
+First each identity of the proofs is derived in complex numbers, where contact along a conic is one
+derivation. Then graphs that solve the document's equations are made from random data as power
+series, with no use of the proofs, and seen in space: one counterexample would do.
+"""
+
+import numpy as np
+import pytest
+import sympy as sp
+from mpmath import mp
+
+from tests.long import many
+from tests.series_open import Equations, series, solved
+from tunneller_lib.envelopes.isotropic import contact_point, normal
+from tunneller_lib.envelopes.pseudo import pseudo_envelope
+
+# ---- by complex numbers: another way to each identity ------------------------------------------
+
+z, conj, E, tau, rho = sp.symbols("z conj E tau rho")  # z = x + i y; E = exp(i a), the direction
+JET = {(j, k): sp.Symbol(f"f{j}{k}") for j in range(6) for k in range(6 - j)}  # by z and conj
+
+
+def derived(expression, of_z, of_conj, of_E):
+    """Return a derivation of an expression, by what it makes of z, conj and E."""
+    total = of_z * expression.diff(z) + of_conj * expression.diff(conj) + of_E * expression.diff(E)
+    for (j, k), symbol in JET.items():
+        if symbol in expression.free_symbols:
+            total += expression.diff(symbol) * (of_z * JET[j + 1, k] + of_conj * JET[j, k + 1])
+    return total
+
+
+def ahead(expression):
+    return derived(expression, E, 1 / E, 0)
+
+
+def aside(expression):
+    return derived(expression, sp.I * E, -sp.I / E, 0)
+
+
+def by_angle(expression):
+    return derived(expression, 0, 0, sp.I * E)
+
+
+p = 1 + z * conj
+xe = (conj * E + z / E) / 2
+xw = sp.I * (conj * E - z / E) / 2
+kappa = 2 * (tau - xw) / p
+few = by_angle(ahead(ahead(JET[0, 0]))) / 2
+q = p * ahead(ahead(ahead(JET[0, 0]))) + 6 * (tau - xw) * few
+
+
+def once_round(expression):
+    """Return the derivative by the angle along the conic's circle, on which E turns with z."""
+    return rho * ahead(expression) + by_angle(expression)
+
+
+def same(left, right):
+    """Tell whether two expressions agree at random complex places, in 50 digits."""
+    symbols = sorted(left.free_symbols | right.free_symbols, key=str)
+    values = sp.lambdify(symbols, [left, right], "mpmath")
+    rng = np.random.default_rng(30)
+    with mp.workdps(50):
+        for _ in range(3):
+            at = [mp.mpc(*pair) for pair in rng.uniform(0.5, 1.5, (len(symbols), 2))]
+            one, other = values(*at)
+            if abs(one - other) > mp.mpf(10) ** -44 * (1 + abs(one)):
+                return False
+    return True
+
+
+def test_contact_along_a_conic_is_one_derivation():
+    by_rho = {tau: xw + p / (2 * rho)}  # (9)
+    assert same(once_round(kappa).subs(by_rho), sp.Integer(0))
+    # On the conic z''' + z' = 0: what the graph leaves there is (11), and its derivative (12).
+    first = once_round(JET[0, 0])
+    eleven = once_round(once_round(first)) + first
+    assert same(eleven, (rho**3 * q / p).subs(by_rho))
+    twelve = rho**3 * (rho * ahead(q) + by_angle(q)) / p + rho**4 * q * ahead(1 / p)
+    assert same(once_round(eleven), twelve.subs(by_rho))
+
+
+def test_identity_of_multiple_conics():
+    qa = by_angle(q)
+    right = 3 * aside(q) + (6 * (xw - 2 * tau) * q + 4 * xe * qa + 24 * (1 + tau**2) * few) / p
+    assert same(ahead(qa) + kappa * by_angle(qa), right)
+
+
+def test_identities_of_the_converses():
+    turn = sp.Symbol("turn")
+
+    def along(expression):  # the field's own curve, on which E turns by `turn`
+        return derived(expression, E, 1 / E, sp.I * E * turn)
+
+    lam = ahead(ahead(JET[0, 0]))
+    third = ahead(lam)
+    assert same(along(lam), third + 2 * turn * few)
+    # grad f - lambda x as a complex number: f_ew turns it across, a change of lambda to the origin.
+    c = 2 * JET[0, 1] - lam * z
+    assert same(along(c), sp.I * E * few - (third + 2 * turn * few) * z)
+    radius = p * lam / 2 + JET[0, 0] - z * JET[1, 0] - conj * JET[0, 1]
+    assert same(along(radius), p * third / 2 + (p * turn - xw) * few)
+    cylinders = q.subs(tau, 0)
+    assert same(along(2 * radius), cylinders + 2 * few * (2 * xw + p * turn))
+
+
+# ---- random solutions --------------------------------------------------------------------------
+
+ARC = np.linspace(-0.02, 0.02, 9)  # along an integral curve, in the model
+SEEDS = range(many(4, 150))
+
+
+def channel(equations):
+    return equations.mixed(), equations.third()  # (26)
+
+
+def pipe(equations):
+    return equations.radius(), equations.mixed()  # (24) and (25)
+
+
+def cylinders(equations):
+    return equations.radius(), equations.hyperosculates(0.0)  # (24), and (11) with (23)
+
+
+def along_the_field(equations):
+    """Return points (9, 3) over an integral curve of the field, in space, and the normals there."""
+    places = np.zeros((len(ARC), 2))
+    middle = len(ARC) // 2
+    for way in (1, -1):
+        for k in range(middle, middle + way * middle, way):
+            places[k + way] = _step(equations, places[k], way * (ARC[1] - ARC[0]))
+    h, k = places.T
+    x, y = h + equations.place[0], k + equations.place[1]
+    slopes = equations.at(h, k), equations.at(h, k, 1, 0), equations.at(h, k, 0, 1)
+    return np.stack(contact_point(x, y, *slopes), -1), np.stack(normal(x, y), -1)
+
+
+def _step(equations, place, size):
+    """Return a place one step of Runge and Kutta farther along the field."""
+
+    def way(place):
+        angle = equations.angle(*place)
+        return np.array([np.cos(angle), np.sin(angle)])
+
+    first = way(place)
+    second = way(place + size / 2 * first)
+    third = way(place + size / 2 * second)
+    last = way(place + size * third)
+    return place + size / 6 * (first + 2 * second + 2 * third + last)
+
+
+def sphere(points, n):
+    """Return centre and radius of the sphere whose normals n point inwards, and how it misses."""
+    rows = np.concatenate([np.tile(np.eye(3), (len(n), 1)), -n.reshape(-1, 1)], axis=1)
+    found = np.linalg.lstsq(rows, points.ravel(), rcond=None)[0]
+    centre, radius = found[:3], found[3]
+    return centre, radius, np.abs(points + radius * n - centre).max()
+
+
+def out_of_plane(vectors):
+    """Return how far vectors are from lying in one plane through the origin."""
+    return np.linalg.svd(vectors, compute_uv=False)[2]
+
+
+def found_for(asked, free, changed, *seed):
+    """Return a random solution whose series doesn't grow so fast that rounding hides the rest."""
+    rng = np.random.default_rng(seed)
+    while True:
+        try:
+            found = solved(asked, free, changed, rng)
+        except np.linalg.LinAlgError:  # the line is a characteristic of the equations there
+            continue
+        if np.abs(found.f).max() < 1e3:
+            return found
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_solves_eq26_has_a_sphere_along_a_circle(seed):
+    found = found_for(channel, 3, [(3, 0), (1, 1)], 28, seed)
+    points, n = along_the_field(found)
+    _, radius, missed = sphere(points, n)
+    assert missed < 1e-10 and abs(radius) > 1e-6
+    assert out_of_plane(n - n[0]) < 1e-10
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_solves_eqs_24_and_25_has_a_sphere_along_a_great_circle(seed):
+    found = found_for(pipe, 2, [(2, 0), (1, 1)], 29, seed).offset(0.7)
+    points, n = along_the_field(found)
+    _, radius, missed = sphere(points, n)
+    assert missed < 1e-10 and radius == pytest.approx(0.7, abs=1e-10)
+    assert out_of_plane(n) < 1e-10
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_solves_eqs_11_23_and_24_has_a_cylinder_along_a_curve(seed):
+    found = found_for(cylinders, 3, [(3, 0), (2, 0)], 25, seed).offset(0.7)
+    points, n = along_the_field(found)
+    axis = points + 0.7 * n
+    values, ways = np.linalg.svd(axis - axis.mean(axis=0))[1:]
+    assert values[1] < 1e-10 < values[0]  # a line
+    assert np.abs(n @ ways[0]).max() < 1e-10 / values[0]  # across the normals
+
+
+# ---- multiple conics ------------------------------------------------------------------------
+
+
+def gap_coefficients(found, tangent):
+    """Return the first six Taylor coefficients of osculating conic less graph, and the conic's rho.
+
+    They are a contour integral of the gap itself; nothing is differentiated but for Eq. 10.
+    """
+    angle = found.angle(0.0, 0.0)
+    w = np.array([-np.sin(angle), np.cos(angle)])
+    rho = (1 + found.place @ found.place) / 2 / (tangent - w @ found.place)
+    u, v = rho * w
+    fx, fy, fxx, fxy, fyy = (
+        found.at(0.0, 0.0, i, j) for i, j in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    )
+    a = fx * v - fy * u
+    b = fx * u + fy * v + fxx * v * v - 2 * fxy * u * v + fyy * u * u
+    reach = 0.05 / max(1.0, abs(rho))
+    t = reach * np.exp(2j * np.pi * np.arange(32) / 32)
+    sine, rise = np.sin(t), 1 - np.cos(t)
+    height = found.at(0.0, 0.0) + a * sine + b * rise
+    left = height - found.at(v * sine + u * rise, v * rise - u * sine)
+    return (np.fft.fft(left) / 32)[:6].real / reach ** np.arange(6), rho
+
+
+def bend_of_q(found, tangent, step=1e-3):
+    """Return the second derivative of q by the angle, by differences."""
+    at = found.angle(0.0, 0.0)
+
+    def q(angle):
+        turned = Equations(found.f, series(np.tan(angle)), found.place)
+        return turned.hyperosculates(tangent)[0, 0] * np.cos(angle) ** 3
+
+    weights = {-2: -1, -1: 16, 0: -30, 1: 16, 2: -1}
+    return sum(weight * q(at + k * step) for k, weight in weights.items()) / 12 / step**2
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_double_conics_of_random_graphs_have_contact_of_order_4_and_no_more(seed):
+    """Only (9), (11) and (14) are put in. (12) holds by itself, and f_ew says what follows."""
+    tangent = np.exp(np.random.default_rng(seed).uniform(-1.5, 1.0))
+    found = found_for(
+        lambda e: (e.hyperosculates(tangent), e.hyperosculates_twice(tangent)),
+        3,
+        [(3, 0), (2, 1)],
+        15,
+        seed,
+    )
+    gap, rho = gap_coefficients(found, tangent)
+    scale = max(1.0, abs(rho)) ** np.arange(6)
+    assert np.abs(gap[:5] / scale[:5]).max() < 1e-9
+    m = found.m[0, 0]
+    mixed = found.mixed()[0, 0] / (1 + m * m)
+    size = 1 + found.place @ found.place
+    qaa = bend_of_q(found, tangent)
+    fifth = -24 / 5 * rho**5 * (1 + tangent**2) ** 2 * mixed**2 / size**3 / qaa
+    assert gap[5] == pytest.approx(fifth, rel=1e-4, abs=1e-9 * scale[5])
+    # (I): how the field turns against the conic's circle.
+    turn = (found.m[1, 0] + m * found.m[0, 1]) / (1 + m * m) ** 1.5
+    assert qaa * (1 / rho - turn) == pytest.approx(24 * (1 + tangent**2) * mixed / size, rel=1e-5)
+
+
+TILTS = np.linspace(0.01, np.pi - 0.01, 151)  # of cones' axes
+
+
+def circle_of(tilt, half_angle):
+    """Return the centre's distance from the origin and the radius (Proposition 6)."""
+    over = np.cos(tilt) + np.sin(half_angle)
+    return np.sin(tilt) / over, np.cos(half_angle) / abs(over)
+
+
+def enveloped(half_angle):
+    """Return a graph of revolution that cones of a half-angle do envelop, by one of its conics."""
+    tilt = TILTS[np.argmin(np.abs(TILTS - np.pi / 2 + half_angle))]
+    centre, radius = circle_of(tilt, half_angle)
+
+    def graph(x, y):
+        along = (x * x + y * y + centre**2 - radius**2) / (2 * centre)
+        return np.sqrt(radius**2 - (along - centre) ** 2) + 0.2 * along
+
+    return graph
+
+
+def off_a_plane(graph, half_angle, low, high):
+    """Return how far a graph of revolution is from plane sections over circles of cones.
+
+    By turning about the axis all circles of cones of a half-angle have their centres on one line.
+    Each, and each arc of it between the distances `low` and `high`, is tried: what is left of the
+    heights, when a linear function is taken away, over their size.
+    """
+    least = np.inf
+    arc = np.linspace(-1, 1, 9)
+    for tilt in TILTS:
+        centre, radius = circle_of(tilt, half_angle)
+        middle = np.linspace(0, np.pi, 91)[:, None]
+        angle = middle + arc * 0.25 * (high - low) / radius
+        x = centre + radius * np.cos(angle)
+        y = radius * np.sin(angle)
+        away = np.hypot(x, y)
+        inside = ((away > low) & (away < high)).all(axis=-1)
+        for k in np.flatnonzero(inside):
+            rows = np.stack([np.ones(9), x[k] - x[k].mean(), y[k] - y[k].mean()], axis=-1)
+            heights = graph(x[k], y[k])
+            left = heights - rows @ np.linalg.lstsq(rows, heights, rcond=None)[0]
+            least = min(least, np.abs(left).max() / np.ptp(heights))
+    return least
+
+
+@pytest.mark.parametrize("degrees", [20, 45])
+def test_no_circle_of_a_cone_lies_under_a_plane_section_of_the_example(degrees):
+    """Every cone of that half-angle is tried, not those alone that the equations single out."""
+    half_angle = np.radians(degrees)
+    end = np.tan(np.pi / 4 - half_angle / 2)
+    found = off_a_plane(pseudo_envelope(half_angle), half_angle, 0.3 * end, 0.95 * end)
+    # The same search finds the plane sections of a surface of revolution that cones do envelop.
+    control = off_a_plane(enveloped(half_angle), half_angle, 0.3 * end, 0.95 * end)
+    assert found > 1e-6 and control < 1e-13
