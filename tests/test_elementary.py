@@ -12,7 +12,7 @@ POINTS = [0.3, 0.9, 1.4, 2.5]
 
 def exact(function, x):
     with mp.workdps(50):
-        return [float(c) for c in mp.taylor(function, mp.mpf(x), 4)]
+        return [float(c) for c in mp.taylor(function, mp.mpf(x), 5)]
 
 
 def check(found, expected):

@@ -39,16 +39,39 @@ class Numpy:
         return getattr(np, name)
 
 
-def exact(function, x, y):
-    """Return all derivatives to order 4 by 60-digit differences in mpmath."""
+FIFTH = [(5 - j, j) for j in range(6)]
+
+
+def exact(function, x, y, exponents=EXPONENTS):
+    """Return derivatives, all to order 4, by 60-digit differences in mpmath."""
     with mp.workdps(60):
         parts = [mp.diff(lambda a, b: function(mp, a, b), (mp.mpf(x), mp.mpf(y)), orders)
-                 for orders in EXPONENTS]  # fmt: skip
+                 for orders in exponents]  # fmt: skip
         return np.array([float(part) for part in parts])
 
 
-def found(jet):
-    return np.array([jet.derivative(i, j) for i, j in EXPONENTS])
+def found(jet, exponents=EXPONENTS):
+    return np.array([jet.derivative(i, j) for i, j in exponents])
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_jet_of_order_five_has_the_same_and_six_more(name):
+    function = FUNCTIONS[name]
+    jet = function(Numpy(), *jet_variables(0.7, 0.4, order=5))
+    lower = function(Numpy(), *jet_variables(0.7, 0.4))
+    np.testing.assert_allclose(found(jet), found(lower), rtol=1e-12, atol=1e-12)
+    expected = exact(function, 0.7, 0.4, FIFTH)
+    scale = np.abs(expected).max() + np.abs(found(jet)).max()
+    np.testing.assert_allclose(found(jet, FIFTH), expected, rtol=0, atol=1e-12 * scale)
+
+
+def test_inverse_of_order_five_undoes():
+    x, y = jet_variables(0.3, 0.8, order=5)
+    one = np.exp(x) * np.cos(y)
+    other = np.sin(x + y * y)
+    back = compose([one, other], *inverse(one, other))
+    for jet, variable in zip(back, jet_variables(one.value, other.value, order=5), strict=True):
+        np.testing.assert_allclose(jet.c, variable.c, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

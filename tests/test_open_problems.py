@@ -142,6 +142,10 @@ def test_pseudo_envelope_in_forty_digits(degrees):
             whole = abs(factor * mp.diff(bend, r))  # both terms of the fourth cancel near the axis
             assert jet.derivative(0, 3) == pytest.approx(float(third), rel=1e-9)
             assert jet.derivative(0, 4) == pytest.approx(float(fourth), abs=float(1e-9 * whole))
+            fifth = factor * (4 * mp.diff(bend, r, 2) + r * mp.diff(bend, r, 3))
+            whole = abs(factor * mp.diff(bend, r, 2))
+            higher = f(*jet_variables(0.0, float(r), order=5))
+            assert higher.derivative(0, 5) == pytest.approx(float(fifth), abs=float(1e-8 * whole))
 
 
 def test_pseudo_envelope_has_its_radii_in_the_middle_and_an_offset_beside():

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
 from .isotropic import contact_point, isotropic_derivatives, normal
-from .jet import EXPONENTS, Jet, compose, differentiated, inverse, jet_variables
+from .jet import Jet, compose, differentiated, inverse, jet_variables, places
 from .triples import cross_product
 
 # |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
@@ -133,7 +133,7 @@ def frames_by(surface, s, t, model):
 
 
 def isotropic_jet(frames, where):
-    """Return f's jets, of order 4, in the adapted frames of some points.
+    """Return f's jets, of the surface's order, in the adapted frames of some points.
 
     Parameters
     ----------
@@ -201,14 +201,15 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
 
 
 def _integrated(fx, fy):
-    """Return a jet of order 4 from its first derivatives, its value left 0."""
+    """Return a jet from its first derivatives, its value left 0."""
     f = np.zeros_like(fx.c)
-    # f itself would need the surface to order 5; its derivatives don't (Eqs 18 and 19).
-    for place, (i, j) in enumerate(EXPONENTS[1:], start=1):
+    # f itself would need the surface to a higher order; its derivatives don't (Eqs 18 and 19).
+    at = places(fx)
+    for (i, j), place in at.items():
         if i:
-            f[place] = fx.c[EXPONENTS.index((i - 1, j))] / i
-        else:
-            f[place] = fy.c[EXPONENTS.index((0, j - 1))] / j
+            f[place] = fx.c[at[i - 1, j]] / i
+        elif j:
+            f[place] = fy.c[at[0, j - 1]] / j
     return Jet(f)
 
 

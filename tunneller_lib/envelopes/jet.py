@@ -1,7 +1,7 @@
-"""Truncated Taylor series of order 4 in two variables, at many points at once.
+"""Truncated Taylor series of order 4 or 5 in two variables, at many points at once.
 
 A function built from ordinary arithmetic and numpy's elementary functions, called with two `Jet`
-arguments, returns its Taylor polynomial: all derivatives to order 4, without differences.
+arguments, returns its Taylor polynomial: all derivatives to that order, without differences.
 """
 
 from functools import partial
@@ -14,28 +14,39 @@ from ..arguments import Reals, Whole, checked
 from . import elementary
 
 ORDER = 4
-# Exponents (i, j) of h^i k^j, by degree: 1, h, k, h^2, hk, k^2, ..., k^4.
-EXPONENTS = tuple((d - j, j) for d in range(ORDER + 1) for j in range(d + 1))
-_PLACE = {exponents: place for place, exponents in enumerate(EXPONENTS)}
+HIGHEST = 5
+# Exponents (i, j) of h^i k^j, by degree: 1, h, k, h^2, hk, k^2, ..., k^5.
+_ALL = tuple((d - j, j) for d in range(HIGHEST + 1) for j in range(d + 1))
+_PLACE = {exponents: place for place, exponents in enumerate(_ALL)}
+_COUNT = {order: (order + 1) * (order + 2) // 2 for order in (ORDER, HIGHEST)}
+_ORDER = {count: order for order, count in _COUNT.items()}
+EXPONENTS = _ALL[: _COUNT[ORDER]]
 
-# Pairs of coefficients whose product belongs to one coefficient, in the order of that.
-_PAIRS = sorted(
-    (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
-    for (i, j), (k, m) in product(EXPONENTS, EXPONENTS)
-    if i + j + k + m <= ORDER
-)
-_TARGET, _LEFT, _RIGHT = np.array(_PAIRS).T
-_STARTS = np.searchsorted(_TARGET, np.arange(len(EXPONENTS)))
+
+def _pairs(order):
+    """Return which pairs of coefficients belong to a product's, and where each one's begin."""
+    every = _ALL[: _COUNT[order]]
+    pairs = sorted(
+        (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
+        for (i, j), (k, m) in product(every, every)
+        if i + j + k + m <= order
+    )
+    target, left, right = np.array(pairs).T
+    return left, right, np.searchsorted(target, np.arange(len(every)))
+
+
+_PAIRS = {count: _pairs(order) for order, count in _COUNT.items()}
 _PLAIN = (float, int)
 
 
 class Jet(np.lib.mixins.NDArrayOperatorsMixin):
-    """The Taylor polynomial of order 4 of a function of two variables, at an array of points.
+    """The Taylor polynomial of a function of two variables, at an array of points.
 
     Parameters
     ----------
-    c : (15, ...) float
-        Coefficients of h^i k^j in the order of `EXPONENTS`, one polynomial a point.
+    c : (15 or 21, ...) float
+        Coefficients of h^i k^j by degree, those of k highest last, to order 4 or 5; one polynomial
+        a point.
 
     Notes
     -----
@@ -62,22 +73,27 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         """Return the function's values (...), the coefficients of order 0."""
         return self.c[0]
 
+    @property
+    def order(self):
+        """Return the polynomial's order."""
+        return _ORDER[len(self.c)]
+
     @checked
-    def derivative(self, i: Whole(0, ORDER), j: Whole(0, ORDER)):
+    def derivative(self, i: Whole(0, HIGHEST), j: Whole(0, HIGHEST)):
         """Return a derivative's values.
 
         Parameters
         ----------
         i, j : int
-            How often by the first and by the second variable, at most 4 together.
+            How often by the first and by the second variable, together at most the order.
 
         Returns
         -------
         values : (...) float
             One a point.
         """
-        if i + j > ORDER:
-            raise ValueError(f"i, j: must be at most {ORDER} together; got {i} and {j}.")
+        if i + j > self.order:
+            raise ValueError(f"i, j: must be at most {self.order} together; got {i} and {j}.")
         return factorial(i) * factorial(j) * self.c[_PLACE[i, j]]
 
     def __array_ufunc__(self, ufunc, method, *arguments, **options):
@@ -94,10 +110,15 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 derivative = Jet.derivative.unchecked  # for inner loops, whose orders are sound
 
 
+def places(f):
+    """Return where in a jet's coefficients each pair of exponents is."""
+    return {exponents: _PLACE[exponents] for exponents in _ALL[: len(f.c)]}
+
+
 def differentiated(f, axis):
-    """Return the jet, of order 3, of a derivative by the first (0) or second (1) variable."""
+    """Return the jet of a derivative by the first (0) or second (1) variable, an order lower."""
     c = np.zeros_like(f.c)
-    for place, exponents in enumerate(EXPONENTS):
+    for place, exponents in enumerate(_ALL[: len(f.c)]):
         if exponents[axis]:
             lower = (exponents[0] - (axis == 0), exponents[1] - (axis == 1))
             c[_PLACE[lower]] = exponents[axis] * f.c[place]
@@ -105,13 +126,15 @@ def differentiated(f, axis):
 
 
 @checked
-def jet_variables(s: Reals, t: Reals):
+def jet_variables(s: Reals, t: Reals, *, order: Whole(ORDER, HIGHEST) = ORDER):
     """Return the two variables (h + s, k + t) as jets at points.
 
     Parameters
     ----------
     s, t : (...) float
         The points.
+    order : int
+        Of the jets, 4 or 5.
 
     Returns
     -------
@@ -127,7 +150,7 @@ def jet_variables(s: Reals, t: Reals):
     s, t = np.broadcast_arrays(s, t)
     jets = []
     for place, value in ((1, s), (2, t)):
-        c = np.zeros((len(EXPONENTS), *value.shape))
+        c = np.zeros((_COUNT[order], *value.shape))
         c[0], c[place] = value, 1.0
         jets.append(Jet(c))
     return tuple(jets)
@@ -149,9 +172,10 @@ def compose(jets, s, t):
         Functions of the new variables, to the order that all of them have.
     """
     powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
-    for i, j in EXPONENTS[3:]:
+    every = _ALL[: len(s.c)]
+    for i, j in every[3:]:
         powers[i, j] = s * powers[i - 1, j] if i else t * powers[0, j - 1]
-    terms = [powers[exponents].c for exponents in EXPONENTS[1:]]
+    terms = [powers[exponents].c for exponents in every[1:]]
     with np.errstate(all="ignore"):
         composed = [sum(term * c for term, c in zip(terms, jet.c[1:], strict=True)) for jet in jets]
     return [Jet(c) + jet.value for c, jet in zip(composed, jets, strict=True)]
@@ -171,7 +195,7 @@ def inverse(x, y):
         Functions of (x - x0, y - y0), of value 0; not finite where the Jacobian vanishes.
     """
     origin = np.zeros_like(x.value)
-    h, k = jet_variables.unchecked(origin, origin)
+    h, k = jet_variables.unchecked(origin, origin, order=x.order)
     (_, xh, xk), (_, yh, yk) = x.c[:3], y.c[:3]
     with np.errstate(all="ignore"):
         determinant = xh * yk - xk * yh
@@ -180,7 +204,7 @@ def inverse(x, y):
     bent = [Jet(np.concatenate([np.zeros_like(j.c[:3]), j.c[3:]])) for j in (x, y)]
     s = yk * h - xk * k
     t = xh * k - yh * h
-    for _ in range(ORDER - 1):  # each round makes one more order right
+    for _ in range(x.order - 1):  # each round makes one more order right
         x_bent, y_bent = compose(bent, s, t)
         s = yk * (h - x_bent) - xk * (k - y_bent)
         t = xh * (k - y_bent) - yh * (h - x_bent)
@@ -192,7 +216,7 @@ def _constant(value, like):
     # Most are numbers, or arrays with one at each point: they spare the longer question.
     if type(value) not in _PLAIN and getattr(value, "shape", None) != points:
         points = np.broadcast_shapes(np.shape(value), points)
-    c = np.zeros((len(EXPONENTS), *points))
+    c = np.zeros((len(like.c), *points))
     c[0] = value
     return Jet(c)
 
@@ -227,7 +251,8 @@ def _multiply(a, b):
         return Jet(a * b.c) if type(a) in _PLAIN else Jet(a * _widened(b.c, np.ndim(a)))
     if a.c.ndim != b.c.ndim:
         a, b = _both(a, b)
-    return Jet(np.add.reduceat(a.c[_LEFT] * b.c[_RIGHT], _STARTS, axis=0))
+    left, right, starts = _PAIRS[len(a.c)]
+    return Jet(np.add.reduceat(a.c[left] * b.c[right], starts, axis=0))
 
 
 def _divide(a, b):
@@ -258,7 +283,8 @@ def _arctan2(y, x):
 
 
 def series(a, coefficients):
-    """Return sum of coefficients[n] (a - a0)^n, by Horner."""
+    """Return sum of coefficients[n] (a - a0)^n to the order of the jet a, by Horner."""
+    coefficients = coefficients[: a.order + 1]
     step = Jet(np.concatenate([np.zeros_like(a.c[:1]), a.c[1:]]))
     result = step * coefficients[-1]
     for coefficient in coefficients[-2:0:-1]:

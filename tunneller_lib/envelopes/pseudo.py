@@ -113,7 +113,7 @@ def _integrals(half_angle, r):
 
 
 def _taylor(half_angle, r):
-    """Return the Taylor coefficients of g to order 4 at distances r (...), in m."""
+    """Return the Taylor coefficients of g to order 5 at distances r (...), in m."""
     r = np.asarray(r)
     middle = _middle(half_angle)
     # The radii at the middle are p r (g'/r)'/4 and its opposite.
@@ -127,8 +127,14 @@ def _taylor(half_angle, r):
     root = double_root(half_angle, r)
     slope = p * root**2 / (tau * r * r * (1 - root) * (1 + root))
     L = 3 * tau * root / p - 2 / r
-    dL = 3 * tau * (slope * p - 2 * r * root) / p**2 + 2 / r**2
+    bend = 2 * (slope**2 / root - root**2 / (tau * r**3)) / ((1 - root) * (1 + root))
+    by_p = slope * p - 2 * r * root  # p^2 times the derivative of root/p
+    dL = 3 * tau * by_p / p**2 + 2 / r**2
+    ddL = 3 * tau * (p * (bend * p - 2 * root) - 4 * r * by_p) / p**3 - 4 / r**3
     y1 = factor * _bend(half_angle, r)
     y2 = L * y1
     y3 = (dL + L * L) * y1
-    return [g, r * y, (y + r * y1) / 2, (2 * y1 + r * y2) / 6, (3 * y2 + r * y3) / 24]
+    y4 = (ddL + 3 * L * dL + L**3) * y1
+    fourth = (3 * y2 + r * y3) / 24
+    fifth = (4 * y3 + r * y4) / 120
+    return [g, r * y, (y + r * y1) / 2, (2 * y1 + r * y2) / 6, fourth, fifth]
