@@ -12,8 +12,9 @@ from .evidence import Evidence, Forms, off_by, spread_in_two, weigh, zeros
 from .forms import derivative_along, frobenius
 from .functions import Function, HalfAngle, Shift
 from .hyperosculate import order_four, third_order
-from .jet import derivative
+from .jet import HIGHEST, ORDER, derivative
 from .rough import RUNS, errors, rough_frames, scatter
+from .steady import SURE, eliminated, steadiness
 
 LEAST_POINTS = 12
 LARGEST_TOLERANCE = 1e-3
@@ -151,7 +152,9 @@ def recognise(
             "surface: must be defined and smooth at every point; got one that isn't "
             f"at ({s.flat[i]}, {t.flat[i]})."
         )
-    rough = rough_frames(surface, s.ravel(), t.ravel(), model)
+    searched = kind == "cone" and half_angle is None
+    order = HIGHEST if searched else ORDER
+    rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
     # A developable surface's normals lie on a curve by themselves.
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
@@ -324,19 +327,19 @@ def _tried(kind, f, off, tolerance, size, unsure, sharp, floor=1.0):
 
 def _searched(kind, f, off, runs, tolerance, sharp, size):
     """Return the evidence for each size that one point allows, and the size found."""
-    values, unsure, complete, every = _sizes(kind, f, off, runs, tolerance)
+    values, unsure, stays, complete, every = _sizes(kind, f, off, runs, tolerance)
     [name] = size
+    tried = []
     if not complete.any():
         # A sphere has cones of every half-angle, and other surfaces of a range of them: one that
         # was found will do. Else no point tells all its sizes.
         trial = np.pi / 4 if size[name] is None else size[name]
         found = _tried(kind, f, off, tolerance, trial, 0.0, sharp)
         agrees = found.agrees & every.all()
-        return [found._replace(refutes=np.zeros_like(agrees), agrees=agrees)], size
+        tried.append((found._replace(refutes=np.zeros_like(agrees), agrees=agrees), size[name]))
     # Each size of the point that knows its own best is tried, as well as any point knows it.
     width = np.where(np.isnan(values), 0.0, unsure / (np.abs(values) + (values == 0)))
-    best = np.argmin(np.where(complete, width.max(axis=-1), np.inf))
-    tried = []
+    best = np.argmin(np.where(complete | ~complete.any(), width.max(axis=-1), np.inf))
     for value, own in zip(values[best], unsure[best], strict=True):
         if np.isnan(value):
             continue
@@ -354,13 +357,16 @@ def _searched(kind, f, off, runs, tolerance, sharp, size):
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
         again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp, 1e-3)
-        tried.append((again._replace(refutes=evidence.refutes | (complete & ~same)), shared))
+        # A point that sees the size stand still around it needs no window.
+        agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
+        refutes = evidence.refutes | (complete & ~same)
+        tried.append((again._replace(refutes=refutes, agrees=agrees), shared))
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))
         return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size
     tried.sort(key=lambda found: (found[0].refutes.any(), -np.count_nonzero(found[0].agrees)))
-    if np.count_nonzero(tried[0][0].agrees) >= LEAST_POINTS:
+    if np.count_nonzero(tried[0][0].agrees) >= LEAST_POINTS and tried[0][1] is not None:
         size = {name: float(tried[0][1])}
     return [found[0] for found in tried], size
 
@@ -382,7 +388,9 @@ def _sizes(kind, f, off, runs, tolerance):
     Returns
     -------
     values, unsure : (n, m) float
-        In m or rad; NaN-padded.
+        In m or rad; NaN-padded. Those that change over the surface are left out.
+    stays : (n, m) bool
+        Whether a size surely doesn't change.
     complete : (n,) bool
         Whether no other size is possible.
     every : (n,) bool
@@ -391,20 +399,33 @@ def _sizes(kind, f, off, runs, tolerance):
     two, three = (off_by(off, k, tolerance, f)[:, None] for k in (2, 3))
     values = _principal_values(f) / 2
     exact = np.broadcast_to(two, values.shape)
+    sharp = _sharp(tolerance)
     if kind == "pipe":
         certain = np.ones(len(values), dtype=bool)
-        return values, exact, certain, ~certain
+        own = _principal(f)[2][:, None] + [0.0, np.pi / 2]
+        steady = steadiness(kind, runs, own, sharp, tolerance)
+        values[steady.changes] = np.nan
+        return values, exact, steady.stays, certain, ~certain
     if kind == "cylinder":
         angle, spread, _ = zeros(lambda a: derivative_along(f, a, 3), 3, three[:, 0])
         rate = np.abs(derivative_along(f, angle, 1, 1)) + frobenius(f, 2)[:, None] * spread
         found = derivative_along(f, angle, 2) / 2
         # Where f_eee vanishes altogether every direction has its own size.
         every = (frobenius(f, 3) <= 4 * three[:, 0]) & (np.ptp(values, axis=-1) > 4 * two[:, 0])
+        steady = steadiness(kind, runs, angle, sharp, tolerance)
+        found[steady.changes] = np.nan
         values = np.hstack([found, values])
-        return values, np.hstack([two + 2 * rate * spread, exact]), ~every, every
-    slack = scatter(_eliminated(runs, _SOME)) + _eliminated_off(f, tolerance)
-    angle, spread, _ = zeros(lambda b: _eliminated(f, b / 2), 4, slack[:, 0])
+        stays = np.hstack([steady.stays, np.zeros(exact.shape, dtype=bool)])
+        return values, np.hstack([two + 2 * rate * spread, exact]), stays, ~every, every
+    slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True) + _eliminated_off(
+        f, tolerance
+    )
+    angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
     angle, spread = angle / 2, spread / 2
+    # Where the form only turns it must be as near to zero as rounding takes it in that direction.
+    turns = angle[:, 8:]
+    near = scatter(eliminated(runs, np.tile(turns, (RUNS, 1)))) + _eliminated_off(f, tolerance)
+    turns[np.abs(eliminated(f, turns)) > SURE * near] = np.nan
     up = 3 * derivative_along(f, angle, 1, 1)
     down = derivative_along(f, angle, 3)
     off_up = 3 * two + 6 * frobenius(f, 2)[:, None] * spread
@@ -427,18 +448,22 @@ def _sizes(kind, f, off, runs, tolerance):
     # A zero of the eliminated form at such a circle has no half-angle of its own.
     passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
     passing = np.hstack([passing, np.zeros_like(circle)])
-    vague = ~np.isnan(angles) & ~(unsure <= 0.1)
-    every = np.abs(_eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
+    steady = steadiness(kind, runs, angle, sharp, tolerance)
+    stays, changes = (np.hstack([part, np.zeros_like(circle)]) for part in steady[:2])
+    if tolerance == 0:  # how far the runs are apart says more than bounds do
+        unsure[:, : angle.shape[1]] = np.fmin(unsure[:, : angle.shape[1]], steady.off)
+    vague = ~np.isnan(angles) & ~(unsure <= 0.1) & ~changes
+    every = np.abs(eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
     # Near the parabolic curve the zeros crowd, and one may be lost; so may a pair between samples.
     values = _principal_values(f)
     curved = np.abs(values.prod(axis=-1)) > ROUND * frobenius(f, 2) ** 2
-    signs = np.sign(_eliminated(f, _MANY))
-    changes = np.count_nonzero(signs != np.roll(signs, 1, axis=-1), axis=-1)
+    signs = np.sign(eliminated(f, _MANY))
+    crossings = np.count_nonzero(signs != np.roll(signs, 1, axis=-1), axis=-1)
     complete = ~(vague & ~passing).any(axis=-1) & ~every & curved
-    complete &= changes <= np.count_nonzero(~np.isnan(angle), axis=-1)
+    complete &= crossings <= np.count_nonzero(~np.isnan(angle), axis=-1)
     outside = (angles < NEEDLE) | (angles > np.pi / 2 - NEEDLE)
-    angles[vague | passing | outside] = np.nan
-    return angles, np.where(np.isnan(angles), 0.0, unsure), complete, every
+    angles[vague | passing | outside | changes] = np.nan
+    return angles, np.where(np.isnan(angles), 0.0, unsure), stays, complete, every
 
 
 def _eliminated_off(f, tolerance):
@@ -524,7 +549,7 @@ def _cone(f, half_angle):
         return residual(half_angle), half_angle
     # Order 3 gives rho by the direction, which put into order 4 leaves a form of degree 8, even in
     # e: in the doubled angle a trigonometric polynomial of degree 4.
-    angle, _ = real_zeros(lambda b: _eliminated(f, b / 2), 4, unit=_eliminated_size(f))
+    angle, _ = real_zeros(lambda b: eliminated(f, b / 2), 4, unit=_eliminated_size(f))
     angle = angle / 2
     feee = derivative_along(f, angle, 3)
     few = derivative_along(f, angle, 1, 1)
@@ -534,15 +559,6 @@ def _cone(f, half_angle):
     if np.isnan(found).all():  # a sphere fits every angle, and what fits none fits not this one
         return residual(np.pi / 4), None
     return _common(found, residual)
-
-
-def _eliminated(f, angle):
-    """Return the form of degree 8 that vanishes where some half-angle gives order 4."""
-    few = derivative_along(f, angle, 1, 1)
-    feee = derivative_along(f, angle, 3)
-    fourth = 3 * few**2 * derivative_along(f, angle, 4)
-    fourth = fourth - 6 * few * derivative_along(f, angle, 2, 1) * feee
-    return fourth + (derivative_along(f, angle, 0, 2) - derivative_along(f, angle, 2)) * feee**2
 
 
 def _eliminated_size(f):

@@ -40,7 +40,7 @@ class RoughJet(Jet):
         return Jet(jet.c * (1 + UNIT * self.rng.uniform(-1, 1, jet.c.shape)))
 
 
-def rough_frames(surface, s, t, model):
+def rough_frames(surface, s, t, model, order):
     """Return frames of a surface at n points, `RUNS` times over, each time rounded at random.
 
     Parameters
@@ -51,6 +51,8 @@ def rough_frames(surface, s, t, model):
         Points.
     model : {"isotropic", "space"}
         As for `adapted_frames`.
+    order : int
+        Of the jets, 4 or 5.
 
     Returns
     -------
@@ -58,7 +60,7 @@ def rough_frames(surface, s, t, model):
         At `RUNS` n points, those of one run after another.
     """
     rng = np.random.default_rng(RUNS)
-    jets = jet_variables.unchecked(np.tile(s, RUNS), np.tile(t, RUNS))
+    jets = jet_variables.unchecked(np.tile(s, RUNS), np.tile(t, RUNS), order=order)
     return frames_by(surface, *(RoughJet(jet.c, rng) for jet in jets), model)
 
 
@@ -71,7 +73,6 @@ def errors(jet):
 
 
 def scatter(values):
-    """Return the error (n, 1) of values (RUNS n, m) that were found so, the largest of the m."""
+    """Return the errors (n, m) of values (RUNS n, m) that were found so."""
     every = values.reshape(RUNS, -1, values.shape[-1])
-    away = np.abs(every - np.median(every, axis=0))
-    return SAFETY * away.max(axis=(0, 2))[:, None]
+    return SAFETY * np.abs(every - np.median(every, axis=0)).max(axis=0)
