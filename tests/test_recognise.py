@@ -1,9 +1,11 @@
 """Six classes of envelopes recognised, at least six members of each, and told from others."""
 
+import csv
+
 import numpy as np
 import pytest
 
-from tests.envelopes_random import member, near_miss, placed, window
+from tests.envelopes_random import member
 from tests.envelopes_zoo import (
     CURVES,
     DEVELOPABLE,
@@ -16,10 +18,13 @@ from tests.envelopes_zoo import (
     ruled,
 )
 from tests.long import many
+from tests.recognise_many import HEAD, TABLE, tried
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
 from tunneller_lib.envelopes.families import cyclide, moving_cone
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
+
+READS = ["tests/recognised.csv"]
 
 ANGLE, RADIUS = np.radians(20), 0.1
 MEMBERS = {
@@ -246,32 +251,36 @@ def test_isolated_double_root_doesn_t_refute():
 # ---- thousands of random surfaces ------------------------------------------------------------
 
 
-def verdicts_of(kind, exact, seeds):
-    """Return the verdicts on random members or near-misses of a class."""
-    found = []
-    for seed in seeds:
-        rng = np.random.default_rng((seed, list(MEMBERS).index(kind), exact))
-        scale, size = 10.0 ** rng.uniform(-3, 3), 10.0 ** rng.uniform(-3, 0)
-        surface = member(kind, rng)[0] if exact else near_miss(kind, rng)[0]
-        points = window(surface, rng, size)
-        found.append(recognise(placed(surface, rng, scale), *points, kind, model="space").verdict)
-    return found
-
-
 @pytest.mark.parametrize("seed", [352, 413])
 def test_direction_that_is_hardly_known_proves_nothing(seed):
     """Near-misses next to a double zero, whose wide bounds once passed for agreement."""
-    assert "is" not in verdicts_of("cone", False, [seed])
+    assert tried("cone", False, seed, smallest=-3)[2] != "is"
 
 
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_random_members_and_near_misses(kind, part):
-    seeds = range(1000 * part, 1000 * part + many(2, 70))
-    members = verdicts_of(kind, True, seeds)
-    others = verdicts_of(kind, False, seeds)
-    assert "is not" not in members
-    assert "is" not in others
+    for seed in range(1000 * part, 1000 * part + many(2, 70)):
+        assert tried(kind, True, seed)[2] != "is not"
+        assert tried(kind, False, seed)[2] != "is"
+
+
+def test_table_of_verdicts_on_thousands_has_no_wrong_one_and_tells_nearly_always():
+    """What the report shows; `python -m tests.recognise_many` makes it."""
+    lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    total = sum(int(row[verdict]) for row in rows for verdict in HEAD[3:])
+    assert total >= 5000 and {row["class"] for row in rows} == set(MEMBERS)
+    for exact in (True, False):
+        part = [row for row in rows if (row["surface"] == "member") == exact]
+        assert sum(int(row[verdict]) for row in part for verdict in HEAD[3:]) == total / 2
+        assert sum(int(row["is not" if exact else "is"]) for row in part) == 0
+        for kind in MEMBERS:
+            clear = [
+                row for row in part if row["class"] == kind and row["near parabolic"] == "False"
+            ]
+            untold = sum(int(row["cannot tell"]) for row in clear)
+            assert untold <= 0.05 * sum(int(row[verdict]) for row in clear for verdict in HEAD[3:])
 
 
 @pytest.mark.parametrize(("options", "message"), [

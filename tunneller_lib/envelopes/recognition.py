@@ -116,8 +116,10 @@ def recognise(
     `rough`; what it makes of each condition is bounded from there, see `evidence`. A point near
     the parabolic curve, an umbilic or a multiple solution has wide bounds and doesn't tell. Where
     solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
-    only if f_ew = 0. A surface in a window so small that an unknown radius or half-angle can't be
-    seen to vary isn't told. The residual is the least over the directions that solve the
+    only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
+    all: a radius or half-angle that isn't given must be the same at all points and have the
+    gradient zero at each, see `steady`, so that the size of the window doesn't matter. The
+    residual is the least over the directions that solve the
     lower-order conditions, over the size of its terms, so that it has no unit. A developable
     surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
     revolution are: one that fits best is returned.

@@ -61,7 +61,7 @@ def steadiness(kind, runs, angle, sharp, tolerance):
     changes = False
     with np.errstate(all="ignore"):
         again = _found_again(kind, runs, np.tile(angle, (RUNS, 1)))
-        for value, terms in _GRADIENTS[kind](runs, again):
+        for value, terms in gradients(kind, runs, again):
             size = np.median(terms.reshape(RUNS, *angle.shape), axis=0)
             off = scatter(value) + 10 * tolerance * size
             middle = np.abs(np.median(value.reshape(RUNS, *angle.shape), axis=0))
@@ -92,6 +92,26 @@ def eliminated(f, angle):
     fourth = 3 * few**2 * derivative_along(f, angle, 4)
     fourth = fourth - 6 * few * derivative_along(f, angle, 2, 1) * feee
     return fourth + (derivative_along(f, angle, 0, 2) - derivative_along(f, angle, 2)) * feee**2
+
+
+def gradients(kind, f, angle):
+    """Return the derivatives of a size along e and across it, times a factor, and their terms.
+
+    Parameters
+    ----------
+    kind : {"cylinder", "pipe", "cone"}
+        As for `steadiness`.
+    f : Jet
+        In adapted frames, at n points.
+    angle : (n, m) float
+        Of directions e, in rad.
+
+    Returns
+    -------
+    parts : list of two pairs of (n, m) float
+        Value and what it is to be compared with, for each of the two ways.
+    """
+    return list(_GRADIENTS[kind](f, angle))
 
 
 def _found_again(kind, runs, angle):

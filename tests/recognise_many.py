@@ -1,0 +1,66 @@
+"""Ask `recognise` of thousands of random surfaces, members and near-misses in equal parts.
+
+``python -m tests.recognise_many`` writes tests/recognised.csv, a row for each kind of surface, with
+how many got which verdict; `make long` asks as many others. Windows are of 1e-8 to 1 and scales of
+1e-3 to 1e3, and the tools' sizes are not given.
+"""
+
+import csv
+import sys
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+
+from tests.envelopes_random import KINDS, member, near_miss, placed, window
+from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.adapted import adapted_frames
+
+TABLE = Path(__file__).with_name("recognised.csv")
+SEEDS = 420  # of members, and of near-misses, for each of the six classes
+PARABOLIC = 1e-3  # |K|/|II|^2 of a point that lies near a parabolic curve
+HEAD = ("class", "surface", "near parabolic", "is", "is not", "cannot tell")
+
+
+def tried(kind, exact, seed, smallest=-8):
+    """Return which surface a seed makes, whether some point is near parabolic, and the verdict.
+
+    Its window is of 10^smallest to 1.
+    """
+    rng = np.random.default_rng((seed, KINDS.index(kind), exact))
+    scale = 10.0 ** rng.uniform(-3, 3)
+    size = 10.0 ** rng.uniform(smallest, 0)
+    surface, way = (member if exact else near_miss)(kind, rng)
+    points = window(surface, rng, size)
+    near = adapted_frames(surface, *points, "space").curvature.min() < PARABOLIC
+    found = recognise(placed(surface, rng, scale), *points, kind, model="space")
+    return "member" if exact else str(way), bool(near), found.verdict
+
+
+def counted(kind, exact):
+    """Return the rows of the table for a class' members or near-misses."""
+    seeds = range(SEEDS)
+    counts = Counter(tried(kind, exact, seed) for seed in seeds)
+    kinds = sorted({(way, near) for way, near, _ in counts})
+    return [
+        [kind, way, near, *(counts[way, near, verdict] for verdict in HEAD[3:])]
+        for way, near in kinds
+    ]
+
+
+def main():
+    asked = [(kind, exact) for kind in KINDS for exact in (True, False)]
+    rows = [HEAD]
+    with ProcessPoolExecutor() as pool:
+        for part in pool.map(counted, *zip(*asked, strict=True)):
+            print(*part, sep="\n", flush=True)
+            rows += part
+    with TABLE.open("w", newline="", encoding="utf-8") as file:
+        file.write(f"# {sum(sum(row[3:]) for row in rows[1:])} surfaces, {date.today()}\n")
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+"""Gradients of a tool's size against the document's equations, differentiated by sympy."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from tests.envelopes_random import member, near_miss, placed, window
+from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
+from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.families import moving_cone
+from tunneller_lib.envelopes.jet import Jet
+from tunneller_lib.envelopes.steady import gradients
+
+
+@cache
+def determinants(kind):
+    """Return what `gradients` should: of a jet in its adapted frame, the angle and tau.
+
+    They are the derivatives along e and w of two equations, put together with those by the angle.
+    """
+    first, second = (q, D(e, q) + kappa * qa) if kind == "cone" else (q.subs(tau, 0), M)
+    parts = [first.diff(a) * D(way, second) - second.diff(a) * D(way, first) for way in (e, w)]
+    symbols = [symbol for (i, j), symbol in F.items() if i + j > 1]
+    flat = {x: 0, y: 0, F[0, 0]: 0, F[1, 0]: 0, F[0, 1]: 0}
+    exact = sp.lambdify([a, tau, *symbols], [part.subs(flat) for part in parts])
+
+    def value(f, angle, slope):
+        return exact(angle, slope, *(f.derivative(i, j)[0] for i, j in F if i + j > 1))
+
+    return value
+
+
+def random_jet(rng):
+    """Return a jet of order 5 in an adapted frame, and an angle."""
+    c = rng.normal(size=(21, 1))
+    c[:3] = 0.0
+    return Jet(c), rng.uniform(-np.pi, np.pi)
+
+
+def found(kind, f, angle):
+    return [value.item() for value, _ in gradients(kind, f, np.array([[angle]]))]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_gradient_of_a_half_angle_is_that_of_eqs_11_and_12(seed):
+    f, angle = random_jet(np.random.default_rng(seed))
+    at = {a: angle} | {symbol: f.derivative(i, j)[0] for (i, j), symbol in F.items()}
+    slope = float((-form(e, e, e) / (6 * form(e, w))).subs(at))
+    exact = determinants("cone")(f, angle, slope)
+    assert found("cone", f, angle) == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_gradient_of_a_cylinders_radius_is_that_of_eqs_11_23_and_24(seed):
+    f, angle = random_jet(np.random.default_rng(seed))
+    exact = determinants("cylinder")(f, angle, 0.0)
+    assert found("cylinder", f, angle) == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e-6, 1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize("kind", ["cylinder", "pipe", "cone"])
+def test_size_that_is_not_given_is_found_in_windows_of_any_size(kind, size):
+    verdicts = []
+    for seed in range(3):
+        for exact, make in ((True, member), (False, near_miss)):
+            rng = np.random.default_rng((seed, exact))
+            surface, _ = make(kind, rng)
+            points = window(surface, rng, size)
+            verdicts.append(
+                recognise(placed(surface, rng, 3.0), *points, kind, model="space").verdict
+            )
+    assert verdicts == ["is", "is not"] * 3
+
+
+def test_half_angle_that_opens_slowly_is_refused_in_a_small_window():
+    _, data = member("cone", np.random.default_rng(1))
+    rng = np.random.default_rng(2)
+    points = window(moving_cone(data["motion"], data["half_angle"]), rng, 1e-6)
+    for rate in (1e-1, 1e-3, 1e-5):
+        surface = moving_cone(data["motion"], data["half_angle"], rate=rate)
+        assert recognise(surface, *points, "cone", model="space").verdict == "is not"
+    surface = moving_cone(data["motion"], data["half_angle"])
+    found = recognise(surface, *points, "cone", model="space")
+    assert found.verdict == "is"
+    assert found.half_angle == pytest.approx(data["half_angle"], rel=1e-9)
