@@ -38,10 +38,11 @@ def tried(kind, exact, seed, smallest=-8):
     surface, way = (member if exact else near_miss)(kind, rng)
     points = window(surface, rng, size)
     way = "member" if exact else str(way)
+    surface = placed(surface, rng, scale)
     least = np.sort(adapted_frames(surface, *points, "space").curvature)
-    if least[LEAST_POINTS - 1] <= FLAT and kind not in ("developable", "ruled"):
+    if least[-LEAST_POINTS] <= FLAT and kind not in ("developable", "ruled"):
         return way, True, "cannot tell"  # too few points have planes that turn: it's refused
-    found = recognise(placed(surface, rng, scale), *points, kind, model="space")
+    found = recognise(surface, *points, kind, model="space")
     return way, bool(least[0] < PARABOLIC), found.verdict
 
 
@@ -53,7 +54,8 @@ def main():
     asked = list(product(KINDS, (True, False), range(0, SEEDS, PART)))
     counts = defaultdict(Counter)
     with ProcessPoolExecutor() as pool:
-        for (kind, _, _), part in zip(asked, pool.map(several, *zip(*asked)), strict=True):
+        parts = pool.map(several, *zip(*asked, strict=True))
+        for (kind, _, _), part in zip(asked, parts, strict=True):
             counts[kind] += part
     rows = [HEAD]
     for kind, part in counts.items():

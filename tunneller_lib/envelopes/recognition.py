@@ -146,7 +146,6 @@ def recognise(
         raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
     if half_angle is not None and kind != "cone":
         raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
-    asked_size = half_angle if kind == "cone" else radius
     found = adapted_frames.unchecked(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
@@ -157,6 +156,28 @@ def recognise(
     searched = kind == "cone" and half_angle is None
     order = HIGHEST if searched else ORDER
     rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
+    return judged(found, rough, s, t, kind, radius, half_angle, tolerance)
+
+
+def judged(found, rough, s, t, kind, radius, half_angle, tolerance):
+    """Return the recognition by frames at n points.
+
+    Parameters
+    ----------
+    found, rough : AdaptedFrames
+        At the points, and there `RUNS` times over, with jets of order 5 if a half-angle is looked
+        for; how these scatter is the error of those.
+    s, t : (...) float
+        The points.
+    kind, radius, half_angle, tolerance
+        As for `recognise`.
+
+    Returns
+    -------
+    found : Recognition
+        As of `recognise`.
+    """
+    asked_size = half_angle if kind == "cone" else radius
     # A developable surface's normals lie on a curve by themselves.
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
