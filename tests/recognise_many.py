@@ -51,7 +51,8 @@ def several(kind, exact, first):
 
 
 def main():
-    asked = list(product(KINDS, (True, False), range(0, SEEDS, PART)))
+    asked = [(kind, exact, first) for first, kind, exact in
+             product(range(0, SEEDS, PART), KINDS, (True, False))]  # fmt: skip
     counts = defaultdict(Counter)
     with ProcessPoolExecutor() as pool:
         parts = pool.map(several, *zip(*asked, strict=True))
