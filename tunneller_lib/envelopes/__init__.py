@@ -2,15 +2,18 @@
 
 from . import blade, conics, developable, families, fit, isotropic
 from .adapted import AdaptedFrames, adapted_frames, model_jet
+from .cone_pose import ConePose, TouchingCone
 from .hyperosculate import Cones, hyperosculating_cones
 from .jet import Jet, jet_variables
 from .recognition import Recognition, recognise
 
 __all__ = [
     "AdaptedFrames",
+    "ConePose",
     "Cones",
     "Jet",
     "Recognition",
+    "TouchingCone",
     "adapted_frames",
     "blade",
     "conics",

@@ -1,6 +1,7 @@
 """All cones of revolution in third-order contact with a surface (Envelopes, section 5)."""
 
 from dataclasses import dataclass
+from operator import index
 from typing import Literal
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ..arguments import Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound
 from .circle_roots import real_zeros
+from .cone_pose import ConePose, TouchingCone
 from .forms import derivative_along, frobenius
 from .functions import Function, HalfAngle
 from .jet import Jet, derivative
@@ -18,7 +20,9 @@ _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of 
 
 @dataclass(frozen=True)
 class Cones:
-    """Cones in third-order contact with a surface, a row a cone; made by `hyperosculating_cones`.
+    """Cones in third-order contact with a surface: arrays with a row a cone, and their sequence.
+
+    ``len(cones)`` is their number and ``cones[k]`` a `TouchingCone`.
 
     Parameters
     ----------
@@ -72,6 +76,22 @@ class Cones:
     count: np.ndarray
     state: np.ndarray
 
+    def __len__(self):
+        return len(self.vertex)
+
+    def __getitem__(self, k):
+        k = range(len(self))[index(k)]
+        # A cone whose vertex is the contact has no distance of its own.
+        far = 2 * float(self.distance[k]) or 1.0
+        vertex, axis = (tuple(part[k].tolist()) for part in (self.vertex, self.axis))
+        pose = ConePose(vertex, axis, self.half_angle, near=0.0, far=far)
+        verdict = "gouges" if self.gouges[k] else "undecided" if self.undecided[k] else "free"
+        touching = self.contact[k].copy(), self.normal[k].copy(), int(self.side[k])
+        return TouchingCone(pose, *touching, verdict, int(self.multiplicity[k]))
+
+    def __iter__(self):
+        return (self[k] for k in range(len(self)))
+
 
 @checked
 def hyperosculating_cones(
@@ -124,6 +144,10 @@ def hyperosculating_cones(
     >>> cones = hyperosculating_cones(lambda x, y: y**2 / (x**2 + y**2), 0.5, 0.3, half_angle=0.5)
     >>> len(cones.vertex), int(sum(cones.gouges)), int(sum(cones.undecided))
     (6, 4, 2)
+    >>> cones[0].multiplicity
+    1
+    >>> [cone.verdict for cone in cones].count("undecided")
+    2
     """
     s, t = np.broadcast_arrays(s, t)
     flat_s = s.ravel()

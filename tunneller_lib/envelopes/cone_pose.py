@@ -1,0 +1,114 @@
+"""A cone of revolution where it stands: what can be asked of it without the surface it touches."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Angles, Length, Length0, Point, Points, Whole, checked
+from .blade import cone_distance
+from .conics import top_circle
+from .functions import HalfAngle
+from .isotropic import cone_planes, cone_rulings
+
+
+@dataclass(frozen=True)
+@checked
+class ConePose:
+    """A truncated cone of revolution in space.
+
+    Parameters
+    ----------
+    vertex : (3,) float
+        In m.
+    axis : (3,) float
+        A vector along the axis, from the vertex into the cone, of any length but zero.
+    half_angle : float
+        Between axis and rulings, in rad, between 0 and pi/2.
+    near, far : float
+        Where the rulings begin and end, as distances from the vertex, in m.
+
+    Raises
+    ------
+    ValueError
+        If the axis is zero, the half-angle isn't between 0 and pi/2, or `near` not below `far`.
+
+    Examples
+    --------
+    >>> tool = ConePose((0, 0, 0), (0, 0, 2), np.pi / 6, near=0.1, far=0.3)
+    >>> float(np.round(tool.circle()[1], 3))
+    0.577
+    """
+
+    vertex: Point
+    axis: Point
+    half_angle: HalfAngle
+    near: Length0
+    far: Length
+
+    def __post_init__(self):
+        if not np.any(self.axis):
+            raise ValueError(f"axis: must not be zero; got {tuple(self.axis)}.")
+        if self.near >= self.far:
+            raise ValueError(f"near: must be below far; got {self.near:g} and {self.far:g}.")
+
+    @checked
+    def planes(self, azimuth: Angles):
+        """Return the tangent planes at azimuths about the axis.
+
+        Parameters
+        ----------
+        azimuth : (...) float
+            In rad.
+
+        Returns
+        -------
+        n : (..., 3) float
+            Unit normals that point into the cone.
+        h : (...) float
+            Constant terms of n.x + h = 0, in m.
+        """
+        return cone_planes(self.vertex, self.axis, self.half_angle, azimuth)
+
+    def circle(self):
+        """Return centre (2,) and radius of the circle over which the planes lie in the model."""
+        return top_circle(self.axis, self.half_angle)
+
+    @checked
+    def clearance(self, point: Points):
+        """Return how far points (..., 3) are from the cone, in m (...), negative within it."""
+        size = self.half_angle, self.near, self.far
+        return cone_distance(point, self.vertex, self.axis, *size)
+
+    @checked
+    def mesh(self, n: Whole(2, 1000) = 25, m: Whole(3, 1000) = 73):
+        """Return a grid (n, m, 3) of points of the wall, in m: n along the rulings, m around."""
+        azimuth = np.linspace(0, 2 * np.pi, m)
+        rulings = cone_rulings(self.axis, self.half_angle, azimuth)
+        along = np.linspace(self.near, self.far, n)[:, None, None]
+        return np.array(self.vertex) + along * rulings
+
+
+@dataclass(frozen=True)
+class TouchingCone:
+    """One cone in third-order contact with a surface, of those that `hyperosculating_cones` finds.
+
+    Parameters
+    ----------
+    pose : ConePose
+        The cone, from its vertex to twice the contact's distance from it.
+    contact, normal : (3,) float
+        Where it touches, in m, and the surface's unit normal there.
+    side : {1, 0, -1}
+        As of `Cones`.
+    verdict : {"free", "gouges", "undecided"}
+        Whether it keeps off the surface near the contact, as far as derivatives to order 4 tell.
+    multiplicity : int
+        How many cones fell together in this one.
+    """
+
+    pose: ConePose
+    contact: np.ndarray
+    normal: np.ndarray
+    side: int
+    verdict: str
+    multiplicity: int
