@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tunneller_lib.envelopes import Jet, jet_variables
+from tunneller_lib.envelopes import ConePose, Jet, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
 
@@ -21,13 +21,17 @@ def edge(s):
     return cubic(s, bend=0.8)[0]
 
 
+POSE = {"vertex": (0.3, -0.2, 1.0), "axis": (1.0, 2.0, 2.0), "half_angle": 0.4, "near": 0.5,
+        "far": 2.0}  # fmt: skip
 INSTANCES = {
     BladeRing: BladeRing(**SIZES),
+    ConePose: ConePose(**POSE),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
     np.random.Generator: RNG,
 }
 
 CALLS = {
+    "ConePose": POSE,
     "Jet.derivative": {"i": 2, "j": 1},
     "adapted_frames": {"surface": graph, "model": "space"},
     "blade.BladeRing": SIZES,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Angles, Length, Length0, Point, Points, Whole, checked
+from ..arguments import LEAST, Angles, Length, Length0, Point, Points, Whole, checked
 from .blade import cone_distance
 from .conics import top_circle
 from .functions import HalfAngle
@@ -46,7 +46,7 @@ class ConePose:
     far: Length
 
     def __post_init__(self):
-        if not np.any(self.axis):
+        if not np.abs(self.axis).max() >= LEAST:
             raise ValueError(f"axis: must not be zero; got {tuple(self.axis)}.")
         if self.near >= self.far:
             raise ValueError(f"near: must be below far; got {self.near:g} and {self.far:g}.")
