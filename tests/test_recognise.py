@@ -257,6 +257,12 @@ def test_direction_that_is_hardly_known_proves_nothing(seed):
     assert tried("cone", False, seed, smallest=-3)[2] != "is"
 
 
+@pytest.mark.parametrize("seed", [272, 273])
+def test_gradient_that_is_small_near_the_parabolic_curve_proves_nothing(seed):
+    """Near-misses whose half-angle seemed to stand still, among derivatives that grow there."""
+    assert tried("cone", False, seed)[2] != "is"
+
+
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_random_members_and_near_misses(kind, part):

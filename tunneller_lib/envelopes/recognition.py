@@ -27,6 +27,7 @@ UMBILIC = 1e-9  # relative difference of principal radii, below which they count
 _SOME = np.pi * np.arange(12)[None] / 12  # directions
 _MANY = np.pi * np.arange(180)[None] / 180
 ROUND = 1e-3  # |K|/|II|^2, from which on a point may tell all half-angles that it allows
+BENT = 0.1  # and from which on its evidence isn't asked to be sharper
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
 
 
@@ -471,6 +472,9 @@ def _sizes(kind, f, off, runs, tolerance):
     # A zero of the eliminated form at such a circle has no half-angle of its own.
     passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
     passing = np.hstack([passing, np.zeros_like(circle)])
+    # Towards the parabolic curve derivatives grow, and what differs is small among their terms.
+    bend = np.abs(_principal_values(f).prod(axis=-1)) / frobenius(f, 2) ** 2
+    sharp = sharp * np.where(bend > ROUND, np.minimum(bend / BENT, 1.0) ** 2, 0.0)[:, None]
     steady = steadiness(kind, runs, angle, sharp, tolerance)
     stays, changes = (np.hstack([part, np.zeros_like(circle)]) for part in steady[:2])
     if tolerance == 0:  # how far the runs are apart says more than bounds do
@@ -478,11 +482,9 @@ def _sizes(kind, f, off, runs, tolerance):
     vague = ~np.isnan(angles) & ~(unsure <= 0.1) & ~changes
     every = np.abs(eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
     # Near the parabolic curve the zeros crowd, and one may be lost; so may a pair between samples.
-    values = _principal_values(f)
-    curved = np.abs(values.prod(axis=-1)) > ROUND * frobenius(f, 2) ** 2
     signs = np.sign(eliminated(f, _MANY))
     crossings = np.count_nonzero(signs != np.roll(signs, 1, axis=-1), axis=-1)
-    complete = ~(vague & ~passing).any(axis=-1) & ~every & curved
+    complete = ~(vague & ~passing).any(axis=-1) & ~every & (bend > ROUND)
     complete &= crossings <= np.count_nonzero(~np.isnan(angle), axis=-1)
     outside = (angles < NEEDLE) | (angles > np.pi / 2 - NEEDLE)
     angles[vague | passing | outside | changes] = np.nan

@@ -47,7 +47,7 @@ def steadiness(kind, runs, angle, sharp, tolerance):
     angle : (n, m) float
         Of the directions, in rad, NaN where there is none: zeros of f_eee for cylinders, of
         `eliminated` for cones; for pipes the two principal ones.
-    sharp : float
+    sharp : float or (n, 1) float
         Relative error of the gradient above which it doesn't tell.
     tolerance : float
         Relative error of the derivatives besides rounding.
