@@ -234,7 +234,8 @@ class Job:
     def expected_seconds(self):
         """Return about how long axes and wall of `simulated` will take, two numbers in s."""
         shape, thickness = self._rays
-        return expected_seconds(self.planned, *self.axes, shape=shape, thickness=thickness)
+        about = dict(shape=shape, thickness=thickness, arm=self.arm, ground=self.pushing)
+        return expected_seconds(self.planned, *self.axes, **about)
 
     @property
     def _rays(self):

@@ -221,14 +221,21 @@ def _whole(plan):
 
 @checked
 def expected_seconds(
-    plan: Plan, plant: Plants, loop: Loops, *, shape: Shape = (400, 720), thickness: Length = 0.1
+    plan: Plan,
+    plant: Plants,
+    loop: Loops,
+    *,
+    shape: Shape = (400, 720),
+    thickness: Length = 0.1,
+    arm: Arm | None = None,
+    ground: Ground | None = None,
 ):
     """Return about how long `simulate` will take on this computer, in s.
 
     Parameters
     ----------
-    plan, plant, loop, shape, thickness
-        As for `simulate`: a `Plan`, axes, loops, the numbers of rays, in m.
+    plan, plant, loop, shape, thickness, arm, ground
+        As for `simulate`: a `Plan`, axes, loops, the numbers of rays, in m, an `Arm`, a `Ground`.
 
     Returns
     -------
@@ -239,8 +246,11 @@ def expected_seconds(
     setvalues, slopes = _whole(plan)
     follow(plant, loop, setvalues[:2], slopes=slopes[:1])  # imports what it needs
     tried = min(PROBE, len(slopes))
+    first = int(plan.entry.ticks.sum())
+    face = ground and Face(plan, ground, setvalues, first, None, shape, thickness)
     begun = time.perf_counter()
-    follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried])
+    push = face and face.push
+    follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried], arm=arm, push=push)
     axes = (time.perf_counter() - begun) * len(slopes) / tried
     centres = plan.centres(plan.setvalues)
     reach = plan.circuit.machine.cutter_radius
