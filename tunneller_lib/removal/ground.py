@@ -50,8 +50,8 @@ class Ground:
     Examples
     --------
     >>> concrete = Ground(energy=20e6, pick_speed=2.0, normal=0.5)
-    >>> concrete.power(1.5e-4), concrete.force(1.5e-4)
-    (3000.0, 1500.0)
+    >>> [round(float(one)) for one in (concrete.power(1.5e-4), concrete.force(1.5e-4))]
+    [3000, 1500]
     """
 
     energy: Energy
