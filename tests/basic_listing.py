@@ -6,6 +6,8 @@ import tomllib
 
 from report.sources import ROOT
 
+READS = ["report/listings.toml"]
+
 LISTING = tomllib.loads((ROOT / "report" / "listings.toml").read_text(encoding="utf-8"))["basic"]
 PRINTED = {int(number): line for number, line in LISTING["printed"].items()}
 REPAIRS = {int(number): line for number, line in LISTING["repaired"].items()}

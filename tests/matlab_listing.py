@@ -7,6 +7,8 @@ from types import SimpleNamespace
 
 from report.sources import ROOT
 
+READS = ["report/listings.toml"]
+
 LISTING = tomllib.loads((ROOT / "report" / "listings.toml").read_text(encoding="utf-8"))["matlab"]
 PRINTED = LISTING["printed"]
 REPAIRS = LISTING["repairs"]  # what each finds, and what it puts in its place

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.hard_lines import FAMILIES, KINDS
-from tests.references import hard_lines, hard_lines_peers
+from tests.references import hard_lines_peers, hard_lines_table
 from tests.test_exact_kernel import meet
 
 READS = ["tests/references/*"]
@@ -36,7 +36,7 @@ int meet(const char *kind, const double *s, const double *p, const double *u, do
 @pytest.fixture(scope="module")
 def rows():
     """Return the table's rows."""
-    with gzip.open(hard_lines.TABLE, "rt", newline="") as file:
+    with gzip.open(hard_lines_table.TABLE, "rt", newline="") as file:
         return list(csv.DictReader(file))
 
 
@@ -46,7 +46,7 @@ def answers(rows):
     found = np.empty((2, len(rows)))
     for kind in KINDS:
         places = [i for i, row in enumerate(rows) if row["kind"] == kind]
-        names = hard_lines.SHAPE + hard_lines.LINE
+        names = hard_lines_table.SHAPE + hard_lines_table.LINE
         numbers = np.array([[float(rows[i][name]) for name in names] for i in places])
         shapes, p, u = np.split(numbers, [12, 15], axis=-1)
         found[:, places] = meet(kind, shapes, p, u)
@@ -54,7 +54,7 @@ def answers(rows):
 
 
 def test_table_is_what_its_script_writes(rows):
-    assert len(rows) == sum(hard_lines.ROWS.values()) * len(KINDS) >= 20_000
+    assert len(rows) == sum(hard_lines_table.ROWS.values()) * len(KINDS) >= 20_000
     groups = {(row["kind"], row["family"]) for row in rows}
     assert groups == {(kind, family.__name__) for kind in KINDS for family in FAMILIES}
     first = {}
@@ -62,8 +62,8 @@ def test_table_is_what_its_script_writes(rows):
         first.setdefault((row["kind"], row["family"]), i)
     for k, kind in enumerate(KINDS):
         for number, family in enumerate(FAMILIES):
-            rng = np.random.default_rng([hard_lines.SEED, k, number])
-            made = hard_lines.rows(kind, family, rng, only=2)
+            rng = np.random.default_rng([hard_lines_table.SEED, k, number])
+            made = hard_lines_table.rows(kind, family, rng, only=2)
             kept = rows[first[kind, family.__name__] :]
             for one, row in zip(made, kept, strict=False):
                 assert one == list(row.values())
@@ -83,7 +83,7 @@ def told(program, found):
     """Return what the program says of answers (2, n)."""
     lines = ["- -" if not a <= b else f"{a:.17g} {b:.17g}" for a, b in found.T]
     (program.parent / "answers.txt").write_text("\n".join(lines), encoding="utf-8")
-    with gzip.open(hard_lines.TABLE, "rb") as table:
+    with gzip.open(hard_lines_table.TABLE, "rb") as table:
         done = subprocess.run([program], cwd=program.parent, input=table.read(), check=True,
                               capture_output=True)  # fmt: skip
     return [int(word) for word in re.findall(r"\d+", done.stdout.decode())]

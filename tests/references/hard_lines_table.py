@@ -1,6 +1,6 @@
 """Write hard_lines.csv.gz: lines against rods, capsules, frusta and boxes, with exact answers.
 
-    python -m tests.references.hard_lines
+    python -m tests.references.hard_lines_table
 
 The shapes and lines are those of `tests.hard_lines`, the answers of `tests.exact_shapes`.
 """
