@@ -197,6 +197,8 @@ def _random_job(rng):
     tick = float(rng.choice([2e-3, 5e-3, 10e-3]))
     feed = rng.uniform(0.03, 0.25)
     return Job(
+        hydraulics={},
+        ground={},
         machine={
             "r": R * rng.uniform(0.02, 0.25), "R": R, "theta_min": low, "theta_max": high,
             "phi_min": -swing, "phi_max": swing, "cutter_radius": R * rng.uniform(0.15, 0.3),

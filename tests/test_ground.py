@@ -28,12 +28,12 @@ from tunneller_lib.ream import (
     arm_fault,
     budget,
     capability,
+    gain_margins,
     ground_fault,
     kind,
     picks_fault,
     plan,
     simulate,
-    steadiness,
 )
 from tunneller_lib.ream.planning import engaged_areas
 from tunneller_lib.removal import Ground
@@ -283,7 +283,7 @@ def test_machines_slow_down_as_they_grow():
         axes = axes_of(machine, usual_sizes(machine))
         frequency.append([axis.natural_frequency(0.0) for axis in axes])
         speed.append([axis.rate(0.0, 1.0) * scale for axis in axes])
-        found = steadiness(cutting_circuit(machine, Egg(0.5 * scale)),
+        found = gain_margins(cutting_circuit(machine, Egg(0.5 * scale)),
                            [Compressible(axis) for axis in axes], LOOP)  # fmt: skip
         limit.append([margin.has for margin in found if margin.what.startswith("gain")])
     # By the size alone, but for the weight, which grows faster than the pressure's force.

@@ -66,7 +66,7 @@ CALLS = {
     "plan": COARSE,
     "scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},
-    "steadiness": OILY,
+    "gain_margins": OILY,
     "standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,

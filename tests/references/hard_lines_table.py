@@ -15,7 +15,7 @@ import numpy as np
 from tests import hard_lines as lines
 from tests.exact_shapes import EPS, exact_interval, exact_intervals
 
-TABLE = Path(__file__).with_suffix(".csv.gz")
+TABLE = Path(__file__).with_name("hard_lines.csv.gz")
 SEED = 23
 # Whole numbers take little room in the file, those of full mantissa a lot.
 ROWS = {family: 55 if family in (lines.leaning, lines.floats, lines.proportions, lines.sizes,

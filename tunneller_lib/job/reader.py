@@ -17,7 +17,7 @@ import numpy as np
 from ..arguments import checked, positive, shown, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
-from ..ream import Limits, Pose, capability, expected_seconds, plan, simulate, steadiness
+from ..ream import Limits, Pose, capability, expected_seconds, gain_margins, plan, simulate
 from ..removal import Ground
 from ..surfaces import Arc, Egg, Line, Machine, closed_profile
 
@@ -190,7 +190,7 @@ class Job:
         """Raise ValueError if the gain isn't below what cylinders and oil allow on a circuit."""
         plants, loops = self.axes
         if self.controller["plant"] in OILY and not loops[0].integral:
-            for margin in steadiness(circuit, plants, loops):
+            for margin in gain_margins(circuit, plants, loops):
                 if margin.what.startswith("gain") and not margin.enough:
                     raise ValueError(f"[controller] {margin}")
 

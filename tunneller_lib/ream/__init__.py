@@ -16,7 +16,7 @@ from .faults import (
 )
 from .feed import Limits
 from .ground_faults import arm_fault, ground_fault, picks_fault
-from .margins import Margin, capability, steadiness
+from .margins import Margin, capability, gain_margins
 from .moves import Moves
 from .planning import Plan, Pose, plan
 from .sensitivity import trailing
@@ -39,6 +39,7 @@ __all__ = [
     "encoder_fault",
     "expected_seconds",
     "following_fault",
+    "gain_margins",
     "ground_fault",
     "kind",
     "knot_fault",
@@ -54,7 +55,6 @@ __all__ = [
     "simulate",
     "standing",
     "starved",
-    "steadiness",
     "tangent_sphere_fault",
     "trailing",
 ]

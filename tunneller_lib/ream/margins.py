@@ -37,7 +37,7 @@ class Margin(NamedTuple):
 
 
 @checked
-def steadiness(circuit: Circuit, plant: Plants, loop: Loops):
+def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     """Return the margins of both loops on a circuit, before anything is planned.
 
     Parameters
@@ -122,7 +122,7 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
                 "_bore or supply in [hydraulics], would do"
             )
             found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
-    found += steadiness(circuit, plant, loop)
+    found += gain_margins(circuit, plant, loop)
     drawn = 0.0
     for joint, one in enumerate(plant):
         filled, emptied = one.axis.linkage.displacements(at[:, joint])
