@@ -24,7 +24,9 @@ import pytest
 
 from tests.prose import (
     ALIKE,
+    END,
     FREE,
+    NUMBER,
     ROOT,
     Use,
     as_well_exchanged,
@@ -77,6 +79,13 @@ def test_sentence_names_its_number(use):
 @pytest.mark.parametrize("use", USES, ids=lambda use: f"{use.file}-{use.name}")
 def test_sentence_says_of_which_kind_its_number_is(use):
     assert not of_another_kind(use), " ".join(use.sentence.split())
+
+
+@pytest.mark.parametrize("path", sources(), ids=lambda path: path.stem)
+def test_no_sentence_says_a_number_twice(path):
+    for sentence in END.split(path.read_text("utf-8")):
+        records = [place.groups() for place in NUMBER.finditer(sentence)]
+        assert len(records) == len(set(records)), " ".join(plain(sentence).split())
 
 
 PAIRS = [
