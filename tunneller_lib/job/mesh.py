@@ -2,7 +2,7 @@
 
 import base64
 from dataclasses import dataclass, field
-from xml.sax.saxutils import quoteattr
+from html import escape
 
 import numpy as np
 
@@ -144,5 +144,5 @@ def _data_array(name, numbers):
     content = numbers.astype(dtype).tobytes()
     text = base64.b64encode(np.uint64(len(content)).astype("<u8").tobytes() + content).decode()
     columns = numbers.shape[1] if numbers.ndim > 1 else 1
-    about = f'type="{kind}" Name={quoteattr(name)} NumberOfComponents="{columns}" format="binary"'
+    about = f'type="{kind}" Name="{escape(name)}" NumberOfComponents="{columns}" format="binary"'
     return f"<DataArray {about}>{text}</DataArray>"
