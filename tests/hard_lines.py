@@ -10,22 +10,12 @@ touches to exact places.
 
 import numpy as np
 
+from tunneller_lib.replica.rod_cases import TRIPLES, whole_rotations
+
 EPS = np.finfo(float).eps
 KINDS = ("rod", "capsule", "frustum", "box")
-CIRCLE = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # 65 from the origin
 BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
 SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis
-
-
-def rotations(rng, n):
-    """Return whole matrices (n, 3, 3) whose columns are perpendicular and N (n,) long."""
-    w, x, y, z = rng.integers(-4, 5, (4, n))
-    w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
-    N = w * w + x * x + y * y + z * z
-    rows = [[N - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), N - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), N - 2 * (x * x + y * y)]]  # fmt: skip
-    return np.moveaxis(np.array(rows), -1, 0), N
 
 
 class Whole:
@@ -33,7 +23,7 @@ class Whole:
 
     def __init__(self, kind, rng, n):
         self.kind = kind
-        matrix, N = rotations(rng, n)
+        matrix, N = whole_rotations(rng, n, most=4)
         e1, e2, e3 = np.moveaxis(matrix, -1, 0)
         at = rng.integers(-25, 26, (n, 3)) * 4
         # A quarter of the shapes are long, a quarter are flat.
@@ -62,7 +52,7 @@ class Whole:
         if kind == "frustum":  # and upside down
             swap = rng.random(n) < 0.5
             start, end = np.where(swap, end, start), np.where(swap, start, end)
-        pair = CIRCLE[rng.integers(0, len(CIRCLE), n)] * rng.choice([-1, 1], (n, 2))
+        pair = TRIPLES[rng.integers(0, len(TRIPLES), n)] * rng.choice([-1, 1], (n, 2))
         pair = np.where(rng.random(n)[:, None] < 0.5, pair, pair[:, ::-1])
         pair = pair * (unit // 65)
         out = pair[:, :1] * e1 + pair[:, 1:] * e2  # a unit times N long

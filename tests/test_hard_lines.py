@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.exact_shapes import exact_interval
 from tests.hard_lines import FAMILIES, KINDS
 from tests.references import hard_lines_peers, hard_lines_table
-from tests.test_exact_kernel import meet
+from tests.test_exact_kernel import meet, shape_of
 
 READS = ["tests/references/*"]
 HERE = Path(__file__).parent / "references"
@@ -130,3 +131,19 @@ def test_peers_were_asked_every_line_of_what_they_have(rows):
     for kept in asked.values():
         for group, count in kept.items():
             assert count["lines"] <= ours[group]["lines"]
+
+
+def test_touches_that_the_library_loses_are_misses_of_the_rounded_ray(rows):
+    """A public routine gets a ray that starts outside; its rounded start may miss what p meets."""
+    lost = 0
+    for ray in map(hard_lines_peers.ray_of, (row for row in rows if row["family"] != "sizes")):
+        if hard_lines_peers.verdict(ray, None, hard_lines_peers.DOUBLE) != "touch lost":
+            continue
+        shape = np.array(ray["shape"])
+        enter, leave = shape_of(ray["kind"], shape).meet_line(ray["origin"], ray["direction"])
+        if not enter <= leave:
+            lost += 1
+            assert exact_interval(ray["kind"], shape, ray["origin"], ray["direction"]) is None
+    with hard_lines_peers.TABLE.open(newline="") as file:
+        ours = [row for row in csv.DictReader(file) if row["routine"] == "tunneller_lib"]
+    assert lost == sum(int(row["touches lost"]) for row in ours) > 0

@@ -15,9 +15,9 @@ Count = Whole(1, 1_000_000)
 TRIPLES = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # x^2 + y^2 = 65^2
 
 
-def _rotations(rng, n):
+def whole_rotations(rng, n, most=9):
     """Return whole matrices (n, 3, 3) whose columns are perpendicular and of length N (n,)."""
-    w, x, y, z = rng.integers(-9, 10, (4, n))
+    w, x, y, z = rng.integers(-most, most + 1, (4, n))
     w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
     N = w * w + x * x + y * y + z * z
     # The quaternion (w, x, y, z) as a rotation, its rows times N.
@@ -29,7 +29,7 @@ def _rotations(rng, n):
 
 def _whole_rods(rng, n):
     """Return rods of whole numbers: a, b, radius, matrices, points of the rim about a, normals."""
-    matrix, N = _rotations(rng, n)
+    matrix, N = whole_rotations(rng, n)
     grow = rng.integers(1, 5, n)
     pair = TRIPLES[rng.integers(0, len(TRIPLES), n)] * rng.choice([-1, 1], (n, 2))
     pair = np.where(rng.random(n)[:, None] < 0.5, pair, pair[:, ::-1])
