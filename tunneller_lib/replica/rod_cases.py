@@ -15,8 +15,12 @@ Count = Whole(1, 1_000_000)
 TRIPLES = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # x^2 + y^2 = 65^2
 
 
-def whole_rotations(rng, n, most=9):
-    """Return whole matrices (n, 3, 3) whose columns are perpendicular and of length N (n,)."""
+@checked
+def whole_rotations(rng: np.random.Generator, n: Count, most: Whole(1, 1000) = 9):
+    """Return whole matrices (n, 3, 3) whose columns are perpendicular and of length N (n,).
+
+    They are rotations, times N, of quaternions whose parts are whole and at most `most`.
+    """
     w, x, y, z = rng.integers(-most, most + 1, (4, n))
     w = np.where((w == 0) & (x == 0) & (y == 0) & (z == 0), 1, w)
     N = w * w + x * x + y * y + z * z
