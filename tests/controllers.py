@@ -5,6 +5,7 @@ stands the same main program, which reads the inputs of a scan and writes its ou
 """
 
 import contextlib
+import resource
 import struct
 import subprocess
 from dataclasses import replace
@@ -17,6 +18,11 @@ from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_text
 from tunneller_lib.motion import follow
 from tunneller_lib.motion.stability import gain_limit
+
+SANITIZERS = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
+# The sanitizer of addresses reserves terabytes of them.
+if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
+    SANITIZERS.append("-fsanitize=address")
 
 WHOLE_INPUTS = (
     "bRun", "bHold", "bRetract", "bReset", "nOverride", "nActualTheta", "nActualPhi",

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.controllers import (
+    SANITIZERS,
     Driven,
     build,
     c99_program,
@@ -28,7 +29,6 @@ READS = ["tests/references/reference_job.toml"]
 
 REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
-SANITIZERS = "-fsanitize=address,undefined", "-fno-sanitize-recover=all"
 OPTIONS = "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1"
 # Setpoints from tables are the library's. One that the slow task computes is, too, but where its
 # rounding to parts of a count meets a tie: then it is a part off, and the slope with it.

@@ -2,13 +2,13 @@
 
 import ctypes
 import io
-import resource
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
 
+from tests.controllers import SANITIZERS
 from tests.structured_text import FunctionBlock
 from tunneller_lib.motion import polyline, time_bresenham
 from tunneller_lib.motion.export import c99, setvalue_table, structured_text
@@ -117,11 +117,7 @@ def test_lines_between_counts_are_the_polyline_bit_for_bit(tmp_path, parts, tie)
         assert line(block, start, stop, ticks) == exact.tolist(), (start, stop, ticks)
 
 
-SANITIZED = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1", "-g",
-             "-fsanitize=undefined", "-fno-sanitize-recover=all"]  # fmt: skip
-# The sanitizer of addresses reserves terabytes of them.
-if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
-    SANITIZED.append("-fsanitize=address")
+STRICT = "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1", "-g"
 DRIVER = """
 #include <stdio.h>
 int main(void)
@@ -148,7 +144,7 @@ def test_c99_of_a_hundred_thousand_moves_under_sanitizers(tmp_path):
     ends = rng.integers(-(2**28), 2**28, (100_000, 2))
     runs = np.column_stack([ends, rng.integers(1, 12, len(ends))])
     (tmp_path / "run.c").write_text(c99(parts=4096) + DRIVER)
-    command = [COMPILERS[0], *SANITIZED, "run.c", "-o", "run"]
+    command = [COMPILERS[0], *STRICT, *SANITIZERS, "run.c", "-o", "run"]
     if subprocess.run(command, cwd=tmp_path, capture_output=True).returncode:
         pytest.skip("the compiler of this machine has no sanitizers")
     text = "\n".join(" ".join(map(str, row)) for row in runs.tolist())
