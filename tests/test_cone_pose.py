@@ -20,6 +20,11 @@ def test_mesh_planes_and_clearance_are_of_one_cone(scale):
     assert np.abs(tool.clearance(wall)).max() < 1e-14 * scale
     away = np.linalg.norm(wall - vertex, axis=-1)
     np.testing.assert_allclose(away, scale * np.linspace(0.5, 2, 5)[:, None] + 0 * away, rtol=1e-13)
+    # Once around in equal steps, along the near rim as along every other.
+    rim = wall[0]
+    np.testing.assert_allclose(rim[0], rim[-1], atol=1e-14 * scale)
+    edge = 2 * 0.5 * scale * np.sin(0.4) * np.sin(np.pi / 6)
+    np.testing.assert_allclose(np.linalg.norm(np.diff(rim, axis=0), axis=-1), edge, rtol=1e-12)
     n, h = tool.planes(AZIMUTH)
     # Every plane holds the vertex and has the wall on its own side, where its normal points.
     np.testing.assert_allclose(n @ np.array(vertex) + h, 0, atol=1e-14 * scale)

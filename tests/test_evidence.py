@@ -1,0 +1,35 @@
+"""Zeros of polynomials that are only known to some error, and how sure they are."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.envelopes.evidence import zeros
+
+
+def touching(height):
+    """Return the polynomials height + 1 - cos(angle), which are least at angle = 0."""
+    return lambda angle: height[:, None] + 1 - np.cos(angle)
+
+
+def test_polynomial_may_vanish_where_twice_its_error_reaches_zero():
+    off = np.full(4, 1e-6)
+    height = off * [0.5, 1.9, 2.1, 3.0]
+    angle, spread, several = zeros(touching(height), 1, off)
+    at = np.abs(angle) < 0.1
+    assert np.any(at, axis=1).tolist() == [True, True, False, False]
+    assert several[at].all()
+    # The zero of a double root known to e lies within sqrt(2 e) of it, and farther it isn't sought.
+    assert np.all(spread[at] >= np.sqrt(2 * 1e-6)) and np.all(spread[at] < 0.02)
+
+
+@pytest.mark.parametrize("off", [1e-12, 1e-8, 1e-4])
+def test_simple_zeros_lie_within_their_spread(off):
+    rng = np.random.default_rng(3)
+    shift = rng.uniform(-0.9, 0.9, 50)
+    errors = off * rng.choice([-1, 1], 50)
+    angle, spread, several = zeros(lambda a: np.cos(a) - shift[:, None], 1, np.full(50, off))
+    true = np.arccos(shift + errors)
+    away = np.abs(np.cos(angle) - np.cos(true)[:, None]) / np.abs(np.sin(true))[:, None]
+    known = ~np.isnan(angle)
+    assert not several[known].any() and known.sum() == 100
+    assert np.all(away[known] <= spread[known]) and np.all(spread[known] < 20 * off)
