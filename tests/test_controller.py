@@ -14,12 +14,12 @@ import pytest
 
 from tests.controllers import closed_loop, moved
 from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import program
+from tunneller_lib.job.controller import RING_ARRAYS, program
 from tunneller_lib.job.controller_texts import c99_text, plcopen_xml, structured_text_of
 from tunneller_lib.motion import follow
 from tunneller_lib.motion.export import IEC_KEYWORDS
 
-READS = ["tests/references/reference_job.toml", "tunneller_lib/*"]
+READS = ["tests/references/reference_job.toml"]
 
 REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
@@ -230,6 +230,10 @@ def test_structured_text_has_the_same_statements_as_the_c99(texts):
         assert names - {"nSet"} - inputs <= declared
         for line in lines:
             assert line.replace("NABS(", "ABS(") in unit
+    # Once for all: the ring with its ends, which both tasks see, and nothing besides.
+    shared = found[found.index("VAR_GLOBAL") :]
+    shared = re.findall(r"^ {4}(\w+) : ", shared[: shared.index("END_VAR")], re.M)
+    assert set(shared) == {"nHead", "nTail", "bEnd", *RING_ARRAYS}
     assert found.count("END_CONFIGURATION") == 1 and "FastTask WITH Fast : PRG_Fast" in found
 
 

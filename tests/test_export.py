@@ -106,7 +106,7 @@ def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
 
 
 @ties
-@pytest.mark.parametrize("parts", [3, 256, 4096])
+@pytest.mark.parametrize("parts", [2, 3, 256, 4096])
 def test_lines_between_counts_are_the_polyline_bit_for_bit(tmp_path, parts, tie):
     rng = np.random.default_rng(parts)
     low, high = -(2**28), 2**28

@@ -69,6 +69,7 @@ def test_command_says_what_a_log_of_a_loop_tells(tmp_path, capsys):
         ("", "text: must have a heading; got none."),
         ("time,valve\n1,2\n", "text: must have the columns time_s, valve, speed_rad_s; or "),
         ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n3,1,1\n", "text: time_s must be even to 1 %"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n", "text: time_s must be finite times; got [0.0]."),
         ("time_s,valve,speed_rad_s\n0,1,1\n0,1,1\n", "text: time_s must be even to 1 %"),
         ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "valve: must be one column of 20 to 200000"),
         ("time_s,valve,speed_rad_s\n0,1,x\n", "text: column 'speed_rad_s' must hold numbers"),

@@ -33,7 +33,7 @@ from tunneller_lib.ream.wall import intact_wall
 from tunneller_lib.removal import DexelGrid, removed_volume, rod_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
-READS = ["tests/references/reference_job.toml", "tunneller_lib/*"]
+READS = ["tests/references/reference_job.toml"]
 
 REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 EGG = Egg(0.5)
@@ -290,8 +290,8 @@ def two_laps():
 def test_carve_tells_of_each_lap():
     told, job = [], lap(laps=2, advance=0.05)
     carve(job, ideal(job), shape=COARSE, say=told.append)
-    assert [line.partition(";")[0] for line in told] == [
-        "cutting: lap 1 of 2", "cutting: lap 2 of 2"]  # fmt: skip
+    whole = [line.partition(";")[0] for line in told if "% of it" not in line]  # nor shares of one
+    assert whole == ["cutting: lap 1 of 2", "cutting: lap 2 of 2"]
 
 
 def test_carve_tells_how_far_it_is_within_a_lap(monkeypatch):

@@ -400,7 +400,9 @@ def test_follow_refuses_what_does_not_fit():
     two = np.zeros((9, 2))
     with pytest.raises(ValueError, match=r"^plant: must be one, or one for each of 2 axes; got 4"):
         follow(LINEAR, loop, two)
-    with pytest.raises(ValueError, match=r"^loop: all axes must share one tick"):
+    with pytest.raises(
+        ValueError, match=r"^loop: all axes must share one tick; got \[0\.\d+, 0\.01\] s\.$"
+    ):
         follow(LINEAR[0], [loop, Loop(10.0, 0.01)], two)
     forward = replace(loop, feedforward=1.0)
     with pytest.raises(ValueError, match=r"^slopes: a loop with feed-forward needs them"):
