@@ -76,6 +76,9 @@ def test_letters_are_written_where_the_scene_has_their_point(parallel):
     changed = np.argwhere(np.any(plain != lettered, axis=-1))
     red = np.argwhere(plain[..., 0] > plain[..., 1].astype(int) + 100)
     assert len(changed) and np.abs(changed.mean(axis=0) - red.mean(axis=0)).max() < 3
+    # A line leads to a letter that is far away, and to no other: seen with a letter that is blank.
+    led = [shot({" ": (place, (away, 0))}).max(axis=-1).min() < 80 for away in (-2, -3)]
+    assert led == [False, True]  # black is only in the line
     aside = shot({"M": (place, (4, 0))})
     assert aside.shape[1] > plain.shape[1]  # what stands beside the scene isn't cut off
 
