@@ -14,6 +14,7 @@ from tunneller_lib.__main__ import main, own_name, parser
 from tunneller_lib.job import WrongJob, read_job
 from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_tables import read_csv
+from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 
@@ -213,6 +214,18 @@ FILES = {"budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
          "section.dxf", "wall.vtp", "wall.stl", "wall.png"}  # fmt: skip
 
 
+def machine_stands_below(answer):
+    """Assert that what a machine has and needs follows what else people are told."""
+    assert answer["machine"] == []  # T0 has no cylinder
+    numbers = {name: value for name, value in answer.items() if name != "files"}
+    pump = {"what": "pump", "has": 2.5e-3, "needs": 1e-3, "unit": "m^3/s"}
+    plain, whole = (summary_text(numbers | {"machine": rows}).splitlines() for rows in ([], [pump]))
+    assert whole[: len(plain)] == plain
+    assert [line.split() for line in whole[len(plain) :]] == [
+        [], ["the", "machine", "has", "needs"], ["pump", "0.0025", "0.001", "m^3/s"]
+    ]  # fmt: skip
+
+
 def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     out = tmp_path / "cut"
     code, said, told = run(capsys, "cut", job({"# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3"}),
@@ -240,6 +253,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
                  "budget: source 9 of 9", "writing "):  # fmt: skip
         assert step in told
     assert answer["warnings"] == []
+    machine_stands_below(answer)
     about, columns = read_csv((out / "setvalues.csv").read_text())
     assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
     assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")

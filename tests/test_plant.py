@@ -203,6 +203,17 @@ def test_rate_uses_up_the_pressure_of_both_lands(axis):
             assert filled * first - emptied * second == pytest.approx(resisting, abs=1e-6)
 
 
+def test_valves_of_any_machine_are_taken():
+    """In SI units the smallest are near 1e-15 m^3/s/Pa^0.5."""
+    least = replace(PHI, flow=1e-15, damping=1e-12)
+    np.testing.assert_allclose(
+        least.rate(0.2, 1.0) / least.flow, replace(PHI, damping=1e-12).rate(0.2, 1.0) / PHI.flow,
+        rtol=1e-9,
+    )  # fmt: skip
+    with pytest.raises(ValueError, match=r"^flow: must be from 1e-15 to 1e\+15"):
+        replace(PHI, flow=9e-16)
+
+
 @every_axis
 @given(st.floats(-0.6, 0.6), st.floats(-1, 1))
 def test_command_inverts_the_rate(axis, angle, spool):
