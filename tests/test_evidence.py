@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.envelopes.evidence import zeros
+from tunneller_lib.envelopes.evidence import spread_in_two, zeros
 
 
 def touching(height):
@@ -33,3 +33,16 @@ def test_simple_zeros_lie_within_their_spread(off):
     known = ~np.isnan(angle)
     assert not several[known].any() and known.sum() == 100
     assert np.all(away[known] <= spread[known]) and np.all(spread[known] < 20 * off)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0])
+def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
+    s, t = size * np.random.default_rng(4).uniform(-1, 1, (2, 20))
+    angle = np.linspace(0, 5, 20)
+    normals = np.stack([s / size, t / size, np.full(20, 2.0)], axis=-1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    circle = np.stack([np.cos(angle), np.sin(angle), np.ones(20)], axis=-1) / np.sqrt(2)
+    assert spread_in_two(s, t, None) and spread_in_two(s, t, normals)
+    assert not spread_in_two(s, t, circle)
+    assert not spread_in_two(size * np.cos(angle), 2 * size * np.sin(angle), normals)
+    assert not spread_in_two(s, s * s / size, None)

@@ -126,3 +126,11 @@ def test_points_of_jets_broadcast_as_arrays_do():
     fifteen = np.arange(15.0)  # as many points as coefficients
     np.testing.assert_array_equal((x * fifteen).value, 0.4 * fifteen)
     np.testing.assert_array_equal((x * fifteen).derivative(1, 0), fifteen)
+
+
+@pytest.mark.parametrize("half_angle", [-0.1, 0.0, np.pi / 2, 1.6])
+def test_half_angles_lie_between_a_line_and_a_plane(half_angle):
+    with pytest.raises(
+        ValueError, match=r"^half_angle: must lie between 0 and pi/2, both left out"
+    ):
+        families.moving_cone(lambda t: None, half_angle)
