@@ -11,7 +11,8 @@ from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.jet import Jet
-from tunneller_lib.envelopes.steady import gradients
+from tunneller_lib.envelopes.rough import RUNS
+from tunneller_lib.envelopes.steady import gradients, steadiness
 
 
 @cache
@@ -57,6 +58,19 @@ def test_gradient_of_a_cylinders_radius_is_that_of_eqs_11_23_and_24(seed):
     f, angle = random_jet(np.random.default_rng(seed))
     exact = determinants("cylinder")(f, angle, 0.0)
     assert found("cylinder", f, angle) == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize(("kind", "power"), [("pipe", 1), ("cylinder", 1), ("cone", 0)])
+def test_errors_of_radii_are_lengths_and_those_of_half_angles_are_not(kind, power):
+    """The jet's unit is m: in a unit 1024 times smaller a radius has 1024 times the error."""
+    rng = np.random.default_rng(8)
+    f = np.repeat(random_jet(rng)[0].c, RUNS, axis=1) * (1 + 1e-9 * rng.normal(size=(21, RUNS)))
+    angle = np.array([[0.3, 0.3 + np.pi / 2]])
+    metre, smaller = (
+        steadiness(kind, Jet(scale * f), angle, 1.0, 0.0).off for scale in (1.0, 1024.0)
+    )
+    assert np.all(metre > 1e-12)
+    np.testing.assert_array_equal(smaller, metre * 1024.0**power)
 
 
 @pytest.mark.parametrize("size", [1e-8, 1e-6, 1e-4, 1e-2, 1.0])
