@@ -162,6 +162,15 @@ def test_the_example_of_a_call_is_answered(call):
     call(call.valid)
 
 
+@every_call
+def test_defaults_may_be_given_by_hand(call):
+    """What stands for an argument that is left out keeps the argument's rule itself."""
+    defaults = {name: about.default for name, about in call.parameters.items()
+                if about.default is not about.empty}  # fmt: skip
+    for name, default in defaults.items():
+        rule_of(call.parameters[name].annotation).check(name, default)
+
+
 class Hostile:
     """What numpy asks, it refuses; so it does to be shown."""
 

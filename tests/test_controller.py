@@ -237,6 +237,20 @@ def test_structured_text_has_the_same_statements_as_the_c99(texts):
     assert found.count("END_CONFIGURATION") == 1 and "FastTask WITH Fast : PRG_Fast" in found
 
 
+@pytest.mark.parametrize("text_of", [c99_text, structured_text_of, plcopen_xml])
+def test_texts_are_of_programs(text_of):
+    with pytest.raises(ValueError, match=r"^controller: must be of class Program; got "):
+        text_of({"parts": 1})
+
+
+def test_programs_are_of_plans_and_jobs():
+    planned = job("T0").planned
+    with pytest.raises(ValueError, match=r"^job: must be of class Job; got "):
+        program(planned, planned)
+    with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got "):
+        program(None, job("T0"))
+
+
 def test_structured_text_is_balanced_and_its_identifiers_short_and_free(texts):
     found = re.sub(r"\(\*.*?\*\)", "", structured_text_of(texts), flags=re.S)
     words = re.findall(r"\b(?:END_)?IF\b", found)
