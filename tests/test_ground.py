@@ -144,6 +144,10 @@ def test_each_loss_changes_the_motion_and_vanishes_with_its_size(part):
     assert full > 1e-6 and tiny < 1e-5 * full + 1e-12
 
 
+def test_no_push_is_nothing_of_all():
+    assert Push() == Push(torque=(0.0, 0.0), damper=0.0, lever=(0.0, 0.0), across=(0.0, 0.0))
+
+
 def test_energy_that_the_pump_gives_is_found_again():
     push = Push(damper=4000.0, lever=(0.88, 0.80), across=(0.3, -0.2), torque=(50.0, 0.0))
     track = follow(OILY, LOOP, RAMP, slopes=SLOPES, arm=ARM, push=lambda *_: push)

@@ -334,6 +334,8 @@ def test_polylines_refuse_what_does_not_fit():
     for knots, ticks in [([[0], [1]], [1, 2]), ([0, 1], [1]), ([[0]], []), ([[0], [1]], 3)]:
         with pytest.raises(ValueError, match=r"^(knots|ticks): must"):
             polyline(knots, ticks)
+    with pytest.raises(ValueError, match=r"segments; got \(3, 2\) for \(3,\)\.$"):
+        polyline(np.zeros((3, 2), int), [1, 2, 3])
     with pytest.raises(ValueError, match=r"^ticks: must hold whole numbers from 1"):
         polyline([[0], [1]], [0])
     with pytest.raises(ValueError, match=r'^tie: must be "up" or "down"; got'):
