@@ -1,5 +1,7 @@
 """Clearance in closed form against samples of the arm, the section and a grid of intervals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -44,6 +46,15 @@ def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
     cutter = EGG.depth(ends[1][:, 1], ends[1][:, 2]) - REFERENCE_MACHINE.cutter_radius
     np.testing.assert_allclose(found.cutter, cutter, atol=1e-9)
     assert found.cutter == pytest.approx(-REFERENCE_MACHINE.depth)
+
+
+@pytest.mark.parametrize(("lowest", "highest"), [(-0.3, 0.5), (-0.9, 0.2), (0.1, 0.4)])
+def test_joint_near_the_roof_decides(lowest, highest):
+    machine = replace(REFERENCE_MACHINE, height=0.35)
+    found = circuit_clearance(machine, EGG, lowest, highest, 0.0).arm
+    heights = machine.height - machine.r * np.sin(np.linspace(lowest, highest, 101))
+    assert found == pytest.approx(EGG.depth(np.zeros(101), heights).min(), abs=1e-12)
+    assert found < 0.9 * machine.offset
 
 
 def test_circuit_clearance_takes_a_quarter_turn_each_way():

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Loop, reference_axes
+from tunneller_lib.motion import Compressible, Lag, Loop, reference_axes
+from tunneller_lib.motion.sizing import usual_sizes
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits
-from tunneller_lib.ream.margins import gain_margins
+from tunneller_lib.ream import Limits, plan
+from tunneller_lib.ream.ground_faults import ground_fault
+from tunneller_lib.ream.margins import capability, gain_margins
+from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -33,6 +36,24 @@ def test_margins_are_of_gain_and_resonance_of_each_joint():
         assert resonance.enough == (share < 1)
         limit = found[f"gain of {name}"]
         assert limit.needs == gain and 0 < limit.has < 1000 and limit.enough == (limit.has > gain)
+
+
+def test_only_axes_with_cylinders_have_margins():
+    planned = plan(CIRCUIT, Limits(feed=0.2, acceleration=1.0), tolerance=1e-2)
+    loop = (Loop(8.0, planned.tick),) * 2
+    lag = (Lag(0.5, 0.02),) * 2
+    with pytest.raises(ValueError, match=r"^plant: must be of class Rigid or Compressible, which"):
+        capability(planned, lag, loop, usual_sizes(REFERENCE_MACHINE))
+    with pytest.raises(ValueError, match=r"^plant: must be of class Compressible, .* got Lag and"):
+        ground_fault(planned, lag, loop, Ground(2e7, 2.0))
+
+
+def test_lengths_of_way_are_numbers():
+    route = plan(CIRCUIT, Limits(feed=0.2, acceleration=1.0), tolerance=1e-2).route
+    assert route.length_at(0.0) == 0
+    for place in (None, "x", np.nan):
+        with pytest.raises(ValueError, match=r"^place: must "):
+            route.length_at(place)
 
 
 @pytest.mark.parametrize("number", [0.0, -1.0, [1.0, 2.0]])

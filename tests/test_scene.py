@@ -1,9 +1,12 @@
 """Scenes: meshes where they are meant, and what happens where nothing can be drawn or turned."""
 
+import inspect
+
 import numpy as np
 import pytest
 
-from tunneller_lib.reporting import camera, gl, machine_scene, scene
+from tunneller_lib.arguments import rule_of
+from tunneller_lib.reporting import camera, gl, machine_scene, scene, tunnel_scene
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 
@@ -108,3 +111,15 @@ def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend,
     picture = camera.shoot(plotter)
     assert bool(shown) is turned
     assert picture.ndim == 3 and (picture != 255).any()
+
+
+@pytest.mark.parametrize("module", [camera, machine_scene, scene, tunnel_scene])
+def test_every_argument_of_what_draws_in_space_says_what_it_may_be(module):
+    own = [
+        one for one in vars(module).values() if getattr(one, "__module__", "") == module.__name__
+    ]
+    found = [one for one in own if hasattr(one, "unchecked")]
+    assert found
+    for one in found:
+        for name, about in inspect.signature(one).parameters.items():
+            assert rule_of(about.annotation).says != "object", f"{one.__name__}: {name}"
