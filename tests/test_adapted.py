@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, model_jet
 
 S, T = np.random.default_rng(3).uniform(0.2, 0.8, (2, 40))
 SURFACES = {
@@ -30,3 +30,17 @@ def test_graph_in_its_own_frame_has_neither_height_nor_slope(model):
     f = isotropic_jet(frames, slice(None))
     np.testing.assert_array_equal(f.c[:3], 0)
     assert np.all(np.abs(f.c[3:6]).max(axis=0) > 1e-2)  # but it bends
+
+
+def test_surfaces_without_a_graph_are_refused():
+    def flat(s, t):
+        return [s, t, s + 2 * t]
+
+    def kinked(s, t):
+        return [s, t, np.sqrt((s - 0.5) ** 2) + s * t]
+
+    for surface, places in ((flat, S), (kinked, np.full(40, 0.5))):
+        with pytest.raises(
+            ValueError, match=r"^surface: must be smooth at every point, of a Gaussi"
+        ):
+            model_jet(surface, places, T)

@@ -24,6 +24,14 @@ def cloud(seed, n=400):
     return rng.uniform([-10, -10, -2], [10, 10, 2], (n, 3))
 
 
+def test_mills_reach_from_their_tip_to_the_end_of_their_shank():
+    for cutter in (CUTTERS["ball"], CUTTERS["flat"], CUTTERS["drill"]):
+        along = [part.meet_line((0, 0, 100), (0, 0, 1)) for part in cutter.parts]
+        heights = 100 + np.array([(low, high) for low, high in along])
+        assert heights.min() == pytest.approx(0, abs=1e-12)
+        assert heights.max() == pytest.approx(20)
+
+
 @every_cutter
 def test_cutter_comes_to_rest_on_a_point(cutter):
     # Where it rests no point is inside, and a little lower one is.

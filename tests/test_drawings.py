@@ -218,6 +218,11 @@ def test_shadow_is_a_rectangle_between_two_ellipses(ax):
     assert {lower.height, upper.height} == {1.0} and {lower.width, upper.width} == {0.3}
 
 
+def test_shadow_leans_to_one_side_only(ax):
+    with pytest.raises(ValueError, match=r"^tilt: must be one finite number, not below zero"):
+        rod_plot.draw_shadow(ax, 0.5, 2.0, -0.3)
+
+
 def test_two_balls_leave_a_bowl_and_a_ring(ax):
     radius, advance = 0.5, 0.2
     areas = rod_plot.draw_two_balls(ax, radius, advance)

@@ -9,6 +9,7 @@ import PIL.Image
 import pytest
 
 from tunneller_lib.reporting import Record, figure, preview
+from tunneller_lib.reporting.number_format import decimals_of
 from tunneller_lib.reporting.record import PREVIEW, PRINTED
 
 
@@ -209,3 +210,9 @@ def test_preview_is_what_matplotlib_saves():
     pictures = [np.asarray(PIL.Image.open(io.BytesIO(content)))
                 for content in (saved.getvalue(), preview(drawn()).data)]  # fmt: skip
     assert np.array_equal(*pictures)
+
+
+def test_decimals_of_significant_digits():
+    found = [decimals_of(value, 3) for value in (12345.678, -99.95, 1.0, 0.0042, 0.0)]
+    assert found == [-2, 1, 2, 5, 0]
+    assert decimals_of(12.3, None) == 0
