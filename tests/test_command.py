@@ -16,6 +16,7 @@ from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
+from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
 
 READS = ["notebooks/reference.toml"]
@@ -283,7 +284,11 @@ def test_cut_warns_of_rays_too_far_apart(capsys, job, tmp_path):
     assert code == 0
     # Half a groove is half a chord of the ball; the section's length goes by twelve.
     assert around == "[wall] around: 12 rays are 330 mm apart, and half a groove is 87 mm wide."
-    assert along.startswith("[wall] along: 3 rays are ")
+    # The ground reaches from the first place of the cutter to the last, and a radius on.
+    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    at = circuit.point(np.linspace(0, circuit.profile.perimeter, 2001))
+    apart = (np.ptp(at[:, 0]) + 2 * REFERENCE_MACHINE.cutter_radius) / 3
+    assert along.startswith(f"[wall] along: 3 rays are {1e3 * apart:.0f} mm apart")
 
 
 def test_cut_refuses_an_integral_before_it_plans(capsys, job, tmp_path):
