@@ -44,7 +44,7 @@ UNREAD = {
     r"[=<>]=?$|^<=": "the beginning of a sentence's number",
     r"!=|plus\.minus|d_\+| : ": "signs that no display has",
     r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "other words",
-    r"bold\([a-z]\)[_']": "a vector with an index or a dash",
+    r"bold\([a-z]+\)[_']": "a vector with an index or a dash",
     r"\b[A-Z]\(": "a letter before a parenthesis: a function, or a product without a blank",
     r"''": "a second derivative",
     r"dot \[|[afg]\([rx]\b|\) t\^": "a product or function that could be read in two ways",
@@ -119,15 +119,15 @@ def line_through_a_torus(rng):
                      **numbered("T", quartic.coef, 0)}  # fmt: skip
 
 
-@world("V_C + V_R = V_L = pi R^2 c")
+@world("V_C + V_R = V_L = pi B^2 c")
 def bowl_and_ring(rng):
-    R, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
-    cylinder = Rod((0, 0, 0), (0, 0, c), R)
-    x, y = np.meshgrid(*[(np.arange(400) + 0.5) * R / 200 - R] * 2)
+    B, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
+    cylinder = Rod((0, 0, 0), (0, 0, c), B)
+    x, y = np.meshgrid(*[(np.arange(400) + 0.5) * B / 200 - B] * 2)
     lines = np.stack([x, y, 0 * x], axis=-1)
     enter, leave = cylinder.meet_line(lines, (0, 0, 1))
-    volume = np.sum(np.where(enter < leave, leave - enter, 0)) * (R / 200) ** 2
-    return {"R": R, "c": c, "V_C": float(bowl(R, c)), "V_R": float(ring(R, c)),
+    volume = np.sum(np.where(enter < leave, leave - enter, 0)) * (B / 200) ** 2
+    return {"B": B, "c": c, "V_C": float(bowl(B, c)), "V_R": float(ring(B, c)),
             "V_L": float(volume), "tolerance": 1e-4}  # fmt: skip
 
 
@@ -163,10 +163,10 @@ def below_the_limit_of_a_resonance(rng):
     return {"K_v": 0.999 * limit, "zeta": zeta, "omega_h": omega, "outside": outside}
 
 
-@world(r"h = R - sqrt(R^2 - p^2 \/ 4)")
+@world(r"h = B - sqrt(B^2 - p^2 \/ 4)")
 def cusp_between_passes(rng):
-    R, p = rng.uniform(0.1, 0.3), rng.uniform(0.02, 0.1)
-    return {"h": float(scallop_height(R, p)), "R": R, "p": p}
+    B, p = rng.uniform(0.1, 0.3), rng.uniform(0.02, 0.1)
+    return {"h": float(scallop_height(B, p)), "B": B, "p": p}
 
 
 @world("h = |(v_x, v_y)|", r"e = v_z \/ |bold(v)|", "w = sqrt((r - s)(r + s))", "k = e w")

@@ -109,7 +109,7 @@ def copy(tmp_path):
         ('#rows-of("tunneller", "right")', "The ledger has no verdict 'right'."),
         ('#tab("a", "it")', "Notebook a records nothing named 'it' among its tables."),
         ('#fig("a", "it", [])', "Notebook a records nothing named 'it' among its figures."),
-        ('#mark("eq99")', "The ledger has no row 'eq99'."),
+        ('#verdicts-of("eq99")', "The ledger has no row 'eq99'."),
         ('#text(font: "No Such Font")[a]', "unknown font family"),
     ],
 )

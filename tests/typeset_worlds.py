@@ -113,9 +113,12 @@ def on_cyclide(rng, w=None):
     square = x * x + y * y + z * z
     found = np.linalg.lstsq(np.transpose(terms), -((square - rho**2) ** 2), rcond=None)[0]
     w = rng.uniform(1.5, 2) if w is None else w  # homogeneous: any multiple is the same point
-    names = ["k_" + "".join(map(str, power)) for power in powers]
-    return {**dict(zip(names, found, strict=True)), "w": w, "x": w * x[0], "y": w * y[0],
-            "z": w * z[0], "rho": rho, "tolerance": 1e-8}  # fmt: skip
+    coefficients = {
+        letter + "_" + "".join(map(str, power)): value
+        for letter in "ck" for power, value in zip(powers, found, strict=True)
+    }  # fmt: skip
+    return {**coefficients, "w": w, "x": w * x[0], "y": w * y[0], "z": w * z[0],
+            "mu": rho, "rho": rho, "tolerance": 1e-8}  # fmt: skip
 
 
 @worlds("eq03/case", count=2)
@@ -283,8 +286,8 @@ def swung_across(rng):
     ahead = np.cross(law.pole, first)
 
     def push(s):
-        m = first * np.cos(s) + ahead * np.sin(s)
-        return m / np.hypot(m[0], m[2]) * [1, 0, 1] @ law.pole, m[1]
+        normal = first * np.cos(s) + ahead * np.sin(s)
+        return normal / np.hypot(normal[0], normal[2]) * [1, 0, 1] @ law.pole, normal[1]
 
     def rates(s, state):  # of two swings: driven from rest, and free
         return [state[1], push(s)[0] - state[0], state[3], -state[2]]
@@ -293,9 +296,9 @@ def swung_across(rng):
     s = share * law.angle
     at, end = solve_ivp(rates, (0, law.angle), [0, 0, 0, 1], t_eval=(s, law.angle),
                         method="DOP853", rtol=1e-12, atol=1e-14).y[[0, 2]].T  # fmt: skip
-    psi, m_y = push(s)
-    return {"b_y": law.pole[1], "m_y": m_y, "psi": psi, "Theta": float(law.angle), "s": s,
-            "g": float(law.gap([share])[0]), "w": at[0] - end[0] / end[1] * at[1]}  # fmt: skip
+    psi, nu_y = push(s)
+    return {"b_y": law.pole[1], "nu_y": nu_y, "psi": psi, "Theta": float(law.angle), "s": s,
+            "delta": float(law.gap([share])[0]), "w": at[0] - end[0] / end[1] * at[1]}  # fmt: skip
 
 
 # ---- the volume of a cut --------------------------------------------------------------------
@@ -303,35 +306,35 @@ def swung_across(rng):
 
 @worlds("eq12")
 def lens(rng):
-    R = rng.uniform(0.5, 1.5)
-    c = R * rng.uniform(0.2, 1)
-    return {"R": R, "c": c, "V_D": float(half_lens(R, c))}
+    B = rng.uniform(0.5, 1.5)
+    c = B * rng.uniform(0.2, 1)
+    return {"B": B, "c": c, "V_D": float(half_lens(B, c))}
 
 
 @worlds("groove-area")
 def groove(rng):
-    R, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
-    g = R * rng.uniform(0.1, 0.6)
-    area = 2 * quad(lambda x: np.sqrt(R * R - x * x), R - g, R)[0]
-    return {"R": R, "c": c, "g": g, "A": area, "V": float(removed_volume(R, c, g)),
-            "V_C": float(bowl(R, c)), "V_R": float(ring(R, c)), "tolerance": 1e-8}  # fmt: skip
+    B, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
+    g = B * rng.uniform(0.1, 0.6)
+    area = 2 * quad(lambda x: np.sqrt(B * B - x * x), B - g, B)[0]
+    return {"B": B, "R": B, "c": c, "g": g, "A": area, "V": float(removed_volume(B, c, g)),
+            "V_C": float(bowl(B, c)), "V_R": float(ring(B, c)), "tolerance": 1e-8}  # fmt: skip
 
 
 @worlds("groove-round-wall")
 def groove_in_a_round_wall(rng):
-    R, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
-    g, W = R * rng.uniform(0.1, 0.6), R * rng.uniform(1.5, 3)
-    return {"R": R, "c": c, "g": g, "W": W, "A": float(groove_area(R, g)),
-            "V": float(removed_volume(R, c, g, wall=W))}  # fmt: skip
+    B, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
+    g, W = B * rng.uniform(0.1, 0.6), B * rng.uniform(1.5, 3)
+    return {"B": B, "c": c, "g": g, "W": W, "A": float(groove_area(B, g)),
+            "V": float(removed_volume(B, c, g, wall=W))}  # fmt: skip
 
 
 @worlds("groove-pitch")
 def groove_beside_another(rng):
-    R = rng.uniform(0.5, 1.5)
-    g, p = R * rng.uniform(0.3, 0.6), R * rng.uniform(0.2, 0.5)
-    area = quad(lambda x: np.sqrt(R * R - x * x) - (R - g), -p / 2, p / 2)[0]
-    assert np.isclose(area, groove_area(R, g, pitch=p), rtol=1e-12)
-    return {"R": R, "g": g, "p": p, "A": area}
+    B = rng.uniform(0.5, 1.5)
+    g, p = B * rng.uniform(0.3, 0.6), B * rng.uniform(0.2, 0.5)
+    area = quad(lambda x: np.sqrt(B * B - x * x) - (B - g), -p / 2, p / 2)[0]
+    assert np.isclose(area, groove_area(B, g, pitch=p), rtol=1e-12)
+    return {"B": B, "g": g, "p": p, "A": area}
 
 
 # ---- the cone -------------------------------------------------------------------------------
@@ -410,21 +413,21 @@ def on_chord(rng, chord=None):
 
 @worlds("integer-line", count=60)
 def counted_line(rng):
-    N, D = int(rng.integers(5, 40)), int(rng.integers(-90, 90))
-    start, n = int(rng.integers(-20, 20)), int(rng.integers(1, N))
-    q, r = divmod(D, N)
-    y = time_bresenham(start, start + D, N)[n]
-    return {"y_n": int(y), "y_1": start, "n": n, "N": N, "q": q, "r": r}
+    J, D = int(rng.integers(5, 40)), int(rng.integers(-90, 90))
+    start, j = int(rng.integers(-20, 20)), int(rng.integers(1, J))
+    q, p = divmod(D, J)
+    y = time_bresenham(start, start + D, J)[j]
+    return {"y_j": int(y), "y_1": start, "j": j, "J": J, "q": q, "p": p}
 
 
 @worlds("rounding-harmonics", count=8)
 def harmonic(rng):
-    N = int(rng.choice([7, 11, 13, 16, 25]))
-    D = int(rng.choice([d for d in range(2, 60) if np.gcd(d, N) == 1 and d % N > 1]))
-    error = time_bresenham(0, D, N)[:-1] - np.arange(N) * D / N
-    k = int(rng.integers(1, N // 2 + 1))
-    s = next(s for s in range(N) if (s * D - k) % N == 0)
-    return {"e_k": np.fft.fft(error)[k] / N, "N": N, "r": D % N, "k": k, "s": s}
+    J = int(rng.choice([7, 11, 13, 16, 25]))
+    D = int(rng.choice([d for d in range(2, 60) if np.gcd(d, J) == 1 and d % J > 1]))
+    error = time_bresenham(0, D, J)[:-1] - np.arange(J) * D / J
+    k = int(rng.integers(1, J // 2 + 1))
+    h = next(h for h in range(J) if (h * D - k) % J == 0)
+    return {"e_k": np.fft.fft(error)[k] / J, "J": J, "p": D % J, "k": k, "h": h}
 
 
 @worlds("ripple")
@@ -468,13 +471,13 @@ def reference_circuit():
     return cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
 
 
-def cusp(rho, R, tan, p):
+def cusp(rho, B, tan, p):
     """Return the height of the cusp between balls that run two leaning turns of radius rho."""
 
     def missing(angle):
         beside = p / 2 - rho * angle * tan
-        return rho + R - rho * np.cos(angle) - np.sqrt(
-            R * R - beside**2 - (rho * np.sin(angle)) ** 2)  # fmt: skip
+        return rho + B - rho * np.cos(angle) - np.sqrt(
+            B * B - beside**2 - (rho * np.sin(angle)) ** 2)  # fmt: skip
 
     return minimize_scalar(missing, (0, p), tol=1e-14).fun
 
@@ -485,14 +488,14 @@ def passes(rng):
         circuit, s, p = reference_circuit(), rng.uniform(0.05, 0.2), 0.04
         step = np.diff(circuit.in_tunnel(circuit.point([s - 1e-4, s + 1e-4])), axis=0)[0]
         tan, rho = step[0] / np.hypot(*step[1:]), 1 / circuit.profile.curvature(s)
-        R, found = REFERENCE_MACHINE.cutter_radius, float(pass_distance(circuit, s, p))
+        B, found = REFERENCE_MACHINE.cutter_radius, float(pass_distance(circuit, s, p))
     else:
-        rho, R, tan, p = rng.uniform((0.5, 0.5, 0.4, 1), (1, 1, 0.9, 2))
-        # To second order in the pitch, so its limit; h = p'^2 / (8 R) defines p'.
-        a, b, c = (cusp(rho, R, tan, size) / size**2 for size in (0.08, 0.04, 0.02))
+        rho, B, tan, p = rng.uniform((0.5, 0.5, 0.4, 1), (1, 1, 0.9, 2))
+        # To second order in the pitch, so its limit; h = p'^2 / (8 B) defines p'.
+        a, b, c = (cusp(rho, B, tan, size) / size**2 for size in (0.08, 0.04, 0.02))
         first, second = (4 * b - a) / 3, (4 * c - b) / 3
-        found = p * np.sqrt(8 * R * (16 * second - first) / 15)
-    return {"p'": found, "p": p, "beta": np.arctan(tan), "rho": rho, "R": R, "tolerance": 1e-6}
+        found = p * np.sqrt(8 * B * (16 * second - first) / 15)
+    return {"p'": found, "p": p, "beta": np.arctan(tan), "rho": rho, "B": B, "tolerance": 1e-6}
 
 
 # ---- a line against a cylinder --------------------------------------------------------------

@@ -13,7 +13,8 @@ import re
 from typing import NamedTuple
 
 LETTERS = {
-    *"alpha beta epsilon theta kappa lambda nu rho sigma tau phi phi.alt psi omega zeta".split(),
+    *"alpha beta chi delta epsilon theta kappa lambda mu nu rho sigma tau phi phi.alt psi".split(),
+    *"omega zeta".split(),
     *"Theta Phi".split(),
 }
 PLAIN = set("sin cos tan arcsin arccos arctan".split())  # may stand without parentheses
