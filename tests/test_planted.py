@@ -8,13 +8,18 @@ import matplotlib
 import nbformat
 import numpy as np
 import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
 import pytest
+from matplotlib import font_manager
 from nbformat.v4 import new_code_cell, new_notebook
 
 from report.compare import Text, difference, picture_difference
 from report.execute import run_notebook
 from report.sources import ROOT, notebook_sources
 from tunneller_lib.reporting import COLOURS, figure
+
+READS = ["figures/circuit_tunnel.png"]
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
 
@@ -91,6 +96,36 @@ def test_edges_of_a_scene_may_lie_a_pixel_aside(tmp_path, edge, height, equal):
         PIL.Image.fromarray(pixels).save(tmp_path / name)
     same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
     assert (same is None) is equal
+
+
+@pytest.mark.parametrize(("letters", "equal"), [("", True), (".", True), ("P", False)])
+def test_letter_in_a_scene_is_noticed(tmp_path, letters, equal):
+    """A P of 8 points at 300 dpi: of the scene's pixels it changes a part in two thousand."""
+    (tmp_path / "new").mkdir()
+    scene = PIL.Image.open(ROOT / "figures" / "circuit_tunnel.png").convert("RGB")
+    scene.save(tmp_path / "a.png")
+    font = PIL.ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 33)
+    PIL.ImageDraw.Draw(scene).text((300, 300), letters, fill=(30, 30, 30), font=font)
+    scene.save(tmp_path / "new" / "a.png")
+    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
+    assert (same is None) is equal
+    assert equal or "about pixel (3" in same
+
+
+def test_scattered_pixels_of_a_scene_may_differ(tmp_path):
+    """As many as another version of the GL library changes, strewn over lines and seams."""
+    (tmp_path / "new").mkdir()
+    scene = PIL.Image.open(ROOT / "figures" / "circuit_tunnel.png").convert("RGB")
+    scene.save(tmp_path / "a.png")
+    pixels = np.array(scene)
+    rng = np.random.default_rng(7)
+    rows, columns = rng.integers(0, pixels.shape[:2], (150, 2)).T
+    for step in range(4):  # short strokes, two pixels wide
+        for wide in range(2):
+            place = (rows + wide) % len(pixels), (columns + step) % pixels.shape[1]
+            pixels[place] = 255 - pixels[place]
+    PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
+    assert picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png") is None
 
 
 @pytest.mark.parametrize(
