@@ -30,7 +30,7 @@ ASIDE = 1  # px
 SHARE = 0.005  # of a scene's pixels may differ by more than SEEN
 # Such pixels are scattered, a letter's lie together. In a square of 32 x 32 two drivers of Mesa,
 # one without its smoothing of edges, differ in up to 64; a P of 8 points fills 280.
-SQUARE, CROWD = 32, 128
+SQUARE, CROWD = 32, 200
 BLANK = (  # a white pixel
     b"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N"
     b"70a4AAAAAElFTkSuQmCC"
