@@ -180,6 +180,19 @@ def test_claims_without_a_record_are_noticed(text, words):
     assert claims(text) == words
 
 
+VERDICTS = re.compile(r'#verdicts-of\("[^)]*\)(?!\]?\s*(\n\n|\n- |$))')
+
+
+@pytest.mark.parametrize("file", RUNNING)
+def test_verdicts_stand_at_the_end_of_a_paragraph(file):
+    assert [match[0] for match in VERDICTS.finditer(RUNNING[file])] == []
+
+
+def test_verdict_within_a_paragraph_is_noticed():
+    assert VERDICTS.search('It holds, #verdicts-of("eq05") as printed.')
+    assert not VERDICTS.search('It holds. #verdicts-of("eq05", "eq06")\n\nThe next.')
+
+
 def test_section_of_rods_says_how_many_lines_its_tests_try():
     said = worded(TEXTS["rods"])
     usual, judged = 2 * len(GENERATORS) * 40_000, 2 * len(GENERATORS) * 4_000
