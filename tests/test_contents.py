@@ -1,16 +1,20 @@
 """The index: every chapter in a part, every number a recorded one."""
 
+import base64
+import io
 import json
 import re
 import tomllib
+from itertools import chain
 
+import PIL.Image
 import pytest
 
 from report.sources import INDEX, ROOT, notebooks
 from tunneller_lib.reporting import Record, contents_table, draw_map, ending, figure
 from tunneller_lib.reporting.chapters import filled, printed, read_chapters
 
-READS = ["notebooks/*", "report/numbers/*"]
+READS = ["notebooks/*", "report/numbers/*", "tests/test_*.py"]
 
 FOLDER = ROOT / "notebooks"
 CONTENTS = tomllib.loads((FOLDER / "contents.toml").read_text())
@@ -54,20 +58,83 @@ def test_ending_tells_the_finding_and_the_ways_on(monkeypatch):
     text = ending(Record("08_cone")).data
     assert read_chapters(FOLDER)[7].found in text
     assert re.findall(r"\]\((\w+)\.ipynb\)", text) == ["00_index", "07_chord", "09_geodesic"]
+    own = ending(Record("08_cone"), "It is {excess} longer.").data
+    assert re.match(r"It is [\d.]+\S* \S+ longer\.\n", own) or "{" not in own
     first, last = (ending(Record(CHAPTERS[i].stem)).data for i in (0, -1))
     assert first.count(".ipynb)") == last.count(".ipynb)") == 2
 
 
-@pytest.mark.parametrize("notebook", CHAPTERS, ids=lambda n: n.stem)
-def test_every_chapter_keeps_the_same_order(notebook):
+def sources(notebook):
+    """Return what its author wrote in each cell of a notebook."""
+    return ["".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"]]
+
+
+def titles(notebook):
+    return re.findall(r"^## .*", "\n".join(sources(notebook)), re.M)
+
+
+def outputs(notebook):
+    """Return the data of every output, of each code cell a list."""
     cells = json.loads(notebook.read_text())["cells"]
-    texts = ["".join(cell["source"]) for cell in cells]
+    every = [cell["outputs"] for cell in cells if cell["cell_type"] == "code"]
+    return [[o.get("data", {"text/plain": o.get("text")}) for o in cell] for cell in every]
+
+
+NUMBERS = "## Numbers for the report"  # the block at the end of what is still a lab's record
+STORIES = [n for n in CHAPTERS if NUMBERS not in titles(n)]
+ESSAYS = [n for n in STORIES if int(n.stem[:2]) > 60]
+TAUGHT = [n for n in STORIES if n not in ESSAYS]
+
+
+@pytest.mark.parametrize("notebook", CHAPTERS, ids=lambda n: n.stem)
+def test_every_chapter_begins_and_ends_alike(notebook):
+    texts = sources(notebook)
     assert texts[0].index("**You will see**") < texts[0].index("**You need**")
-    assert [cell["cell_type"] for cell in cells[1:3]] == ["code", "code"]  # imports, sizes
-    titles = [text.split("\n")[0] for text in texts if text.startswith("## ")]
-    assert titles[-2:] == ["## Numbers for the report", "## What came out"]
-    assert "## Checks" not in titles[:-3]
-    assert texts[-1] == "ending(record)"
+    assert titles(notebook)[-1] == "## What came out"
+    assert re.match(r"ending\(\s*record\b", texts[-1])
+
+
+@pytest.mark.parametrize("notebook", STORIES, ids=lambda n: n.stem)
+def test_story_begins_with_a_picture(notebook):
+    assert any("image/png" in data for data in outputs(notebook)[0])
+
+
+@pytest.mark.parametrize("notebook", ESSAYS, ids=lambda n: n.stem)
+def test_essay_begins_with_a_small_picture_that_moves(notebook):
+    [content] = [base64.b64decode(data["image/png"]) for data in outputs(notebook)[0]]
+    with PIL.Image.open(io.BytesIO(content)) as picture:
+        assert picture.n_frames > 10
+    assert len(content) < 300_000
+
+
+@pytest.mark.parametrize("notebook", TAUGHT, ids=lambda n: n.stem)
+def test_story_has_questions_exercises_and_ways_on(notebook):
+    parts = titles(notebook)
+    assert parts[-4:] == ["## By hand", "## Two exercises", "## Where to read on",
+                          "## What came out"]  # fmt: skip
+    prose = "\n".join(sources(notebook))
+    questions = prose[prose.index("## By hand") : prose.index("## Two exercises")]
+    assert questions.count("<details>") >= 2
+    assert len(re.findall(r"^def check_", prose, re.M)) == 2
+    reading = prose[prose.index("## Where to read on") :]
+    assert "](https://" in reading and "](../tests/" in reading
+
+
+@pytest.mark.parametrize("notebook", STORIES, ids=lambda n: n.stem)
+def test_story_shows_no_number_without_its_name(notebook):
+    for data in chain(*outputs(notebook)):
+        if "image/png" not in data and "text/markdown" not in data:
+            for line in "".join(data.get("text/plain", "")).splitlines():
+                assert not re.match(r"\W*(at most )?\d|\W*(less|greater)\b", line), line
+
+
+@pytest.mark.parametrize("notebook", STORIES, ids=lambda n: n.stem)
+def test_links_of_a_story_lead_somewhere(notebook):
+    text = "\n".join(sources(notebook))
+    for file, _, function in re.findall(r"\]\(\.\./(tests/\w+\.py)(#(\w+))?\)", text):
+        assert f"def {function}(" in (ROOT / file).read_text(), function
+    for file in re.findall(r"\]\((\w+\.ipynb)\)", text):
+        assert (FOLDER / file).exists(), file
 
 
 def test_draw_map_draws_parts_with_chapters():

@@ -13,6 +13,7 @@ from tunneller_lib.paths import ConeChord
 from tunneller_lib.reporting import (
     cone_plot,
     figure,
+    geodesic_plot,
     machine_plot,
     motion_plot,
     path_plot,
@@ -327,3 +328,39 @@ def test_scheme_has_each_word_in_a_block_of_its_own(ax):
             box.x0 - 1e-9 <= x <= box.x1 + 1e-9 and box.y0 - 1e-9 <= y <= box.y1 + 1e-9
             for box in boxes
         )
+
+
+# ---- why a geodesic is the shortest way ------------------------------------------------------
+
+
+def test_half_swings_fall_to_that_of_the_outer_equator(ax):
+    lines = geodesic_plot.draw_half_swings(ax, [TORUS, RING])
+    for line, torus in zip(lines, (TORUS, RING), strict=True):
+        turned = line.get_ydata()
+        assert np.all(np.diff(turned) < 0)
+        assert turned[-1] == pytest.approx(180 / np.sqrt(1 + torus.r / torus.R), rel=1e-9)
+
+
+def test_arrivals_grow_with_the_direction(ax):
+    first, second = geodesic_plot.draw_arrivals(ax, RING, (0.0, 0.8), -0.3)
+    assert np.all(np.diff(first.get_xdata()) < 0) and np.all(np.diff(first.get_ydata()) > 0)
+    later = np.interp(second.get_xdata()[::-1], first.get_xdata()[::-1], first.get_ydata()[::-1])
+    assert np.all(second.get_ydata()[::-1] > later)
+
+
+def test_mirrored_way_has_a_corner_opposite_its_beginning(ax):
+    begin, end = (0.0, 0.8), (2.6, -0.3)
+    way, image = geodesic_plot.draw_mirrored(ax, RING, begin, end)
+    np.testing.assert_allclose(way.get_xydata()[0], np.degrees(begin), atol=1e-6)
+    np.testing.assert_allclose(way.get_xydata()[-1], np.degrees(end) - [360, 0], atol=1e-6)
+    np.testing.assert_allclose(image.get_xydata()[-1], np.degrees(end), atol=1e-6)
+    theta = image.get_xdata()
+    corner = np.argmax(theta)
+    assert 170 < theta[corner] <= 180 and np.all(np.diff(theta[:corner]) > 0)
+    assert np.all(np.diff(theta[corner + 1 :]) < 0)
+
+
+def test_mirrored_way_has_ends_within_half_a_turn(ax):
+    for begin, end in (((0.1, 0.8), (2.6, -0.3)), ((0.0, 0.8), (3.7, -0.3))):
+        with pytest.raises(ValueError, match=r"^begin, end: must have theta 0, and one between"):
+            geodesic_plot.draw_mirrored(ax, RING, begin, end)

@@ -49,7 +49,7 @@ def stored(root):
     ],
 )
 def test_number_is_printed_with_its_digits(record, root, value, digits, text):
-    assert record("it", value, "m", digits=digits) == f"{text} m"
+    assert record("it", value, "m", digits=digits) == f"it: {text} m"
     assert stored(root)["numbers"]["it"]["text"] == text
 
 
@@ -79,7 +79,8 @@ def test_number_is_refused(record, root, value, options, message):
 
 def test_bound_is_stored_and_not_the_value(record, root):
     for residual in (3e-14, 0.0, 1e-12):
-        assert record("residual", residual, "", below=1e-12) == "at most 1e-12"
+        shown = record("residual", residual, "", below=1e-12)
+        assert shown == repr(shown) == "residual: at most 1e-12"
     assert stored(root)["numbers"]["residual"] == {"bound": 1e-12, "text": "1e-12", "unit": ""}
 
 
@@ -88,7 +89,7 @@ def test_bound_is_stored_and_not_the_value(record, root):
     [(1, 2, "less"), (2.0, np.float64(1.999), "greater"), (-1, 0, "less"), (0.0, -1e-9, "greater")],
 )
 def test_order_is_stored_as_a_word(record, root, first, second, order):
-    assert record.order("one against the other", first, second) == order
+    assert record.order("one against the other", first, second) == f"one against the other: {order}"
     assert stored(root)["orders"] == {"one against the other": {"order": order}}
 
 
@@ -135,6 +136,16 @@ def test_table_is_printed_with_its_decimals(record, root):
     text = record.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
     assert text == [["a", "1", "0.0202", "0.00"], ["b", "2", "1.0000", "0.00"]]
     assert stored(root)["tables"]["t"]["rows"] == rows
+
+
+def test_table_is_shown_below_its_headings(record):
+    columns = ["path", "$R\\/r$", "$nu_4 <= 10^(-9)$", "area / m#super[2]"]
+    table = record.table("t", columns, [["$|bold(m)|$", "*-2*", "$x - y$", 3]])
+    assert table._repr_markdown_().split("\n") == [
+        "| path | R/r | ν_4 ≤ 10⁻⁹ | area / m² |",
+        "|-|-|-|-|",
+        r"| \|m\| | *-2* | x − y | 3 |",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -248,6 +248,15 @@ def test_markdown_shows_html_and_does_not_run_it(text):
     assert not re.search(r"<[^>]*\son\w+=", html)
 
 
+def test_markdown_lets_answers_unfold_and_no_other_html_with_them():
+    html = markdown("<details>\n<summary>Answer</summary>\n\n$x$ <b>1</b>\n\n</details>")
+    assert html.startswith("<details>") and html.count("<summary>Answer</summary>") == 1
+    assert "<math" in html and "&lt;b&gt;" in html and html.rstrip().endswith("</details>")
+    for evil in ("<details ontoggle=alert(1)>", "<details><script>alert(1)</script></details>",
+                 "<details>\n<summary><b onclick=alert(1)>a</b></summary>"):  # fmt: skip
+        assert "<details" not in markdown(evil) and "<script" not in markdown(evil)
+
+
 def test_markdown_follows_no_link_that_is_a_script():
     html = markdown("[a](javascript:alert(1)), ![b](javascript:alert(1)), <javascript:alert(1)>")
     assert not re.search(r'(?:href|src)="javascript:', html)

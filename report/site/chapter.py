@@ -88,11 +88,13 @@ class Chapter:
         if "image/png" in data:
             alt = output.metadata.get("image/png", {}).get("alt", "")
             return self.figure(base64.b64decode(data["image/png"]), alt)
+        if recorded := self.recorded_table(data.get("text/plain", "")):
+            return recorded
         if "text/markdown" in data:
             return markdown(data["text/markdown"], self.link)
         if "text/latex" in data:
             return f'<div class="output">{formula(data["text/latex"].strip("$"), "block")}</div>\n'
-        return self.value(data["text/plain"])
+        return f'<pre class="output">{escape(data["text/plain"])}</pre>\n'
 
     def figure(self, content, alt):
         """Return a picture: the recorded figure, or what only the notebook shows."""
@@ -120,9 +122,9 @@ class Chapter:
             "</div>\n"
         )
 
-    def value(self, text):
-        """Return a last expression's value; what was recorded as a table is set as one."""
+    def recorded_table(self, text):
+        """Return a recorded table as the report sets it; None if a value isn't one."""
         try:
-            return self.tables[repr(ast.literal_eval(text))]
-        except (ValueError, SyntaxError, KeyError):
-            return f'<pre class="output">{escape(text)}</pre>\n'
+            return self.tables.get(repr(ast.literal_eval(text)))
+        except (ValueError, SyntaxError):
+            return None

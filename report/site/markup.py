@@ -12,6 +12,8 @@ from pygments.lexers import get_lexer_by_name
 
 CODE = HtmlFormatter(cssclass="code")
 FUNCTION = "<mi>(?:sin|cos|tan|arcsin|arccos|arctan|log)</mi>"
+# The one piece of HTML that is let through: an answer to unfold, its title without any markup.
+UNFOLDED = re.compile(r"\s*(?:<details>\s*<summary>[^<>]*</summary>|</details>)\s*")
 OPERATOR = re.compile(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}<mn>\d</mn></msup>)(?!<mo)")
 
 
@@ -24,7 +26,10 @@ def formula(latex, display="inline"):
 
 
 class Renderer(IPythonRenderer):
-    """Markdown as Jupyter reads it, but HTML in it is shown; links lead to pages of the site."""
+    """Markdown as Jupyter reads it; its links lead to pages of the site.
+
+    HTML in it is shown as it is written, but for answers that a click unfolds.
+    """
 
     def __init__(self, link):
         super().__init__(escape=True, allow_harmful_protocols=False, exclude_anchor_links=True)
@@ -32,6 +37,9 @@ class Renderer(IPythonRenderer):
 
     def block_mermaidjs(self, code):
         return f"<pre>{escape(code)}</pre>\n"  # else it would be let through as it is
+
+    def block_html(self, html):
+        return html if UNFOLDED.fullmatch(html) else super().block_html(html)
 
     def heading(self, text, level, **attrs):
         return f'<h{level} id="{anchor(text)}">{text}</h{level}>\n'

@@ -13,10 +13,11 @@ from tunneller_lib.paths import ConeChord
 from tunneller_lib.reporting import Record, figure
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Section, Torus
 
-DRAW_IN_SPACE = {"machine_scene", "scene", "tunnel_scene"}
+DRAW_IN_SPACE = {"machine_scene", "path_scene", "scene", "tunnel_scene"}
 READ_NOTEBOOKS = {"contents_table", "draw_map", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
 
+RING = Torus(3.0, 1.0)
 DRAWING, _ = figure(height=2, width=3)
 _, AXES = figure(height=2, width=3)  # never shown: it fills up
 PIXELS = np.zeros((4, 5, 3), dtype=np.uint8)
@@ -47,8 +48,12 @@ CALLS = {
     "machine_plot.draw_plan_view": {"phi": 0.3},
     "motion_plot.draw_hand_over": {"tasks": [Task("interpolation", 5, 1)], "ticks": [1, 2]},
     "motion_plot.draw_responses": {"models": {"T1": Integrator(1.0)}, "setvalues": SERIES},
+    "geodesic_plot.draw_half_swings": {"tori": [Torus(0.1, 0.8)]},
+    "geodesic_plot.draw_arrivals": {"torus": RING, "begin": (0.0, 0.8), "level": -0.3},
+    "geodesic_plot.draw_mirrored": {"torus": RING, "begin": (0.0, 0.8), "end": (2.6, -0.3)},
+    "moving_picture": {"draw": lambda value: DRAWING, "values": [0, 1], "alt": "Nothing."},
     "motion_plot.draw_setvalues": {"t": SERIES, "values": SERIES, "ideal": SERIES, "box": 0.5},
-    "path_plot.draw_competing": {"torus": Torus(3.0, 1.0), "p": (0.0, 0.8), "q": (3.1, -0.3)},
+    "path_plot.draw_competing": {"torus": RING, "p": (0.0, 0.8), "q": (3.1, -0.3)},
     "path_plot.draw_deviations": {"p": (0, 0), "q": (0.3, 0.2), "rules": ["tangent spheres"]},
     "cone_plot.draw_cone": {"u": SERIES},
     "cone_plot.draw_development": {"u": SERIES},

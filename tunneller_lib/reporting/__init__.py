@@ -2,6 +2,7 @@
 
 from .chapters import contents_table, draw_map, ending
 from .interactive import sliders
+from .moving import moving_picture
 from .number_format import in_words
 from .record import Record, preview
 from .style import COLOURS, ERROR_MAP, figure
@@ -16,11 +17,14 @@ __all__ = [
     "draw_map",
     "ending",
     "figure",
+    "geodesic_plot",
     "in_words",
     "machine_plot",
     "machine_scene",
     "motion_plot",
+    "moving_picture",
     "path_plot",
+    "path_scene",
     "plot",
     "preview",
     "rod_plot",

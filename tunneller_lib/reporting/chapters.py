@@ -71,23 +71,27 @@ def read_chapters(folder=NOTEBOOKS):
 
 
 @checked
-def ending(record: Record):
+def ending(record: Record, words: str = ""):
     """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
 
     Parameters
     ----------
     record : Record
         Of the notebook.
+    words : str
+        The finding in Markdown, with the names of recorded numbers in braces; the sentence of
+        ``contents.toml`` unless told.
 
     Returns
     -------
     ending : IPython.display.Markdown
-        The sentence of ``contents.toml``; links to the chapter before, the index and the next.
+        The finding; links to the chapter before, the index and the next.
 
     Raises
     ------
     ValueError
-        If the record is of none of the study's notebooks.
+        If the record is of none of the study's notebooks, or the words ask for a number that it
+        doesn't hold.
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
     if record.notebook not in names:
@@ -95,7 +99,7 @@ def ending(record: Record):
     at = names.index(record.notebook)
     near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    sentence = _contents(NOTEBOOKS)["found"][record.notebook]
+    sentence = words or _contents(NOTEBOOKS)["found"][record.notebook]
     said = filled(record.notebook, sentence, record.root)
     return Markdown(f"{said}\n\n{links}")
 
@@ -118,7 +122,7 @@ def filled(stem, sentence, root=CHECKOUT):
         If the notebook doesn't record a number of that name.
     """
     file = root / "report" / "numbers" / f"{stem}.json"
-    numbers = json.loads(file.read_text())["numbers"]
+    numbers = json.loads(file.read_text())["numbers"] if file.exists() else {}  # an essay's
 
     def told(match):
         if match[1] not in numbers:

@@ -20,6 +20,7 @@ from matplotlib.mathtext import MathTextParser
 
 from ..arguments import checked, shown
 from ..job.atomic_write import replacement
+from .displays import RecordedTable, RecordedText
 from .kinds import Decimals, Line, Lines, Picture, Rows
 from .number_format import cell, decimals_of, exponent, number, significant, steady
 
@@ -47,11 +48,11 @@ class Record:
     --------
     >>> record = Record("02_torus")
     >>> record("length of the arm", 1.0987, "m", digits=3)
-    '1.10 m'
+    length of the arm: 1.10 m
     >>> record("residual, worst", 3.1e-14, "m", below=1e-12)
-    'at most 1e-12 m'
+    residual, worst: at most 1e-12 m
     >>> record.order("arm against leg", 1.0987, 1.2)
-    'less'
+    arm against leg: less
     """
 
     @checked
@@ -82,7 +83,7 @@ class Record:
         Returns
         -------
         text : str
-            The number as printed.
+            The number as printed, after its name: the last line of a cell shows it.
 
         Raises
         ------
@@ -98,12 +99,12 @@ class Record:
                 raise ValueError(f"{name}: must lie between 0 and {below}; got {value}.")
             text = exponent(repr(below))
             self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
-            return f"at most {text} {unit}".strip()
+            return RecordedText(f"{name}: at most {text} {unit}".strip())
         text = significant(name, value, digits)
         stored = steady(value, decimals_of(value, digits))
         entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
         self._merge("numbers", name, entry)
-        return f"{text} {unit}".strip()
+        return RecordedText(f"{name}: {text} {unit}".strip())
 
     @checked
     def order(self, name: Line, first: object, second: object):
@@ -119,7 +120,7 @@ class Record:
         Returns
         -------
         order : str
-            ``"less"`` or ``"greater"``: what the first is.
+            After the name ``less`` or ``greater``: what the first is.
 
         Raises
         ------
@@ -136,7 +137,7 @@ class Record:
             )
         order = "less" if first < second else "greater"
         self._merge("orders", name, {"order": order})
-        return order
+        return RecordedText(f"{name}: {order}")
 
     @checked
     def table(self, name: Line, columns: Lines, rows: Rows, *, decimals: Decimals = None):
@@ -156,7 +157,7 @@ class Record:
         Returns
         -------
         text : list of list of str
-            The cells as printed.
+            The cells as printed; a notebook shows them below their headings.
 
         Raises
         ------
@@ -174,7 +175,7 @@ class Record:
         text = [[cell(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
         cells = [[_stored(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
-        return text
+        return RecordedTable(columns, text)
 
     @checked
     def figure(self, picture: Picture, name: Line, alt: str):
@@ -276,13 +277,24 @@ def _svg(figure):
     return content.getvalue()
 
 
+def drawing_pixels(figure):
+    """Return a drawing as the pixels (n, m, 3) that a notebook shows, 800 of them wide."""
+    canvas = _canvas(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
 def _drawing_preview(figure):
     content = io.BytesIO()
+    _canvas(figure).print_png(content)
+    return content.getvalue()
+
+
+def _canvas(figure):
     figure.set_dpi(PREVIEW / figure.get_figwidth())
     canvas = FigureCanvasAgg(figure)  # savefig would draw twice, once for the layout
     canvas.get_renderer().mathtext_parser = MATHTEXT
-    canvas.print_png(content)
-    return content.getvalue()
+    return canvas
 
 
 def _png(pixels):

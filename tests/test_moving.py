@@ -1,0 +1,46 @@
+"""Pictures that move: as many drawings as values, one size, one palette, and a text."""
+
+import io
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from tunneller_lib.reporting import figure, moving_picture
+from tunneller_lib.reporting.record import drawing_pixels
+
+
+def dot(place, width=6):
+    drawing, ax = figure(height=3, width=width)
+    ax.plot(place, 0.5, "o", color="#C42A52")
+    ax.set(xlim=(0, 1), ylim=(0, 1))
+    return drawing
+
+
+def test_moving_picture_shows_every_drawing_and_the_first_one_first():
+    places = [0.2, 0.5, 0.8]
+    shown = moving_picture(dot, places, alt="A dot that moves.", milliseconds=50)
+    assert shown.alt == "A dot that moves."
+    with PIL.Image.open(io.BytesIO(shown.data)) as picture:
+        assert (picture.n_frames, picture.width, picture.info["loop"]) == (3, 800, 0)
+        for k, place in enumerate(places):
+            picture.seek(k)
+            assert picture.info["duration"] == 50
+            seen = np.asarray(picture.convert("RGB")).astype(int)
+            # The palette is the same for all, so that soft edges may differ a little.
+            assert np.abs(seen - drawing_pixels(dot(place))).mean() < 0.5
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"alt": " "}, r"^alt: must say what is seen; got ' '\.$"),
+        ({"values": [1]}, r"^values: must be 2 to 500 values in a row; got \[1\]\.$"),
+        ({"draw": lambda value: value}, r"^draw: must return a drawing; got 0\.1\.$"),
+        ({"draw": lambda value: dot(0, 5 + value)}, r"^draw: must return drawings of one size\.$"),
+    ],
+)
+def test_moving_picture_refuses(options, message):
+    given = {"draw": dot, "values": [0.1, 3.0], "alt": "A dot."} | options
+    with pytest.raises(ValueError, match=message):
+        moving_picture(**given)
