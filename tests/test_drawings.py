@@ -330,6 +330,21 @@ def test_scheme_has_each_word_in_a_block_of_its_own(ax):
         )
 
 
+# ---- lines and rods --------------------------------------------------------------------------
+
+
+def test_crossings_lie_on_the_ellipses(ax):
+    *pieces, dots = rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, 15.0)
+    np.testing.assert_allclose(dots.get_xdata(), [-16, 16, 74, 106], rtol=1e-12)
+    ends = np.array([piece.get_xdata() for piece in pieces])
+    np.testing.assert_allclose(ends, [[-16, 16], [16, 74], [74, 106]], rtol=1e-12)
+
+
+def test_crossings_of_lines_beside_the_rod_are_refused(ax):
+    with pytest.raises(ValueError, match=r"^aside: must be at most the radius, 25 m; got -26 m\.$"):
+        rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, -26.0)
+
+
 # ---- why a geodesic is the shortest way ------------------------------------------------------
 
 

@@ -38,6 +38,47 @@ def draw_shadow(ax: Axes, radius: Length, run: Finite, tilt: NotNegative):
 
 
 @checked
+def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, aside: Finite):
+    """Draw the shadow of a rod, and where lines at a distance s cross its two ellipses.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    radius, run : float
+        Of the rod, and of its axis as seen, in m.
+    tilt : float
+        Ratio of the ellipses' axes.
+    aside : float
+        The distance s, from -radius to radius, in m.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        One for each pair of surfaces by which lines with m there enter and leave; the crossings.
+
+    Raises
+    ------
+    ValueError
+        If such lines pass beside the rod.
+    """
+    if abs(aside) > radius:
+        raise ValueError(f"aside: must be at most the radius, {radius:g} m; got {aside:g} m.")
+    draw_shadow(ax, radius, run, tilt)
+    k = tilt * np.sqrt((radius - aside) * (radius + aside))
+    four = np.array([-k, k, run - k, run + k])
+    lines = []
+    for colour, ends in zip(("tangent sphere", "correct", "geodesic"),
+                            (four[:2], four[1:3], four[2:]), strict=True):  # fmt: skip
+        lines += ax.plot(ends, [aside, aside], "-", color=COLOURS[colour], lw=2.5,
+                         solid_capstyle="butt")  # fmt: skip
+    lines += ax.plot(four, np.full(4, aside), "o", color=COLOURS["chord"], ms=4)
+    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+    for m, name in zip(four, ("$-k$", "$k$", "$d-k$", "$d+k$"), strict=True):
+        ax.annotate(name, (m, aside), (0, 6), textcoords="offset points", ha="center", bbox=clear)
+    return lines
+
+
+@checked
 def draw_two_balls(ax: Axes, radius: Length, advance: Length):
     """Draw a ball and its image after an advance, with the cylinder about both (Fig. 6).
 
