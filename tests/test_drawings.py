@@ -330,6 +330,18 @@ def test_scheme_has_each_word_in_a_block_of_its_own(ax):
         )
 
 
+# ---- tangent spheres -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("height", "words"), [(0.0, "both equators"), (0.35, "four feet")])
+def test_feet_along_the_axis_lie_on_a_line_through_it(ax, height, words):
+    m = np.array([0.5, height, 0.25])
+    dots = plot.draw_feet_along_axis(ax, Torus(0.3, 0.8), m)
+    x, z = dots.get_data()
+    np.testing.assert_allclose(x * m[2], z * m[0], atol=1e-12)
+    assert len(x) == 4 and words in ax.get_title()
+
+
 # ---- lines and rods --------------------------------------------------------------------------
 
 

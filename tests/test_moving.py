@@ -5,6 +5,7 @@ import io
 import numpy as np
 import PIL.Image
 import pytest
+from PIL import ImageSequence
 
 from tunneller_lib.reporting import figure, moving_picture
 from tunneller_lib.reporting.record import drawing_pixels
@@ -31,12 +32,31 @@ def test_moving_picture_shows_every_drawing_and_the_first_one_first():
             assert np.abs(seen - drawing_pixels(dot(place))).mean() < 0.5
 
 
+def test_axes_stay_where_the_first_drawing_has_them():
+    def labelled(lines):
+        drawing = dot(0.5)
+        drawing.axes[0].set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
+        return drawing
+
+    shown = moving_picture(labelled, [1, 3], alt="A label that grows.")
+    with PIL.Image.open(io.BytesIO(shown.data)) as picture:
+        before, after = (
+            np.asarray(frame.convert("L")) for frame in ImageSequence.Iterator(picture)
+        )
+    right = slice(200, None)  # beside the label
+    assert np.array_equal(before[:, right], after[:, right]) and not np.array_equal(before, after)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"alt": " "}, r"^alt: must say what is seen; got ' '\.$"),
         ({"values": [1]}, r"^values: must be 2 to 500 values in a row; got \[1\]\.$"),
         ({"draw": lambda value: value}, r"^draw: must return a drawing; got 0\.1\.$"),
+        (
+            {"draw": lambda value: figure(1, round(value) + 1, height=2)[0]},
+            r"^draw: must return drawings with as many axes each\.$",
+        ),
         ({"draw": lambda value: dot(0, 5 + value)}, r"^draw: must return drawings of one size\.$"),
     ],
 )

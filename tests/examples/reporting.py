@@ -61,6 +61,7 @@ CALLS = {
     "path_plot.path_style": {"name": "joint space"},
     "plot.draw_pictures": {"axes": figure(1, 2, height=2)[1], "pictures": [PIXELS] * 2,
                            "titles": ["a", "b"]},
+    "plot.draw_feet_along_axis": {"m": (0.5, 0.3, 0.2)},
     "plot.draw_tangent_spheres": {"m": (0.5, 0.3, 0.0)},
     "plot.equal": {"xlabel": "x / m", "ylabel": "y / m"},
     "preview": {"picture": PIXELS},

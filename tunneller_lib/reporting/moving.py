@@ -35,7 +35,7 @@ def moving_picture(
     Parameters
     ----------
     draw : callable
-        Takes a value and returns a drawing; all are of one size.
+        Takes a value and returns a drawing; all are of one size, with the axes of the first.
     values : (n,)
         What it is drawn for. A reader who sees no motion sees the first.
     alt : str
@@ -51,23 +51,34 @@ def moving_picture(
     Raises
     ------
     ValueError
-        If there is no text, `draw` returns no drawing, or they differ in size.
+        If there is no text, `draw` returns no drawing, or they differ in size or number of axes.
     """
     from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
 
     if not alt.strip():
         raise ValueError(f"alt: must say what is seen; got {alt!r}.")
-    pictures = [_pixels_of(draw(value)) for value in values]
+    first = _drawing(draw, values[0])
+    pictures = [drawing_pixels(first)]
+    places = [ax.get_position(original=True) for ax in first.axes]
+    for value in values[1:]:
+        drawing = _drawing(draw, value)
+        if len(drawing.axes) != len(places):
+            raise ValueError("draw: must return drawings with as many axes each.")
+        drawing.set_layout_engine("none")  # to lay them out anew takes as long as to draw
+        for ax, place in zip(drawing.axes, places, strict=True):
+            ax.set_position(place)
+        pictures.append(drawing_pixels(drawing))
     if any(a.shape != b.shape for a, b in pairwise(pictures)):
         raise ValueError("draw: must return drawings of one size.")
     content = _animated_png(pictures, milliseconds)
     return Image(content, format="png", width=PREVIEW, alt=alt)
 
 
-def _pixels_of(drawing):
+def _drawing(draw, value):
+    drawing = draw(value)
     if not isinstance(drawing, Figure):
         raise ValueError(f"draw: must return a drawing; got {shown(drawing)}.")
-    return drawing_pixels(drawing)
+    return drawing
 
 
 def _animated_png(pictures, milliseconds):

@@ -156,3 +156,41 @@ def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
     ax.plot(*m[:2], "o", color=COLOURS["chord"])
     ax.annotate("$M$", m[:2], (7, -5), textcoords="offset points", fontsize=8)
     return circles
+
+
+@checked
+def draw_feet_along_axis(ax: Axes, torus: Torus, m: Point):
+    """Draw the feet of one point as seen along the axis of revolution, x to the right and z up.
+
+    Where the point lies in the plane of the equators, all of both equators solve the document's
+    Eqs 8 and 9, and they are drawn so.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    torus : Torus
+        The surface, in m.
+    m : (3,) float
+        The centre M of the spheres, in m.
+
+    Returns
+    -------
+    feet : matplotlib.lines.Line2D
+        The four feet.
+    """
+    whole = m[1] == 0
+    around = np.linspace(0, 2 * np.pi, 200)
+    colour, width = ("error", 1.4) if whole else ("torus", 0.6)
+    for radius in (torus.R + torus.r, torus.R - torus.r):
+        circle = radius * np.array([np.cos(around), np.sin(around)])
+        ax.plot(*circle, color=COLOURS[colour], lw=width)
+    feet = torus.feet(m)
+    ax.axline((0, 0), (m[0], m[2]), color=COLOURS["chord"], lw=0.6, ls="--")
+    [dots] = ax.plot(feet[:, 0], feet[:, 2], "o", color=COLOURS["tangent sphere"])
+    ax.plot(m[0], m[2], "s", color=COLOURS["chord"])
+    ax.annotate("M", (m[0], m[2]), (4, -11), textcoords="offset points")
+    ax.annotate("axis", (0, 0), (3, -11), textcoords="offset points")
+    ax.plot(0, 0, "+", color=COLOURS["chord"])
+    ax.set(xlabel="x / m", aspect="equal", xlim=(-1.3, 1.3), ylim=(-1.3, 1.3))
+    ax.set_title("$m_2 = 0$: both equators" if whole else "$m_2$ not zero: four feet")
+    return dots
