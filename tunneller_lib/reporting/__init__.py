@@ -30,5 +30,6 @@ __all__ = [
     "rod_plot",
     "scene",
     "sliders",
+    "torus_scene",
     "tunnel_scene",
 ]

@@ -1,0 +1,76 @@
+"""The torus and ways on it in space: what is drawn is there, in its colour."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from tunneller_lib.reporting import COLOURS
+from tunneller_lib.reporting.path_scene import (
+    projected_chord,
+    projected_chord_picture,
+    three_ways_in_space,
+)
+from tunneller_lib.reporting.torus_scene import entire_torus_picture, grid_picture
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+
+TORUS = REFERENCE_MACHINE.torus
+LOW, HIGH = np.radians([(-60, -40), (35, 40)])
+P, Q = np.radians([(-45, -35), (30, 35)])
+
+
+def share(picture, colour):
+    """Return which share of a picture has nearly the hue of one of the study's colours."""
+    seen, wanted = picture / 255, np.array(to_rgb(COLOURS[colour]))
+    seen, wanted = (x - x.mean(axis=-1, keepdims=True) for x in (seen, wanted))
+    size = np.linalg.norm(seen, axis=-1)
+    along = seen @ wanted / np.linalg.norm(wanted)
+    return np.mean((size > 0.2) & (along > 0.97 * size))
+
+
+def test_three_ways_are_seen():
+    picture = three_ways_in_space(TORUS, LOW, HIGH, exaggeration=12)
+    assert all(share(picture, colour) > 1e-3 for colour in ("geodesic", "tangent sphere"))
+
+
+def test_projected_way_is_drawn_farther_aside_if_exaggerated():
+    near, far = (three_ways_in_space(TORUS, LOW, HIGH, exaggeration=k) for k in (1, 12))
+    # Not exaggerated the two lie in one place, where one hides the other.
+    assert share(near, "tangent sphere") < 0.8 * share(far, "tangent sphere")
+
+
+@pytest.mark.parametrize("geodesic", [False, True])
+def test_scene_of_a_chord_has_a_dot_and_a_normal_for_each_point(geodesic):
+    plotter = projected_chord(TORUS, P, Q, low=LOW, high=HIGH, steps=7, geodesic=geodesic)
+    assert len(plotter.actors) >= 3 + 2 * 8 + geodesic
+    picture = plotter.screenshot(return_img=True)
+    plotter.close()
+    assert (share(picture, "geodesic") > 1e-4) == geodesic
+
+
+def test_picture_of_a_chord_is_that_scene():
+    picture = projected_chord_picture(TORUS, P, Q, low=LOW, high=HIGH, steps=10)
+    assert share(picture, "tangent sphere") > 1e-3 and picture.shape[2] == 3
+
+
+def test_grid_has_a_line_for_each_angle():
+    phi = np.radians(np.linspace(-40, 40, 5))
+    few, many = (grid_picture(TORUS, np.linspace(-1, 0.6, n), phi) for n in (3, 40))
+    dark = [np.mean(np.all(picture < 90, axis=-1)) for picture in (few, many)]
+    assert dark[1] > 2 * dark[0]
+
+
+def test_grid_runs_to_both_sides_of_0():
+    with pytest.raises(ValueError, match=r"^phi: must run from below 0 to above it; got "):
+        grid_picture(TORUS, [-1.0, 1.0], [0.1, 0.5])
+
+
+def test_entire_torus_shows_its_inner_sheet_on_the_right_only():
+    picture = entire_torus_picture(Torus(0.1, 0.8))
+    middle = picture.shape[1] // 2
+    halves = [share(half, "inner sheet") for half in (picture[:, :middle], picture[:, middle:])]
+    assert halves[0] < 1e-3 < 0.01 < halves[1]
+
+
+def test_entire_torus_refuses_a_ring():
+    with pytest.raises(ValueError, match=r"^torus: must have R > r; got R = 1 m and r = 3 m\.$"):
+        entire_torus_picture(Torus(3.0, 1.0))
