@@ -10,11 +10,12 @@ from itertools import chain
 import PIL.Image
 import pytest
 
+from report.site.proofs import proofs
 from report.sources import INDEX, ROOT, notebooks
 from tunneller_lib.reporting import Record, contents_table, draw_map, ending, figure
 from tunneller_lib.reporting.chapters import filled, printed, read_chapters
 
-READS = ["notebooks/*", "report/numbers/*", "tests/test_*.py"]
+READS = ["notebooks/*", "report/numbers/*", "report/ledger/*", "tests/test_*.py"]
 
 FOLDER = ROOT / "notebooks"
 CONTENTS = tomllib.loads((FOLDER / "contents.toml").read_text())
@@ -132,6 +133,7 @@ def test_story_shows_no_number_without_its_name(notebook):
 def test_links_of_a_story_lead_somewhere(notebook):
     text = "\n".join(sources(notebook))
     for file, _, function in re.findall(r"\]\(\.\./(tests/\w+\.py)(#(\w+))?\)", text):
+        assert ROOT / file in proofs(), f"{file} has no page on the site"
         assert f"def {function}(" in (ROOT / file).read_text(), function
     for file in re.findall(r"\]\((\w+\.ipynb)\)", text):
         assert (FOLDER / file).exists(), file
