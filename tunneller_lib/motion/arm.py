@@ -9,13 +9,53 @@ so that the two inertias don't mix: theta's depends on phi, phi's is constant.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Angles, Length, Length0, Positions, Rates, checked
+from ..compiled import cosine, sine
 from .quantities import Size, Size0
 
 GRAVITY = 9.81  # m/s^2
+
+
+class Moments(NamedTuple):
+    """An `Arm` as plain numbers: its masses' sums of 1, s and s^2 over their distance s.
+
+    Distances are from the tangential joint. Angles and rates of the functions below are floats or
+    arrays.
+    """
+
+    r: float  # m
+    mass: float  # kg
+    first: float  # kg m
+    second: float  # kg m^2
+
+
+def lift_inertia(moments, phi):
+    """Return theta's inertia, in kg m^2, of an arm's `moments` at an angle phi, in rad."""
+    c = cosine(phi)
+    return moments.mass * moments.r * moments.r + c * (
+        2 * moments.r * moments.first + moments.second * c
+    )
+
+
+def weights(moments, theta, phi):
+    """Return the torques of the weight that resist theta and phi, in N m, of an arm's `moments`."""
+    reach = moments.mass * moments.r + moments.first * cosine(phi)
+    lift = -GRAVITY * cosine(theta) * reach
+    return lift, GRAVITY * sine(theta) * moments.first * sine(phi)
+
+
+def couplings(moments, phi, theta_rate, phi_rate):
+    """Return the torques, in N m, by which the joints' motions resist theta and phi.
+
+    Of theta the Coriolis torque 2 M rho' theta' phi', of phi the centrifugal -M rho rho' theta'^2.
+    """
+    # Half the slope of theta's inertia over phi.
+    half = -sine(phi) * (moments.r * moments.first + moments.second * cosine(phi))
+    return 2 * half * theta_rate * phi_rate, -half * theta_rate * theta_rate
 
 
 @dataclass(frozen=True)
@@ -56,11 +96,9 @@ class Arm:
 
     @property
     def moments(self):
-        """Return the masses' sums of 1, s and s^2 over their distance s, in kg, kg m, kg m^2.
-
-        Distances are from the tangential joint.
-        """
-        return (
+        """Return the `Moments` of the masses."""
+        return Moments(
+            self.r,
             self.head + self.beam,
             self.R * (self.head + self.beam / 2),
             self.R**2 * (self.head + self.beam / 3),
@@ -69,10 +107,8 @@ class Arm:
     @checked
     def inertias(self, phi: Angles):
         """Return theta's and phi's inertia (...), in kg m^2, at angles phi in rad."""
-        mass, first, second = self.moments
-        c = np.cos(phi)
-        about_theta = mass * self.r**2 + 2 * self.r * first * c + second * c**2
-        return about_theta, second + np.zeros_like(about_theta)
+        about_theta = lift_inertia(self.moments, phi)
+        return about_theta, self.moments.second + np.zeros_like(about_theta)
 
     @checked
     def weight(self, position: Positions):
@@ -80,11 +116,7 @@ class Arm:
 
         phi's is R sin(phi) sin(theta) of each mass times its weight; positions (..., 2) are in rad.
         """
-        mass, first, _ = self.moments
-        theta, phi = position[..., 0], position[..., 1]
-        of_theta = -np.cos(theta) * (mass * self.r + first * np.cos(phi))
-        of_phi = np.sin(theta) * first * np.sin(phi)
-        return GRAVITY * np.stack([of_theta, of_phi], axis=-1)
+        return np.stack(weights(self.moments, position[..., 0], position[..., 1]), axis=-1)
 
     @checked
     def coriolis(self, position: Positions, rate: Rates):
@@ -93,20 +125,14 @@ class Arm:
         Of theta the Coriolis torque 2 M rho' theta' phi', of phi the centrifugal -M rho rho'
         theta'^2; positions are in rad, rates in rad/s.
         """
-        half = self._half_slope(np.cos(position[..., 1]), np.sin(position[..., 1]))
-        of_theta = 2 * half * rate[..., 0] * rate[..., 1]
-        return np.stack([of_theta, -half * rate[..., 0] ** 2], axis=-1)
+        return np.stack(
+            couplings(self.moments, position[..., 1], rate[..., 0], rate[..., 1]), axis=-1
+        )
 
     @checked
     def energy(self, position: Positions, rate: Rates):
         """Return kinetic and potential energy (...), in J, at positions in rad, rates in rad/s."""
-        mass, first, _ = self.moments
         about_theta, about_phi = self.inertias(position[..., 1])
         kinetic = (about_theta * rate[..., 0] ** 2 + about_phi * rate[..., 1] ** 2) / 2
-        reach = mass * self.r + first * np.cos(position[..., 1])
+        reach = self.moments.mass * self.r + self.moments.first * np.cos(position[..., 1])
         return kinetic, -GRAVITY * np.sin(position[..., 0]) * reach
-
-    def _half_slope(self, c, s):
-        """Return half the slope of theta's inertia over phi, in kg m^2, at cosine and sine."""
-        _, first, second = self.moments
-        return -s * (self.r * first + second * c)

@@ -9,9 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arm import GRAVITY
-from .hydraulics import load_at
-from .oil import PHASE, SLIP, flows, oil_of, parts_of, resistance
+from .arm import Moments, couplings, lift_inertia, weights
+from .hydraulics import Axis, load_at
+from .oil import (
+    along,
+    flows,
+    mean_step,
+    oil_changes,
+    parts_of,
+    resistance,
+    steps_of,
+    with_pressures,
+)
 
 # What the oil from the pump brings, less what it still holds in the tank's line, and where it goes.
 ENERGIES = "supplied", "valves and leaks", "compressed oil", "friction", "ground"
@@ -20,120 +29,154 @@ DAMPED = 0.33  # of the time in which a damper alone stops the arm, the longest 
 
 
 class Push(NamedTuple):
-    """What the ground does to both joints during a tick.
+    """What the ground does to both joints, in one tick or in several, one after the other.
 
     It resists positive motion of the joint i, at the rate w_i, by the torque torque_i +
     damper (lever_i^2 w_i + v across_i), with the cutter's speed v = |(lever_i w_i)|.
     """
 
-    torque: tuple = (0.0, 0.0)  # N m, whatever the rates
-    damper: float = 0.0  # N s/m, the force against the motion over the speed
-    lever: tuple = (0.0, 0.0)  # m, how far the cutter moves by a radian of each joint
-    across: tuple = (0.0, 0.0)  # m, levers of the share of the force that pushes out of the wall
+    torque: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) N m, whatever the rates
+    damper: float | np.ndarray = 0.0  # (...) N s/m, the force against the motion over the speed
+    lever: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) m, the cutter's way by a radian of each joint
+    across: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) m, levers of the share that pushes outwards
+
+    @property
+    def rows(self):
+        """Return torque, damper, lever and across as rows (n, 7), one for each tick."""
+        parts = [self.torque, np.asarray(self.damper)[..., None], self.lever, self.across]
+        shape = np.broadcast_shapes(*(np.shape(part)[:-1] for part in parts))
+        wide = [np.broadcast_to(part, (*shape, np.shape(part)[-1])) for part in parts]
+        return np.concatenate(wide, axis=-1, dtype=float).reshape(-1, 7)
 
 
-def stepper(axes, arm, tick):
-    """Return the function (states, commands, push) -> states one `tick`, in s, later.
+class Machine(NamedTuple):
+    """Both axes and the arm that they share, if they do, as plain numbers."""
 
-    States are those of both axes and the energies (5,) so far, in J; `axes` are two `Hydraulics`,
-    `arm` an `Arm` or None.
+    theta: Axis
+    phi: Axis
+    shared: bool
+    arm: Moments
+
+
+def machine_of(axes, arm):
+    """Return the `Machine` of two `Hydraulics` and an `Arm`, or None."""
+    theta, phi = (axis.numbers for axis in axes)
+    moments = Moments(0.0, 0.0, 0.0, 0.0) if arm is None else arm.moments
+    return Machine(theta, phi, arm is not None, moments)
+
+
+def parts_in(axes, rows, tick):
+    """Return the parts (n,) in which ticks, in s, of two `Hydraulics` are integrated.
+
+    The `rows` are those of a `Push`. The damper is stiff where the ground is hard, and changes from
+    tick to tick.
     """
-    fastest = max(_fastest(axis) for axis in axes)
-    least = parts_of(tick, tick * fastest)
-    slopes = _slopes_of(axes, arm)
+    least = parts_of(tick, tick * max(map(steps_of, axes)))
+    inertia = np.array([axis.inertia for axis in axes])
+    stiff = rows[:, 2] * np.max(rows[:, 3:5] ** 2 / inertia, axis=-1)
+    parts_of(tick, tick * float(stiff.max(initial=0.0)) / DAMPED)  # refuses too many
+    return np.maximum(least, np.ceil(tick * stiff / DAMPED)).astype(np.int64)
 
-    def step(states, commands, push):
-        state = [y for each in states for y in each]
-        # The damper is stiff where the ground is hard, and changes from tick to tick.
-        stiff = push.damper * max(
-            lever * lever / axis.inertia for lever, axis in zip(push.lever, axes, strict=True)
+
+def machine_tick(machine, state, openings, push, parts, tick):
+    """Return both axes' states and the energies, each (5,), a tick, in s, later.
+
+    Of a `machine` under `openings` of both valves and a `push`, a row of `Push.rows`, in so many
+    parts. Once an axis has left its stroke it stays there.
+    """
+    theta, phi = machine.theta, machine.phi
+    h = tick / parts
+    for _ in range(parts):
+        k1 = machine_slopes(machine, state, openings, push)
+        k2 = machine_slopes(machine, all_along(state, h / 2, k1), openings, push)
+        k3 = machine_slopes(machine, all_along(state, h / 2, k2), openings, push)
+        k4 = machine_slopes(machine, all_along(state, h, k3), openings, push)
+        state = (
+            with_pressures(mean_step(state[0], h, k1[0], k2[0], k3[0], k4[0])),
+            with_pressures(mean_step(state[1], h, k1[1], k2[1], k3[1], k4[1])),
+            mean_step(state[2], h, k1[2], k2[2], k3[2], k4[2]),
         )
-        parts = max(least, parts_of(tick, tick * stiff / DAMPED))
-        h = tick / parts
-        for _ in range(parts):
-            k1 = slopes(state, commands, push)
-            k2 = slopes([y + h / 2 * k for y, k in zip(state, k1, strict=True)], commands, push)
-            k3 = slopes([y + h / 2 * k for y, k in zip(state, k2, strict=True)], commands, push)
-            k4 = slopes([y + h * k for y, k in zip(state, k3, strict=True)], commands, push)
-            each = zip(state, k1, k2, k3, k4, strict=True)
-            state = [y + h / 6 * (a + 2 * (b + c) + d) for y, a, b, c, d in each]
-            for side in (2, 3, 7, 8):
-                state[side] = max(state[side], 0.0)
-        return tuple(state[:5]), tuple(state[5:10]), tuple(state[10:])
-
-    return step
+        if not theta.low <= state[0][0] <= theta.high or not phi.low <= state[1][0] <= phi.high:
+            break
+    return state
 
 
-def _fastest(axis):
-    """Return by how many steps a second an axis must be integrated."""
-    frequency = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
-    return max(frequency / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
+def all_along(state, h, k):
+    """Return both states and energies a time h, in s, later, as they change by k in a second."""
+    return along(state[0], h, k[0]), along(state[1], h, k[1]), along(state[2], h, k[2])
 
 
-def _slopes_of(axes, arm):
-    """Return the function (state, commands, push) -> the changes of states and energies."""
-    theta_axis, phi_axis = axes
-    theta_oil = oil_of(theta_axis)
-    phi_oil = oil_of(phi_axis)
-    if arm is not None:
-        mass, first, second = arm.moments
+def machine_slopes(machine, state, openings, push):
+    """Return the changes of both states and of the energies of a `machine`.
 
-    def slopes(state, commands, push):
-        theta, v, a, b, x, phi, w, c, d, y, *_ = state
-        lift, a_slope, b_slope, x_slope, theta_stored = theta_oil(theta, v, a, b, x, commands[0])
-        swing, c_slope, d_slope, y_slope, phi_stored = phi_oil(phi, w, c, d, y, commands[1])
-        rubbed = resistance(theta_axis, v), resistance(phi_axis, w)
-        lift -= rubbed[0]
-        swing -= rubbed[1]
-        along, across = push.lever, push.across
-        speed = math.hypot(along[0] * v, along[1] * w)
-        pushed = (
-            push.torque[0] + push.damper * (along[0] * along[0] * v + speed * across[0]),
-            push.torque[1] + push.damper * (along[1] * along[1] * w + speed * across[1]),
-        )
-        lift -= pushed[0]
-        swing -= pushed[1]
-        ground = pushed[0] * v + pushed[1] * w
-        if arm is None:
-            v_slope = (lift - load_at(theta_axis, theta)) / theta_axis.inertia
-            w_slope = (swing - load_at(phi_axis, phi)) / phi_axis.inertia
-        else:
-            cos, sin = math.cos(phi), math.sin(phi)
-            half = -sin * (arm.r * first + second * cos)
-            inertia = mass * arm.r**2 + 2 * arm.r * first * cos + second * cos * cos
-            weight = GRAVITY * math.cos(theta) * (mass * arm.r + first * cos)
-            v_slope = (lift + weight - 2 * half * v * w) / inertia
-            w_slope = (swing - GRAVITY * math.sin(theta) * first * sin + half * v * v) / second
-        theta_supplied, theta_lost = _powers(theta_axis, a, b, x)
-        phi_supplied, phi_lost = _powers(phi_axis, c, d, y)
-        friction = rubbed[0] * v + rubbed[1] * w
-        return (
-            v, v_slope, a_slope, b_slope, x_slope,
-            w, w_slope, c_slope, d_slope, y_slope,
-            theta_supplied + phi_supplied, theta_lost + phi_lost, theta_stored + phi_stored,
-            friction, ground,
-        )  # fmt: skip
+    The `state`, the `openings` and the `push` are as in `machine_tick`.
+    """
+    of_theta, of_phi, _ = state
+    theta, v, a, b, x = of_theta
+    phi, w, c, d, y = of_phi
+    lift, a_slope, b_slope, x_slope, theta_stored = oil_changes(
+        machine.theta, of_theta, openings[0]
+    )
+    swing, c_slope, d_slope, y_slope, phi_stored = oil_changes(machine.phi, of_phi, openings[1])
+    theta_rubbed = resistance(machine.theta, v)
+    phi_rubbed = resistance(machine.phi, w)
+    theta_torque, phi_torque, damper, theta_lever, phi_lever, theta_across, phi_across = push
+    rise = theta_lever * v
+    turn = phi_lever * w
+    speed = math.sqrt(rise * rise + turn * turn)
+    theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
+    phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
+    lift -= theta_rubbed + theta_pushed
+    swing -= phi_rubbed + phi_pushed
+    if machine.shared:
+        theta_weight, phi_weight = weights(machine.arm, theta, phi)
+        coriolis, centrifugal = couplings(machine.arm, phi, v, w)
+        v_slope = (lift - theta_weight - coriolis) / lift_inertia(machine.arm, phi)
+        w_slope = (swing - phi_weight - centrifugal) / machine.arm.second
+    else:
+        v_slope = (lift - load_at(machine.theta, theta)) / machine.theta.inertia
+        w_slope = (swing - load_at(machine.phi, phi)) / machine.phi.inertia
+    theta_supplied, theta_lost = powers(machine.theta, a, b, x)
+    phi_supplied, phi_lost = powers(machine.phi, c, d, y)
+    energies = (
+        theta_supplied + phi_supplied,
+        theta_lost + phi_lost,
+        theta_stored + phi_stored,
+        theta_rubbed * v + phi_rubbed * w,
+        theta_pushed * v + phi_pushed * w,
+    )
+    return (
+        (v, v_slope, a_slope, b_slope, x_slope),
+        (w, w_slope, c_slope, d_slope, y_slope),
+        energies,
+    )
 
-    return slopes
 
+def powers(axis, first, second, spool):
+    """Return what the pump gives less what the tank gets, and what valves and leaks take, in W.
 
-def _powers(axis, first, second, spool):
-    """Return what the pump gives less what the tank gets, and what valves and leaks take, in W."""
+    Of an `axis` at pressures `first` and `second` of both sides, in Pa, and a `spool` position.
+    """
     # Of each land and leak the flow times the pressure that it loses.
     inflow, outflow = flows(axis, first, second, spool)
     past = axis.piston_leak * (first - second)
     leak = axis.valve_leak
-    ps, pt = axis.supply, axis.tank
+    ps = axis.supply
+    pt = axis.tank
     plus_land = inflow + past - leak * (ps + pt - 2 * first)
     minus_land = outflow + past - leak * (2 * second - ps - pt)
     leaks = leak * (2 * ps - first - second)
     returns = leak * (first + second - 2 * pt)
     if spool > 0:
-        drawn, back = plus_land, minus_land
+        drawn = plus_land
+        back = minus_land
         lost = plus_land * (ps - first) + minus_land * (second - pt)
     else:
-        drawn, back = -minus_land, -plus_land
+        drawn = -minus_land
+        back = -plus_land
         lost = plus_land * (pt - first) + minus_land * (second - ps)
     lost += past * (first - second)
-    lost += leak * ((ps - first) ** 2 + (ps - second) ** 2 + (first - pt) ** 2 + (second - pt) ** 2)
+    squares = (ps - first) * (ps - first) + (ps - second) * (ps - second)
+    squares += (first - pt) * (first - pt) + (second - pt) * (second - pt)
+    lost += leak * squares
     return ps * (drawn + leaks) - pt * (back + returns), lost

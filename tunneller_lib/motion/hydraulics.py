@@ -5,36 +5,54 @@ All sizes are the study's assumptions; the document names the parts and gives no
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Angle, Angles, Finite, Reals, checked
+from ..compiled import cosine, root
 from ..surfaces import Linkage
-from ..surfaces.linkage import JointAngles, check_stroke
+from ..surfaces.linkage import Cylinders, JointAngles, chambers, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Size0, Torque
 
 STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cylinder's stroke
 
 
-# Of a linkage and an angle, for loops: nothing is checked but that the angle is in the stroke.
-displacements_at = Linkage.displacements.unchecked
-volumes_at = Linkage.volumes.unchecked
+class Axis(NamedTuple):
+    """A `Hydraulics` as plain numbers, for functions that simulations call many times a tick.
+
+    Nothing is checked by those, and angles and rates are floats or arrays.
+    """
+
+    cylinders: Cylinders
+    low: float
+    high: float
+    inertia: float
+    gravity: float
+    damping: float
+    supply: float
+    tank: float
+    bulk: float
+    hose: float
+    flow: float
+    valve_lag: float
+    friction: float
+    piston_leak: float
+    valve_leak: float
 
 
 def sides_at(axis, angle):
-    """Return (D, rho, load) of positive and of negative motion at a joint angle, in rad.
-
-    Nothing is checked, as in the functions below: simulations call them many times a tick.
-    """
-    plus, minus = displacements_at(axis.linkage, angle)
+    """Return (D, rho, load) of positive and of negative motion of an `Axis` at an angle, in rad."""
+    plus, minus, _, _ = chambers(axis.cylinders, angle)
     load = load_at(axis, angle)
     return (plus, minus / plus, load), (minus, plus / minus, -load)
 
 
 def load_at(axis, angle):
     """Return the torque that resists positive motion of an `axis`, in N m, at an angle, in rad."""
-    return -axis.gravity * (math.cos(angle) if isinstance(angle, float) else np.cos(angle))
+    return -axis.gravity * cosine(angle)
 
 
 def speed(axis, opened, D, rho, load):
@@ -43,11 +61,11 @@ def speed(axis, opened, D, rho, load):
     `opened` is the share of the `axis`' open valve, from 0 to 1; D, rho and load are one of its
     `sides_at`.
     """
-    slope = axis.flow * opened / D / (1 + rho**3) ** 0.5
+    slope = axis.flow * opened / D / root(1 + rho * rho * rho)
     drag = slope * axis.damping / D
-    drive = _drive(axis, D, rho, load)
+    drive = drive_of(axis, D, rho, load)
     # The root of w^2 + slope drag w = slope^2 drive, without the difference of its usual form.
-    return 2 * slope * drive / (drag + (drag**2 + 4 * drive) ** 0.5)
+    return 2 * slope * drive / (drag + root(drag * drag + 4 * drive))
 
 
 def spool_at(axis, rate, position):
@@ -57,14 +75,16 @@ def spool_at(axis, rate, position):
     """
     if rate == 0:
         return 0.0
-    D, rho, load = sides_at(axis, position)[0 if rate > 0 else 1]
-    left = _drive(axis, D, rho, load) - axis.damping * abs(rate) / D
-    opened = abs(rate) * D / axis.flow * ((1 + rho**3) / left) ** 0.5 if left > 0 else math.inf
-    return math.copysign(opened, rate)
+    forward, backward = sides_at(axis, position)
+    D, rho, load = forward if rate > 0 else backward
+    left = drive_of(axis, D, rho, load) - axis.damping * abs(rate) / D
+    if left <= 0:
+        return math.copysign(math.inf, rate)
+    return rate * D / axis.flow * root((1 + rho * rho * rho) / left)
 
 
-def _drive(axis, D, rho, load):
-    """Return the pressure that is left for lands and friction, in Pa."""
+def drive_of(axis, D, rho, load):
+    """Return the pressure that is left for lands and friction, in Pa, as of `sides_at`."""
     return axis.supply - rho * axis.tank - load / D
 
 
@@ -134,11 +154,17 @@ class Hydraulics:
         angle = np.linspace(self.low, self.high, 181)
         # A side without area, of a rod as thick as its bore, drives nothing: NaN or -inf.
         with np.errstate(all="ignore"):
-            drives = [_drive(self, *side) for side in sides_at(self, angle)]
+            drives = [drive_of(self, *side) for side in sides_at(self.numbers, angle)]
         if not np.min(drives) > 0:
             raise ValueError(
                 f"supply: must move the weight both ways at every angle; got {self.supply:g} Pa."
             )
+
+    @cached_property
+    def numbers(self):
+        """Return the sizes as an `Axis`."""
+        own = {name: getattr(self, name) for name in Axis._fields[1:]}
+        return Axis(self.linkage.cylinders(self.low, self.high), **own)
 
     @checked
     def load(self, angle: JointAngles):
@@ -161,7 +187,7 @@ class Hydraulics:
         check_stroke(angle, self.low, self.high)
         if np.any(np.abs(spool) > 1):
             raise ValueError(f"spool: must be from -1 to 1; got {np.abs(spool).max():g} in size.")
-        positive, negative = sides_at(self, angle)
+        positive, negative = sides_at(self.numbers, angle)
         forward = speed(self, np.abs(spool), *positive)
         backward = speed(self, np.abs(spool), *negative)
         return np.where(spool > 0, forward, -backward)
@@ -197,16 +223,16 @@ class Hydraulics:
         if opened > 1:
             raise ValueError(f"opened: must be at most 1; got {opened:g}.")
         factor = np.inf
-        for sign, (D, rho, load) in zip((1, -1), sides_at(self, angle), strict=True):
-            drive = _drive(self, D, rho, load)
+        for sign, (D, rho, load) in zip((1, -1), sides_at(self.numbers, angle), strict=True):
+            drive = drive_of(self, D, rho, load)
             forward = np.maximum(sign * rate, 0.0)
             # (forward D x / flow)^2 (1 + rho^3) + pull x = drive of the factor x; where the joint
             # goes the other way, or stands, the oil still has to hold the torque.
             lands = (forward * D / (self.flow * opened)) ** 2 * (1 + rho**3)
             pull = (self.damping * forward + sign * torque) / D
             with np.errstate(divide="ignore", invalid="ignore"):
-                root = 2 * drive / (pull + np.sqrt(pull**2 + 4 * drive * lands))
-            factor = np.minimum(factor, np.where((lands > 0) | (pull > 0), root, np.inf))
+                most = 2 * drive / (pull + np.sqrt(pull**2 + 4 * drive * lands))
+            factor = np.minimum(factor, np.where((lands > 0) | (pull > 0), most, np.inf))
         return factor
 
     @checked
@@ -218,7 +244,7 @@ class Hydraulics:
         must be within the stroke.
         """
         check_stroke(position, self.low, self.high, "position")
-        return spool_at(self, rate, position)
+        return spool_at(self.numbers, rate, position)
 
     @checked
     def natural_frequency(self, angle: JointAngles):
@@ -253,9 +279,9 @@ class Hydraulics:
 
     def _oil(self, angle):
         """Return displacements, in m^3/rad, and volumes with the hoses, in m^3, of both sides."""
-        volumes = volumes_at(self.linkage, angle, self.low, self.high)
-        displacements = displacements_at(self.linkage, angle)
-        return *displacements, *(volume + self.hose for volume in volumes)
+        check_stroke(angle, self.low, self.high)
+        plus, minus, first, second = chambers(self.numbers.cylinders, angle)
+        return plus, minus, first + self.hose, second + self.hose
 
     @checked
     def sides(self, angle: JointAngles):
@@ -265,4 +291,4 @@ class Hydraulics:
         load the torque that resists, in N m. Outside the stroke ValueError is raised.
         """
         check_stroke(angle, self.low, self.high)
-        return sides_at(self, angle)
+        return sides_at(self.numbers, angle)

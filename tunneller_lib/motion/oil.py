@@ -2,14 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Angle, Finite, Rule, checked
-from ..surfaces.linkage import check_stroke
-from .hydraulics import Hydraulics, load_at, sides_at, speed
+from ..compiled import root
+from ..surfaces.linkage import chambers, check_stroke
+from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, ValveResonance
 from .quantities import Tick, Torque, moderate_array
 
@@ -60,33 +61,17 @@ class Rigid:
         return position, 0.0
 
     @checked
+    def numbers(self, tick: Tick):
+        """Return the `OilTicks` of ticks, in s."""
+        parts = parts_of(tick, tick / STEP)
+        axis = self.axis.numbers
+        fall = math.exp(-tick / parts / 2 / axis.valve_lag)
+        return OilTicks(axis.low, axis.high, axis, parts, tick / parts, fall)
+
+    @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        axis = self.axis
-        parts = parts_of(tick, tick / STEP)
-        h = tick / parts
-        fall = math.exp(-h / 2 / axis.valve_lag)
-
-        def rate(angle, spool):
-            if not axis.low <= angle <= axis.high:
-                raise _out_of_stroke(axis, angle)
-            forward, backward = sides_at(axis, angle)
-            return speed(axis, spool, *forward) if spool > 0 else -speed(axis, -spool, *backward)
-
-        def step(state, u):
-            angle, spool = state
-            for _ in range(parts):
-                middle = u + (spool - u) * fall
-                last = u + (middle - u) * fall
-                k1 = rate(angle, spool)
-                k2 = rate(angle + h / 2 * k1, middle)
-                k3 = rate(angle + h / 2 * k2, middle)
-                k4 = rate(angle + h * k3, last)
-                angle = angle + h / 6 * (k1 + 2 * (k2 + k3) + k4)
-                spool = last
-            return angle, spool
-
-        return step
+        return _within_stroke(rigid_tick, self.axis, self.numbers(tick))
 
 
 @dataclass(frozen=True)
@@ -138,34 +123,22 @@ class Compressible:
         """
         axis = self.axis
         check_stroke(position, axis.low, axis.high, "position")
-        (plus, _, own), (minus, _, _) = sides_at(axis, position)
+        (plus, _, own), (minus, _, _) = sides_at(axis.numbers, position)
         load = own if load is None else load
         first = (load + minus * axis.supply) / (plus + minus)
         return position, 0.0, first, axis.supply - first, 0.0
 
     @checked
+    def numbers(self, tick: Tick):
+        """Return the `OilTicks` of ticks, in s."""
+        axis = self.axis.numbers
+        parts = parts_of(tick, tick * steps_of(self.axis))
+        return OilTicks(axis.low, axis.high, axis, parts, tick / parts)
+
+    @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
-        axis = self.axis
-        fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
-        slowest = max(fastest / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
-        parts = parts_of(tick, tick * slowest)
-        h = tick / parts
-        slopes = _slopes_of(axis)
-
-        def step(state, u):
-            for _ in range(parts):
-                k1 = slopes(state, u)
-                k2 = slopes([y + h / 2 * k for y, k in zip(state, k1, strict=True)], u)
-                k3 = slopes([y + h / 2 * k for y, k in zip(state, k2, strict=True)], u)
-                k4 = slopes([y + h * k for y, k in zip(state, k3, strict=True)], u)
-                each = zip(state, k1, k2, k3, k4, strict=True)
-                state = [y + h / 6 * (a + 2 * (b + c) + d) for y, a, b, c, d in each]
-                state[2] = max(state[2], 0.0)
-                state[3] = max(state[3], 0.0)
-            return tuple(state)
-
-        return step
+        return _within_stroke(compressible_tick, self.axis, self.numbers(tick))
 
     @checked
     def derivative(self, state: State, u: Finite):
@@ -190,50 +163,125 @@ class Compressible:
             If the angle is outside the stroke.
         """
         check_stroke(state[0], self.axis.low, self.axis.high, "state")
-        return _slopes_of(self.axis)(state, u)
+        return compressible_slopes(self.axis.numbers, state, u)
 
 
-def _slopes_of(axis):
-    """Return the function (state, u) of `Compressible.derivative`, which checks the stroke only."""
-    oil = oil_of(axis)
+class OilTicks(NamedTuple):
+    """An axis with oil, its stroke, and the steps by which its ticks are integrated."""
 
-    def slopes(state, u):
-        angle, rate, first, second, spool = state
-        driven, filling, emptying, opening, _ = oil(angle, rate, first, second, spool, u)
-        torque = driven - load_at(axis, angle) - resistance(axis, rate)
-        return rate, torque / axis.inertia, filling, emptying, opening
-
-    return slopes
+    low: float
+    high: float
+    axis: Axis
+    parts: int
+    h: float  # s, of a step
+    fall: float = 0.0  # share of the spool's way that is left after half a step
 
 
-def oil_of(axis):
-    """Return the function (state and command) -> what an `axis`' chambers and spool do.
+def rigid_tick(plant, state, u):
+    """Return the state (angle, spool) of a `plant` of rigid oil a tick under a command u later.
+
+    Once the axis has left its stroke it stays there.
+    """
+    axis = plant.axis
+    h = plant.h
+    angle, spool = state
+    for _ in range(plant.parts):
+        middle = u + (spool - u) * plant.fall
+        last = u + (middle - u) * plant.fall
+        k1 = rigid_rate(axis, angle, spool)
+        k2 = rigid_rate(axis, angle + h / 2 * k1, middle)
+        k3 = rigid_rate(axis, angle + h / 2 * k2, middle)
+        k4 = rigid_rate(axis, angle + h * k3, last)
+        angle = angle + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+        spool = last
+        if not axis.low <= angle <= axis.high:
+            break
+    return angle, spool
+
+
+def rigid_rate(axis, angle, spool):
+    """Return the rate, in rad/s, of an `axis` with rigid oil at an angle, in rad, and a spool."""
+    forward, backward = sides_at(axis, angle)
+    if spool > 0:
+        return speed(axis, spool, *forward)
+    return -speed(axis, -spool, *backward)
+
+
+def compressible_tick(plant, state, u):
+    """Return the state (5,) of a `plant` of compressible oil a tick under a command u later.
+
+    Once the axis has left its stroke it stays there.
+    """
+    axis = plant.axis
+    h = plant.h
+    for _ in range(plant.parts):
+        k1 = compressible_slopes(axis, state, u)
+        k2 = compressible_slopes(axis, along(state, h / 2, k1), u)
+        k3 = compressible_slopes(axis, along(state, h / 2, k2), u)
+        k4 = compressible_slopes(axis, along(state, h, k3), u)
+        state = with_pressures(mean_step(state, h, k1, k2, k3, k4))
+        if not axis.low <= state[0] <= axis.high:
+            break
+    return state
+
+
+def compressible_slopes(axis, state, u):
+    """Return the changes (5,) of the state of an `axis` under a command u; nothing is checked."""
+    driven, filling, emptying, opening, _ = oil_changes(axis, state, u)
+    torque = driven - load_at(axis, state[0]) - resistance(axis, state[1])
+    return state[1], torque / axis.inertia, filling, emptying, opening
+
+
+def along(state, h, k):
+    """Return the state (5,) a time h, in s, later, as it changes by k (5,) in a second."""
+    return (
+        state[0] + h * k[0],
+        state[1] + h * k[1],
+        state[2] + h * k[2],
+        state[3] + h * k[3],
+        state[4] + h * k[4],
+    )
+
+
+def mean_step(state, h, k1, k2, k3, k4):
+    """Return the state (5,) after a step h, in s, of Runge and Kutta's classical method."""
+    return (
+        state[0] + h / 6 * (k1[0] + 2 * (k2[0] + k3[0]) + k4[0]),
+        state[1] + h / 6 * (k1[1] + 2 * (k2[1] + k3[1]) + k4[1]),
+        state[2] + h / 6 * (k1[2] + 2 * (k2[2] + k3[2]) + k4[2]),
+        state[3] + h / 6 * (k1[3] + 2 * (k2[3] + k3[3]) + k4[3]),
+        state[4] + h / 6 * (k1[4] + 2 * (k2[4] + k3[4]) + k4[4]),
+    )
+
+
+def with_pressures(state):
+    """Return the state (5,) with pressures that aren't below zero."""
+    angle, rate, first, second, spool = state
+    return angle, rate, max(first, 0.0), max(second, 0.0), spool
+
+
+def oil_changes(axis, state, u):
+    """Return what the chambers and the spool of an `axis` do under a command u.
 
     That is the torque of both pressures, in N m, how these change, in Pa/s, and the spool, in 1/s,
-    and the power that compresses the oil, in W. Nothing is checked but the stroke's ends.
+    and the power that compresses the oil, in W.
     """
-    chambers = axis.linkage.chambers(axis.low, axis.high)
-
-    def oil(angle, rate, first, second, spool, u):
-        if not axis.low <= angle <= axis.high:
-            raise _out_of_stroke(axis, angle)
-        plus, minus, plus_volume, minus_volume = chambers(angle)
-        inflow, outflow = flows(axis, first, second, spool)
-        filling = inflow - plus * rate
-        emptying = minus * rate - outflow
-        if first <= 0:
-            filling = max(filling, 0.0)
-        if second <= 0:
-            emptying = max(emptying, 0.0)
-        return (
-            plus * first - minus * second,
-            axis.bulk * filling / (plus_volume + axis.hose),
-            axis.bulk * emptying / (minus_volume + axis.hose),
-            (u - spool) / axis.valve_lag,
-            first * filling + second * emptying,
-        )
-
-    return oil
+    angle, rate, first, second, spool = state
+    plus, minus, plus_volume, minus_volume = chambers(axis.cylinders, angle)
+    inflow, outflow = flows(axis, first, second, spool)
+    filling = inflow - plus * rate
+    emptying = minus * rate - outflow
+    if first <= 0:
+        filling = max(filling, 0.0)
+    if second <= 0:
+        emptying = max(emptying, 0.0)
+    return (
+        plus * first - minus * second,
+        axis.bulk * filling / (plus_volume + axis.hose),
+        axis.bulk * emptying / (minus_volume + axis.hose),
+        (u - spool) / axis.valve_lag,
+        first * filling + second * emptying,
+    )
 
 
 def flows(axis, first, second, spool):
@@ -244,11 +292,11 @@ def flows(axis, first, second, spool):
     """
     opened = axis.flow * spool
     if spool > 0:
-        inflow = opened * _root(axis.supply - first)
-        outflow = opened * _root(second - axis.tank)
+        inflow = opened * land(axis.supply - first)
+        outflow = opened * land(second - axis.tank)
     else:
-        inflow = opened * _root(first - axis.tank)
-        outflow = opened * _root(axis.supply - second)
+        inflow = opened * land(first - axis.tank)
+        outflow = opened * land(axis.supply - second)
     past = axis.piston_leak * (first - second)
     both = axis.supply + axis.tank
     inflow += axis.valve_leak * (both - 2 * first) - past
@@ -256,10 +304,26 @@ def flows(axis, first, second, spool):
     return inflow, outflow
 
 
+def land(lost):
+    """Return the signed root of a pressure lost at a land, made straight where it is small."""
+    return lost / root(root(lost * lost + LAMINAR * LAMINAR))
+
+
 def resistance(axis, rate):
     """Return the torque of friction of an `axis`, in N m, at a `rate` in rad/s."""
     drag = axis.damping * rate
-    return drag + axis.friction * math.tanh(rate / SLIP) if axis.friction else drag
+    return drag + axis.friction * math.tanh(rate / SLIP) if axis.friction > 0 else drag
+
+
+def opening_at(plant, rate, position):
+    """Return the spool position of a steady `rate`, in rad/s, of a `plant` with oil."""
+    return spool_at(plant.axis, rate, position)
+
+
+def steps_of(axis):
+    """Return by how many steps a second an `axis` with compressible oil must be integrated."""
+    fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
+    return max(fastest / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
 
 
 def parts_of(tick, steps):
@@ -272,12 +336,20 @@ def parts_of(tick, steps):
     return math.ceil(steps)
 
 
-def _root(lost):
-    """Return the signed root of a pressure lost, made straight where it is small."""
-    return lost / (lost * lost + LAMINAR * LAMINAR) ** 0.25
+def _within_stroke(ticked, axis, plant):
+    """Return the function (state, command) -> state one tick later, within the stroke."""
+
+    def step(state, u):
+        state = ticked(plant, state, u)
+        if not axis.low <= state[0] <= axis.high:
+            raise out_of_stroke(axis, state[0])
+        return state
+
+    return step
 
 
-def _out_of_stroke(axis, angle):
+def out_of_stroke(axis, angle):
+    """Return the error of an `axis` that left its stroke for an angle, in rad."""
     return ValueError(
         f"setvalues: an axis must stay within its stroke, {math.degrees(axis.low):.1f} to "
         f"{math.degrees(axis.high):.1f} deg; it got to {math.degrees(angle):.1f} deg."

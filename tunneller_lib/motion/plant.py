@@ -1,16 +1,73 @@
 """Linear models of an axis, from valve command to joint angle, exact from tick to tick.
 
 Each plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
-command), `transfer`, `stepper` (the next state, for `follow`), `command` (static inverse).
+command), `transfer`, `stepper` (the next state), `command` (static inverse).
 """
 
+import math
 from dataclasses import dataclass
-from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Angle, Finite, checked
 from .quantities import ComplexFrequencies, Quantity, Tick
+
+
+class LinearTicks(NamedTuple):
+    """A linear plant from tick to tick: each row of `rows` makes one number of the next state.
+
+    It is held against the state and, last, the command. Such plants have no stroke.
+    """
+
+    low: float
+    high: float
+    steady: float  # rad/s for the full command 1
+    rows: tuple
+
+
+def tick_of_one(plant, state, u):
+    """Return the state (1,) of a linear `plant` a tick under a command u later."""
+    (a,) = plant.rows
+    return (a[0] * state[0] + a[1] * u,)
+
+
+def tick_of_two(plant, state, u):
+    """Return the state (2,) of a linear `plant` a tick under a command u later."""
+    a, b = plant.rows
+    x, v = state
+    return a[0] * x + a[1] * v + a[2] * u, b[0] * x + b[1] * v + b[2] * u
+
+
+def tick_of_three(plant, state, u):
+    """Return the state (3,) of a linear `plant` a tick under a command u later."""
+    a, b, c = plant.rows
+    x, v, w = state
+    return (
+        a[0] * x + a[1] * v + a[2] * w + a[3] * u,
+        b[0] * x + b[1] * v + b[2] * w + b[3] * u,
+        c[0] * x + c[1] * v + c[2] * w + c[3] * u,
+    )
+
+
+def tick_of_four(plant, state, u):
+    """Return the state (4,) of a linear `plant` a tick under a command u later."""
+    a, b, c, d = plant.rows
+    x, v, w, y = state
+    return (
+        a[0] * x + a[1] * v + a[2] * w + a[3] * y + a[4] * u,
+        b[0] * x + b[1] * v + b[2] * w + b[3] * y + b[4] * u,
+        c[0] * x + c[1] * v + c[2] * w + c[3] * y + c[4] * u,
+        d[0] * x + d[1] * v + d[2] * w + d[3] * y + d[4] * u,
+    )
+
+
+def command_at(plant, rate, position):
+    """Return the command of a steady `rate`, in rad/s, of a linear `plant` at any position."""
+    return rate / plant.steady
+
+
+TICKS = tick_of_one, tick_of_two, tick_of_three, tick_of_four
 
 
 class _Linear:
@@ -19,7 +76,25 @@ class _Linear:
     @checked
     def command(self, rate: Finite, position: Angle = 0.0):
         """Return the command that gives a steady rate, in rad/s; the same at every position."""
-        return rate / self.gain
+        return rate / self._steady
+
+    @property
+    def _steady(self):
+        return self.gain
+
+    @checked
+    def numbers(self, tick: Tick):
+        """Return the `LinearTicks` of ticks, in s."""
+        Ad, Bd = self.discrete(tick)
+        rows = tuple(map(tuple, np.column_stack([Ad, Bd]).tolist()))
+        return LinearTicks(-math.inf, math.inf, self._steady, rows)
+
+    @checked
+    def stepper(self, tick: Tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        plant = self.numbers(tick)
+        ticked = TICKS[len(plant.rows) - 1]
+        return lambda state, u: ticked(plant, state, u)
 
     @checked
     def rest(self, position: Angle):
@@ -77,12 +152,6 @@ class Integrator(_Linear):
         """Return Ad and Bd of a command held for a tick, in s."""
         return np.eye(1), np.array([self.gain * tick])
 
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        b = self.gain * tick
-        return lambda state, u: (state[0] + b * u,)
-
 
 @dataclass(frozen=True)
 @checked
@@ -124,12 +193,6 @@ class Lag(_Linear):
         Ad = np.array([[1, self.lag * fall], [0, np.exp(-x)]])
         return Ad, self.gain * np.array([self.lag * moved, fall])
 
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        ((_, a01), (_, a11)), (b0, b1) = (m.tolist() for m in self.discrete.unchecked(self, tick))
-        return lambda state, u: (state[0] + a01 * state[1] + b0 * u, a11 * state[1] + b1 * u)
-
 
 @dataclass(frozen=True)
 @checked
@@ -168,19 +231,6 @@ class Resonance(_Linear):
         w = self.frequency
         return _held(*self.matrices(), np.array([1.0, w, w**2]), tick)
 
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        Ad, Bd = (m.tolist() for m in self.discrete.unchecked(self, tick))
-        (_, a, b), (_, c, d), (_, e, f) = Ad
-        g, h, i = Bd
-
-        def step(state, u):
-            x, v, w = state
-            return x + a * v + b * w + g * u, c * v + d * w + h * u, e * v + f * w + i * u
-
-        return step
-
 
 @dataclass(frozen=True)
 @checked
@@ -212,10 +262,9 @@ class ValveResonance(_Linear):
     damping: Quantity
     lag: Quantity
 
-    @checked
-    def command(self, rate: Finite, position: Angle = 0.0):
-        """Return the command that gives a steady rate, in rad/s; the same at every position."""
-        return rate / self.steady
+    @property
+    def _steady(self):
+        return self.steady
 
     def matrices(self):
         """Return A and B of state' = A state + B command; angle, rate, change, spool."""
@@ -231,15 +280,6 @@ class ValveResonance(_Linear):
         """Return Ad and Bd of a command held for a tick, in s."""
         w = self.frequency
         return _held(*self.matrices(), np.array([1.0, w, w**2, w / self.gain]), tick)
-
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        rows = [
-            [*a, b]
-            for a, b in zip(*(m.tolist() for m in self.discrete.unchecked(self, tick)), strict=True)
-        ]
-        return lambda state, u: tuple(sum(map(mul, row, (*state, u))) for row in rows)
 
 
 def _held(A, B, units, tick):

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from types import MethodType
 from typing import Annotated
 
 import numpy as np
@@ -11,13 +10,22 @@ from numpy.typing import ArrayLike
 from ..arguments import Positive, Rule, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
 from .arm import Arm
-from .both_joints import ENERGIES, Push, stepper
-from .hydraulics import spool_at
+from .both_joints import Push
 from .loop import Loop
 from .oil import Compressible, Rigid
 from .plant import Integrator, Lag, Resonance, ValveResonance
 from .quantities import moderate_array
 from .stability import is_stable
+from .ticks import run_each, run_together
+
+
+def _push(name, value):
+    if not (isinstance(value, Push) or callable(value)):
+        raise ValueError(f"{name}: must be a Push or a function; got {shown(value)}.")
+    return value
+
+
+Pushing = Annotated[object, Rule("Push or function", _push)]
 
 
 def one_or_each(*kinds):
@@ -150,7 +158,7 @@ def follow(
     slopes: Slopes | None = None,
     inverse: Callable[[float, float], float] | None = None,
     arm: Arm | None = None,
-    push: Callable | None = None,
+    push: Pushing | None = None,
 ):
     """Run set-values through position loops and the axes that they move.
 
@@ -169,9 +177,10 @@ def follow(
     arm : Arm, optional
         The masses on theta and phi, whose motions then act on each other; for two `Compressible`
         plants. Without it each axis has the inertia and the weight of its own `Hydraulics`.
-    push : function, optional
-        (tick, position, rate) -> `Push`, asked at the beginning of each tick, of two
-        `Compressible` plants; position and rate are tuples of both joints.
+    push : Push or function, optional
+        What pushes two `Compressible` plants: in all ticks, or (tick, reached) -> `Push`, which is
+        asked at the beginning and then whenever the ticks that it answered for are over; reached
+        (m + 1, 2) are the positions of the m ticks since it was asked, and before them.
 
     Returns
     -------
@@ -210,18 +219,15 @@ def follow(
             check_stroke(column, one.axis.low, one.axis.high, "setvalues")
     if inverse is not None:
         _try(inverse, columns[0, 0])
-    wanted = columns.T.tolist()
-    rates = _slope_columns(slopes, setvalues, loops).T.tolist()
+    rates = _slope_columns(slopes, setvalues, loops)
     if arm is None and push is None:
-        # The axes don't act on each other: each is run by itself.
         energies = None
-        runs = [_run(*one, inverse) for one in zip(plants, loops, wanted, rates, strict=True)]
+        states, commands = run_each(plants, loops, columns, rates, inverse)
     else:
-        runs, energies = _run_together(plants, loops, wanted, rates, inverse, arm, push)
-    states = tuple(np.array(run[0]) for run in runs)
+        states, commands, energies = run_together(plants, loops, columns, rates, inverse, arm, push)
     shape = (-1, *setvalues.shape[1:])
     position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
-    command = np.array([run[1] for run in runs]).T.reshape(shape)
+    command = np.stack(commands, axis=1).reshape(shape)
     limit = np.array([one.limit for one in loops]) if setvalues.ndim == 2 else loops[0].limit
     # How stiff oil is depends on the angle, so five of each axis' range are asked.
     ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
@@ -265,105 +271,3 @@ def _try(inverse, position):
         ) from error
     if not good:
         raise ValueError(f"inverse: must return a number; got {shown(answer)}.")
-
-
-def _own_inverse(plant):
-    """Return a plant's own static inverse, without checks."""
-    if isinstance(plant, (Rigid, Compressible)):
-        return MethodType(spool_at, plant.axis)
-    return MethodType(plant.command.unchecked, plant)
-
-
-def _run(plant, loop, setvalues, slopes, inverse):
-    """Return states and commands of one axis, in plain floats: arrays of one would be slow."""
-    step = plant.stepper.unchecked(plant, loop.tick)
-    state = plant.rest(setvalues[0])
-    control = _controller(plant, loop, inverse)
-    states = [state]
-    commands = []
-    for wanted, slope in zip(setvalues[:-1], slopes, strict=True):
-        u, opening = control(wanted, slope, state[0])
-        state = step(state, opening)
-        states.append(state)
-        commands.append(u)
-    return states, commands
-
-
-def _run_together(plants, loops, setvalues, slopes, inverse, arm, push):
-    """Return what `_run` does, of both axes of one machine, and the energies (ticks + 1, 5)."""
-    if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
-        raise ValueError(
-            "plant: must be two of class Compressible where the axes share an arm or are pushed; "
-            f"got {shown([type(one).__name__ for one in plants])}."
-        )
-    step = stepper([one.axis for one in plants], arm, loops[0].tick)
-    starts = [column[0] for column in setvalues]
-    loads = [None, None] if arm is None else arm.weight(starts).tolist()
-    state = [one.rest(*each) for one, *each in zip(plants, starts, loads, strict=True)]
-    state.append((0.0,) * len(ENERGIES))
-    controls = [_controller(*one, inverse) for one in zip(plants, loops, strict=True)]
-    states = [[state[0]], [state[1]]]
-    commands = [[], []]
-    energies = [state[2]]
-    ticks = zip(*(column[:-1] for column in setvalues), *slopes, strict=True)
-    for tick, (*wanted, theta_slope, phi_slope) in enumerate(ticks):
-        pushed = Push()
-        if push is not None:
-            pushed = push(tick, (state[0][0], state[1][0]), (state[0][1], state[1][1]))
-        theta_u, theta_opening = controls[0](wanted[0], theta_slope, state[0][0])
-        phi_u, phi_opening = controls[1](wanted[1], phi_slope, state[1][0])
-        state = step(state, (theta_opening, phi_opening), pushed)
-        energies.append(state[2])
-        for axis, u in enumerate((theta_u, phi_u)):
-            states[axis].append(state[axis])
-            commands[axis].append(u)
-    return list(zip(states, commands, strict=True)), np.array(energies)
-
-
-def _controller(plant, loop, inverse):
-    """Return the function (set-value, slope, position) -> command and opening of the valve.
-
-    It is called once a tick, in turn. Of the following error e the loop makes the rate gain e +
-    integral sum(e tick) + share slope, and the static inverse says which command gives it.
-    """
-    if inverse is None:
-        inverse = _own_inverse(plant)
-    gain = loop.gain
-    share = loop.feedforward
-    count = loop.count
-    limit = loop.limit
-    dead = loop.dead_band
-    growth = loop.integral * loop.tick
-    summed = 0.0
-    waiting = [0.0] * loop.delay
-
-    def control(wanted, slope, position):
-        nonlocal summed
-        # The encoder tells whole counts, the nearest.
-        if count:
-            position = count * ((position / count + 0.5) // 1)
-        error = wanted - position
-        u = inverse(gain * error + summed + share * slope, position)
-        # Compensated, a command begins where the valve's dead band ends.
-        if dead and loop.compensated and u:
-            u = (1 - dead) * u + (dead if u > 0 else -dead)
-        # While the valve is fully open the sum waits: it would only grow, and overshoot later.
-        if u > limit:
-            u = limit
-        elif u < -limit:
-            u = -limit
-        else:
-            summed += growth * error
-        # With a delay of n ticks the command of n ticks ago reaches the valve.
-        if waiting:
-            waiting.append(u)
-            u = waiting.pop(0)
-        return u, _opened(u, dead) if dead else u
-
-    return control
-
-
-def _opened(u, dead):
-    """Return how far a valve opens whose first `dead` share of the command does nothing."""
-    beyond = abs(u) - dead
-    return 0.0 if beyond <= 0 else (beyond if u > 0 else -beyond) / (1 - dead)

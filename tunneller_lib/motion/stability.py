@@ -5,6 +5,7 @@ doesn't matter, because the static inverse divides by it.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -107,9 +108,15 @@ def closed_loop(plant: LinearPlant, loop: Loop):
     return _matrix(plant, loop, loop.gain)
 
 
+@lru_cache(256)
+def _discrete(plant, tick):
+    """Return Ad and Bd of a plant, which searches for a gain ask for again and again."""
+    return plant.discrete.unchecked(plant, tick)
+
+
 def _matrix(plant, loop, gain):
     """Return `closed_loop` with another gain, in 1/s."""
-    Ad, Bd = plant.discrete.unchecked(plant, loop.tick)
+    Ad, Bd = _discrete(plant, loop.tick)
     order = len(Bd)
     m = loop.delay
     matrix = np.zeros((order + 1 + m, order + 1 + m))

@@ -15,7 +15,7 @@ from .faults import (
     tangent_sphere_fault,
 )
 from .feed import Limits
-from .ground_faults import arm_fault, ground_fault, picks_fault
+from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
 from .margins import Margin, capability, gain_margins
 from .moves import Moves
 from .planning import Plan, Pose, plan
@@ -26,6 +26,7 @@ __all__ = [
     "Cut",
     "Fault",
     "Limits",
+    "LoadedLaps",
     "Margin",
     "Moves",
     "Plan",

@@ -204,7 +204,7 @@ def simulate(
             )
     ends = track.position[: first + 1], track.position[last:]
     cut = _carved(plan, track.position[first : last + 1], ends, pose, shape, thickness, say)
-    force = face and face.force[first:last]
+    force = None if face is None else face.force(track)[first:last]
     return replace(cut, track=track.between(first, last), force=force)
 
 

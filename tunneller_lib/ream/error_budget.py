@@ -20,7 +20,7 @@ from .faults import (
     setpoint_fault,
     tangent_sphere_fault,
 )
-from .ground_faults import arm_fault, ground_fault, picks_fault
+from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
 from .planning import Plan, Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
@@ -90,11 +90,12 @@ def budget(
     check_unheld(plan)
     sources = [(source, ()) for source in OF_PLAN]
     sources += [(source, (plant, loop)) for source in OF_AXES]
+    laps = LoadedLaps(plan, plant, loop)
     if arm is not None:
-        sources.append((arm_fault, (plant, loop, arm)))
+        sources.append((partial(arm_fault, laps=laps), (plant, loop, arm)))
     if ground is not None:
-        sources.append((partial(ground_fault, arm=arm), (plant, loop, ground)))
-        sources.append((partial(picks_fault, arm=arm), (plant, loop, ground)))
+        sources.append((partial(ground_fault, arm=arm, laps=laps), (plant, loop, ground)))
+        sources.append((partial(picks_fault, arm=arm, laps=laps), (plant, loop, ground)))
     if pose is not None:
         sources.append((pose_fault, (pose,)))
     faults = []

@@ -38,8 +38,8 @@ class Face:
     ----------
     area : (n - 1,) float
         Ground that is removed for each metre of way in each tick, in m^2.
-    force : (n - 1,) float
-        Against the motion, at each tick's beginning, in N.
+    damper : (n - 1,) float
+        Force against the motion over the cutter's speed in each tick, in N s/m.
     """
 
     def __init__(self, plan, ground, setvalues, first, pose, shape, thickness):
@@ -54,9 +54,10 @@ class Face:
         self.torus = machine.torus
         self.radius = machine.cutter_radius
         self.stepped = plan.stepped(np.clip(ticks, 0, lap * plan.laps))
-        self.lever = levers(self.torus, setvalues).tolist()
-        self.across = (ground.normal * gradient(circuit, places, setvalues)).tolist()
-        self.stiffness = ground.force(ground.pulse(plan.tick * (np.arange(len(ticks)) + 0.5)))
+        self.lever = levers(self.torus, setvalues)[:-1]
+        self.across = ground.normal * gradient(circuit, places, setvalues)[:-1]
+        time = plan.tick * (np.arange(len(setvalues) - 1) + 0.5)
+        self.stiffness = ground.force(ground.pulse(time))
         planned = self._centres(setvalues, slice(None))
         ends = (
             planned[:, 0].min() - self.radius - BESIDE,
@@ -64,28 +65,29 @@ class Face:
         )
         self.wall = intact_wall(circuit, *ends, shape, thickness=thickness)
         self.area = np.zeros(len(setvalues) - 1)
-        self.force = np.zeros(len(setvalues) - 1)
-        self._way = []
+        self.damper = np.zeros(len(setvalues) - 1)
+        self._way = np.empty((0, 2))
         self._ahead = 0.0
 
-    def push(self, tick, position, rate):
-        """Return the `Push` of a tick, at whose beginning both joints have position and rate."""
-        self._way.append(position)
-        if len(self._way) > EVERY:
-            self._cut(tick)
-        damper = self._ahead * float(self.stiffness[tick])
-        lever = self.lever[tick]
-        self.area[tick] = self._ahead
-        self.force[tick] = damper * np.hypot(lever[0] * rate[0], lever[1] * rate[1])
-        return Push(damper=damper, lever=lever, across=self.across[tick])
-
-    def _cut(self, tick):
-        """Cut what the last ticks reached, and look at how much ground was in the way."""
-        centres = self._centres(np.array(self._way), slice(tick - len(self._way) + 1, tick + 1))
+    def push(self, tick, reached):
+        """Return the `Push` of the next ticks, once the cutter has `reached` positions (m, 2)."""
+        # Where the cutter hardly moved what it cuts is known later.
+        self._way = np.concatenate([self._way[:-1], reached])
+        begun = tick - len(self._way) + 1
+        centres = self._centres(self._way, slice(begun, tick + 1))
         moved = float(np.sum(np.linalg.norm(np.diff(centres, axis=0), axis=-1)))
         if moved > STILL:
             self._ahead = self.wall.cut_path(centres, self.radius) / moved
             self._way = self._way[-1:]
+        ticks = slice(tick, tick + EVERY)
+        self.area[ticks] = self._ahead
+        self.damper[ticks] = self._ahead * self.stiffness[ticks]
+        return Push(damper=self.damper[ticks], lever=self.lever[ticks], across=self.across[ticks])
+
+    def force(self, track):
+        """Return the force (n - 1,) against the motion at each tick's beginning, in N."""
+        rates = np.stack([states[:-1, 1] for states in track.states], axis=-1)
+        return self.damper * np.linalg.norm(self.lever * rates, axis=-1)
 
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""

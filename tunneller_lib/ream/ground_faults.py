@@ -13,8 +13,48 @@ from .planning import Plan, engaged_areas
 from .sensitivity import planned_motion
 
 
+class LoadedLaps:
+    """Laps of a plan's circuit under loads: each is run once, whoever asks for it.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Compressible or a pair of them
+        The axes.
+    loop : Loop or a pair of them
+        Their position loops.
+    """
+
+    @checked
+    def __init__(self, plan: Plan, plant: Plants, loop: Loops):
+        self.plan = plan
+        self.plant = plant
+        self.loop = loop
+        self._found = {}
+
+    @checked
+    def overbreak(
+        self, *, arm: Arm | None = None, ground: Ground | None = None, picks: bool = False
+    ):
+        """Return the overbreak (ticks + 1,), in m, of a lap.
+
+        With an `arm` that both joints share, with a `ground` that pushes, and with its `picks`
+        or their mean.
+        """
+        key = arm, ground, picks
+        if key not in self._found:
+            plan = self.plan
+            wanted = plan.circuit.position(plan.places)
+            rates = np.diff(wanted, axis=0) / plan.tick
+            push = None if ground is None else _push(plan, ground, picks)
+            track = follow(self.plant, self.loop, wanted, slopes=rates, arm=arm, push=push)
+            self._found[key] = plan.circuit.overcut(track.position)
+        return self._found[key]
+
+
 @checked
-def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm):
+def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm, *, laps: LoadedLaps | None = None):
     """Return the `Fault` of an arm that both joints share, of which the controller knows a part.
 
     Parameters
@@ -27,6 +67,8 @@ def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm):
         Their position loops, with the plan's tick, without integral and dead band.
     arm : Arm
         The masses on both joints.
+    laps : LoadedLaps, optional
+        Of the same plan, axes and loops, where laps are kept that others ask for, too.
 
     Returns
     -------
@@ -38,7 +80,8 @@ def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm):
     at = plan.circuit.position(middle)
     known = np.stack([one.axis.load(q) for one, q in zip(plant, at.T, strict=True)], axis=-1)
     off = pushed_off(plan, plant, loop, arm.weight(at) - known)
-    deviation = _followed(plan, plant, loop, arm, None) - _followed(plan, plant, loop, None, None)
+    laps = laps or LoadedLaps(plan, plant, loop)
+    deviation = laps.overbreak(arm=arm) - laps.overbreak()
     return Fault(
         source="both joints",
         deviation=deviation,
@@ -50,7 +93,15 @@ def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm):
 
 
 @checked
-def ground_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: Arm | None = None):
+def ground_fault(
+    plan: Plan,
+    plant: Plants,
+    loop: Loops,
+    ground: Ground,
+    *,
+    arm: Arm | None = None,
+    laps: LoadedLaps | None = None,
+):
     """Return the `Fault` of the ground's mean force, on whole grooves as those of a first lap.
 
     Parameters
@@ -65,6 +116,8 @@ def ground_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm:
         What cutting asks for.
     arm : Arm, optional
         The masses on both joints.
+    laps : LoadedLaps, optional
+        As for `arm_fault`.
 
     Returns
     -------
@@ -74,10 +127,10 @@ def ground_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm:
     """
     _check(plan, plant, loop)
     off = pushed_off(plan, plant, loop, ground_torques(plan, ground))
-    pushed = _followed(plan, plant, loop, arm, _pushes(plan, ground, 1.0))
+    laps = laps or LoadedLaps(plan, plant, loop)
     return Fault(
         source="ground, mean",
-        deviation=pushed - _followed(plan, plant, loop, arm, None),
+        deviation=laps.overbreak(arm=arm, ground=ground) - laps.overbreak(arm=arm),
         measure="largest",
         closed=float(np.abs(off).max()),
         halved_by="power",
@@ -86,7 +139,15 @@ def ground_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm:
 
 
 @checked
-def picks_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: Arm | None = None):
+def picks_fault(
+    plan: Plan,
+    plant: Plants,
+    loop: Loops,
+    ground: Ground,
+    *,
+    arm: Arm | None = None,
+    laps: LoadedLaps | None = None,
+):
     """Return the `Fault` of the picks' ripple, beyond that of their mean force.
 
     Parameters
@@ -101,6 +162,8 @@ def picks_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: 
         What cutting asks for, with its ripple.
     arm : Arm, optional
         The masses on both joints.
+    laps : LoadedLaps, optional
+        As for `arm_fault`.
 
     Returns
     -------
@@ -114,11 +177,11 @@ def picks_fault(plan: Plan, plant: Plants, loop: Loops, ground: Ground, *, arm: 
     answers = _compliance(plan, plant, loop, ground, middle)
     slope = gradient(plan.circuit, middle, plan.circuit.position(middle))
     off = ground.ripple * np.abs(np.sum(slope * torque * answers, axis=-1))
-    mean = _followed(plan, plant, loop, arm, _pushes(plan, ground, 1.0))
-    pulse = ground.pulse(plan.tick * (np.arange(int(plan.ticks.sum())) + 0.5))
+    laps = laps or LoadedLaps(plan, plant, loop)
+    mean = laps.overbreak(arm=arm, ground=ground)
     return Fault(
         source="ground, picks",
-        deviation=_followed(plan, plant, loop, arm, _pushes(plan, ground, pulse)) - mean,
+        deviation=laps.overbreak(arm=arm, ground=ground, picks=True) - mean,
         measure="largest",
         closed=float(off[:-1].max()),
         halved_by="power",
@@ -166,16 +229,17 @@ def _check(plan, plant, loop):
         )
 
 
-def _pushes(plan, ground, pulse):
-    """Return the `Push` of each tick on the plan's circuit, with a force `pulse` times its mean."""
+def _push(plan, ground, picks):
+    """Return the `Push` of all ticks on the plan's circuit, with the picks' ripple or their mean."""
     circuit = plan.circuit
     places = plan.places[:-1]
     at = circuit.position(places)
-    damper = pulse * ground.force(engaged_areas(circuit, places))
-    lever = levers(circuit.machine.torus, at)
-    across = ground.normal * gradient(circuit, places, at)
-    rows = zip(damper.tolist(), lever.tolist(), across.tolist(), strict=True)
-    return [Push(damper=d, lever=along, across=out) for d, along, out in rows]
+    pulse = ground.pulse(plan.tick * (np.arange(len(places)) + 0.5)) if picks else 1.0
+    return Push(
+        damper=pulse * ground.force(engaged_areas(circuit, places)),
+        lever=levers(circuit.machine.torus, at),
+        across=ground.normal * gradient(circuit, places, at),
+    )
 
 
 def ground_torques(plan, ground):
@@ -209,13 +273,3 @@ def _compliance(plan, plant, loop, ground, middle):
                          / (s * (1 + s * axis.valve_lag)))  # fmt: skip
         answers.append(1 / (axis.inertia * s**2 + damping * s + held))
     return np.stack(answers, axis=-1)
-
-
-def _followed(plan, plant, loop, arm, pushes):
-    """Return the overbreak (ticks + 1,), in m, of a lap on the circuit under a push each tick."""
-    circuit = plan.circuit
-    wanted = circuit.position(plan.places)
-    push = None if pushes is None else lambda tick, *_: pushes[tick]
-    rates = np.diff(wanted, axis=0) / plan.tick
-    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=push)
-    return circuit.overcut(track.position)

@@ -2,19 +2,20 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
+from ..compiled import root, sine
 from .machine import Machine
 
 USUAL_R = 0.80  # m, the reference machine's arm, by which the study's sizes are given
 
 
 def _joint_angles(name, value):
-    # One angle is a float from here on: `_triangle` tells by that how to compute.
+    # One angle is a float from here on: `sine` tells by that how to compute.
     if type(value) is float and -MOST <= value <= MOST:
         return value
     return bounded_array(name, value)[()]
@@ -41,6 +42,66 @@ def check_stroke(angle, low, high, name="angle"):
     raise ValueError(
         f"{name}: must lie within the stroke, {low:.4g} to {high:.4g} rad; got {first:.4g} rad."
     )
+
+
+class Cylinders(NamedTuple):
+    """A `Linkage` as plain numbers, for functions that simulations call many times a tick.
+
+    The lengths at both ends of the stroke are zero where no volume is asked for.
+    """
+
+    a: float
+    b: float
+    mounting: float
+    sense: float
+    pair: bool
+    whole: float  # m^2, as in `Linkage.areas`
+    ring: float
+    shortest: float = 0.0
+    longest: float = 0.0
+
+
+def triangle(cylinders, angle, sense):
+    """Return length and arm of the cylinder whose gamma is mounting + `sense` `angle`, in m."""
+    gamma = cylinders.mounting + sense * angle
+    a = cylinders.a
+    b = cylinders.b
+    # (a - b)^2 + 4 a b sin^2(gamma / 2) is a^2 + b^2 - 2 a b cos(gamma) without the difference
+    # that cancels where the triangle is nearly closed.
+    half = sine(gamma / 2)
+    length = root((a - b) * (a - b) + 4 * a * b * half * half)
+    return length, sense * a * b * sine(gamma) / length
+
+
+def filled(cylinders, angle, sense):
+    """Return how fast one cylinder's sides fill and empty, in m^3/rad, and their volumes, in m^3.
+
+    First the side that drives the joint's `angle`, in rad, towards `sense`.
+    """
+    length, arm = triangle(cylinders, angle, sense)
+    arm = abs(arm)
+    pushing = cylinders.whole * arm
+    pulling = cylinders.ring * arm
+    pushing_volume = cylinders.whole * (length - cylinders.shortest)
+    pulling_volume = cylinders.ring * (cylinders.longest - length)
+    if sense > 0:
+        return pushing, pulling, pushing_volume, pulling_volume
+    return pulling, pushing, pulling_volume, pushing_volume
+
+
+def chambers(cylinders, angle):
+    """Return displacements, in m^3/rad, and volumes, in m^3, of plus and minus side at an angle.
+
+    Of `Cylinders` and an `angle` in rad within the stroke; nothing is checked.
+    """
+    plus, minus, plus_volume, minus_volume = filled(cylinders, angle, cylinders.sense)
+    if cylinders.pair:  # the mirrored cylinder drives both ways, too
+        first, second, first_volume, second_volume = filled(cylinders, angle, -cylinders.sense)
+        plus = plus + first
+        minus = minus + second
+        plus_volume = plus_volume + first_volume
+        minus_volume = minus_volume + second_volume
+    return plus, minus, plus_volume, minus_volume
 
 
 @dataclass(frozen=True)
@@ -108,27 +169,17 @@ class Linkage:
     @checked
     def length(self, angle: JointAngles):
         """Return the cylinder's length, in m, at joint angles."""
-        return self._triangle(angle, self.sense)[0]
+        return triangle(self, angle, self.sense)[0]
 
     @checked
     def arm(self, angle: JointAngles):
         """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
-        return self._triangle(angle, self.sense)[1]
+        return triangle(self, angle, self.sense)[1]
 
     @checked
     def displacements(self, angle: JointAngles):
         """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
-        whole, ring = self.areas
-        arm = abs(self._triangle(angle, self.sense)[1])
-        plus, minus = (whole, ring) if self.sense > 0 else (ring, whole)
-        plus = plus * arm
-        minus = minus * arm
-        if self.pair:
-            mirrored = abs(self._triangle(angle, -self.sense)[1])
-            first, second = (ring, whole) if self.sense > 0 else (whole, ring)
-            plus = plus + first * mirrored
-            minus = minus + second * mirrored
-        return plus, minus
+        return chambers(self._numbers(0.0, 0.0), angle)[:2]
 
     @checked
     def volumes(self, angle: JointAngles, low: Angle, high: Angle):
@@ -141,39 +192,20 @@ class Linkage:
         ValueError
             If an angle isn't within the stroke, where a volume would be below zero.
         """
-        # A simulation asks for one angle after the other: it is to lose no time here.
-        if not (isinstance(angle, float) and low <= angle <= high):
-            check_stroke(angle, low, high)
-        return Linkage.chambers.unchecked(self, low, high)(angle)[2:]
+        check_stroke(angle, low, high)
+        return chambers(Linkage.cylinders.unchecked(self, low, high), angle)[2:]
 
     @checked
-    def chambers(self, low: Angle, high: Angle):
-        """Return the function angle -> both `displacements` and both `volumes`, for simulations.
+    def cylinders(self, low: Angle, high: Angle):
+        """Return the `Cylinders` of a stroke from angle `low` to `high`, in rad."""
+        lengths = [triangle(self, end, self.sense)[0] for end in (low, high)]
+        return self._numbers(min(lengths), max(lengths))
 
-        Of angles from `low` to `high`, in rad, which themselves aren't checked.
-        """
-        whole, ring = self.areas
-        lengths = self._triangle(low, self.sense)[0], self._triangle(high, self.sense)[0]
-        shortest, longest = min(lengths), max(lengths)
-        sense = self.sense
-
-        def cylinder(angle, sense):
-            length, arm = self._triangle(angle, sense)
-            pushing = whole * abs(arm), whole * (length - shortest)
-            pulling = ring * abs(arm), ring * (longest - length)
-            return (pushing, pulling) if sense > 0 else (pulling, pushing)
-
-        def of(angle):
-            (plus, plus_volume), (minus, minus_volume) = cylinder(angle, sense)
-            if self.pair:  # the mirrored cylinder drives both ways, too
-                (first, first_volume), (second, second_volume) = cylinder(angle, -sense)
-                plus = plus + first
-                minus = minus + second
-                plus_volume = plus_volume + first_volume
-                minus_volume = minus_volume + second_volume
-            return plus, minus, plus_volume, minus_volume
-
-        return of
+    def _numbers(self, shortest, longest):
+        return Cylinders(
+            self.a, self.b, self.mounting, float(self.sense), self.pair, *self.areas, shortest,
+            longest,
+        )  # fmt: skip
 
     @checked
     def check(self, low: Angle, high: Angle):
@@ -198,16 +230,6 @@ class Linkage:
                 f"stroke: {longest - shortest:.3f} m and the dead length {self.dead_length:.3f} m "
                 f"must fit into the shortest cylinder; got {shortest:.3f} m."
             )
-
-    def _triangle(self, angle, sense):
-        """Return length and arm of the cylinder whose gamma is mounting + sense angle."""
-        # In a simulation plain floats come one by one, for which math is ten times as fast.
-        m = math if isinstance(angle, float) else np
-        gamma = self.mounting + sense * angle
-        # (a - b)^2 + 4 a b sin^2(gamma / 2) is a^2 + b^2 - 2 a b cos(gamma) without the difference
-        # that cancels where the triangle is nearly closed.
-        length = m.hypot(self.a - self.b, 2 * math.sqrt(self.a * self.b) * m.sin(gamma / 2))
-        return length, sense * self.a * self.b * m.sin(gamma) / length
 
 
 @checked

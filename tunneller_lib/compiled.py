@@ -1,0 +1,120 @@
+"""Loops over plain numbers, compiled by numba where it is installed and the work is long.
+
+A function that `call` is given works on numbers, tuples and rows that it reads and writes by
+index. It runs as it stands, on lists, or compiled, on arrays: the same statements in the same
+order, without fast-math, so that every bit of the answers is the same. Of Python's own it may use
+what both ways do alike: no powers, whose last bit depends on who computes them, and no `hypot`.
+"""
+
+import functools
+import hashlib
+import importlib.util
+import inspect
+import math
+from types import FunctionType
+
+import numpy as np
+
+LONG = 2.0  # s of plain Python, from which on loading the compiler is worth its time
+
+
+class _Work:
+    """How much plain work there was, in s, and whether loops are compiled since."""
+
+    expected = 0.0
+    compiled = False
+
+
+def expect(seconds):
+    """Say that loops follow that take about so many `seconds` in plain Python.
+
+    Once all that was expected is `LONG` loops are compiled from then on, if numba is there.
+    """
+    _Work.expected += seconds
+    if _Work.expected > LONG and not _Work.compiled:
+        _Work.compiled = importlib.util.find_spec("numba") is not None
+
+
+def call(function, *arguments, **parts):
+    """Return what a `function` of numbers, tuples and rows answers; rows it may change.
+
+    Parameters
+    ----------
+    function : function
+        Of a module of this library, as all functions that it calls.
+    *arguments
+        Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m).
+    **parts
+        Functions to be called in place of those that have these names in the functions' modules.
+    """
+    if _Work.compiled:
+        return _compiled(function, *parts.items())(*arguments)
+    return plain(function, *arguments, **parts)
+
+
+def plain(function, *arguments, **parts):
+    """Return what `call` does of a `function`, `arguments` and `parts`, never compiled."""
+    # Python reads and writes lists several times as fast as arrays.
+    lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
+    answer = _replaced(function, *parts.items())(*lists)
+    for array, rows in zip(arguments, lists, strict=True):
+        if isinstance(array, np.ndarray) and array.size:
+            array[:] = rows
+    return answer
+
+
+def sine(x):
+    """Return the sine of a float x, by the C library, or of an array, by numpy."""
+    return math.sin(x) if isinstance(x, float) else np.sin(x)
+
+
+def cosine(x):
+    """Return the cosine of a float x, by the C library, or of an array, by numpy."""
+    return math.cos(x) if isinstance(x, float) else np.cos(x)
+
+
+def root(x):
+    """Return the square root of a float x or of an array."""
+    return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+@functools.lru_cache(32)
+def _replaced(function, *parts):
+    """Return a function that calls other parts than it names."""
+    return _copied(function, dict(parts), lambda copy: copy, {})
+
+
+@functools.cache
+def _compiled(function, *parts):
+    """Return the same compiled, with all functions that it calls."""
+    import numba
+
+    known = {sine: math.sin, cosine: math.cos, root: math.sqrt}
+    copy = _copied(function, dict(parts), numba.njit, known)
+    # A compiled form that was kept is found by the function's name: this one changes with the
+    # parts and with any module that takes part.
+    modules = {inspect.getmodule(one) for one in (function, *known)}
+    about = [part.__qualname__ for _, part in parts] + sorted(map(inspect.getsource, modules))
+    digest = hashlib.sha256("".join(about).encode()).hexdigest()
+    copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
+    try:
+        return numba.njit(cache=True)(copy)
+    except RuntimeError:  # no folder that could be written to
+        return numba.njit(copy)
+
+
+def _copied(function, parts, made, known):
+    """Return a copy of a function that calls others as `made` of their copies, and `parts`.
+
+    What is made of each is `known` from then on.
+    """
+    names = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        called = parts.get(name, names.get(name))
+        if isinstance(called, FunctionType):
+            if called not in known:
+                known[called] = made(_copied(called, parts, made, known))
+            names[name] = known[called]
+    return FunctionType(
+        function.__code__, names, function.__name__, function.__defaults__, function.__closure__
+    )

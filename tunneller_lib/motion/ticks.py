@@ -1,0 +1,246 @@
+"""Loops and axes from tick to tick: what `follow` asks for, in numbers that can be compiled."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arguments import shown
+from ..compiled import call, expect, plain
+from .both_joints import ENERGIES, Push, machine_of, machine_tick, parts_in
+from .hydraulics import spool_at
+from .oil import Compressible, Rigid, compressible_tick, opening_at, out_of_stroke, rigid_tick
+from .plant import TICKS, command_at
+
+# About how long a tick takes in plain Python, in s: of any loop, and for each part of it.
+PLAIN_TICK, PLAIN_PART, PLAIN_PART_OF_BOTH = 1.5e-6, 3e-5, 1e-4
+
+
+class Control(NamedTuple):
+    """A `Loop` as plain numbers."""
+
+    gain: float
+    growth: float  # of the sum, by tick and following error
+    share: float
+    count: float
+    limit: float
+    dead: float
+    compensated: bool
+    delay: int
+
+
+def control_of(loop):
+    """Return the `Control` of a `Loop`."""
+    return Control(
+        loop.gain,
+        loop.integral * loop.tick,
+        loop.feedforward,
+        loop.count,
+        loop.limit,
+        loop.dead_band,
+        loop.compensated,
+        loop.delay,
+    )
+
+
+def ticked(plant, state, u):
+    """Stand in for what takes the state of a `plant` under a command u a tick further."""
+    raise NotImplementedError
+
+
+def inverse(plant, rate, position):
+    """Stand in for the command of a steady `rate` of a `plant` at a position, in rad/s and rad."""
+    raise NotImplementedError
+
+
+def commanded(plant, control, memory, tick, wanted, slope, position):
+    """Return the command of a tick, for a set-value and its slope at a measured position.
+
+    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope,
+    and the static inverse of the `plant` says which command gives it. `control` is a `Control`,
+    `memory` holds the sum and commands that wait; `wanted`, `slope` and `position` are in rad and
+    rad/s.
+    """
+    # The encoder tells whole counts, the nearest.
+    if control.count > 0:
+        position = control.count * nearest(position / control.count)
+    error = wanted - position
+    u = inverse(plant, control.gain * error + memory[0] + control.share * slope, position)
+    # Compensated, a command begins where the valve's dead band ends.
+    if control.compensated and control.dead > 0 and u != 0:
+        u = (1 - control.dead) * u + (control.dead if u > 0 else -control.dead)
+    # While the valve is fully open the sum waits: it would only grow, and overshoot later.
+    if u > control.limit:
+        u = control.limit
+    elif u < -control.limit:
+        u = -control.limit
+    else:
+        memory[0] += control.growth * error
+    # With a delay of n ticks the command of n ticks ago reaches the valve.
+    if control.delay > 0:
+        place = 1 + tick % control.delay
+        waited = memory[place]
+        memory[place] = u
+        u = waited
+    return u
+
+
+def nearest(number):
+    """Return the whole number, a float, that is nearest; of two the greater."""
+    # Above 2^52 all are whole.
+    return float(math.floor(number + 0.5)) if abs(number) < 4.5e15 else number
+
+
+def opened(u, dead):
+    """Return how far a valve opens whose first `dead` share of the command u does nothing."""
+    if dead == 0:
+        return u
+    beyond = abs(u) - dead
+    if beyond <= 0:
+        return 0.0
+    return (beyond if u > 0 else -beyond) / (1 - dead)
+
+
+def run_axis(plant, control, memory, state, setvalues, slopes, states, commands):
+    """Run one axis from its first state, fill its states and commands, and return the ticks run.
+
+    They are fewer than there are slopes where it left its stroke. `control` and
+    `memory` are as of `commanded`; `setvalues` and `slopes`, in rad and rad/s, `states` and
+    `commands` are rows, `state` is the first of the states.
+    """
+    for tick in range(len(slopes)):
+        u = commanded(plant, control, memory, tick, setvalues[tick], slopes[tick], state[0])
+        state = ticked(plant, state, opened(u, control.dead))
+        commands[tick] = u
+        for i in range(len(state)):
+            states[tick + 1][i] = state[i]
+        if not plant.low <= state[0] <= plant.high:
+            return tick
+    return len(slopes)
+
+
+def run_joints(
+    machine, tick, controls, memories, first, state,
+    setvalues, slopes, pushes, parts, states, commands,
+):  # fmt: skip
+    """Run both axes of a `machine` from tick `first` on, as `run_axis` does one.
+
+    Rows are of theta and phi: `controls`, `memories`, `setvalues`, `slopes`, `commands`; those of
+    `states` and the `state` to begin with are of theta, of phi, and the energies so far. `tick` is
+    in s, `pushes` are `Push.rows`, `parts` those of the ticks.
+    """
+    theta = machine.theta
+    phi = machine.phi
+    for n in range(len(parts)):
+        theta_u = commanded(
+            theta, controls[0], memories[0], first + n,
+            setvalues[n][0], slopes[n][0], state[0][0],
+        )  # fmt: skip
+        phi_u = commanded(
+            phi, controls[1], memories[1], first + n,
+            setvalues[n][1], slopes[n][1], state[1][0],
+        )  # fmt: skip
+        openings = opened(theta_u, controls[0].dead), opened(phi_u, controls[1].dead)
+        state = machine_tick(machine, state, openings, pushes[n], parts[n], tick)
+        commands[n][0] = theta_u
+        commands[n][1] = phi_u
+        for i in range(5):
+            states[n + 1][i] = state[0][i]
+            states[n + 1][5 + i] = state[1][i]
+            states[n + 1][10 + i] = state[2][i]
+        if not theta.low <= state[0][0] <= theta.high or not phi.low <= state[1][0] <= phi.high:
+            return n
+    return len(parts)
+
+
+def run_each(plants, loops, setvalues, slopes, own_inverse):
+    """Return states and commands, a list of each, of `plants` under `loops` that share nothing.
+
+    The columns of `setvalues` (ticks + 1, n), in rad, and of `slopes` (ticks, n), in rad/s, are
+    theirs; `own_inverse` is a caller's, as in `follow`, or None.
+    """
+    all_states = []
+    all_commands = []
+    ticks = len(slopes)
+    for plant, loop, values, rates in zip(plants, loops, setvalues.T, slopes.T, strict=True):
+        numbers = plant.numbers(loop.tick)
+        start = tuple(map(float, plant.rest(float(values[0]))))
+        states = np.empty((ticks + 1, len(start)))
+        states[0] = start
+        commands = np.empty(ticks)
+        given = (
+            numbers, control_of(loop), np.zeros(1 + loop.delay), start,
+            values.copy(), rates.copy(), states, commands,
+        )  # fmt: skip
+        expect(ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0)))
+        kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
+        if kept < ticks:
+            raise out_of_stroke(plant.axis, states[kept + 1, 0])
+        all_states.append(states)
+        all_commands.append(commands)
+    return all_states, all_commands
+
+
+def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
+    """Return what `run_each` does, of both axes of one machine, and the energies (ticks + 1, 5).
+
+    `plants`, `loops`, `setvalues` (ticks + 1, 2), `slopes` (ticks, 2), `own_inverse`, `arm` and
+    `push` are as in `follow`.
+    """
+    if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
+        raise ValueError(
+            "plant: must be two of class Compressible where the axes share an arm or are pushed; "
+            f"got {shown([type(one).__name__ for one in plants])}."
+        )
+    axes = [one.axis for one in plants]
+    setvalues = setvalues.copy()
+    slopes = slopes.copy()
+    tick = loops[0].tick
+    ticks = len(slopes)
+    if not callable(push):
+        every = np.broadcast_to((push or Push()).rows, (ticks, 7))
+    loads = [None, None] if arm is None else arm.weight(setvalues[0]).tolist()
+    starts = zip(plants, setvalues[0].tolist(), loads, strict=True)
+    rests = [plant.rest(angle, load) for plant, angle, load in starts]
+    states = np.zeros((ticks + 1, 10 + len(ENERGIES)))
+    states[0, :10] = np.ravel(rests)
+    commands = np.empty((ticks, 2))
+    machine = machine_of(axes, arm)
+    controls = tuple(map(control_of, loops))
+    memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
+    expect(ticks * parts_in(axes, np.zeros((1, 7)), tick)[0] * PLAIN_PART_OF_BOTH)
+    done = asked = 0
+    while done < ticks:
+        rows = push(done, states[asked : done + 1, [0, 5]]).rows if callable(push) else every
+        rows = np.array(rows[: ticks - done])
+        asked = done
+        done += len(rows)
+        state = tuple(map(tuple, states[asked].reshape(3, 5).tolist()))
+        given = (
+            machine, tick, controls, memories, asked, state,
+            setvalues[asked:done], slopes[asked:done], rows, parts_in(axes, rows, tick),
+            states[asked : done + 1], commands[asked:done],
+        )  # fmt: skip
+        kept = _run(run_joints, given, own_inverse, inverse=spool_at)
+        if kept < len(rows):
+            for axis, angle in zip(axes, states[asked + kept + 1, [0, 5]], strict=True):
+                if not axis.low <= angle <= axis.high:
+                    raise out_of_stroke(axis, angle)
+    return [states[:, :5], states[:, 5:10]], list(commands.T), states[:, 10:]
+
+
+def _functions(plant, numbers):
+    """Return the functions of a `plant` with such `numbers`, by the stand-ins' names."""
+    if isinstance(plant, Rigid):
+        return {"ticked": rigid_tick, "inverse": opening_at}
+    if isinstance(plant, Compressible):
+        return {"ticked": compressible_tick, "inverse": opening_at}
+    return {"ticked": TICKS[len(numbers.rows) - 1], "inverse": command_at}
+
+
+def _run(function, given, own_inverse, **parts):
+    """Return what `call` does; in plain Python with a caller's own inverse, of rate and angle."""
+    if own_inverse is None:
+        return call(function, *given, **parts)
+    parts["inverse"] = lambda plant, rate, position: own_inverse(rate, position)
+    return plain(function, *given, **parts)
