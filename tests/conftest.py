@@ -18,7 +18,7 @@ from report.sources import draws_scenes
 from tests.verdicts import judge  # noqa: F401 - a fixture of all tests
 
 ROOT = Path(__file__).parents[1]
-OWN = (".py", ".pyc")  # followed by imports
+OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
 ASIDE = (".", "build", "pyproject.toml")  # what tools read and keep: .venv, .git, caches
 
 settings.register_profile("study", derandomize=True, deadline=None)

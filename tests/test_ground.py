@@ -20,7 +20,6 @@ from tunneller_lib.motion import (
     reference_axes,
     usual_sizes,
 )
-from tunneller_lib.motion.both_joints import stepper
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import (
     Limits,
@@ -125,7 +124,7 @@ def test_weight_loads_phi_by_up_to_half_of_theta():
 def test_joints_that_share_nothing_are_the_two_axes_alone():
     plants = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
     alone = follow(plants, LOOP, RAMP, slopes=SLOPES)
-    together = follow(plants, LOOP, RAMP, slopes=SLOPES, push=lambda *_: Push())
+    together = follow(plants, LOOP, RAMP, slopes=SLOPES, push=Push())
     assert together.position == pytest.approx(alone.position, abs=1e-9)
     assert alone.energies is None and together.energies.shape == (400, 5)
 
@@ -150,7 +149,7 @@ def test_no_push_is_nothing_of_all():
 
 def test_energy_that_the_pump_gives_is_found_again():
     push = Push(damper=4000.0, lever=(0.88, 0.80), across=(0.3, -0.2), torque=(50.0, 0.0))
-    track = follow(OILY, LOOP, RAMP, slopes=SLOPES, arm=ARM, push=lambda *_: push)
+    track = follow(OILY, LOOP, RAMP, slopes=SLOPES, arm=ARM, push=push)
     rates = np.stack([states[:, 1] for states in track.states], axis=-1)
     held = sum(ARM.energy(track.position, rates))
     supplied, *spent = track.energies.T
@@ -162,12 +161,12 @@ def test_energy_that_the_pump_gives_is_found_again():
 def test_push_holds_a_joint_back_by_its_torque():
     # Without loop and leaks the oil is a spring: the torque over it is how far the joint gives way.
     axes = reference_axes(REFERENCE_MACHINE)
-    step = stepper(axes, None, 1e-3)
-    states = [*(Compressible(axis).rest(0.1) for axis in axes), (0.0,) * 5]
-    for _ in range(3000):
-        states = step(states, (0.0, 0.0), Push(torque=(0.0, 10.0)))
+    plants = [Compressible(axis) for axis in axes]
+    still = np.full((3001, 2), 0.1)
+    loop = Loop(1e-9, 1e-3)
+    states = follow(plants, loop, still, push=Push(torque=(0.0, 10.0))).position
     spring = axes[1].inertia * axes[1].natural_frequency(0.1) ** 2
-    assert 0.1 - states[1][0] == pytest.approx(10.0 / spring, rel=0.01)
+    assert 0.1 - states[-1, 1] == pytest.approx(10.0 / spring, rel=0.01)
 
 
 def test_joints_share_an_arm_only_where_oil_gives_way():

@@ -16,7 +16,7 @@ LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 FLOORS = {
-    "arguments": 0, "exact": 0,
+    "arguments": 0, "compiled": 0, "exact": 0,
     "surfaces": 1, "envelopes": 1,
     "paths": 2, "removal": 2, "motion": 2,
     "ream": 3, "replica": 3,
@@ -62,7 +62,8 @@ def test_modules_import_only_from_floors_below(path):
             floor = FLOORS.get(inner[0], 0)  # the package's own names, its version, lie below all
             assert inner[0] == own or floor < FLOORS[own], f"{own} imports {name}"
         if own not in ("reporting", "__main__"):
-            assert package in BELOW_REPORTING, f"{own} imports {name}"
+            also = {"numba"} if own == "compiled" else set()
+            assert package in BELOW_REPORTING | also, f"{own} imports {name}"
         if own not in ("replica", "reporting"):
             assert "replica" not in inner, f"{own}, a tool, uses {name}"
 
@@ -156,7 +157,15 @@ def test_import_takes_hardly_longer_than_that_of_numpy(name):
 
 def test_import_brings_nothing_heavy():
     code = "import sys; {}; print(*sys.modules)"
-    heavy = {"matplotlib", "pyvista", "vtk", "IPython", "PIL", "scipy"}  # scipy waits for its use
+    heavy = {
+        "matplotlib",
+        "pyvista",
+        "vtk",
+        "IPython",
+        "PIL",
+        "numba",
+        "scipy",
+    }  # these wait for their use
     rooms = ", ".join(f"tunneller_lib.{room}" for room in FLOORS if (LIBRARY / room).is_dir()
                       and FLOORS[room] < 5)  # fmt: skip
     assert not heavy & set(child(code.format(f"import {rooms}")).split())

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -320,6 +321,7 @@ def opening_at(plant, rate, position):
     return spool_at(plant.axis, rate, position)
 
 
+@lru_cache(64)
 def steps_of(axis):
     """Return by how many steps a second an `axis` with compressible oil must be integrated."""
     fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))

@@ -187,7 +187,7 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     models = _models(plant, angles)
     if not loop.integral:
         gentle = replace(loop, gain=GENTLE)
-        return 0.0, min(float(eigenvalue_limit(one, gentle)) for one in models)
+        return 0.0, min(_upper_limit(one, gentle) for one in models)
     worst = lambda gain: max(_radius(one, loop, gain) for one in models)  # noqa: E731
     tried = np.geomspace(GENTLE, 10 / loop.tick, GAINS)
     radii = [worst(gain) for gain in tried]
@@ -198,6 +198,12 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     start = float(tried[calmest])
     low, high = (_first_unstable(growth, start, factor) for factor in (0.8, 1.25))
     return float(low), float(high)
+
+
+@lru_cache(256)
+def _upper_limit(plant, loop):
+    """Return the gain at which a stable loop stops being so, which several checks ask for."""
+    return float(eigenvalue_limit(plant, loop))
 
 
 def _models(plant, angles):

@@ -13,7 +13,7 @@ from .oil import Compressible, Rigid, compressible_tick, opening_at, out_of_stro
 from .plant import TICKS, command_at
 
 # About how long a tick takes in plain Python, in s: of any loop, and for each part of it.
-PLAIN_TICK, PLAIN_PART, PLAIN_PART_OF_BOTH = 1.5e-6, 3e-5, 1e-4
+PLAIN_TICK, PLAIN_PART = 2e-6, 3e-5
 
 
 class Control(NamedTuple):
@@ -172,7 +172,7 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
             numbers, control_of(loop), np.zeros(1 + loop.delay), start,
             values.copy(), rates.copy(), states, commands,
         )  # fmt: skip
-        expect(ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0)))
+        expect(plain_seconds(numbers, ticks))
         kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
         if kept < ticks:
             raise out_of_stroke(plant.axis, states[kept + 1, 0])
@@ -208,7 +208,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     machine = machine_of(axes, arm)
     controls = tuple(map(control_of, loops))
     memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
-    expect(ticks * parts_in(axes, np.zeros((1, 7)), tick)[0] * PLAIN_PART_OF_BOTH)
+    expect_run(plants, tick, ticks)
     done = asked = 0
     while done < ticks:
         rows = push(done, states[asked : done + 1, [0, 5]]).rows if callable(push) else every
@@ -227,6 +227,16 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
                 if not axis.low <= angle <= axis.high:
                     raise out_of_stroke(axis, angle)
     return [states[:, :5], states[:, 5:10]], list(commands.T), states[:, 10:]
+
+
+def plain_seconds(numbers, ticks):
+    """Return about how long an axis of such `numbers` takes in plain Python for `ticks`, in s."""
+    return ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0))
+
+
+def expect_run(plants, tick, ticks):
+    """Say that `plants` will be run for so many `ticks` of a `tick` in s: see `compiled.expect`."""
+    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants))
 
 
 def _functions(plant, numbers):

@@ -10,9 +10,10 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
-from ..motion import Arm, Track, follow
+from ..motion import Arm, Push, Track, follow
 from ..motion.stability import stable_gains
 from ..motion.tasks import Task, hand_over
+from ..motion.ticks import expect_run
 from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
@@ -244,7 +245,9 @@ def expected_seconds(
         and now, times their number.
     """
     setvalues, slopes = _whole(plan)
-    follow(plant, loop, setvalues[:2], slopes=slopes[:1])  # imports what it needs
+    expect_run(plant, plan.tick, len(slopes))
+    # Imports, and compiles, what the run will need.
+    follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=ground and Push())
     tried = min(PROBE, len(slopes))
     first = int(plan.entry.ticks.sum())
     face = ground and Face(plan, ground, setvalues, first, None, shape, thickness)

@@ -230,7 +230,7 @@ def _check(plan, plant, loop):
 
 
 def _push(plan, ground, picks):
-    """Return the `Push` of all ticks on the plan's circuit, with the picks' ripple or their mean."""
+    """Return the `Push` of all ticks on the circuit, with the picks' ripple or their mean."""
     circuit = plan.circuit
     places = plan.places[:-1]
     at = circuit.position(places)

@@ -1,0 +1,199 @@
+"""Loops compiled by numba: the same bits as in plain Python, and only where the work is long."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tunneller_lib import compiled
+from tunneller_lib.motion import (
+    Compressible,
+    Integrator,
+    Lag,
+    Loop,
+    Push,
+    Resonance,
+    Rigid,
+    ValveResonance,
+    arm_of,
+    axes_of,
+    follow,
+    usual_sizes,
+)
+from tunneller_lib.motion.arm import lift_inertia, weights
+from tunneller_lib.surfaces import REFERENCE_MACHINE
+
+ROOT = Path(__file__).resolve().parents[1]
+SIZES = usual_sizes(REFERENCE_MACHINE)
+AXES = axes_of(REFERENCE_MACHINE, SIZES)
+OILY = [Compressible(axis) for axis in AXES]
+T = 5e-3
+RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 300))), np.linspace(0.3, 0.1, 300)], axis=-1)
+PLANTS = {
+    "T0": Integrator(0.5),
+    "T1": Lag(0.5, 0.02),
+    "resonance": Resonance(0.5, 100.0, 0.15),
+    "valve": ValveResonance(0.5, 0.45, 100.0, 0.15, 0.004),
+    "T2": [Rigid(axis) for axis in AXES],
+    "T3": OILY,
+}
+LOOPS = {
+    "usual": Loop(10.0, T, feedforward=1.0, delay=1, count=2 * np.pi / 2**16),
+    "integral, dead band": Loop(8.0, T, integral=5.0, dead_band=0.02, compensated=True),
+    "limited": Loop(30.0, T, delay=3, limit=0.05, dead_band=0.03),
+}
+
+
+@pytest.fixture
+def both_ways(monkeypatch):
+    """Return a function (call) -> its answers in plain Python and compiled."""
+    pytest.importorskip("numba")
+
+    def answers(call):
+        found = []
+        for way in (False, True):
+            monkeypatch.setattr(compiled._Work, "expected", 0.0)
+            monkeypatch.setattr(compiled._Work, "compiled", way)
+            found.append(call())
+        return found
+
+    return answers
+
+
+def assert_same_bits(tracks):
+    plain, fast = tracks
+    for one, other in zip(plain.states, fast.states, strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(plain.command, fast.command)
+    if plain.energies is not None:
+        np.testing.assert_array_equal(plain.energies, fast.energies)
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("plant", PLANTS)
+def test_axes_have_the_same_bits_both_ways(plant, loop, both_ways):
+    slopes = np.diff(RAMP, axis=0) / T
+    run = lambda: follow(PLANTS[plant], LOOPS[loop], RAMP, slopes=slopes)  # noqa: E731
+    assert_same_bits(both_ways(run))
+
+
+def test_machine_in_ground_has_the_same_bits_both_ways(both_ways):
+    rng = np.random.default_rng(1)
+    ticks = len(RAMP) - 1
+    push = Push(
+        torque=(50.0, 0.0),
+        damper=2e4 * rng.random(ticks),
+        lever=np.tile([0.88, 0.80], (ticks, 1)),
+        across=rng.normal(0, 0.3, (ticks, 2)),
+    )
+    arm = arm_of(REFERENCE_MACHINE, SIZES)
+    slopes = np.diff(RAMP, axis=0) / T
+    run = lambda: follow(OILY, LOOPS["usual"], RAMP, slopes=slopes, arm=arm, push=push)  # noqa: E731
+    assert_same_bits(both_ways(run))
+
+
+def pulled(moments, angles, answers):
+    """Fill rows of theta's inertia and of both weights at rows of angles."""
+    for i in range(len(angles)):
+        answers[i][0] = lift_inertia(moments, angles[i][1])
+        answers[i][1], answers[i][2] = weights(moments, angles[i][0], angles[i][1])
+
+
+def test_sines_have_the_same_bits_at_thousands_of_angles(both_ways):
+    angles = np.random.default_rng(2).uniform(-7, 7, (5000, 2))
+    moments = arm_of(REFERENCE_MACHINE, SIZES).moments
+
+    def run():
+        answers = np.zeros((len(angles), 3))
+        compiled.call(pulled, moments, angles, answers)
+        return answers
+
+    plain, fast = both_ways(run)
+    np.testing.assert_array_equal(plain, fast)
+    assert np.ptp(plain, axis=0).min() > 1
+
+
+def test_chunks_of_a_push_are_one_run(both_ways):
+    slopes = np.diff(RAMP, axis=0) / T
+    reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))
+    at_once = Push(damper=np.linspace(0, 4e3, len(slopes)), **reach)
+    seen = []
+
+    def in_parts(tick, reached):
+        seen.append(reached)
+        return Push(damper=at_once.damper[tick : tick + 4], **reach)
+
+    whole, parts = (follow(OILY, LOOPS["usual"], RAMP, slopes=slopes, push=push)
+                    for push in (at_once, in_parts))  # fmt: skip
+    assert_same_bits((whole, parts))
+    np.testing.assert_array_equal(np.concatenate([one[1:] for one in seen]), parts.position[1:297])
+
+
+def test_axis_that_leaves_its_stroke_says_the_same_both_ways(both_ways):
+    far = np.linspace(0.3, 0.999 * AXES[0].high, 80)
+    eager = Loop(8.0, T, feedforward=2.0)
+    slopes = np.diff(far) / T
+
+    def message():
+        with pytest.raises(ValueError, match=r"^setvalues: an axis must stay within") as error:
+            follow(OILY[0], eager, far, slopes=slopes)
+        return str(error.value)
+
+    plain, fast = both_ways(message)
+    assert plain == fast
+
+
+def child(code, **variables):
+    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
+                          capture_output=True, env=os.environ | variables).stdout  # fmt: skip
+
+
+SHORT = """
+import sys
+import numpy as np
+from tunneller_lib.motion import Lag, Loop, follow
+follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(1000))
+print("numba" in sys.modules)
+"""
+
+
+def test_little_work_loads_no_compiler():
+    assert child(SHORT).split() == ["False"]
+
+
+def test_compiler_is_loaded_where_the_work_is_long(monkeypatch):
+    monkeypatch.setattr(compiled._Work, "expected", 0.0)
+    monkeypatch.setattr(compiled._Work, "compiled", False)
+    compiled.expect(0.9 * compiled.LONG)
+    assert not compiled._Work.compiled
+    monkeypatch.setattr(compiled.importlib.util, "find_spec", lambda name: None)
+    compiled.expect(compiled.LONG)
+    assert not compiled._Work.compiled  # nothing to be had
+    monkeypatch.setattr(compiled.importlib.util, "find_spec", lambda name: name)
+    compiled.expect(0.0)
+    assert compiled._Work.compiled
+
+
+FUSED = """
+from tunneller_lib import compiled
+compiled._Work.compiled = True
+import numpy as np
+from tunneller_lib.motion import Lag, Loop, follow
+follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10))
+made = compiled._compiled.cache_info().currsize
+import gc, numba
+texts = [one.inspect_asm(key) for one in gc.get_objects()
+         if isinstance(one, numba.core.registry.CPUDispatcher)
+         and one.py_func.__module__ == "tunneller_lib.motion.ticks"
+         for key in one.signatures]
+print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for text in texts))
+"""
+
+
+def test_no_product_is_fused_with_a_sum(tmp_path):
+    pytest.importorskip("numba")
+    # An empty folder of its own, so that it is compiled here.
+    assert child(FUSED, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["1", "True", "0"]
