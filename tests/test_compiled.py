@@ -133,7 +133,7 @@ def test_chunks_of_a_push_are_one_run(both_ways):
 
 
 def test_axis_that_leaves_its_stroke_says_the_same_both_ways(both_ways):
-    far = np.linspace(0.3, 0.999 * AXES[0].high, 80)
+    far = np.linspace(0.3, 0.999 * AXES[0].high, 300)
     eager = Loop(8.0, T, feedforward=2.0)
     slopes = np.diff(far) / T
 

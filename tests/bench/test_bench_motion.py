@@ -2,17 +2,22 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from tests.bench.conftest import best_times
+from tunneller_lib import compiled
 from tunneller_lib.motion import (
     Compressible,
     Lag,
     Loop,
+    Push,
+    arm_of,
+    axes_of,
     follow,
     line_ticks,
     polyline,
-    reference_axes,
     time_bresenham,
+    usual_sizes,
 )
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -65,22 +70,46 @@ def test_line_against_plain_loops_and_linspace(benchmark, say, moves):
     assert min(formula, sums) >= 8 * line and line <= 3 * rounded
 
 
-def test_lap_with_a_lag(benchmark, say):
-    values, slopes = lap()
-    loop = Loop(10.0, 0.005, feedforward=1.0, delay=1, count=COUNT)
-    run = lambda: follow(Lag(0.5, 0.02), loop, values, slopes=slopes)  # noqa: E731
+@pytest.fixture
+def at_once(monkeypatch):
+    """Compile from the first loop on."""
+    pytest.importorskip("numba")
+    monkeypatch.setattr(compiled._Work, "compiled", True)
+
+
+LAG_LOOPS = {
+    "linear": Loop(10.0, 0.005, feedforward=1.0),
+    "counts, limit and delay": Loop(10.0, 0.005, feedforward=1.0, delay=1, count=COUNT),
+}
+
+
+@pytest.mark.parametrize("kind", LAG_LOOPS)
+def test_lag_against_lfilter(benchmark, say, at_once, kind):
+    # The peer filters as many numbers by as many states: the linear loop's work alone, without
+    # the commands, the rounding and the states that `follow` gives.
+    values = np.tile(lap()[0][:, 0], 20)
+    slopes = np.diff(values) / 0.005
+    loop = LAG_LOOPS[kind]
+    plant = Lag(0.5, 0.02)
+    run = lambda: follow(plant, loop, values, slopes=slopes)  # noqa: E731
+    b, a = [0.0, 1e-3, 9e-4], [1.0, -1.7, 0.75]
     benchmark.pedantic(run, rounds=3)
-    (time,) = best_times(run, rounds=5)
-    say("10^4 ticks of two axes with T1, s", time)
-    assert time < 0.1
+    ours, theirs = best_times(run, lambda: lfilter(b, a, values), rounds=15)
+    say(f"{kind} lag, us a tick", 1e6 * ours / len(values))
+    say(f"{kind} lag, time over that of lfilter of order two", ours / theirs, "scipy")
 
 
-def test_lap_with_compressible_oil(benchmark, say):
+def test_oil_a_tick(benchmark, say, at_once):
     values, slopes = lap()
-    loop = Loop(10.0, 0.005, feedforward=1.0, delay=1, count=COUNT)
-    plants = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
-    run = lambda: follow(plants, loop, values, slopes=slopes)  # noqa: E731
-    benchmark.pedantic(run, rounds=1)
-    (time,) = best_times(run, rounds=2)
-    say("10^4 ticks of two axes with T3, s", time)
-    assert time < 5
+    axes = axes_of(REFERENCE_MACHINE, usual_sizes(REFERENCE_MACHINE))
+    plants = [Compressible(axis) for axis in axes]
+    arm = arm_of(REFERENCE_MACHINE, usual_sizes(REFERENCE_MACHINE))
+    push = Push(damper=2e4, lever=(0.88, 0.8), across=(0.2, -0.1))
+    loop = LAG_LOOPS["counts, limit and delay"]
+    alone = lambda: follow(plants, loop, values, slopes=slopes)  # noqa: E731
+    both = lambda: follow(plants, loop, values, slopes=slopes, arm=arm, push=push)  # noqa: E731
+    benchmark.pedantic(alone, rounds=2)
+    both()
+    times = best_times(alone, both, rounds=5)
+    say("T3, us a tick and axis", 1e6 * times[0] / TICKS / 2)
+    say("both joints with arm and ground, us a tick", 1e6 * times[1] / TICKS)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..arguments import checked
+from ..exact import norm
 from ..motion import Arm, Compressible, Push, follow
 from ..removal import Ground
 from .both_axes import Loops, Plants, check_linear, check_ticks
@@ -11,6 +12,8 @@ from .moves import levers
 from .outward import gradient
 from .planning import Plan, engaged_areas
 from .sensitivity import planned_motion
+
+STILL = 1e-6  # m/s, a feed below which nothing swings
 
 
 class LoadedLaps:
@@ -169,14 +172,27 @@ def picks_fault(
     -------
     fault : Fault
         Its closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
-        place, where the ground's damping takes part.
+        place, and the mean that is left of the ripple times the speed's own swing.
     """
     _check(plan, plant, loop)
-    middle, _, _ = planned_motion(plan)
+    middle, rates, _ = planned_motion(plan)
+    at = plan.circuit.position(middle)
+    slope = gradient(plan.circuit, middle, at)
     torque = ground_torques(plan, ground)
-    answers = _compliance(plan, plant, loop, ground, middle)
-    slope = gradient(plan.circuit, middle, plan.circuit.position(middle))
-    off = ground.ripple * np.abs(np.sum(slope * torque * answers, axis=-1))
+    swing = -ground.ripple * _answers(plan, plant, loop, ground, arm, torque)  # rad
+    fast = np.abs(np.sum(slope * swing, axis=-1))
+    # The ripple's force goes with the speed, which swings against it: of their product a mean is
+    # left, by which the pulsating force is below the steady one.
+    s = 2j * np.pi * ground.ripple_frequency
+    along = levers(plan.circuit.machine.torus, at)
+    rate = (s * swing).real
+    speed = np.maximum(norm(along * rates), STILL)
+    faster = np.sum(along**2 * rates * rate, axis=-1) / speed
+    damper = ground.force(engaged_areas(plan.circuit, middle))[:, None]
+    across = ground.normal * slope
+    less = ground.ripple / 2 * damper * (along**2 * rate + faster[:, None] * across)
+    slow = pushed_off(plan, plant, loop, torque + less) - pushed_off(plan, plant, loop, torque)
+    off = fast + np.abs(slow)
     laps = laps or LoadedLaps(plan, plant, loop)
     mean = laps.overbreak(arm=arm, ground=ground)
     return Fault(
@@ -256,20 +272,51 @@ def ground_torques(plan, ground):
     return force * (along**2 * rate + speed * ground.normal * gradient(circuit, middle, at))
 
 
-def _compliance(plan, plant, loop, ground, middle):
-    """Return the complex answers (m, 2) of both joints to torques of the picks, in rad/(N m)."""
+def _answers(plan, plant, loop, ground, arm, torque):
+    """Return the complex answers (m, 2) of both joints, in rad, to torques (m, 2) of the picks.
+
+    Of small swings about the planned motion amid a plan's moves, at s = i w of the picks: a side
+    of a cylinder with displacement D, volume V and pressure lost p at its land, under a flow c x
+    sqrt(p) and leaks l, has the compliance C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
+
+        torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
+
+    where the loop G opens the spool for the rate gain e, after its delay, half a tick and its lag.
+    The ground damps both joints together, for its force goes with the cutter's speed.
+    """
+    middle, rates, _ = planned_motion(plan)
     at = plan.circuit.position(middle)
     if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
         return np.zeros_like(at)
     damper = ground.force(engaged_areas(plan.circuit, middle))
     along = levers(plan.circuit.machine.torus, at)
     s = 2j * np.pi * ground.ripple_frequency
-    answers = []
+    inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
+    # Of torque_i by the rate of the joint j.
+    speed = np.maximum(norm(along * rates), STILL)[:, None, None]
+    out = ground.normal * gradient(plan.circuit, middle, at)
+    matrix = out[:, :, None] * (along**2 * rates)[:, None, :] / speed
+    matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))
     for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
         axis = one.axis
-        spring = axis.inertia * axis.natural_frequency(at[:, i]) ** 2
-        damping = axis.damping + damper * along[:, i] ** 2
-        held = spring * (1 + control.gain * np.exp(-s * control.tick * control.delay)
-                         / (s * (1 + s * axis.valve_lag)))  # fmt: skip
-        answers.append(1 / (axis.inertia * s**2 + damping * s + held))
-    return np.stack(answers, axis=-1)
+        angle = at[:, i]
+        rate = rates[:, i]
+        forward, backward = axis.sides(angle)
+        D, rho, load = np.where(rate > 0, forward, backward)
+        sign = np.where(rate > 0, 1.0, -1.0)
+        resisted = load + sign * (axis.damping * rate + torque[:, i])
+        drive = axis.supply - rho * axis.tank - resisted / D
+        lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
+        opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
+        opening = D / (axis.flow * np.sqrt(lost))  # of the spool, for a rate
+        late = s * control.tick * (control.delay + 0.5)
+        steered = control.gain * opening * np.exp(-late) / (1 + s * axis.valve_lag)
+        volumes = axis.linkage.volumes(angle, axis.low, axis.high)
+        volumes = np.where(rate > 0, volumes, volumes[::-1]) + axis.hose
+        leaks = 2 * axis.valve_leak + axis.piston_leak
+        stiff = inertias[i] * s**2 + axis.damping * s
+        for displaced, volume, p in ((D, volumes[0], lost), (D * rho, volumes[1], rho**2 * lost)):
+            yields = volume * s / axis.bulk + axis.flow * opened / (2 * np.sqrt(p)) + leaks
+            stiff = stiff + displaced / yields * (displaced * s + steered * axis.flow * np.sqrt(p))
+        matrix[:, i, i] += stiff
+    return np.linalg.solve(matrix, torque[..., None].astype(complex))[..., 0]
