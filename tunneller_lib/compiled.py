@@ -49,10 +49,10 @@ def call(function, *arguments, **parts):
     """
     if _Work.compiled:
         return _compiled(function, *parts.items())(*arguments)
-    return plain(function, *arguments, **parts)
+    return call_plain(function, *arguments, **parts)
 
 
-def plain(function, *arguments, **parts):
+def call_plain(function, *arguments, **parts):
     """Return what `call` does of a `function`, `arguments` and `parts`, never compiled."""
     # Python reads and writes lists several times as fast as arrays.
     lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]

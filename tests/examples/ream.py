@@ -14,7 +14,18 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import Circuit, cutting_circuit
-from tunneller_lib.ream import Cut, Fault, Limits, Moves, Plan, Pose, carve, knot_fault, plan
+from tunneller_lib.ream import (
+    Cut,
+    Fault,
+    Limits,
+    LoadedLaps,
+    Moves,
+    Plan,
+    Pose,
+    carve,
+    knot_fault,
+    plan,
+)
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
@@ -39,6 +50,7 @@ INSTANCES = {
     Hydraulics: AXES[0],
     Integrator: AXIS["plant"],
     Limits: LIMITS,
+    LoadedLaps: LoadedLaps(PLAN, **OILY),
     Moves: PLAN.entry,
     Loop: AXIS["loop"],
     Plan: PLAN,
@@ -51,6 +63,7 @@ CALLS = {
     "Limits": {"feed": 0.1, "acceleration": 0.5, "axes": AXES},
     "Limits.bounds": MOVES,
     "Limits.profile": MOVES,
+    "LoadedLaps": OILY,
     "Plan.centres": {"position": IDEAL},
     "arm_fault": OILY,
     "budget": AXIS,

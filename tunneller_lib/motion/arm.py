@@ -51,7 +51,9 @@ def weights(moments, theta, phi):
 def couplings(moments, phi, theta_rate, phi_rate):
     """Return the torques, in N m, by which the joints' motions resist theta and phi.
 
-    Of theta the Coriolis torque 2 M rho' theta' phi', of phi the centrifugal -M rho rho' theta'^2.
+    With the `moments` of an arm at an angle `phi`, in rad, at the rates `theta_rate` and
+    `phi_rate`, in rad/s. Of theta the Coriolis torque 2 M rho' theta' phi',
+    of phi the centrifugal -M rho rho' theta'^2.
     """
     # Half the slope of theta's inertia over phi.
     half = -sine(phi) * (moments.r * moments.first + moments.second * cosine(phi))

@@ -49,7 +49,7 @@ class Push(NamedTuple):
         return np.concatenate(wide, axis=-1, dtype=float).reshape(-1, 7)
 
 
-class Machine(NamedTuple):
+class TwoAxes(NamedTuple):
     """Both axes and the arm that they share, if they do, as plain numbers."""
 
     theta: Axis
@@ -59,10 +59,10 @@ class Machine(NamedTuple):
 
 
 def machine_of(axes, arm):
-    """Return the `Machine` of two `Hydraulics` and an `Arm`, or None."""
+    """Return the `TwoAxes` of two `Hydraulics` and an `Arm`, or None."""
     theta, phi = (axis.numbers for axis in axes)
     moments = Moments(0.0, 0.0, 0.0, 0.0) if arm is None else arm.moments
-    return Machine(theta, phi, arm is not None, moments)
+    return TwoAxes(theta, phi, arm is not None, moments)
 
 
 def parts_in(axes, rows, tick):

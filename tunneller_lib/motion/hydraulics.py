@@ -84,7 +84,10 @@ def spool_at(axis, rate, position):
 
 
 def drive_of(axis, D, rho, load):
-    """Return the pressure that is left for lands and friction, in Pa, as of `sides_at`."""
+    """Return the pressure that is left for lands and friction of an `axis`, in Pa.
+
+    D, rho and load are one of its `sides_at`.
+    """
     return axis.supply - rho * axis.tank - load / D
 
 

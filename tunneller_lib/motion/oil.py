@@ -245,7 +245,10 @@ def along(state, h, k):
 
 
 def mean_step(state, h, k1, k2, k3, k4):
-    """Return the state (5,) after a step h, in s, of Runge and Kutta's classical method."""
+    """Return the state (5,) after a step h, in s, of Runge and Kutta's method.
+
+    Its changes in a second are k1, k2, k3 and k4, each (5,), as the method asks for them.
+    """
     return (
         state[0] + h / 6 * (k1[0] + 2 * (k2[0] + k3[0]) + k4[0]),
         state[1] + h / 6 * (k1[1] + 2 * (k2[1] + k3[1]) + k4[1]),

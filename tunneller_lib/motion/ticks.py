@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import shown
-from ..compiled import call, expect, plain
+from ..compiled import call, call_plain, expect
 from .both_joints import ENERGIES, Push, machine_of, machine_tick, parts_in
 from .hydraulics import spool_at
 from .oil import Compressible, Rigid, compressible_tick, opening_at, out_of_stroke, rigid_tick
@@ -48,7 +48,7 @@ def ticked(plant, state, u):
     raise NotImplementedError
 
 
-def inverse(plant, rate, position):
+def commanding(plant, rate, position):
     """Stand in for the command of a steady `rate` of a `plant` at a position, in rad/s and rad."""
     raise NotImplementedError
 
@@ -65,7 +65,7 @@ def commanded(plant, control, memory, tick, wanted, slope, position):
     if control.count > 0:
         position = control.count * nearest(position / control.count)
     error = wanted - position
-    u = inverse(plant, control.gain * error + memory[0] + control.share * slope, position)
+    u = commanding(plant, control.gain * error + memory[0] + control.share * slope, position)
     # Compensated, a command begins where the valve's dead band ends.
     if control.compensated and control.dead > 0 and u != 0:
         u = (1 - control.dead) * u + (control.dead if u > 0 else -control.dead)
@@ -102,7 +102,7 @@ def opened(u, dead):
 
 
 def run_axis(plant, control, memory, state, setvalues, slopes, states, commands):
-    """Run one axis from its first state, fill its states and commands, and return the ticks run.
+    """Run the axis of a `plant`, fill its states and commands, and return the ticks run.
 
     They are fewer than there are slopes where it left its stroke. `control` and
     `memory` are as of `commanded`; `setvalues` and `slopes`, in rad and rad/s, `states` and
@@ -221,7 +221,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
             setvalues[asked:done], slopes[asked:done], rows, parts_in(axes, rows, tick),
             states[asked : done + 1], commands[asked:done],
         )  # fmt: skip
-        kept = _run(run_joints, given, own_inverse, inverse=spool_at)
+        kept = _run(run_joints, given, own_inverse, commanding=spool_at)
         if kept < len(rows):
             for axis, angle in zip(axes, states[asked + kept + 1, [0, 5]], strict=True):
                 if not axis.low <= angle <= axis.high:
@@ -242,15 +242,15 @@ def expect_run(plants, tick, ticks):
 def _functions(plant, numbers):
     """Return the functions of a `plant` with such `numbers`, by the stand-ins' names."""
     if isinstance(plant, Rigid):
-        return {"ticked": rigid_tick, "inverse": opening_at}
+        return {"ticked": rigid_tick, "commanding": opening_at}
     if isinstance(plant, Compressible):
-        return {"ticked": compressible_tick, "inverse": opening_at}
-    return {"ticked": TICKS[len(numbers.rows) - 1], "inverse": command_at}
+        return {"ticked": compressible_tick, "commanding": opening_at}
+    return {"ticked": TICKS[len(numbers.rows) - 1], "commanding": command_at}
 
 
 def _run(function, given, own_inverse, **parts):
     """Return what `call` does; in plain Python with a caller's own inverse, of rate and angle."""
     if own_inverse is None:
         return call(function, *given, **parts)
-    parts["inverse"] = lambda plant, rate, position: own_inverse(rate, position)
-    return plain(function, *given, **parts)
+    parts["commanding"] = lambda plant, rate, position: own_inverse(rate, position)
+    return call_plain(function, *given, **parts)

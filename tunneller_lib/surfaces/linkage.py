@@ -73,7 +73,7 @@ def triangle(cylinders, angle, sense):
     return length, sense * a * b * sine(gamma) / length
 
 
-def filled(cylinders, angle, sense):
+def side_flows(cylinders, angle, sense):
     """Return how fast one cylinder's sides fill and empty, in m^3/rad, and their volumes, in m^3.
 
     First the side that drives the joint's `angle`, in rad, towards `sense`.
@@ -94,9 +94,9 @@ def chambers(cylinders, angle):
 
     Of `Cylinders` and an `angle` in rad within the stroke; nothing is checked.
     """
-    plus, minus, plus_volume, minus_volume = filled(cylinders, angle, cylinders.sense)
+    plus, minus, plus_volume, minus_volume = side_flows(cylinders, angle, cylinders.sense)
     if cylinders.pair:  # the mirrored cylinder drives both ways, too
-        first, second, first_volume, second_volume = filled(cylinders, angle, -cylinders.sense)
+        first, second, first_volume, second_volume = side_flows(cylinders, angle, -cylinders.sense)
         plus = plus + first
         minus = minus + second
         plus_volume = plus_volume + first_volume
