@@ -7,7 +7,6 @@ what both ways do alike: no powers, whose last bit depends on who computes them,
 """
 
 import functools
-import hashlib
 import importlib.util
 import inspect
 import math
@@ -87,6 +86,8 @@ def _replaced(function, *parts):
 @functools.cache
 def _compiled(function, *parts):
     """Return the same compiled, with all functions that it calls."""
+    import hashlib
+
     import numba
 
     known = {sine: math.sin, cosine: math.cos, root: math.sqrt}
