@@ -13,7 +13,9 @@ import numpy as np
 from tunneller_lib.replica.rod_cases import TRIPLES, whole_rotations
 
 EPS = np.finfo(float).eps
-KINDS = ("rod", "capsule", "frustum", "box")
+KINDS = ("rod", "capsule", "frustum", "box")  # of the table and of the long run
+ALL_KINDS = (*KINDS, "rounded")
+WITH_AXES = ("rod", "capsule", "frustum")
 BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
 SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis
 
@@ -43,6 +45,9 @@ class Whole:
             self.normal, self.side, self.ruling = turn * e1, e2, e3
             self.end = e3
             self.size = N * (size.sum(axis=-1))
+            return
+        if kind == "rounded":
+            self._round(rng, at, (e1, e2, e3), N, wide, high)
             return
         v = e3 * high[:, None]
         unit = 455 if kind == "capsule" else 65
@@ -79,6 +84,31 @@ class Whole:
             self.side = np.where(ball & np.any(side, axis=-1)[:, None], side, self.side)
             turned = np.cross(away, side)
             self.ruling = np.where(ball & np.any(side, axis=-1)[:, None], turned, self.ruling)
+
+    def _round(self, rng, at, frame, N, wide, high):
+        """Rounded discs, and points of their rounded rims, of which some are on a flat side."""
+        e1, e2, e3 = frame
+        n = len(N)
+        around, upward = (
+            TRIPLES[rng.integers(0, len(TRIPLES), n)] * rng.choice([-1, 1], (n, 2)) for _ in "ab"
+        )
+        upward[:, 0] = np.abs(upward[:, 0])
+        flat = rng.random(n) < 0.3
+        upward = np.where(flat[:, None], [0, 65], upward)
+        out = around[:, :1] * e1 + around[:, 1:] * e2  # a unit times 65 N long
+        wide, high = wide * rng.choice([0, 1, 1, 1], n), high // 4
+        share = np.where(flat, rng.choice(SHARES, n), 4)[:, None]
+        self.normal = out * upward[:, :1] + 65 * e3 * upward[:, 1:]  # 65 times that
+        self.point = at + out * (wide[:, None] * 16 * share) + self.normal * high[:, None]
+        radius, corner = 65 * N * wide * 64, 65**2 * N * high
+        self.shapes = np.concatenate(
+            [at, e3, radius[:, None], corner[:, None], np.zeros((n, 4))], axis=-1
+        )
+        self.side = around[:, :1] * e2 - around[:, 1:] * e1
+        self.ruling = 65 * e3 * upward[:, :1] - out * upward[:, 1:]
+        self.end = e3
+        self.tip = at + e3 * (65**2 * high)[:, None]
+        self.size = radius + corner
 
     def lines(self, u, shift=0):
         """Return the shapes with lines along u through their points, moved by a shift."""
@@ -138,6 +168,8 @@ def tips(kind, rng, n):
     if kind == "box":
         edges = whole.shapes[:, 3:].reshape(n, 3, 3)
         whole.point = whole.shapes[:, :3] + (edges * rng.integers(0, 2, (n, 3, 1))).sum(axis=1)
+    elif kind == "rounded":
+        whole.point = whole.tip
     else:
         whole.point = np.where(rng.random(n)[:, None] < 0.5, whole.shapes[:, :3],
                                whole.shapes[:, 3:6])  # fmt: skip
@@ -173,7 +205,7 @@ def far(kind, rng, n):
     away *= 2.0 ** -rng.integers(0, 30, n)[:, None]
     away = np.rint(away) * (room >= 0)
     shapes[:, :3] += away
-    if kind != "box":
+    if kind in WITH_AXES:
         shapes[:, 3:6] += away
     return shapes, p + away, u
 
@@ -218,6 +250,12 @@ def _floats(kind, rng, n, spread, placed=1):
         edges = np.stack([axis, side * start[:, None], third * end[:, None]], axis=1)
         shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
         return shapes, at + (edges * rng.choice([0, 0.5, 1], (n, 3, 1))).sum(axis=1)
+    if kind == "rounded":
+        share = rng.choice([0, 0.6, 1], (n, 1))  # from a flat side's rim to the greatest radius
+        unit = axis / _lengths(axis)[:, None]
+        shapes = np.concatenate([at, axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
+        out = share * side + np.sqrt(1 - share**2) * unit
+        return shapes, at + side * start[:, None] + out * end[:, None]
     same = kind != "frustum"
     end = start if same else np.where(rng.random(n) < 0.3, 0, end)
     shapes = np.concatenate([at, at + axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
@@ -236,7 +274,7 @@ def proportions(kind, rng, n):
     """The same of shapes from needles to wafers, sizes of 10^-9 to 10^9 in one shape."""
     shapes, p = _floats(kind, rng, n, 9, placed=rng.integers(0, 2, n))
     u = rng.normal(size=(n, 3))
-    axis = shapes[:, 3:6] - (0 if kind == "box" else shapes[:, :3])
+    axis = shapes[:, 3:6] - (shapes[:, :3] if kind in WITH_AXES else 0)
     length = _lengths(axis)
     unit = axis / np.where(length > 0, length, 1)[:, None]
     # A third of the lines nearly along the axis, and a third nearly across it.
@@ -246,7 +284,7 @@ def proportions(kind, rng, n):
     u = np.select([which == 0, which == 1], [along + lean * u, u - along + lean * u], u)
     # Lengths below the last digit of the place are none.
     gone = length == 0
-    if kind != "box":
+    if kind in WITH_AXES:
         shapes[gone, 3:6] = shapes[gone, :3] + np.maximum(np.abs(shapes[gone, :3]), 1)
     return shapes, p, u
 

@@ -4,12 +4,14 @@ from .box import Box, meet_boxes
 from .cone import Cone
 from .cutter import Cutter
 from .egg import Egg
+from .facet import meet_facets
 from .frustum import Frustum, meet_frusta
 from .linkage import Linkage, linkages
 from .machine import REFERENCE_MACHINE, Machine
 from .pieces import Arc, Line
 from .rod import Rod, meet_rods
 from .rod_box import meet_box
+from .rounded_disc import RoundedDisc, meet_rounded_discs
 from .section import Section, closed_profile
 from .torus import Torus
 
@@ -25,12 +27,15 @@ __all__ = [
     "Linkage",
     "Machine",
     "Rod",
+    "RoundedDisc",
     "Section",
     "Torus",
     "closed_profile",
     "linkages",
     "meet_box",
     "meet_boxes",
+    "meet_facets",
     "meet_frusta",
     "meet_rods",
+    "meet_rounded_discs",
 ]
