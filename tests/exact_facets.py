@@ -51,8 +51,19 @@ def support(kind, shape, normal, margin):
     if kind == "capsule":
         candidates = [first + (start + margin) * normal, second + (start + margin) * normal]
     else:
-        ends = (first - margin * axis, start), (second + margin * axis, end)
-        candidates = [centre + max(radius + margin, 0) * flat for centre, radius in ends]
+        # The wall moves by the margin across itself, and ends where the moved discs are.
+        v = second - first
+        length = mpmath.sqrt(_dot(v, v))
+        gain = (end - start) / length
+        more = margin * mpmath.sqrt(1 + gain**2)
+        widest = max(start, end) + margin
+        places = [-margin, length + margin]
+        if gain and margin > 0:  # where it comes out of the widest cylinder
+            places.append((widest - start - more) / gain)
+        candidates = []
+        for place in places:
+            radius = max(min(start + gain * place + more, widest), 0)
+            candidates.append(first + place * axis + radius * flat)
     return max(candidates, key=lambda point: _dot(point, normal))
 
 
@@ -65,10 +76,8 @@ def meets(kind, shape, facet, u, t, margin):
     for i in range(count if count > 2 else count - 1):
         start, end = moved[i], moved[(i + 1) % count]
         way = [b - a for a, b in zip(start, end, strict=True)]
-        if not any(way):
-            way = [Fraction(x) for x in u]
-        found = exact_interval(kind, shape, start, way, margin)
-        if found and found[0] <= 1 and found[1] >= 0:
+        found = exact_interval(kind, shape, start, way if any(way) else [1, 0, 0], margin)
+        if found and found[0] <= any(way) and found[1] >= 0:
             return True
     return count > 2 and _holds_section(kind, shape, moved, margin)
 

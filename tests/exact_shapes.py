@@ -6,9 +6,10 @@ positive. Lengths get 128 bits below their last one, to which roots are rounded 
 that touches counts as meeting.
 
 Shapes are rows of twelve numbers: rod, capsule and frustum (a, b, r_a, r_b, zeros), box (corner,
-three edges), rounded disc (centre, axis, radius, corner, zeros). Grown by a margin, a shape's planes and walls move outwards by it, a frustum ends at
-its grown widest radius, and a box is that of the moved planes: no point of the grown shape is
-farther from the shape than sqrt(3) margins. Shrunk, it holds the points that are a margin deep.
+three edges), rounded disc (centre, axis, radius, corner's radius, zeros). Grown by a margin, a
+shape's planes and walls move outwards by it, a frustum ends at its grown widest radius, and a box
+is that of the moved planes: no point of the grown shape is farther from the shape than sqrt(3)
+margins. Shrunk, it holds the points that are a margin deep.
 """
 
 from fractions import Fraction

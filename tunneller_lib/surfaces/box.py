@@ -148,7 +148,9 @@ def _faces(x, y, z):
         )
     normals = cross(np.roll(edges, -1, axis=-2), np.roll(edges, -2, axis=-2))
     normals = normals / norm(normals)[..., None]
-    return normals, np.ldexp(dot(normals, edges), exponent)
+    wide = dot(normals, edges)
+    # Outwards from the corner, whichever hand the edges are of.
+    return normals * np.sign(wide)[..., None], np.ldexp(np.abs(wide), exponent)
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,17 @@ class Box:
 
     def __post_init__(self):
         _faces(*np.array([self.x, self.y, self.z]))
+
+    @property
+    def faces(self):
+        """Return the corners (6, 4, 3) of its faces, in m, in order round each."""
+        corner, *edges = np.array([self.corner, self.x, self.y, self.z])
+        x, y, z = edges
+        found = []
+        for across, first, second in ((x, y, z), (y, z, x), (z, x, y)):
+            for start in (corner, corner + across):
+                found.append([start, start + first, start + first + second, start + second])
+        return np.array(found)
 
     @checked
     def meet_line(self, point: Points, direction: Directions):

@@ -1,4 +1,4 @@
-"""Cutters as unions of solids, lowered onto points: the drop cutter's elementary step."""
+"""Cutters as unions of solids, lowered onto points and triangles: the drop cutter."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -6,21 +6,34 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Corners, Directions, Length, Points, Rule, checked, near_points, shown
+from ..arguments import (
+    Corners,
+    Directions,
+    Length,
+    Points,
+    Rule,
+    checked,
+    near_points,
+    shown,
+    whole,
+)
 from .box import Box
+from .facet import UP, meet_edges, meet_faces
 from .frustum import Frustum
 from .rod import Rod
+from .rounded_disc import RoundedDisc
+from .touching import bounds
 
-BLOCK = 2_000_000  # points under places looked at together
-UP = (0.0, 0.0, 1.0)
+BLOCK = 200_000  # pairs of a place and a facet looked at together
 
 
 def _solids(name, value):
     """Return `value` as a tuple of solids."""
     parts = tuple(value) if isinstance(value, (tuple, list)) else ()
-    if not parts or not all(isinstance(part, (Rod, Frustum, Box)) for part in parts):
+    if not parts or not all(isinstance(part, (Rod, Frustum, Box, RoundedDisc)) for part in parts):
         raise ValueError(
-            f"{name}: must be rods, frusta or boxes, one at least; got {shown(value)}."
+            f"{name}: must be rods, frusta, boxes or rounded discs, one at least; "
+            f"got {shown(value)}."
         )
     return parts
 
@@ -33,7 +46,18 @@ def _cloud(name, value):
     return cloud
 
 
-Solids = Annotated[tuple, Rule("tuple of Rod, Frustum or Box", _solids)]
+Solids = Annotated[tuple, Rule("tuple of Rod, Frustum, Box or RoundedDisc", _solids)]
+
+
+def _triangles(name, value):
+    """Return `value` as an int64 array (m, 3) of numbers of points."""
+    faces = whole(name, value, 0, 2**53)
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        raise ValueError(f"{name}: must have the shape (m, 3); got {faces.shape}.")
+    return faces
+
+
+Triangles = Annotated[ArrayLike, Rule("(m, 3) int", _triangles)]
 Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
 
 
@@ -44,7 +68,7 @@ class Cutter:
 
     Parameters
     ----------
-    parts : tuple of Rod, Frustum or Box
+    parts : tuple of Rod, Frustum, Box or RoundedDisc
         The solids, which may overlap, in m.
 
     Raises
@@ -79,6 +103,23 @@ class Cutter:
             In m.
         """
         return cls((Rod((0, 0, 0), (0, 0, length), radius),))
+
+    @classmethod
+    @checked
+    def bull(cls, radius: Length, corner: Length, length: Length):
+        """Return a bull-nose end mill: flat, with a rounded corner.
+
+        Parameters
+        ----------
+        radius, corner, length : float
+            Of the shank, of the corner, at most as much, and from tip to end, two corners at least,
+            in m.
+        """
+        if corner > radius:
+            raise ValueError(f"corner: must not be above the radius {radius:g} m; got {corner:g}.")
+        _long_enough(length, 2 * corner)
+        end = RoundedDisc((0, 0, corner), (0, 0, 1), radius - corner, corner)
+        return cls((end, Rod((0, 0, corner), (0, 0, length), radius)))
 
     @classmethod
     @checked
@@ -127,43 +168,105 @@ class Cutter:
         return enter, np.max([last for _, last in ends], axis=0)
 
     @checked
-    def drop(self, points: Cloud, places: Corners):
-        """Return how high the tip stops where the cutter is lowered along z onto points.
+    def drop(self, points: Cloud, places: Corners, *, faces: Triangles | None = None):
+        """Return how high the tip stops where the cutter is lowered along z onto a surface.
 
         Parameters
         ----------
         points : (n, 3) float
-            In m, all of which it may come to rest on: a cloud, or a fine mesh's corners.
+            In m, all of which it may come to rest on: a cloud, or a mesh's corners.
         places : (..., 2) float
             Where its axis is, x and y, in m.
+        faces : (m, 3) int, optional
+            Triangles between the points, by their numbers, on whose faces and edges it may come to
+            rest as well.
 
         Returns
         -------
         heights : (...) float
-            Of the tip over each place, in m; ``-inf`` where no point is below the cutter.
+            Of the tip over each place, in m; ``-inf`` where nothing is below the cutter.
+
+        Raises
+        ------
+        ValueError
+            If a face names a point that isn't there.
 
         Notes
         -----
-        Lowered over a point the cutter stops where a line upwards from its tip's plane first
-        enters it: what the drop cutter asks of a mesh's corners. Edges and faces between the points
-        aren't looked at.
+        Lowered over a point, an edge or a face the cutter stops where that, moved upwards from the
+        tip's plane, first touches it: `meet_facets`. The heights are those of a cutter and a mesh
+        whose surfaces are off by at most 64 eps of the cutter's size, the triangle's and the
+        distance between them.
 
         Examples
         --------
-        >>> heights = Cutter.ball(5, 30).drop([(3, 0, 1), (40, 0, 9)], [(0, 0), (3, 0), (20, 0)])
-        >>> heights
+        >>> Cutter.ball(5, 30).drop([(3, 0, 1), (40, 0, 9)], [(0, 0), (3, 0), (20, 0)])
         array([  0.,   1., -inf])
+        >>> roof = [(-9, 0, 0), (9, 0, 0), (0, 40, 40)]
+        >>> heights = Cutter.ball(5, 30).drop(roof, [(0, 10), (0, -3)], faces=[(0, 1, 2)])
+        >>> heights.round(6)
+        array([12.071068, -0.928932])
         """
         over = places.reshape(-1, 2)
         heights = np.full(len(over), -np.inf)
-        step = max(1, BLOCK // max(1, len(points)))
-        for first in range(0, len(over), step):
-            block = slice(first, first + step)
-            beside = np.zeros((len(over[block]), len(points), 3))
-            beside[..., :2] = points[:, :2] - over[block, None]
-            enter, _ = self.meet_line(beside, UP)
-            heights[block] = np.max(points[:, 2] - enter, axis=1, initial=-np.inf)
+        self._drop_on(points[:, None], over, heights, _meet_corners)
+        if faces is not None and len(faces):
+            if faces.max() >= len(points):
+                raise ValueError(
+                    f"faces: must name one of {len(points)} points; got {faces.max()}."
+                )
+            edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+            self._drop_on(points[faces], over, heights, meet_faces)
+            self._drop_on(points[np.unique(edges, axis=0)], over, heights, meet_edges)
         return heights.reshape(places.shape[:-1])[()]
+
+    def _drop_on(self, facets, places, heights, meet):
+        """Raise heights (k,) over places (k, 2) to where facets (n, j, 3) stop the cutter."""
+        for part in self.parts:
+            low, high = bounds(part)
+            for which, facet in _pairs(facets, places, low, high):
+                # Nothing in a facet stops the part higher than its highest corner would.
+                most = facets[facet, :, 2].max(axis=-1) - low[2]
+                able = most > heights[which]
+                which, facet = which[able], facet[able]
+                if not len(which):
+                    continue
+                moved = facets[facet]
+                level = moved[:, 0, 2].copy()
+                moved[..., :2] -= places[which, None]
+                moved[..., 2] -= level[:, None]
+                enter, _ = meet(part, moved, UP)
+                np.maximum.at(heights, which, level - enter)
+
+
+def _meet_corners(part, corners, u):
+    """Return where corners (n, 1, 3) meet a part on their way up."""
+    return part.meet_line(corners[:, 0], u)
+
+
+def _pairs(facets, places, low, high):
+    """Yield the numbers of places and facets that a solid from `low` to `high` (3,) may touch."""
+    order = np.argsort(places[:, 0])
+    x = places[order, 0]
+    least, most = facets[..., :2].min(axis=1), facets[..., :2].max(axis=1)
+    # A place is over a facet if it's within its extent, widened by the solid's; a hair more, for
+    # the differences round.
+    hair = 1e-9 * (np.abs(low) + np.abs(high)).max()
+    first = np.searchsorted(x, least[:, 0] - high[0] - hair)
+    last = np.searchsorted(x, most[:, 0] - low[0] + hair, side="right")
+    ends = np.cumsum(last - first)
+    start = 0
+    while start < len(facets):
+        done = ends[start - 1] if start else 0
+        stop = max(np.searchsorted(ends, done + BLOCK, side="right"), start + 1)
+        count = (last - first)[start:stop]
+        facet = np.repeat(np.arange(start, stop), count)
+        which = order[np.arange(len(facet)) + np.repeat(first[start:stop] - ends[start:stop] + count
+                                                        + done, count)]  # fmt: skip
+        y = places[which, 1]
+        near = (y >= least[facet, 1] - high[1] - hair) & (y <= most[facet, 1] - low[1] + hair)
+        yield which[near], facet[near]
+        start = stop
 
 
 def _long_enough(length, least):

@@ -1,11 +1,12 @@
 """Facets that move along a direction until they touch a solid: drop cutters, boxes in any pose."""
 
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Corners, Directions, Rule, checked, near_points
+from ..arguments import Directions, Rule, checked, near_points
 from ..exact import norm
 from .blocks import BLOCK, scalar_products
 from .box import Box
@@ -13,9 +14,9 @@ from .frustum import Frustum
 from .rod import Rod
 from .rod_interval import GUARD, near_one, nearest_offset
 from .rounded_disc import RoundedDisc
-from .touching import outline, section, touches_of_edges, touches_of_planes
+from .touching import accurate_cross, outline, section, touches_of_edges, touches_of_planes, unit_of
 
-UP = (0.0, 0.0, 1.0)
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def _facets(name, value):
@@ -32,9 +33,7 @@ Facets = Annotated[ArrayLike, Rule("(..., k, 3) float", _facets, "m")]
 
 
 @checked
-def meet_facets(
-    solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direction: Directions
-):
+def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direction: Directions):
     """Return where facets that move along directions first touch and last leave a solid.
 
     Parameters
@@ -63,8 +62,9 @@ def meet_facets(
     bodies are convex: they first touch at a corner of the facet, or with an edge at a point of
     the solid's limb along that edge, or with the face where the solid reaches farthest along the
     facet's normal. Each has a closed form, but for the rounded rim, which takes a search that
-    can't fail. The answer is that of a solid whose surface is off by at most 64 eps of its size,
-    the facet's and the distance at which its first corner passes the solid; a touch is never missed.
+    can't fail. The answer is that of a solid whose surface is off by at most 64 eps of the sum of
+    its size, the facet's and the distance at which the facet's first corner passes the solid. A
+    touch is never missed.
 
     Examples
     --------
@@ -87,23 +87,23 @@ def meet_facets(
 
 def _meet(solid, facets, u):
     """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3)."""
-    count = facets.shape[1]
-    found = meet_corners(solid, facets[:, 0], u)
-    for i in range(1, count):
-        found = _outermost(found, meet_corners(solid, facets[:, i], u))
-    for i in range(count if count > 2 else count - 1):
-        pair = facets[:, [i, (i + 1) % count]]
-        found = _outermost(found, meet_edges(solid, pair, u))
-    return _outermost(found, meet_faces(solid, facets, u)) if count > 2 else found
-
-
-def meet_corners(solid, points, u):
-    """Return `enter` and `leave` (2, n) of points (n, 3) along u (n, 3) or (3,)."""
-    return np.array(solid.meet_line(points, u))
+    n, count, _ = facets.shape
+    following = np.roll(np.arange(count), -1)[: count if count > 2 else count - 1]
+    edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
+    along = np.repeat(u, len(following), axis=0)
+    corners = solid.meet_line(facets, u[:, None])
+    found = [np.reshape(corners, (2, n, count))]
+    if count > 1:
+        touches = meet_edges(solid, edges.reshape(-1, 2, 3), along)
+        found.append(touches.reshape(2, n, len(following)))
+    if count > 2:
+        found.append(meet_faces(solid, facets, u)[..., None])
+    enter, leave = np.concatenate(found, axis=-1)
+    return enter.min(axis=-1), leave.max(axis=-1)
 
 
 def meet_edges(solid, edges, u):
-    """Return `enter` and `leave` (2, n) of edges (n, 2, 3) without their ends, along u (n, 3)."""
+    """Return `enter` and `leave` (2, n) of edges (n, 2, 3), not of their ends, along u (.., 3)."""
     body = outline(solid)
     (start, end), along, shift, speed = _nearby(body, edges, u)
     guard = GUARD * (body.size + _reach([start, end]))
@@ -120,16 +120,15 @@ def meet_edges(solid, edges, u):
 
 
 def meet_faces(solid, facets, u):
-    """Return `enter` and `leave` (2, n) of facets (n, k, 3), k > 2, without edges, along u (n, 3)."""
+    """Return `enter` and `leave` of facets (n, k, 3), not of their edges, along u (.., 3)."""
     body = outline(solid)
     corners, along, shift, speed = _nearby(body, facets, u)
     guard = GUARD * (body.size + _reach(corners))
     sides = [section(a, b, along, guard)
              for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]  # fmt: skip
-    way = np.array(corners) - corners[0]
-    normal = sum(np.cross(a, b, axis=0) for a, b in zip(way[1:-1], way[2:], strict=True))
-    length = np.sqrt(scalar_products(normal, normal))
-    normal = normal / np.where(length > 0, length, 1)
+    ways = [corner - corners[0] for corner in corners[1:]]
+    normal = sum(accurate_cross(a, b) for a, b in pairwise(ways))
+    normal, length = unit_of(normal)
     facing = scalar_products(normal, along)
     # Seen along the direction it's so narrow that its edges are all of it.
     wide = np.abs(facing) * length > 4 * guard * sum(side.width for side in sides)
@@ -168,7 +167,10 @@ def _nothing(guard):
 def _with(found, t, over):
     """Return `enter` and `leave` with places t (n,) that count where they are `over` a facet."""
     enter, leave = found
-    return (np.where(over, np.minimum(enter, t), enter), np.where(over, np.maximum(leave, t), leave))
+    return (
+        np.where(over, np.minimum(enter, t), enter),
+        np.where(over, np.maximum(leave, t), leave),
+    )
 
 
 def _in_lengths(found, sound, shift, speed):
@@ -176,7 +178,3 @@ def _in_lengths(found, sound, shift, speed):
     hit = sound & (enter <= leave)
     return np.array([np.where(hit, shift + enter / speed, np.inf),
                      np.where(hit, shift + leave / speed, -np.inf)])  # fmt: skip
-
-
-def _outermost(one, other):
-    return np.array([np.minimum(one[0], other[0]), np.maximum(one[1], other[1])])

@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..exact import difference_of_products
-from .blocks import scalar_products
+from .blocks import scalar_products, vector_products
 from .box import Box
-from .frustum import Frustum
 from .rod import Rod
 from .rod_interval import near_one
 from .rounded_disc import RoundedDisc
@@ -48,6 +47,18 @@ class Outline(NamedTuple):
     walls: list
     balls: list
     rounds: list
+
+
+def bounds(solid):
+    """Return the lowest and the highest coordinates (3,) of a solid, in m, or beyond."""
+    body = outline(solid)
+    places = [np.zeros(3)]
+    places += [corner for edge in body.edges for corner in edge]
+    for centre, *_, radius in (*body.rims, *body.balls):
+        places += [centre - radius, centre + radius]
+    for centre, _, radius, corner in body.rounds:
+        places += [centre - (radius + corner), centre + (radius + corner)]
+    return body.start + np.min(places, axis=0), body.start + np.max(places, axis=0)
 
 
 def outline(solid):
@@ -117,8 +128,8 @@ class Section(NamedTuple):
 def section(start, end, u, guard):
     """Return the `Section` of edges from `start` to `end` (3, n), along unit vectors u (3, n)."""
     way = end - start
-    edge, _ = _unit(way)
-    normal, sine = _unit(_cross(edge, u))
+    edge, _ = unit_of(way)
+    normal, sine = unit_of(accurate_cross(edge, u))
     across = _cross(u, normal)
     width = scalar_products(way, across)
     slope = scalar_products(edge, u) / np.where(sine > 0, sine, 1)
@@ -171,7 +182,7 @@ def _crossing(cut, a, b):
 def _of_rim(cut, centre, axis, radius):
     """Yield where a circle goes through the planes."""
     away = scalar_products(cut.normal, cut.start - centre)
-    chord, sine = _unit(_cross(axis, cut.normal))
+    chord, sine = unit_of(accurate_cross(axis, cut.normal))
     # A disc that lies in the plane reaches farthest perpendicular to the edge.
     lying = sine * radius <= cut.guard
     chord = np.where(lying, cut.out, chord)
@@ -190,7 +201,7 @@ def _of_wall(cut, a, b, start, end):
     v = b - a
     length = np.linalg.norm(v)
     axis = (v / length)[:, None]
-    aside, sine = _unit(_cross(np.broadcast_to(axis, cut.edge.shape), cut.edge))
+    aside, sine = unit_of(accurate_cross(np.broadcast_to(axis, cut.edge.shape), cut.edge))
     toward = _cross(aside, axis)
     # The wall's normal there is perpendicular to the edge: it leans by the wall's slope.
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -231,7 +242,7 @@ def _of_rounded_rim(cut, centre, axis, radius, corner, side):
         first, last = np.where(above, middle, first), np.where(above, last, middle)
         ends = [np.where(above, here, ends[0]), np.where(above, ends[1], here)]
         away = [np.where(above, height, away[0]), np.where(above, away[1], height)]
-        middle, _ = _unit(first + last)
+        middle, _ = unit_of(first + last)
     # On the chord between its ends, which on a flat face are far apart.
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(away[0] > away[1], np.clip(away[0] / (away[0] - away[1]), 0, 1), 0.0)
@@ -240,11 +251,16 @@ def _of_rounded_rim(cut, centre, axis, radius, corner, side):
 
 def _in_disc(normal, axis):
     """Return the unit vectors in discs that are nearest to others, or zero for the axis itself."""
-    aside, _ = _unit(_cross(np.broadcast_to(axis, normal.shape), normal))
+    aside, _ = unit_of(accurate_cross(np.broadcast_to(axis, normal.shape), normal))
     return _cross(aside, axis)
 
 
-def _unit(v):
+def _cross(a, b):
+    """Return vector products (3, n) of vectors that are perpendicular, where nothing cancels."""
+    return np.stack(np.broadcast_arrays(*vector_products(a, b)))
+
+
+def unit_of(v):
     """Return vectors (3, n) with length 1, or 0, and their lengths."""
     exponent = np.frexp(np.abs(v).max(axis=0))[1]
     v = np.ldexp(v, -exponent)
@@ -252,7 +268,7 @@ def _unit(v):
     return v / np.where(length > 0, length, 1), np.ldexp(length, exponent)
 
 
-def _cross(a, b):
+def accurate_cross(a, b):
     """Return vector products of vectors (3, n), each component to its last digits."""
     return np.stack([
         difference_of_products(a[1], b[2], a[2], b[1]),
