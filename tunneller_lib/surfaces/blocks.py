@@ -21,7 +21,7 @@ def meet_in_blocks(quick, careful, start, point, direction):
     ----------
     quick : callable
         Of q and u (3, n), points from `start`, in m, and directions; returns `enter`, `leave`
-        and where they are `sure` (n,). Directions may be (3, 1).
+        and where they are `sure` (n,). Directions may be (3, 1); of one line both are (3,).
     careful : callable
         Of points and directions (k, 3); returns `enter` and `leave` (k,).
     start : (3,) float
@@ -34,6 +34,11 @@ def meet_in_blocks(quick, careful, start, point, direction):
     enter, leave : (...) float
         In lengths of the direction; ``inf`` and ``-inf`` for a miss.
     """
+    if point.ndim == 1 == direction.ndim:
+        # One line: the same formulas with numbers in the place of rows, ten times as fast.
+        with np.errstate(all="ignore"):
+            enter, leave, sure = quick(point - start, direction)
+        return (enter[()], leave[()]) if sure else careful(point, direction)
     shape = np.broadcast_shapes(point.shape, direction.shape)
     rows = np.broadcast_to(point, shape).reshape(-1, 3)
     one = direction.size == 3
@@ -74,7 +79,7 @@ def well_shaped(*sizes):
 def unsure(q, u):
     """Return that nothing is sure: the quick way of a shape that isn't `well_shaped`."""
     del u
-    return np.empty(q.shape[1]), np.empty(q.shape[1]), np.zeros(q.shape[1], dtype=bool)
+    return np.empty(q.shape[1:]), np.empty(q.shape[1:]), np.zeros(q.shape[1:], dtype=bool)
 
 
 def about_an_axis(v, radius, inside, q, u):
@@ -88,7 +93,7 @@ def about_an_axis(v, radius, inside, q, u):
         The widest of the shape, in m.
     inside : callable
         Of a `Nearest`: returns `enter`, `leave` and `sure`.
-    q, u : (3, n) float
+    q, u : (3, n) or (3,) float
         The lines' points from the axis' start, in m, and their directions.
     """
     n = vector_products(u, v)
@@ -96,7 +101,12 @@ def about_an_axis(v, radius, inside, q, u):
     uu, size = scalar_products(u, u), scalar_products(q, q)
     size = size * (uu * scalar_products(v, v))
     # Most lines pass beside the endless wall, by more than what rounding makes of it.
-    near = ~(aside * aside > (1 + 10 * CLOSE) * radius**2 * nn + 1e-23 * size)
+    beside = aside * aside > (1 + 10 * CLOSE) * radius**2 * nn + 1e-23 * size
+    if q.ndim == 1:
+        if beside:
+            return np.float64(np.inf), np.float64(-np.inf), True
+        return _met(inside, Nearest(v, radius, q, u, n, nn, aside, uu, size))
+    near = ~beside
     enter = np.full(near.shape, np.inf)
     leave = np.full(near.shape, -np.inf)
     sure = ~near
@@ -104,14 +114,15 @@ def about_an_axis(v, radius, inside, q, u):
     if len(near):
         take = [x if np.shape(x)[-1:] == (1,) != enter.shape else x[..., near]
                 for x in (q, u, np.stack(n), nn, aside, uu, size)]  # fmt: skip
-        lines = Nearest(v, radius, *take)
-        first, last, certain = inside(lines)
-        certain = certain & lines.sound
-        hit = first <= last
-        enter[near] = np.where(hit, first, np.inf)
-        leave[near] = np.where(hit, last, -np.inf)
-        sure[near] = certain
+        enter[near], leave[near], sure[near] = _met(inside, Nearest(v, radius, *take))
     return enter, leave, sure
+
+
+def _met(inside, lines):
+    """Return `enter`, `leave` and `sure` of lines that pass an endless wall inside."""
+    first, last, certain = inside(lines)
+    hit = first <= last
+    return np.where(hit, first, np.inf), np.where(hit, last, -np.inf), certain & lines.sound
 
 
 class Nearest:

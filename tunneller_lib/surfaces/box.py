@@ -1,5 +1,6 @@
 """A box in any pose against lines."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -153,6 +154,12 @@ def _faces(x, y, z):
     return normals * np.sign(wide)[..., None], np.ldexp(np.abs(wide), exponent)
 
 
+@functools.lru_cache
+def _faces_of(x, y, z):
+    """Return the same of one box, whose edges are tuples: it often meets many lines one by one."""
+    return _faces(*np.array([x, y, z]))
+
+
 @dataclass(frozen=True)
 @checked
 class Box:
@@ -220,12 +227,12 @@ class Box:
         >>> float(enter), float(leave)
         (4.0, 9.0)
         """
-        corner, x, y, z = np.array([self.corner, self.x, self.y, self.z])
-        normals, wide = _faces(x, y, z)
+        corner = np.array(self.corner)
+        normals, wide = _faces_of(self.x, self.y, self.z)
         half, size = wide / 2, norm(wide)
 
         def careful(p, u):
-            return meet_boxes.unchecked(corner, x, y, z, p, u)
+            return meet_boxes.unchecked(corner, *np.array([self.x, self.y, self.z]), p, u)
 
         def quick(q, u):
             return _quickly(normals, half, size, q, u)

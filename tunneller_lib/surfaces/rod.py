@@ -178,7 +178,7 @@ class Rod:
         >>> float(enter), round(float(leave), 3)
         (-12.0, 54.667)
         """
-        if direction.ndim > 1:
+        if direction.ndim > 1 or point.ndim == 1:
             return self._meet_any(point, direction)
         enter = np.empty(point.shape[:-1])
         leave = np.empty(point.shape[:-1])
@@ -280,7 +280,7 @@ def _inside_capsule(lines):
     share, step = lines.share, lines.half * (lines.uv / lines.vv)
     ends, clear = [], True
     for sign in (-1, 1):
-        beside = np.clip(share + sign * step, 0, 1) - share
+        beside = np.minimum(np.maximum(share + sign * step, 0), 1) - share
         room = (lines.room - beside**2 * (lines.nn**2 / lines.uu)) / lines.nn
         ends.append(lines.middle + beside * (lines.uv / lines.uu) + sign * np.sqrt(room / lines.uu))
         clear = clear & (np.abs(room) > CLOSE * lines.radius**2)
