@@ -31,10 +31,13 @@ from tunneller_lib.surfaces import (
     Egg,
     Frustum,
     Rod,
+    RoundedDisc,
     Torus,
     meet_boxes,
+    meet_facets,
     meet_frusta,
     meet_rods,
+    meet_rounded_discs,
 )
 
 
@@ -52,7 +55,8 @@ class Call(NamedTuple):
 
 
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
-_ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
+_ROD, _ROUNDED = RoundedDisc((0.1, 0.2, 0.3), (1, 2, 2), 0.5, 0.2)
+_ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
 _EDGES = (0.4, 0.3, 0), (-0.3, 0.4, 0), (0, 0, 0.2)
 _BOX = Box((0.1, 0, 0), *_EDGES)
 _FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)
@@ -97,6 +101,15 @@ CALLS = {
         meet_frusta, ("a", "b", "radius_a", "radius_b", "point", "direction"),
         ((3,), (3,), (), (), (3,), (3,)), ((), ()),
     ),
+    "meet_rounded_discs": Call(
+        meet_rounded_discs, ("centre", "axis", "radius", "corner", "point", "direction"),
+        ((3,), (3,), (), (), (3,), (3,)), ((), ()),
+    ),
+    "meet_facets": Call(
+        partial(meet_facets, _ROD), ("facets", "direction"), ((3, 3), (3,)), ((), ()),
+    ),
+    "RoundedDisc.meet_line": Call(_ROUNDED.meet_line, *_LINE),
+    "RoundedDisc.contains": Call(_ROUNDED.contains, ("points",), _POINT, ((),)),
     "meet_boxes": Call(
         lambda corner, point, direction: meet_boxes(corner, *_EDGES, point, direction),
         ("corner", "point", "direction"), ((3,), (3,), (3,)), ((), ()),

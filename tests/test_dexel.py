@@ -8,7 +8,7 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid, removed_volume
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.surfaces import Box, Frustum, Rod
+from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
 
 def block(n=40, m=50, **options):
@@ -292,7 +292,10 @@ def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
         ),
         (lambda: DexelGrid.radial(0, 1, 1, 2, (2, 2), memory=-1), "memory: must be one finite"),
         (lambda: DexelGrid(wall().lines, [0, 0], 1), "low: must broadcast to 40 x 90 lines"),
-        (lambda: wall().cut("rod"), "solid: must be of class Rod or Frustum or Box; got 'rod'"),
+        (
+            lambda: wall().cut("rod"),
+            "solid: must be of class Rod or Frustum or Box or RoundedDisc; got",
+        ),
         (lambda: wall().cut_path([0, 0, 0], 1), "centres: must have the shape"),
         (lambda: wall().cut_path([[0, 0, np.nan]], 1), "centres: must hold finite"),
         (lambda: wall().cut_path([[0, 0, 0]], 0), "radius: must be one finite number above zero"),
@@ -322,12 +325,17 @@ SOLIDS = {
     "frustum": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.2, 0.07),
     "cone": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.0, 0.2),
     "box": Box((-0.2, -0.1, 0.3), (0.24, 0.18, 0), (-0.06, 0.08, 0), (0, 0, 0.2)),
+    "rounded disc": RoundedDisc((0.02, -0.03, 0.2), (0.3, 0.1, 1), 0.15, 0.08),
 }
 
 
 def volume_of(solid):
     if isinstance(solid, Box):
         return np.prod([np.linalg.norm(edge) for edge in (solid.x, solid.y, solid.z)])
+    if isinstance(solid, RoundedDisc):  # the disc, half a torus by Pappus, and its caps
+        radius, corner = solid.radius, solid.corner
+        plate = 2 * np.pi * radius**2 * corner + np.pi**2 * radius * corner**2
+        return plate + 4 / 3 * np.pi * corner**3
     ra, rb = solid.radius_a, solid.radius_b
     length = np.linalg.norm(np.subtract(solid.b, solid.a))
     return np.pi * length * (ra * ra + ra * rb + rb * rb) / 3

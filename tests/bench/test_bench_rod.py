@@ -139,3 +139,11 @@ def test_parallel_lines_against_vtk(benchmark, say):
     )  # fmt: skip
     ratio = (other / len(few)) / (exact / len(POINTS))
     say("exact, lines per second over those of pyvista's ray_trace", ratio, "pyvista")
+
+
+@pytest.mark.parametrize("shape", [ROD, Frustum(ROD.a, ROD.b, 25, 10)], ids=["rod", "frustum"])
+def test_one_line_at_a_time(benchmark, say, shape):
+    point, direction = np.array([16.0, 14.0, -3.0]), np.array([0.1, 0.2, 1.0])
+    benchmark.pedantic(shape.meet_line, (point, direction), rounds=3)
+    (many,) = best_times(lambda: [shape.meet_line(point, direction) for _ in range(200)], rounds=9)
+    say("one call with its checks / us", many / 200 * 1e6)

@@ -20,7 +20,7 @@ from ..arguments import (
     whole,
 )
 from ..exact import norm
-from ..surfaces import Box, Frustum, Rod
+from ..surfaces import Box, Frustum, Rod, RoundedDisc
 from .grid import Lines, fan, parallel
 
 GROUP = 6  # moves of a path that are cut at once, as long as
@@ -214,12 +214,12 @@ class DexelGrid:
         return other
 
     @checked
-    def cut(self, solid: Rod | Frustum | Box):
+    def cut(self, solid: Rod | Frustum | Box | RoundedDisc):
         """Remove a solid and return the volume, in m^3; a ball is a round rod without length."""
         return sum(self._subtract(*touched) for touched in self._touched_by(solid))
 
     @checked
-    def overlap(self, solid: Rod | Frustum | Box):
+    def overlap(self, solid: Rod | Frustum | Box | RoundedDisc):
         """Return the volume, in m^3, that a solid shares with the material: 0 if they are clear."""
         return sum(self._shared(*touched)[0] for touched in self._touched_by(solid))
 
@@ -355,6 +355,8 @@ def _capsule_about(solid):
         half = np.add(np.add(solid.x, solid.y), solid.z) / 2
         # A little more than half of the diagonal, for its edges are square but for rounding.
         return solid.corner + half, solid.corner + half, float(norm(half)) * (1 + 1e-9)
+    if isinstance(solid, RoundedDisc):
+        return np.array(solid.centre), np.array(solid.centre), solid.radius + solid.corner
     radius = solid.radius if isinstance(solid, Rod) else max(solid.radius_a, solid.radius_b)
     return np.array(solid.a), np.array(solid.b), radius
 

@@ -168,7 +168,7 @@ class Lines(NamedTuple):
 
         Parameters
         ----------
-        solid : Rod, Frustum or Box
+        solid : Rod, Frustum, Box or RoundedDisc
             Met by its own `meet_line`.
         rows, columns : slice
             The window. A line that misses gets an empty interval.
