@@ -55,8 +55,8 @@ class Call(NamedTuple):
 
 
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
-_ROD, _ROUNDED = RoundedDisc((0.1, 0.2, 0.3), (1, 2, 2), 0.5, 0.2)
-_ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
+_ROUNDED = RoundedDisc((0.1, 0.2, 0.3), (1, 2, 2), 0.5, 0.2)
+_ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
 _EDGES = (0.4, 0.3, 0), (-0.3, 0.4, 0), (0, 0, 0.2)
 _BOX = Box((0.1, 0, 0), *_EDGES)
 _FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)

@@ -62,9 +62,9 @@ CALLS = {
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
-    "meet_box": {"low": (0.1, 0.1), "high": (0.3, 0.4)},
+    "meet_box": {"solid": Rod((0, 0, 0), (4, 0, 1), 1), "low": (0.1, 0.1), "high": (0.3, 0.4)},
     "meet_boxes": _EDGES,
-    "meet_facets": {"facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
+    "meet_facets": {"solid": Rod((0, 0, 0), (4, 0, 1), 1), "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
     "meet_frusta": {"b": (1.0, 2.0, 3.0)},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

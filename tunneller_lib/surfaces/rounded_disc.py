@@ -168,7 +168,9 @@ def _interval(radius, corner, q, along, unit):
     Parameters: radius, corner (...), from the centres to the lines' points, and unit vectors along
     lines and axes (..., 3).
     """
-    q, along, unit = (np.moveaxis(v, -1, 0) for v in np.broadcast_arrays(q, along, unit))
+    size = np.asarray(radius + corner)
+    vectors = np.broadcast_arrays(q, along, unit, size[..., None])[:3]
+    q, along, unit = (np.moveaxis(v, -1, 0) for v in vectors)
     q_height, along_height = scalar_products(q, unit), scalar_products(along, unit)
     q_flat, along_flat = q - q_height * unit, along - along_height * unit
     flat2, cross2 = scalar_products(along_flat, along_flat), scalar_products(q_flat, along_flat)
@@ -189,8 +191,7 @@ def _interval(radius, corner, q, along, unit):
         return np.hypot(beside, height)
 
     # The solid is in a ball about its centre, so that a line meets it on this way or not at all.
-    size = radius + corner
-    reach = np.broadcast_to(2 * size, np.shape(flat2))
+    reach = np.broadcast_to(2 * size, flat2.shape)
     nearest = _halved(nears, -reach, reach)
     least = distance(nearest)
     start = _halved(lambda t: distance(t) > corner, -reach, nearest)

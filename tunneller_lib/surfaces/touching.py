@@ -126,7 +126,15 @@ class Section(NamedTuple):
 
 
 def section(start, end, u, guard):
-    """Return the `Section` of edges from `start` to `end` (3, n), along unit vectors u (3, n)."""
+    """Return the `Section` of edges.
+
+    Parameters
+    ----------
+    start, end, u : (3, n) float
+        The edges' ends, and the unit vectors along which they move.
+    guard : (n,) float
+        Rounding of places here.
+    """
     way = end - start
     edge, _ = unit_of(way)
     normal, sine = unit_of(accurate_cross(edge, u))
