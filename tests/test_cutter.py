@@ -157,6 +157,13 @@ def test_drop_on_triangles_by_hand():
         assert found["drill"] == pytest.approx(-2 / np.tan(np.radians(59)), rel=64 * EPS)
 
 
+def test_cone_on_a_slanting_edge():
+    # Over the edge the height is 1 + x/4 - sqrt(x^2 + 1); opencamlib 2023.1.11 has 0.0076.
+    edge = [(-4, 1, 0), (4, 1, 2), (0, 9, -9)]
+    found = Cutter.cone(3, np.pi / 4, 20).drop(edge, (0, 0), faces=[(0, 1, 2)])
+    assert found == pytest.approx(1 - np.sqrt(15) / 4, rel=64 * EPS)
+
+
 WRONG = [
     (lambda: Cutter(()), "parts: must be rods, frusta, boxes or rounded discs, one at least; got"),
     (lambda: Cutter((1,)), "parts: must be rods, frusta, boxes"),

@@ -20,6 +20,7 @@ from tunneller_lib.surfaces import (
     linkages,
 )
 
+_ROD = Rod((0, 0, 0), (4, 0, 1), 1)
 _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
 
 INSTANCES = {
@@ -32,7 +33,7 @@ INSTANCES = {
     Line: Line(0.0, 0.0, 0.3, 1.0),
     Linkage: linkages(REFERENCE_MACHINE)[0],
     Machine: REFERENCE_MACHINE,
-    Rod: Rod((0, 0, 0), (4, 0, 1), 1),
+    Rod: _ROD,
     RoundedDisc: RoundedDisc((0, 0, 0), (0, 0, 1), 1, 0.3),
     Section: Egg(0.5),
     Torus: Torus(0.08, 0.8),
@@ -62,9 +63,9 @@ CALLS = {
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
-    "meet_box": {"solid": Rod((0, 0, 0), (4, 0, 1), 1), "low": (0.1, 0.1), "high": (0.3, 0.4)},
+    "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
     "meet_boxes": _EDGES,
-    "meet_facets": {"solid": Rod((0, 0, 0), (4, 0, 1), 1), "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
+    "meet_facets": {"solid": _ROD, "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
     "meet_frusta": {"b": (1.0, 2.0, 3.0)},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip
