@@ -76,22 +76,24 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
     shape = np.broadcast_shapes(facets.shape[:-2], direction.shape[:-1])
     corners = facets.shape[-2]
     facets = np.broadcast_to(facets, (*shape, corners, 3)).reshape(-1, corners, 3)
-    turns = np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
+    one = direction.ndim == 1
+    turns = direction if one else np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
     found = np.empty((2, len(facets)))
     for first in range(0, len(facets), BLOCK):
         block = slice(first, first + BLOCK)
-        found[:, block] = _meet(solid, facets[block], turns[block])
+        found[:, block] = _meet(solid, facets[block], turns if one else turns[block])
     enter, leave = found.reshape(2, *shape)
     return enter[()], leave[()]
 
 
 def _meet(solid, facets, u):
-    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3)."""
+    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3) or (3,)."""
     n, count, _ = facets.shape
     following = np.roll(np.arange(count), -1)[: count if count > 2 else count - 1]
     edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
-    along = np.repeat(u, len(following), axis=0)
-    corners = solid.meet_line(facets, u[:, None])
+    one = u.ndim == 1
+    along = u if one else np.repeat(u, len(following), axis=0)
+    corners = solid.meet_line(facets, u if one else u[:, None])
     found = [np.reshape(corners, (2, n, count))]
     if count > 1:
         touches = meet_edges(solid, edges.reshape(-1, 2, 3), along)
