@@ -5,12 +5,14 @@ from .adapted import AdaptedFrames, adapted_frames, model_jet
 from .cone_pose import ConePose, TouchingCone
 from .hyperosculate import Cones, hyperosculating_cones
 from .jet import Jet, jet_variables
+from .measured import Fit, fit_surface, recognise_measured
 from .recognition import Recognition, recognise
 
 __all__ = [
     "AdaptedFrames",
     "ConePose",
     "Cones",
+    "Fit",
     "Jet",
     "Recognition",
     "TouchingCone",
@@ -20,9 +22,11 @@ __all__ = [
     "developable",
     "families",
     "fit",
+    "fit_surface",
     "hyperosculating_cones",
     "isotropic",
     "jet_variables",
     "model_jet",
     "recognise",
+    "recognise_measured",
 ]

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .circle_roots import real_zeros
-from .forms import frobenius
 
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
@@ -153,28 +152,6 @@ def weigh(forms, sharp):
         np.where(agrees, spread, np.nan),
         several & agrees,
     )
-
-
-def off_by(errors, degree, sure, f):
-    """Return by how much derivatives of a degree may be off in any direction.
-
-    Parameters
-    ----------
-    errors : Jet
-        Of a jet's coefficients, at n points.
-    degree : int
-        Of the derivatives.
-    sure : float
-        The coefficients' relative error besides.
-    f : Jet
-        The jet itself.
-
-    Returns
-    -------
-    off : (n,) float
-        In the jet's unit.
-    """
-    return frobenius(errors, degree) + sure * frobenius(f, degree)
 
 
 def spread_in_two(s, t, n):

@@ -5,10 +5,10 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import Finite, Reals, checked
+from ..arguments import Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
 from .circle_roots import real_zeros
-from .evidence import Evidence, Forms, off_by, spread_in_two, weigh, zeros
+from .evidence import Evidence, Forms, spread_in_two, weigh, zeros
 from .forms import derivative_along, frobenius
 from .functions import Function, HalfAngle, Shift
 from .hyperosculate import order_four, third_order
@@ -17,7 +17,6 @@ from .rough import RUNS, errors, rough_frames, scatter
 from .steady import SURE, eliminated, steadiness
 
 LEAST_POINTS = 12
-LARGEST_TOLERANCE = 1e-3
 SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
 SAME_SIZE = 1e-11  # relative difference of sizes that count as one
 SHARP_OVER_WINDOW = 1e-7  # and above which, over the normals' spread, none tells of an unknown size
@@ -51,6 +50,9 @@ class Recognition:
         normals point to the axis.
     half_angle : float or None
         Half-angle of the cone given or found, in rad.
+    probability : float or None
+        Of measured surfaces, where a verdict is given: at least this chance that their errors
+        haven't made it.
     """
 
     kind: str
@@ -59,6 +61,7 @@ class Recognition:
     residual: float
     radius: float | None = None
     half_angle: float | None = None
+    probability: float | None = None
 
 
 @checked
@@ -71,7 +74,6 @@ def recognise(
     radius: Shift | None = None,
     half_angle: HalfAngle | None = None,
     model: Literal["isotropic", "space"] = "isotropic",
-    tolerance: Finite = 0.0,
 ):
     """Return whether a surface belongs to a class of envelopes, judged by its derivatives.
 
@@ -92,9 +94,6 @@ def recognise(
         Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given.
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
-    tolerance : float
-        Relative error of the surface's derivatives besides rounding, from 0 for exact functions to
-        1e-3: 1e-4, say, for fits.
 
     Returns
     -------
@@ -139,14 +138,7 @@ def recognise(
         raise ValueError(
             f"s, t: must hold at least {LEAST_POINTS} different points; got {different}."
         )
-    if not 0 <= tolerance <= LARGEST_TOLERANCE:
-        raise ValueError(
-            f"tolerance: must be between 0 and {LARGEST_TOLERANCE}; got {tolerance!r}."
-        )
-    if radius is not None and kind not in ("cylinder", "pipe"):
-        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
-    if half_angle is not None and kind != "cone":
-        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
+    belongs(kind, radius, half_angle)
     found = adapted_frames.unchecked(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
@@ -157,10 +149,18 @@ def recognise(
     searched = kind == "cone" and half_angle is None
     order = HIGHEST if searched else ORDER
     rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
-    return judged(found, rough, s, t, kind, radius, half_angle, tolerance)
+    return judged(found, rough, s, t, kind, radius, half_angle)
 
 
-def judged(found, rough, s, t, kind, radius, half_angle, tolerance):
+def belongs(kind, radius, half_angle):
+    """Raise ValueError if a radius or a half-angle is given that a class doesn't have."""
+    if radius is not None and kind not in ("cylinder", "pipe"):
+        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
+    if half_angle is not None and kind != "cone":
+        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
+
+
+def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
     """Return the recognition by frames at n points.
 
     Parameters
@@ -170,8 +170,10 @@ def judged(found, rough, s, t, kind, radius, half_angle, tolerance):
         for; how these scatter is the error of those.
     s, t : (...) float
         The points.
-    kind, radius, half_angle, tolerance
+    kind, radius, half_angle
         As for `recognise`.
+    sharp : float
+        Relative bound of a condition, above which a point doesn't tell.
 
     Returns
     -------
@@ -183,17 +185,17 @@ def judged(found, rough, s, t, kind, radius, half_angle, tolerance):
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
     if kind == "developable":
-        evidence = _flat(rough, tolerance)
+        evidence = _flat(rough, sharp)
         return _judged(kind, [evidence], spread, float(found.curvature.max()))
     if kind == "ruled":
         # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
         curved = found.curvature > TORSAL
         g = tangent_graph(found, curved)
         _check_sound(g)
-        evidence = _flat(rough, tolerance)
+        evidence = _flat(rough, sharp)
         if curved.any():
             off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
-            of_curved = weigh(_forms("ruled", g, off, tolerance), _sharp(tolerance))
+            of_curved = weigh(_forms("ruled", g, off), sharp)
             evidence = _with(evidence, curved, of_curved)
         return _judged(kind, [evidence], spread, _ruled(g))
     flat = found.curvature <= FLAT
@@ -215,11 +217,10 @@ def judged(found, rough, s, t, kind, radius, half_angle, tolerance):
         size = {"radius": radius}
     given = asked_size is not None or kind == "channel"
     if given:
-        tried = [_tried(kind, f, off, tolerance, asked_size, 0.0, _sharp(tolerance))]
+        tried = [_tried(kind, f, off, asked_size, 0.0, sharp)]
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
-        sharp = min(_sharp(tolerance), max(SHARP_OVER_WINDOW, tolerance) * window)
-        tried, size = _searched(kind, f, off, runs, tolerance, sharp, size)
+        tried, size = _searched(kind, f, off, runs, sharp, window, size)
     return _judged(kind, tried, spread, residual, **size)
 
 
@@ -228,10 +229,6 @@ def _check_sound(jet):
         raise ValueError(
             "surface: must have derivatives of at most 1e90 in size at every point; got more."
         )
-
-
-def _sharp(tolerance):
-    return max(SHARP, 300 * tolerance)
 
 
 def _judged(kind, tried, spread, residual, **size):
@@ -266,13 +263,13 @@ def _only_passing(evidence):
     return np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
 
 
-def _flat(rough, tolerance):
+def _flat(rough, sharp):
     """Return the evidence for a curvature 0."""
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
-    off = 10 * np.abs(every - value).max(axis=0) + 1e-15 + tolerance
+    off = 10 * np.abs(every - value).max(axis=0) + 1e-15
     none = np.zeros((len(value), 0))
-    agrees = (value <= off) & (off <= _sharp(tolerance))
+    agrees = (value <= off) & (off <= sharp)
     return Evidence(value > off, agrees, none, none, none.astype(bool))
 
 
@@ -285,12 +282,12 @@ def _with(evidence, where, other):
     return evidence._replace(refutes=refutes, agrees=agrees)
 
 
-def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0, floor=1.0):
+def _forms(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     """Return a class' two conditions at n points, for a size that may be off by `unsure`.
 
     What order 4 is compared with is the sum of its terms, but a share `floor` of the jet at least.
     """
-    two, three, four = (off_by(off, k, tolerance, f) for k in (2, 3, 4))
+    two, three, four = (frobenius(off, k) for k in (2, 3, 4))
 
     def normal(a):
         return derivative_along(f, a, 2) - 2 * size
@@ -336,29 +333,31 @@ def _forms(kind, f, off, tolerance, size=0.0, unsure=0.0, floor=1.0):
     return Forms(mixed, normal, 2, two, two + 2 * unsure, whole(frobenius(f, 2) + 2 * abs(size)))
 
 
-def _tried(kind, f, off, tolerance, size, unsure, sharp, floor=1.0):
+def _tried(kind, f, off, size, unsure, sharp, floor=1.0):
     """Return the evidence for a class and one size."""
-    evidence = weigh(_forms(kind, f, off, tolerance, size or 0.0, unsure, floor), sharp)
+    evidence = weigh(_forms(kind, f, off, size or 0.0, unsure, floor), sharp)
     if kind != "cone":
         return evidence
     # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.
     few = np.abs(derivative_along(f, evidence.angle, 1, 1))
-    bound = off_by(off, 2, tolerance, f)[:, None] + 4 * frobenius(f, 2)[:, None] * evidence.spread
+    bound = frobenius(off, 2)[:, None] + 4 * frobenius(f, 2)[:, None] * evidence.spread
     counts = ~np.isnan(evidence.angle) & ~(evidence.several & (few > bound))
     anything = evidence.agrees & np.isnan(evidence.angle).all(axis=-1)
     return evidence._replace(agrees=counts.any(axis=-1) | anything)
 
 
-def _searched(kind, f, off, runs, tolerance, sharp, size):
+def _searched(kind, f, off, runs, sharp, window, size):
     """Return the evidence for each size that one point allows, and the size found."""
-    values, unsure, stays, complete, every = _sizes(kind, f, off, runs, tolerance)
+    values, unsure, stays, complete, every = _sizes(kind, f, off, runs, sharp)
+    same_size = SAME_SIZE * sharp / SHARP
+    sharp = min(sharp, SHARP_OVER_WINDOW * window * sharp / SHARP)
     [name] = size
     tried = []
     if not complete.any():
         # A sphere has cones of every half-angle, and other surfaces of a range of them: one that
         # was found will do. Else no point tells all its sizes.
         trial = np.pi / 4 if size[name] is None else size[name]
-        found = _tried(kind, f, off, tolerance, trial, 0.0, sharp)
+        found = _tried(kind, f, off, trial, 0.0, sharp)
         agrees = found.agrees & every.all()
         tried.append((found._replace(refutes=np.zeros_like(agrees), agrees=agrees), size[name]))
     # Each size of the point that knows its own best is tried, as well as any point knows it.
@@ -375,12 +374,12 @@ def _searched(kind, f, off, runs, tolerance, sharp, size):
         known[~same] = np.inf
         sharpest = np.argmin(known)
         if known[sharpest] < own:
-            evidence = _tried(kind, f, off, tolerance, there[sharpest], known[sharpest], sharp)
+            evidence = _tried(kind, f, off, there[sharpest], known[sharpest], sharp)
         else:
-            evidence = _tried(kind, f, off, tolerance, value, own, sharp)
+            evidence = _tried(kind, f, off, value, own, sharp)
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
-        again = _tried(kind, f, off, tolerance, shared, SAME_SIZE * abs(shared), sharp, 1e-3)
+        again = _tried(kind, f, off, shared, same_size * abs(shared), sharp, 1e-3)
         # A point that sees the size stand still around it needs no window.
         agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
         refutes = evidence.refutes | (complete & ~same)
@@ -395,7 +394,7 @@ def _searched(kind, f, off, runs, tolerance, sharp, size):
     return [found[0] for found in tried], size
 
 
-def _sizes(kind, f, off, runs, tolerance):
+def _sizes(kind, f, off, runs, sharp):
     """Return the sizes that each point allows, how far they may be off, and whether that's all.
 
     Parameters
@@ -406,8 +405,8 @@ def _sizes(kind, f, off, runs, tolerance):
         In adapted frames, at n points, and the errors of its coefficients.
     runs : Jet
         The same as f, each time rounded at random.
-    tolerance : float
-        Their relative error besides.
+    sharp : float
+        Relative error of a gradient above which it doesn't tell.
 
     Returns
     -------
@@ -420,14 +419,13 @@ def _sizes(kind, f, off, runs, tolerance):
     every : (n,) bool
         Whether each size of a range is.
     """
-    two, three = (off_by(off, k, tolerance, f)[:, None] for k in (2, 3))
+    two, three = (frobenius(off, k)[:, None] for k in (2, 3))
     values = _principal_values(f) / 2
     exact = np.broadcast_to(two, values.shape)
-    sharp = _sharp(tolerance)
     if kind == "pipe":
         certain = np.ones(len(values), dtype=bool)
         own = _principal(f)[2][:, None] + [0.0, np.pi / 2]
-        steady = steadiness(kind, runs, own, sharp, tolerance)
+        steady = steadiness(kind, runs, own, sharp)
         values[steady.changes] = np.nan
         return values, exact, steady.stays, certain, ~certain
     if kind == "cylinder":
@@ -436,19 +434,17 @@ def _sizes(kind, f, off, runs, tolerance):
         found = derivative_along(f, angle, 2) / 2
         # Where f_eee vanishes altogether every direction has its own size.
         every = (frobenius(f, 3) <= 4 * three[:, 0]) & (np.ptp(values, axis=-1) > 4 * two[:, 0])
-        steady = steadiness(kind, runs, angle, sharp, tolerance)
+        steady = steadiness(kind, runs, angle, sharp)
         found[steady.changes] = np.nan
         values = np.hstack([found, values])
         stays = np.hstack([steady.stays, np.zeros(exact.shape, dtype=bool)])
         return values, np.hstack([two + 2 * rate * spread, exact]), stays, ~every, every
-    slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True) + _eliminated_off(
-        f, tolerance
-    )
+    slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)
     angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
     angle, spread = angle / 2, spread / 2
     # Where the form only turns it must be as near to zero as rounding takes it in that direction.
     turns = angle[:, 8:]
-    near = scatter(eliminated(runs, np.tile(turns, (RUNS, 1)))) + _eliminated_off(f, tolerance)
+    near = scatter(eliminated(runs, np.tile(turns, (RUNS, 1))))
     turns[np.abs(eliminated(f, turns)) > SURE * near] = np.nan
     up = 3 * derivative_along(f, angle, 1, 1)
     down = derivative_along(f, angle, 3)
@@ -475,10 +471,10 @@ def _sizes(kind, f, off, runs, tolerance):
     # Towards the parabolic curve derivatives grow, and what differs is small among their terms.
     bend = np.abs(_principal_values(f).prod(axis=-1)) / frobenius(f, 2) ** 2
     sharp = sharp * np.where(bend > ROUND, np.minimum(bend / BENT, 1.0) ** 2, 0.0)[:, None]
-    steady = steadiness(kind, runs, angle, sharp, tolerance)
+    steady = steadiness(kind, runs, angle, sharp)
     stays, changes = (np.hstack([part, np.zeros_like(circle)]) for part in steady[:2])
-    if tolerance == 0:  # how far the runs are apart says more than bounds do
-        unsure[:, : angle.shape[1]] = np.fmin(unsure[:, : angle.shape[1]], steady.off)
+    # How far the runs are apart says more than bounds do.
+    unsure[:, : angle.shape[1]] = np.fmin(unsure[:, : angle.shape[1]], steady.off)
     vague = ~np.isnan(angles) & ~(unsure <= 0.1) & ~changes
     every = np.abs(eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
     # Near the parabolic curve the zeros crowd, and one may be lost; so may a pair between samples.
@@ -489,12 +485,6 @@ def _sizes(kind, f, off, runs, tolerance):
     outside = (angles < NEEDLE) | (angles > np.pi / 2 - NEEDLE)
     angles[vague | passing | outside | changes] = np.nan
     return angles, np.where(np.isnan(angles), 0.0, unsure), stays, complete, every
-
-
-def _eliminated_off(f, tolerance):
-    """Return by how much the form of degree 8 is off by a relative error of f, (n, 1)."""
-    two, three, four = (frobenius(f, k)[:, None] for k in (2, 3, 4))
-    return tolerance * (9 * two**2 * four + 18 * two * three**2 + 6 * two * three**2)
 
 
 def _ruled(g):

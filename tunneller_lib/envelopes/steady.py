@@ -34,7 +34,7 @@ class Steadiness(NamedTuple):
     off: np.ndarray
 
 
-def steadiness(kind, runs, angle, sharp, tolerance):
+def steadiness(kind, runs, angle, sharp):
     """Return where the sizes that belong to directions stay over the surface, and where not.
 
     Parameters
@@ -49,8 +49,6 @@ def steadiness(kind, runs, angle, sharp, tolerance):
         `eliminated` for cones; for pipes the two principal ones.
     sharp : float or (n, 1) float
         Relative error of the gradient above which it doesn't tell.
-    tolerance : float
-        Relative error of the derivatives besides rounding.
 
     Returns
     -------
@@ -63,7 +61,7 @@ def steadiness(kind, runs, angle, sharp, tolerance):
         again = _found_again(kind, runs, np.tile(angle, (RUNS, 1)))
         for value, terms in gradients(kind, runs, again):
             size = np.median(terms.reshape(RUNS, *angle.shape), axis=0)
-            off = scatter(value) + 10 * tolerance * size
+            off = scatter(value)
             middle = np.abs(np.median(value.reshape(RUNS, *angle.shape), axis=0))
             stays = stays & (middle <= off) & (off <= sharp * size)
             changes = changes | (middle > SURE * off)

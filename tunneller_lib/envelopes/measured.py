@@ -1,0 +1,320 @@
+"""Surfaces through measured points and normals of known noise, and which tool made them.
+
+Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what z
+is and a normal what its slopes are, so that both together are one linear least-squares problem whose
+weights are the known errors.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ..arguments import Length0, NotNegative, Points, checked
+from ..exact import norm
+from .adapted import adapted_frames, frames_by
+from .fit import mean_frame
+from .functions import HalfAngle, Shift, UnitVectors
+from .jet import EXPONENTS, HIGHEST, ORDER, jet_variables
+from .recognition import Recognition, belongs, judged
+from .rough import RUNS
+
+MOST_DEGREE = 16
+LEAST_DEGREE = 4
+MORE = 2  # degrees beyond those that noise lets be seen: what is left out is less than noise
+FEWEST = 250  # planes, below which none are left out any more
+STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
+UNLIKELY = 5.0  # standard deviations of a sum of squares
+ROUNDING = 1e-13  # of the patch, the least error of a point
+SHARP = 1e-4  # relative bound of a condition, above which a point doesn't tell
+ASKED = 24  # places at which a fit is asked for its derivatives
+_SEED = 8
+# The chance that an error is k times ten times the greatest of eight others like it, or more.
+_CHANCES = {1: 3.3e-8, 2: 1.7e-10, 4: 7e-13}
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A polynomial z(x, y) through measured points and normals, in a frame of its own.
+
+    Parameters
+    ----------
+    origin : (3,) float
+        The middle of the points that were kept, in m.
+    axes : (3, 3) float
+        Rows: unit vectors along x, y, z; z is the mean normal.
+    reach : float
+        By which x and y are divided, in m: the greatest of them.
+    degree : int
+        Of the polynomial.
+    c : (p,) float
+        Coefficients of Chebyshev's products T_i(x) T_j(y), those of a degree together, in m.
+    root : (p, p) float
+        Upper triangular; the covariance of c is the inverse of its transpose times it.
+    place : (k, 2) float
+        x and y of the points that were kept, in m.
+    misfit : float
+        Root of the mean square of what is left, over its error: 1 if that is noise alone.
+    fits : bool
+        Whether it is, as far as noise can be told.
+    """
+
+    origin: np.ndarray
+    axes: np.ndarray
+    reach: float
+    degree: int
+    c: np.ndarray
+    root: np.ndarray
+    place: np.ndarray
+    misfit: float
+    fits: bool
+
+    def surface(self, x, y, c=None):
+        """Return the fitted point as three coordinates, for `recognise` with model="space".
+
+        Parameters
+        ----------
+        x, y : float, array or Jet
+            Place in the frame, in m.
+        c : (p,) or (p, n) float, optional
+            Other coefficients.
+
+        Returns
+        -------
+        r : list of three
+            Coordinates in m.
+        """
+        c = self.c if c is None else c
+        across = _chebyshev(x / self.reach, self.degree)
+        along = _chebyshev(y / self.reach, self.degree)
+        rows = [0.0] * (self.degree + 1)
+        for coefficient, (i, j) in zip(c, _orders(self.degree), strict=True):
+            rows[i] = rows[i] + coefficient * along[j]
+        z = sum(row * factor for row, factor in zip(rows, across, strict=True))
+        frame = zip(self.origin, *self.axes, strict=True)
+        return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
+
+    def drawn(self, rng, times):
+        """Return coefficients (times, p) at random, as the noise may have made them."""
+        noise = rng.normal(size=(len(self.c), times))
+        return self.c + np.linalg.solve(self.root, noise).T
+
+    def asked(self):
+        """Return some of the places (k, 2) amid the points, in m, those nearest the middle."""
+        away = np.sum((self.place / np.ptp(self.place, axis=0)) ** 2, axis=-1)
+        inner = np.argsort(away)[: len(away) // 3]
+        return self.place[inner[:: len(inner) // ASKED][:ASKED]]
+
+
+@checked
+def fit_surface(
+    contact: Points, n: UnitVectors, *, contact_error: Length0, normal_error: NotNegative
+):
+    """Return a polynomial surface through measured points with normals.
+
+    Parameters
+    ----------
+    contact : (..., 3) float
+        Points of a surface, in m.
+    n : (..., 3) float
+        Its unit normals there.
+    contact_error : float
+        Standard error of a point along the normal, in m; 0 for points that are exact.
+    normal_error : float
+        Standard error of a normal in each of two directions, in rad.
+
+    Returns
+    -------
+    fit : Fit
+        Through the points near the middle that a polynomial can follow.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 250 points, or as many normals aren't given.
+
+    Notes
+    -----
+    Envelopes of cones, Example 32, which doesn't say how it fits. The least degree is taken to
+    which no higher one adds more than noise would, and two more, so that what the polynomial leaves
+    out is less than its errors. Where the highest leaves more than noise, as near an edge of
+    regression, the outer half of the points is left out.
+
+    Examples
+    --------
+    >>> from tunneller_lib.envelopes.families import cyclide
+    >>> from tunneller_lib.envelopes.isotropic import normal, surface_points
+    >>> x, y = np.random.default_rng(0).uniform(0.3, 0.6, (2, 800))
+    >>> data = surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
+    >>> found = fit_surface(*data, contact_error=1e-6, normal_error=1e-6)
+    >>> found.fits, len(found.place)
+    (True, 800)
+    """
+    contact = contact.reshape(-1, 3)
+    n = n.reshape(-1, 3)
+    if len(contact) < FEWEST or len(n) != len(contact):
+        raise ValueError(
+            f"contact, n: must be at least {FEWEST} points with as many normals; "
+            f"got {len(contact)} and {len(n)}."
+        )
+    while True:
+        found = _fitted(contact, n, contact_error, normal_error)
+        if found.fits or len(contact) < 2 * FEWEST:
+            return found
+        place = (contact - found.origin) @ found.axes[:2].T
+        away = np.sum((place / np.ptp(place, axis=0)) ** 2, axis=-1)
+        inner = away <= np.median(away)
+        contact, n = contact[inner], n[inner]
+
+
+def _fitted(contact, n, contact_error, normal_error):
+    """Return the fit to all of some points and normals."""
+    axes = mean_frame.unchecked(n)
+    origin = contact.mean(axis=0)
+    local = (contact - origin) @ axes.T
+    n = n @ axes.T
+    reach = np.abs(local[:, :2]).max()
+    off = max(contact_error, ROUNDING * reach)
+    matrix, right = _equations(local, n, reach, off, max(normal_error, ROUNDING))
+    q, root = np.linalg.qr(matrix)
+    image = q.T @ right  # its squares are by how much each coefficient lessens what is left
+    left = np.sum((right - q @ image) ** 2)
+    free = len(right) - len(image)
+    # A sum of as many squares of noise is their number, give or take the root of twice that.
+    fits = n[:, 2].min() > STEEP and left < free + UNLIKELY * np.sqrt(2 * free)
+    degree = _degree(image)
+    count = _count(degree)
+    root = root[:count, :count]
+    c = np.linalg.solve(root, image[:count])
+    return Fit(origin, axes, reach, degree, c, root, local[:, :2], np.sqrt(left / free), bool(fits))
+
+
+def _equations(local, n, reach, contact_error, normal_error):
+    """Return the matrix and the right side of z's equations, over their errors.
+
+    A normal that turns by a small angle changes the slope along the gradient by that times
+    1 + |gradient|^2, and the slope across by that times the root.
+    """
+    x, y, z = local.T
+    slope = -n[:, :2] / n[:, 2:]
+    steep = 1 / n[:, 2]  # root of 1 + |gradient|^2
+    size = norm(slope)
+    uphill = np.where(size[:, None] > 0, slope / np.where(size > 0, size, 1)[:, None], [1.0, 0.0])
+    across = np.stack([-uphill[:, 1], uphill[:, 0]], axis=-1)
+    i, j = np.array(_orders(MOST_DEGREE)).T
+    derivatives = chebyshev.chebder(np.eye(MOST_DEGREE + 1)) / reach
+    tx, ty = (chebyshev.chebvander(c / reach, MOST_DEGREE) for c in (x, y))
+    by_x = (tx[:, :-1] @ derivatives)[:, i] * ty[:, j]
+    by_y = tx[:, i] * (ty[:, :-1] @ derivatives)[:, j]
+    rows = [tx[:, i] * ty[:, j]]
+    rows += [way[:, :1] * by_x + way[:, 1:] * by_y for way in (uphill, across)]
+    right = [z, size, 0 * size]
+    errors = contact_error * steep, normal_error * steep**2, normal_error * steep
+    scaled = [row / error[:, None] for row, error in zip(rows, errors, strict=True)]
+    return np.vstack(scaled), np.concatenate([b / e for b, e in zip(right, errors, strict=True)])
+
+
+def _degree(image):
+    """Return the least degree that noise allows, and some more."""
+    gain = np.cumsum(image[::-1] ** 2)[::-1]  # of all coefficients from each one on
+    for degree in range(LEAST_DEGREE, MOST_DEGREE):
+        first = _count(degree)
+        more = len(image) - first
+        if gain[first] < more + UNLIKELY * np.sqrt(2 * more):
+            break
+    return min(degree + MORE, MOST_DEGREE)
+
+
+def _count(degree):
+    return (degree + 1) * (degree + 2) // 2
+
+
+def _orders(degree):
+    """Return all pairs (i, j) of a degree or less, the lower degrees first."""
+    return [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
+
+
+def _chebyshev(x, degree):
+    """Return Chebyshev's polynomials of a number, array or jet up to a degree."""
+    every = [1 + 0 * x, x]
+    for _ in range(degree - 1):
+        every.append(2 * x * every[-1] - every[-2])
+    return every
+
+
+@checked
+def recognise_measured(
+    contact: Points,
+    n: UnitVectors,
+    kind: Literal["developable", "ruled", "cylinder", "channel", "pipe", "cone"],
+    *,
+    contact_error: Length0,
+    normal_error: NotNegative,
+    radius: Shift | None = None,
+    half_angle: HalfAngle | None = None,
+):
+    """Return whether measured points with normals lie on a surface of a class of envelopes.
+
+    Parameters
+    ----------
+    contact, n, contact_error, normal_error
+        As for `fit_surface`.
+    kind, radius, half_angle
+        As for `recognise`.
+
+    Returns
+    -------
+    found : Recognition
+        Verdict with its reason and the chance that it stands. It "is" where what a dozen places
+        or more ask agrees within its error and that is below 1e-4 of its terms: smaller
+        differences aren't looked for.
+
+    Raises
+    ------
+    ValueError
+        As `fit_surface` and `recognise` do.
+
+    Notes
+    -----
+    The derivatives of `fit_surface`, found again from coefficients drawn at random from their
+    covariance, take the place of those that `recognise` finds again with random rounding. Draws of
+    twice and four times the scatter say how sure the verdict is: the chance that a derivative was
+    off by more than was allowed for is added up over all of them.
+
+    Examples
+    --------
+    >>> from tunneller_lib.envelopes.families import cyclide
+    >>> from tunneller_lib.envelopes.isotropic import normal, surface_points
+    >>> x, y = np.random.default_rng(0).uniform(0.3, 0.6, (2, 800))
+    >>> data = surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
+    >>> recognise_measured(*data, "channel", contact_error=0, normal_error=1e-6).verdict
+    'is'
+    """
+    belongs(kind, radius, half_angle)
+    fit = fit_surface.unchecked(contact, n, contact_error=contact_error, normal_error=normal_error)
+    if not fit.fits:
+        reason = f"no polynomial of degree {MOST_DEGREE} passes the points within their errors"
+        return Recognition(kind, "cannot tell", f"{reason}.", 1.0, radius, half_angle)
+    rng = np.random.default_rng(_SEED)
+    drawn = fit.drawn(rng, RUNS) - fit.c
+    x, y = fit.asked().T
+    found = adapted_frames.unchecked(fit.surface, x, y, "space")
+    sure = None
+    for times, chance in _CHANCES.items():
+        rough = _frames(fit, fit.c + times * drawn, x, y, HIGHEST if kind == "cone" else ORDER)
+        answer = judged(found, rough, x, y, kind, radius, half_angle, SHARP)
+        if sure is not None and answer.verdict != sure.verdict:
+            break
+        sure = replace(answer, probability=1 - chance * len(EXPONENTS) * len(x))
+        if sure.verdict == "cannot tell":
+            return answer
+    return sure
+
+
+def _frames(fit, every, x, y, order):
+    """Return the fit's frames at places, for each row of coefficients one after another."""
+    places = (np.tile(c, len(every)) for c in (x, y))
+    variables = jet_variables.unchecked(*places, order=order)
+    c = np.repeat(every, len(x), axis=0).T
+    return frames_by(lambda x, y: fit.surface(x, y, c), *variables, "space")
