@@ -1,7 +1,7 @@
 """Surfaces through measured points and normals of known noise, and which tool made them.
 
-Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what z
-is and a normal what its slopes are, so that both together are one linear least-squares problem whose
+Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what
+z is and a normal what its slopes are, so both together are one linear least-squares problem, whose
 weights are the known errors.
 """
 
@@ -30,8 +30,9 @@ ROUNDING = 1e-13  # of the patch, the least error of a point
 SHARP = 1e-4  # relative bound of a condition, above which a point doesn't tell
 ASKED = 24  # places at which a fit is asked for its derivatives
 _SEED = 8
-# The chance that an error is k times ten times the greatest of eight others like it, or more.
-_CHANCES = {1: 3.3e-8, 2: 1.7e-10, 4: 7e-13}
+# The chance that an error is k times ten times the greatest of eight others like it, or more; what
+# those others are measured from is their median.
+CHANCES = {1: 7e-7, 4: 2e-11}
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ def fit_surface(
     Raises
     ------
     ValueError
-        If there are fewer than 250 points, or as many normals aren't given.
+        If there are fewer than 250 points.
 
     Notes
     -----
@@ -151,13 +152,9 @@ def fit_surface(
     >>> found.fits, len(found.place)
     (True, 800)
     """
-    contact = contact.reshape(-1, 3)
-    n = n.reshape(-1, 3)
-    if len(contact) < FEWEST or len(n) != len(contact):
-        raise ValueError(
-            f"contact, n: must be at least {FEWEST} points with as many normals; "
-            f"got {len(contact)} and {len(n)}."
-        )
+    contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))
+    if len(contact) < FEWEST:
+        raise ValueError(f"contact: must be at least {FEWEST} points; got {len(contact)}.")
     while True:
         found = _fitted(contact, n, contact_error, normal_error)
         if found.fits or len(contact) < 2 * FEWEST:
@@ -278,9 +275,10 @@ def recognise_measured(
     Notes
     -----
     The derivatives of `fit_surface`, found again from coefficients drawn at random from their
-    covariance, take the place of those that `recognise` finds again with random rounding. Draws of
-    twice and four times the scatter say how sure the verdict is: the chance that a derivative was
-    off by more than was allowed for is added up over all of them.
+    covariance, take the place of those that `recognise` finds again with random rounding. What is
+    allowed for a derivative is ten times the greatest deviation of eight draws; the chance that one
+    is off by more is added up over all of them. Where the verdict stands with four times as much
+    that chance is less.
 
     Examples
     --------
@@ -300,16 +298,15 @@ def recognise_measured(
     drawn = fit.drawn(rng, RUNS) - fit.c
     x, y = fit.asked().T
     found = adapted_frames.unchecked(fit.surface, x, y, "space")
-    sure = None
-    for times, chance in _CHANCES.items():
-        rough = _frames(fit, fit.c + times * drawn, x, y, HIGHEST if kind == "cone" else ORDER)
-        answer = judged(found, rough, x, y, kind, radius, half_angle, SHARP)
-        if sure is not None and answer.verdict != sure.verdict:
-            break
-        sure = replace(answer, probability=1 - chance * len(EXPONENTS) * len(x))
-        if sure.verdict == "cannot tell":
-            return answer
-    return sure
+    order = HIGHEST if kind == "cone" else ORDER
+    answers = {}
+    for times in CHANCES:
+        rough = _frames(fit, fit.c + times * drawn, x, y, order)
+        answers[times] = judged(found, rough, x, y, kind, radius, half_angle, SHARP)
+        if answers[1].verdict == "cannot tell":
+            return answers[1]
+    stands = max(times for times in CHANCES if answers[times].verdict == answers[1].verdict)
+    return replace(answers[1], probability=1 - CHANCES[stands] * len(EXPONENTS) * len(x))
 
 
 def _frames(fit, every, x, y, order):

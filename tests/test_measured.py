@@ -1,0 +1,174 @@
+"""Surfaces through measured points and normals, their errors, and verdicts from such data."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from tests.envelopes_random import KINDS
+from tests.long import many
+from tests.measured_many import ASKED, HEAD, TABLE, example_32, tried
+from tunneller_lib.envelopes import fit_surface, recognise_measured
+from tunneller_lib.envelopes.families import channel, cubic, cyclide
+from tunneller_lib.envelopes.fit import tilted
+from tunneller_lib.envelopes.isotropic import normal, surface_points
+from tunneller_lib.envelopes.measured import CHANCES
+from tunneller_lib.envelopes.rough import RUNS
+
+READS = ["tests/measured.csv"]
+EXACT = {"contact_error": 0.0, "normal_error": 1e-6}
+
+
+def patch(n=800, seed=0):
+    """Return points of Example 31 with unit normals, from places about (0.45, 0.45)."""
+    x, y = np.random.default_rng(seed).uniform(0.3, 0.6, (2, n))
+    return surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
+
+
+def noisy(data, contact_error, normal_error, seed):
+    contact, n = data
+    rng = np.random.default_rng(seed)
+    moved = contact + contact_error * rng.normal(size=(len(n), 1)) * n
+    return moved, tilted(n, np.sqrt(2) * normal_error, rng)
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])
+def test_a_fit_passes_exact_points_and_has_their_normals(scale):
+    contact, n = patch()
+    for array in (contact, n):
+        array.flags.writeable = False
+    fit = fit_surface(scale * contact, n, **EXACT)
+    assert fit.fits and fit.misfit < 1.2
+    x, y = np.random.default_rng(1).uniform(0.4, 0.5, (2, 30))
+    inner, normals = surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
+    place = (scale * inner - fit.origin) @ fit.axes[:2].T
+    there = np.stack(fit.surface(*place.T), axis=-1)
+    np.testing.assert_allclose(there / scale, inner, atol=1e-12)
+    step = 1e-5 * scale
+    slope = [np.stack(fit.surface(*(place + d).T), -1) - there for d in ([step, 0], [0, step])]
+    assert max(np.abs(np.sum(s * normals, axis=-1)).max() for s in slope) < 1e-4 * step
+
+
+def test_covariance_says_how_far_fits_of_other_noise_are_apart():
+    """Heights from 60 draws scatter as one fit's own covariance says."""
+    data = patch(400)
+    errors = {"contact_error": 1e-3, "normal_error": 1e-2}
+    fits = [fit_surface(*noisy(data, *errors.values(), seed), **errors) for seed in range(60)]
+    first = fits[0]
+    assert all(fit.fits for fit in fits)
+    inner = data[0][:20]
+    places = [(inner - fit.origin) @ fit.axes[:2].T for fit in fits]
+    heights = [
+        (np.stack(fit.surface(*place.T), axis=-1) - inner) @ first.axes[2]
+        for fit, place in zip(fits, places, strict=True)
+    ]
+    drawn = first.drawn(np.random.default_rng(2), 400)
+    own = [first.surface(*places[0].T, c)[2] for c in drawn]
+    expected = np.std(own, axis=0) * (first.axes[2, 2] ** -1)
+    assert 0.6 < np.median(np.std(heights, axis=0) / expected) < 1.6
+
+
+def test_the_degree_rises_as_noise_falls():
+    data = patch()
+    loud, quiet = (
+        fit_surface(*noisy(data, error, error, 3), contact_error=error, normal_error=error)
+        for error in (1e-3, 1e-7)
+    )
+    assert loud.fits and quiet.fits and loud.degree < quiet.degree
+
+
+def test_noise_said_too_small_fits_nothing():
+    data = noisy(patch(), 1e-3, 1e-3, 4)
+    fit = fit_surface(*data, contact_error=1e-5, normal_error=1e-5)
+    assert not fit.fits and fit.misfit > 30
+    found = recognise_measured(*data, "pipe", contact_error=1e-5, normal_error=1e-5)
+    assert found.verdict == "cannot tell" and found.because.startswith("no polynomial of degree 16")
+    assert found.probability is None
+
+
+def test_an_edge_of_regression_is_left_out():
+    s, t = np.random.default_rng(5).uniform(0, 1, (2, 2000))
+    centre, tangent, _ = cubic(s)
+    tangent = np.stack([c + 0 * s for c in tangent], axis=-1)
+    curve = np.stack([c + 0 * s for c in centre], axis=-1)
+    bend = np.stack([0 * s, 2 + 0 * s, 6 * s], axis=-1)
+    n = np.cross(tangent, bend)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    fit = fit_surface(curve + (0.02 + t)[:, None] * tangent, n, **EXACT)
+    assert len(fit.place) < 2000
+
+
+def test_a_verdict_has_its_chance_and_a_radius_is_found():
+    s, t = np.random.default_rng(6).uniform(0.2, 0.6, (2, 800))
+    surface = channel(cubic, 0.3)
+    centre = np.stack([c + 0 * s for c in cubic(s)[0]], axis=-1)
+    contact = np.stack(surface(s, t), axis=-1)
+    n = (centre - contact) / 0.3
+    found = recognise_measured(*noisy((contact, n), 0, 1e-4, 7), "pipe", contact_error=0,
+                               normal_error=1e-4)  # fmt: skip
+    assert found.verdict == "is" and 0.999 < found.probability < 1
+    assert found.radius == pytest.approx(0.3, rel=1e-7)
+    other = recognise_measured(*noisy((contact, n), 0, 1e-4, 7), "ruled", contact_error=0,
+                               normal_error=1e-4)  # fmt: skip
+    assert other.verdict == "is not" and other.probability >= found.probability
+
+
+def test_chances_are_those_of_ten_times_the_greatest_of_eight():
+    """How seldom a normal error passes k times what eight others allow, by their distribution."""
+    x = np.random.default_rng(8).normal(size=(400_000, RUNS))
+    most = np.abs(x - np.median(x, axis=1)[:, None]).max(axis=1)
+    # The least of many has the law of a power 7: so few draws tell how often it is below m.
+    below = np.mean(most < 0.5) / 0.5**7
+    steps = np.linspace(0, 0.5, 4001)[1:]
+    for times, chance in CHANCES.items():
+        tail = np.exp(-((10 * times * steps) ** 2) / 2)  # above the chance of more than that
+        bound = np.sum(7 * below * steps**6 * tail) * (steps[1] - steps[0])
+        assert bound < 10 * chance
+
+
+@pytest.mark.parametrize("place", [(0.5, 0.3), (0.9, 0.6), (-0.4, 1.0), (0.2, -0.7)])
+def test_example_32_by_contacts_has_all_six_cones(place):
+    """With normals turned by 0.1 and exact contacts, in every draw."""
+    for seed in range(many(2, 20)):
+        exact, found = example_32(place, seed)
+        assert len(exact) == len(found) == 6
+        axes = np.abs(exact.axis @ found.axis.T).max(axis=1)
+        assert np.degrees(np.arccos(np.minimum(axes, 1))).max() < 1e-3
+
+
+def test_no_verdict_from_noisy_data_is_wrong():
+    for turn, off, _ in ASKED[:2]:
+        for seed in range(many(6, 500)):
+            exact, _, found = tried(seed, turn, off)
+            assert found.verdict != ("is not" if exact else "is")
+
+
+def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_mostly():
+    """What the report shows; `python -m tests.measured_many` makes it."""
+    lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    for turn, off, draws in ASKED:
+        part = [
+            row for row in rows if (float(row["normals"]), float(row["contacts"])) == (turn, off)
+        ]
+        counts = {row["surface"]: [int(row[verdict]) for verdict in HEAD[3:]] for row in part}
+        assert sum(map(sum, counts.values())) == draws
+        if off == 0:
+            assert counts["member"][1] == counts["near-miss"][0] == 0
+            assert sum(row[2] for row in counts.values()) <= 0.3 * draws
+    assert len(KINDS) == 6
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (dict(zip(("contact", "n"), patch(200), strict=True)), r"^contact: .* 250 points; got 200\.$"),
+    ({"n": patch(300)[1]}, r"^contact, n: .* must broadcast; got \(800,\), \(300,\)\.$"),
+    ({"n": 2 * patch()[1]}, r"^n: "),
+    ({"contact_error": -1.0}, r"^contact_error: "),
+    ({"normal_error": -1.0}, r"^normal_error: "),
+    ({"half_angle": 0.3}, r"^half_angle: belongs to cone only; got it with 'pipe'\.$"),
+])  # fmt: skip
+def test_wrong_data_are_refused(change, message):
+    contact, n = patch()
+    asked = {"contact": contact, "n": n, "kind": "pipe"} | EXACT | change
+    with pytest.raises(ValueError, match=message):
+        recognise_measured(**asked)
