@@ -12,6 +12,8 @@ import numpy as np
 
 from .circle_roots import real_zeros
 
+LEAST_POINTS = 12  # that must agree
+SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
 

@@ -37,3 +37,19 @@ def frobenius(f, degree):
     form = [derivative(f, degree - k, k) for k in range(degree + 1)]
     weights = np.cumprod([1.0, *((degree - k) / (k + 1) for k in range(degree))])
     return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form, strict=True)))
+
+
+def principal(f):
+    """Return a Hessian's eigenvalues (n,), low and high, and the low one's direction angle."""
+    a = derivative(f, 2, 0)
+    b = derivative(f, 1, 1)
+    c = derivative(f, 0, 2)
+    mean = (a + c) / 2
+    half = np.hypot((a - c) / 2, b)
+    # Half of arctan2(2 b, a - c) is the direction of the high one.
+    return mean - half, mean + half, np.arctan2(2 * b, a - c) / 2 + np.pi / 2
+
+
+def principal_values(f):
+    """Return the Hessian's eigenvalues (n, 2), the low one first."""
+    return np.stack(principal(f)[:2], axis=-1)

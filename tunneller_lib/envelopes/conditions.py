@@ -1,0 +1,98 @@
+"""What a class of envelopes asks of a direction at each point: two conditions, and their errors."""
+
+import numpy as np
+
+from .evidence import Forms, weigh
+from .forms import derivative_along, frobenius
+
+
+def conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
+    """Return a class' two conditions on a direction.
+
+    Parameters
+    ----------
+    kind : {"ruled", "cylinder", "channel", "pipe", "cone"}
+        Which class.
+    f, off : Jet
+        A surface at n points and the errors of its coefficients: in adapted frames, or for ruled
+        surfaces as graphs over their tangent planes.
+    size, unsure : float
+        The radius in m or half-angle in rad, and by how much it may be off.
+    floor : float
+        What order 4 is compared with is the sum of its terms, but this share of the jet at least.
+
+    Returns
+    -------
+    conditions : Forms
+        Theorem 4; Corollary 25; Corollary 28; Corollary 29; Eqs 11 and 12 in adapted frames.
+    """
+    two, three, four = (frobenius(off, k) for k in (2, 3, 4))
+
+    def normal(a):
+        return derivative_along(f, a, 2) - 2 * size
+
+    def third(a):
+        return derivative_along(f, a, 3)
+
+    def mixed(a):
+        return derivative_along(f, a, 1, 1)
+
+    if kind == "cone":
+        rho = 0.5 / np.tan(size)
+        unsure = unsure * 0.5 / np.sin(size) ** 2
+
+        def order_3(a):
+            return rho * third(a) + 3 * mixed(a)
+
+        def order_4(a):
+            return sum(terms(a))
+
+        def terms(a):
+            last = derivative_along(f, a, 0, 2) - derivative_along(f, a, 2)
+            fourth = rho**2 * derivative_along(f, a, 4)
+            return [fourth, 6 * rho * derivative_along(f, a, 2, 1), 3 * last]
+
+        def size_4(a):
+            return np.maximum(sum(np.abs(term) for term in terms(a)), floor * whole[:, None])
+
+        whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
+        off_3 = rho * three + 3 * two + unsure * frobenius(f, 3)
+        off_4 = rho**2 * four + 6 * rho * three + 6 * two
+        off_4 = off_4 + unsure * (2 * rho * frobenius(f, 4) + 6 * frobenius(f, 3))
+        return Forms(order_3, order_4, 3, off_3, off_4, size_4)
+
+    def whole(size):
+        return lambda a: size[:, None] + 0 * a
+
+    if kind in ("ruled", "cylinder"):
+        beside = frobenius(f, 2) if kind == "cylinder" else frobenius(f, 2) ** 2
+        return Forms(normal, third, 2, two + 2 * unsure, three, whole(frobenius(f, 3) + beside))
+    if kind == "channel":
+        return Forms(mixed, third, 2, two, three, whole(frobenius(f, 3) + frobenius(f, 2)))
+    return Forms(mixed, normal, 2, two, two + 2 * unsure, whole(frobenius(f, 2) + 2 * abs(size)))
+
+
+def asked(kind, f, off, size, unsure, sharp, floor=1.0):
+    """Return the evidence for a class and one size.
+
+    Parameters
+    ----------
+    kind, f, off, size, unsure, floor
+        As for `conditions`; `size` is None for channels.
+    sharp : float
+        Relative bound of the second condition, above which a point doesn't tell.
+
+    Returns
+    -------
+    evidence : Evidence
+        Of each point.
+    """
+    evidence = weigh(conditions(kind, f, off, size or 0.0, unsure, floor), sharp)
+    if kind != "cone":
+        return evidence
+    # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.
+    few = np.abs(derivative_along(f, evidence.angle, 1, 1))
+    bound = frobenius(off, 2)[:, None] + 4 * frobenius(f, 2)[:, None] * evidence.spread
+    counts = ~np.isnan(evidence.angle) & ~(evidence.several & (few > bound))
+    anything = evidence.agrees & np.isnan(evidence.angle).all(axis=-1)
+    return evidence._replace(agrees=counts.any(axis=-1) | anything)
