@@ -60,9 +60,10 @@ def test_cones_are_a_sequence_of_what_the_arrays_hold():
         assert cone.pose.far == 2 * cones.distance[k]
         assert abs(cone.pose.clearance(cone.contact)) < 1e-12 * cone.pose.far
         # Among its planes is the surface's own at the contact.
-        n, _ = cone.pose.planes(np.linspace(0, 2 * np.pi, 100_001))
-        nearest = np.argmax(n @ cone.normal * cone.side)
-        assert n[nearest] @ cone.normal * cone.side == pytest.approx(1, abs=1e-8)
+        n, h = cone.planes(np.linspace(0, 2 * np.pi, 100_001))
+        nearest = np.argmax(n @ cone.normal)
+        assert n[nearest] @ cone.normal == pytest.approx(1, abs=1e-8)
+        assert abs(n[nearest] @ cone.contact + h[nearest]) < 1e-3 * cone.pose.far
     assert cones[-1].multiplicity == cones[11].multiplicity == 1
     for k in (12, -13):
         with pytest.raises(IndexError):

@@ -2,15 +2,25 @@
 
 import numpy as np
 
-from tunneller_lib.envelopes import ConePose, Jet, jet_variables
+from tunneller_lib.envelopes import (
+    ConePose,
+    Jet,
+    TouchingCone,
+    hyperosculating_cones,
+    jet_variables,
+)
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
+from tunneller_lib.envelopes.isotropic import normal, surface_points
 
 SIZES = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
          "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 RNG = np.random.default_rng(1)
 S, T = RNG.uniform(0.2, 0.8, (2, 14))
 POINTS = RNG.normal(size=(30, 3))
+PLACES = RNG.uniform(0.3, 0.6, (2, 260))
+MEASURED = {"contact": surface_points(cyclide, *PLACES), "n": np.stack(normal(*PLACES), axis=-1),
+            "contact_error": 0.0, "normal_error": 1e-6}  # fmt: skip
 
 
 def graph(s, t):
@@ -27,6 +37,7 @@ INSTANCES = {
     BladeRing: BladeRing(**SIZES),
     ConePose: ConePose(**POSE),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
+    TouchingCone: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5)[0],
     np.random.Generator: RNG,
 }
 
@@ -49,6 +60,7 @@ CALLS = {
     "families.tangent_lines": {"curve": helix},
     "families.turning": {"vertex": edge, "velocity": edge},
     "fit.fit_planes": {"contact": POINTS, "n": POINTS * [1, 1, 0] + [0, 0, 3], "scale": 1.0},
+    "fit_surface": MEASURED,
     "fit.tilted": {"n": (0.0, 0.6, 0.8)},
     "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
     "isotropic.isotropic_derivatives": {"r": (0.3, 0.2, 0.1), "n": (0.0, 0.6, 0.8)},
@@ -56,4 +68,5 @@ CALLS = {
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
+    "recognise_measured": MEASURED | {"kind": "pipe"},
 }

@@ -112,3 +112,22 @@ class TouchingCone:
     side: int
     verdict: str
     multiplicity: int
+
+    @checked
+    def planes(self, azimuth: Angles):
+        """Return the cone's tangent planes, oriented as the surface is.
+
+        Parameters
+        ----------
+        azimuth : (...) float
+            In rad, about the axis or its opposite.
+
+        Returns
+        -------
+        n : (..., 3) float
+            Unit normals, that of the surface among them.
+        h : (...) float
+            Constant terms of n.x + h = 0, in m.
+        """
+        axis = (self.side or 1) * np.array(self.pose.axis)
+        return cone_planes(self.pose.vertex, axis, self.pose.half_angle, azimuth)
