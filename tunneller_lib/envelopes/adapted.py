@@ -249,7 +249,9 @@ def _curvature(r, n):
 
 
 def _turned(axes, vector):
-    return [sum(vector[k] * axes[:, i, k] for k in range(3)) for i in range(3)]
+    c = np.stack([jet.c for jet in vector], axis=1)  # (terms, 3, n)
+    turned = np.einsum("nik,ckn->icn", axes, c)
+    return [Jet(part) for part in turned]
 
 
 def _ratio(a, b):
