@@ -77,10 +77,12 @@ def asked(kind, f, off, size, unsure, sharp, floor=1.0):
 
     Parameters
     ----------
-    kind, f, off, size, unsure, floor
+    kind, f, off, size, unsure
         As for `conditions`; `size` is None for channels.
     sharp : float
         Relative bound of the second condition, above which a point doesn't tell.
+    floor : float
+        As for `conditions`.
 
     Returns
     -------

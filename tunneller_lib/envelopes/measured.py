@@ -255,9 +255,13 @@ def recognise_measured(
 
     Parameters
     ----------
-    contact, n, contact_error, normal_error
+    contact, n
         As for `fit_surface`.
-    kind, radius, half_angle
+    kind
+        As for `recognise`.
+    contact_error, normal_error
+        As for `fit_surface`.
+    radius, half_angle
         As for `recognise`.
 
     Returns
