@@ -12,7 +12,7 @@ from tunneller_lib.envelopes import fit_surface, recognise_measured
 from tunneller_lib.envelopes.families import channel, cubic, cyclide
 from tunneller_lib.envelopes.fit import tilted
 from tunneller_lib.envelopes.isotropic import normal, surface_points
-from tunneller_lib.envelopes.measured import CHANCES
+from tunneller_lib.envelopes.measured import CHANCES, drawn, point_of
 from tunneller_lib.envelopes.rough import RUNS
 
 READS = ["tests/measured.csv"]
@@ -62,8 +62,8 @@ def test_covariance_says_how_far_fits_of_other_noise_are_apart():
         (np.stack(fit.surface(*place.T), axis=-1) - inner) @ first.axes[2]
         for fit, place in zip(fits, places, strict=True)
     ]
-    drawn = first.drawn(np.random.default_rng(2), 400)
-    own = [first.surface(*places[0].T, c)[2] for c in drawn]
+    every = drawn(first, np.random.default_rng(2), 400)
+    own = [point_of(first, *places[0].T, c)[2] for c in every]
     expected = np.std(own, axis=0) * (first.axes[2, 2] ** -1)
     assert 0.6 < np.median(np.std(heights, axis=0) / expected) < 1.6
 
@@ -141,6 +141,11 @@ def test_no_verdict_from_noisy_data_is_wrong():
         for seed in range(many(6, 500)):
             exact, _, found = tried(seed, turn, off)
             assert found.verdict != ("is not" if exact else "is")
+
+
+def test_a_small_bump_beside_a_sharp_bend_is_no_cylinder():
+    """It was one, at a bound of 1e-4: there the surface bends sharply."""
+    assert tried(113, 1e-6, 0.0)[2].verdict != "is"
 
 
 def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_mostly():

@@ -4,8 +4,10 @@ import numpy as np
 
 from tunneller_lib.envelopes import (
     ConePose,
+    Fit,
     Jet,
     TouchingCone,
+    fit_surface,
     hyperosculating_cones,
     jet_variables,
 )
@@ -36,6 +38,7 @@ POSE = {"vertex": (0.3, -0.2, 1.0), "axis": (1.0, 2.0, 2.0), "half_angle": 0.4, 
 INSTANCES = {
     BladeRing: BladeRing(**SIZES),
     ConePose: ConePose(**POSE),
+    Fit: fit_surface(**MEASURED),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
     TouchingCone: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5)[0],
     np.random.Generator: RNG,

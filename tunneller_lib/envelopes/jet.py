@@ -173,10 +173,10 @@ def compose(jets, s, t):
     """
     powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
     every = _ALL[: len(s.c)]
-    for i, j in every[3:]:
-        powers[i, j] = s * powers[i - 1, j] if i else t * powers[0, j - 1]
-    terms = [powers[exponents].c for exponents in every[1:]]
     with np.errstate(all="ignore"):
+        for i, j in every[3:]:
+            powers[i, j] = _multiply(s, powers[i - 1, j]) if i else _multiply(t, powers[0, j - 1])
+        terms = [powers[exponents].c for exponents in every[1:]]
         composed = [sum(term * c for term, c in zip(terms, jet.c[1:], strict=True)) for jet in jets]
     return [Jet(c) + jet.value for c, jet in zip(composed, jets, strict=True)]
 
@@ -202,12 +202,15 @@ def inverse(x, y):
         xh, xk, yh, yk = (entry / determinant for entry in (xh, xk, yh, yk))
     # x = xh h + xk k + bent(h, k): the linear part is undone exactly, what bends by substitution.
     bent = [Jet(np.concatenate([np.zeros_like(j.c[:3]), j.c[3:]])) for j in (x, y)]
-    s = yk * h - xk * k
-    t = xh * k - yh * h
-    for _ in range(x.order - 1):  # each round makes one more order right
-        x_bent, y_bent = compose(bent, s, t)
-        s = yk * (h - x_bent) - xk * (k - y_bent)
-        t = xh * (k - y_bent) - yh * (h - x_bent)
+    with np.errstate(all="ignore"):
+        s = Jet(yk * h.c - xk * k.c)
+        t = Jet(xh * k.c - yh * h.c)
+        for _ in range(x.order - 1):  # each round makes one more order right
+            x_left, y_left = (
+                start.c - part.c for start, part in zip((h, k), compose(bent, s, t), strict=True)
+            )
+            s = Jet(yk * x_left - xk * y_left)
+            t = Jet(xh * y_left - yh * x_left)
     return s, t
 
 

@@ -15,7 +15,7 @@ from ..arguments import Length0, NotNegative, Points, checked
 from ..exact import norm
 from .adapted import adapted_frames, frames_by
 from .fit import mean_frame
-from .functions import HalfAngle, Shift, UnitVectors
+from .functions import HalfAngle, Shift, UnitVectors, Varying
 from .jet import EXPONENTS, HIGHEST, ORDER, jet_variables
 from .recognition import Recognition, belongs, judged
 from .rough import RUNS
@@ -27,7 +27,7 @@ FEWEST = 250  # planes, below which none are left out any more
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
-SHARP = 1e-4  # relative bound of a condition, above which a point doesn't tell
+SHARP = 1e-5  # relative bound of a condition, above which a point doesn't tell
 ASKED = 24  # places at which a fit is asked for its derivatives
 _SEED = 8
 # The chance that an error is k times ten times the greatest of eight others like it, or more; what
@@ -71,41 +71,76 @@ class Fit:
     misfit: float
     fits: bool
 
-    def surface(self, x, y, c=None):
+    @checked
+    def surface(self, x: Varying, y: Varying):
         """Return the fitted point as three coordinates, for `recognise` with model="space".
 
         Parameters
         ----------
-        x, y : float, array or Jet
+        x, y : (...) float or Jet
             Place in the frame, in m.
-        c : (p,) or (p, n) float, optional
-            Other coefficients.
 
         Returns
         -------
         r : list of three
             Coordinates in m.
         """
-        c = self.c if c is None else c
-        across = _chebyshev(x / self.reach, self.degree)
-        along = _chebyshev(y / self.reach, self.degree)
-        rows = [0.0] * (self.degree + 1)
-        for coefficient, (i, j) in zip(c, _orders(self.degree), strict=True):
-            rows[i] = rows[i] + coefficient * along[j]
-        z = sum(row * factor for row, factor in zip(rows, across, strict=True))
-        frame = zip(self.origin, *self.axes, strict=True)
-        return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
+        return point_of(self, x, y, self.c)
 
-    def drawn(self, rng, times):
-        """Return coefficients (times, p) at random, as the noise may have made them."""
-        noise = rng.normal(size=(len(self.c), times))
-        return self.c + np.linalg.solve(self.root, noise).T
 
-    def asked(self):
-        """Return some of the places (k, 2) amid the points, in m, those nearest the middle."""
-        away = np.sum((self.place / np.ptp(self.place, axis=0)) ** 2, axis=-1)
-        inner = np.argsort(away)[: len(away) // 3]
-        return self.place[inner[:: len(inner) // ASKED][:ASKED]]
+def point_of(fit, x, y, c):
+    """Return a point as `Fit.surface` does, by coefficients.
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose frame and degree count.
+    x, y : (...) float or Jet
+        Place in the frame, in m.
+    c : (p,) or (p, n) float
+        Coefficients, in m; n of them for n places.
+
+    Returns
+    -------
+    r : list of three
+        Coordinates in m.
+    """
+    across = _chebyshev(x / fit.reach, fit.degree)
+    along = _chebyshev(y / fit.reach, fit.degree)
+    rows = [0.0] * (fit.degree + 1)
+    for coefficient, (i, j) in zip(c, _orders(fit.degree), strict=True):
+        rows[i] = rows[i] + coefficient * along[j]
+    z = sum(row * factor for row, factor in zip(rows, across, strict=True))
+    frame = zip(fit.origin, *fit.axes, strict=True)
+    return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
+
+
+def drawn(fit, rng, times):
+    """Return coefficients at random, as the noise may have made them.
+
+    Parameters
+    ----------
+    fit : Fit
+        With its covariance.
+    rng : numpy.random.Generator
+        Where they come from.
+    times : int
+        How many.
+
+    Returns
+    -------
+    c : (times, p) float
+        In m.
+    """
+    noise = rng.normal(size=(len(fit.c), times))
+    return fit.c + np.linalg.solve(fit.root, noise).T
+
+
+def inner_places(fit):
+    """Return some of a fit's places (k, 2) amid its points, in m, those nearest the middle."""
+    away = np.sum((fit.place / np.ptp(fit.place, axis=0)) ** 2, axis=-1)
+    inner = np.argsort(away)[: len(away) // 3]
+    return fit.place[inner[:: len(inner) // ASKED][:ASKED]]
 
 
 @checked
@@ -268,7 +303,7 @@ def recognise_measured(
     -------
     found : Recognition
         Verdict with its reason and the chance that it stands. It "is" where what a dozen places
-        or more ask agrees within its error and that is below 1e-4 of its terms: smaller
+        or more ask agrees within its error and that is below 1e-5 of its terms: smaller
         differences aren't looked for.
 
     Raises
@@ -299,13 +334,13 @@ def recognise_measured(
         reason = f"no polynomial of degree {MOST_DEGREE} passes the points within their errors"
         return Recognition(kind, "cannot tell", f"{reason}.", 1.0, radius, half_angle)
     rng = np.random.default_rng(_SEED)
-    drawn = fit.drawn(rng, RUNS) - fit.c
-    x, y = fit.asked().T
+    away = drawn(fit, rng, RUNS) - fit.c
+    x, y = inner_places(fit).T
     found = adapted_frames.unchecked(fit.surface, x, y, "space")
     order = HIGHEST if kind == "cone" else ORDER
     answers = {}
     for times in CHANCES:
-        rough = _frames(fit, fit.c + times * drawn, x, y, order)
+        rough = _frames(fit, fit.c + times * away, x, y, order)
         answers[times] = judged(found, rough, x, y, kind, radius, half_angle, SHARP)
         if answers[1].verdict == "cannot tell":
             return answers[1]
@@ -318,4 +353,4 @@ def _frames(fit, every, x, y, order):
     places = (np.tile(c, len(every)) for c in (x, y))
     variables = jet_variables.unchecked(*places, order=order)
     c = np.repeat(every, len(x), axis=0).T
-    return frames_by(lambda x, y: fit.surface(x, y, c), *variables, "space")
+    return frames_by(lambda x, y: point_of(fit, x, y, c), *variables, "space")
