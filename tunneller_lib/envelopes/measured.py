@@ -16,7 +16,7 @@ from ..exact import norm
 from .adapted import adapted_frames, frames_by
 from .fit import mean_frame
 from .functions import HalfAngle, Shift, UnitVectors, Varying
-from .jet import EXPONENTS, HIGHEST, ORDER, jet_variables
+from .jet import EXPONENTS, HIGHEST, ORDER, Jet, jet_variables
 from .recognition import Recognition, belongs, judged
 from .rough import RUNS
 
@@ -28,6 +28,7 @@ STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial is
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
 SHARP = 1e-5  # relative bound of a condition, above which a point doesn't tell
+BEYOND = 2.0  # times the patch, how far a polynomial is followed
 ASKED = 24  # places at which a fit is asked for its derivatives
 _SEED = 8
 # The chance that an error is k times ten times the greatest of eight others like it, or more; what
@@ -84,7 +85,19 @@ class Fit:
         -------
         r : list of three
             Coordinates in m.
+
+        Raises
+        ------
+        ValueError
+            If a place is beyond twice the patch, where a polynomial says nothing.
         """
+        for name, part in (("x", x), ("y", y)):
+            size = np.abs(part.value if isinstance(part, Jet) else part)
+            if np.any(size > BEYOND * self.reach):
+                raise ValueError(
+                    f"{name}: must be at most {BEYOND * self.reach:g} m in size, {BEYOND:g} times "
+                    f"the patch's; got {np.max(size):g}."
+                )
         return point_of(self, x, y, self.c)
 
 
