@@ -144,7 +144,7 @@ def test_no_verdict_from_noisy_data_is_wrong():
 
 
 def test_a_small_bump_beside_a_sharp_bend_is_no_cylinder():
-    """It was one, at a bound of 1e-4: there the surface bends sharply."""
+    """An eighth of its points, where it bends sharply, was one to half a millionth."""
     assert tried(113, 1e-6, 0.0)[2].verdict != "is"
 
 

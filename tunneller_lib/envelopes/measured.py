@@ -23,7 +23,8 @@ from .rough import RUNS
 MOST_DEGREE = 16
 LEAST_DEGREE = 4
 MORE = 2  # degrees beyond those that noise lets be seen: what is left out is less than noise
-FEWEST = 250  # planes, below which none are left out any more
+FEWEST = 250  # planes, and the share, below which none are left out any more: what a polynomial
+SHARE = 4  # follows near an edge of regression is too small a part to speak for the surface
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
@@ -188,7 +189,7 @@ def fit_surface(
     Envelopes of cones, Example 32, which doesn't say how it fits. The least degree is taken to
     which no higher one adds more than noise would, and two more, so that what the polynomial leaves
     out is less than its errors. Where the highest leaves more than noise, as near an edge of
-    regression, the outer half of the points is left out.
+    regression, the outer half of the points is left out, and once more.
 
     Examples
     --------
@@ -203,9 +204,10 @@ def fit_surface(
     contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))
     if len(contact) < FEWEST:
         raise ValueError(f"contact: must be at least {FEWEST} points; got {len(contact)}.")
+    fewest = max(FEWEST, len(contact) // SHARE)
     while True:
         found = _fitted(contact, n, contact_error, normal_error)
-        if found.fits or len(contact) < 2 * FEWEST:
+        if found.fits or len(contact) < 2 * fewest:
             return found
         place = (contact - found.origin) @ found.axes[:2].T
         away = np.sum((place / np.ptp(place, axis=0)) ** 2, axis=-1)
