@@ -28,7 +28,7 @@ SHARE = 4  # follows near an edge of regression is too small a part to speak for
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
-SHARP = 1e-5  # relative bound of a condition, above which a point doesn't tell
+SHARP = 1e-4  # relative bound of a condition, above which a point doesn't tell
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
 ASKED = 24  # places at which a fit is asked for its derivatives
 _SEED = 8
@@ -318,7 +318,7 @@ def recognise_measured(
     -------
     found : Recognition
         Verdict with its reason and the chance that it stands. It "is" where what a dozen places
-        or more ask agrees within its error and that is below 1e-5 of its terms: smaller
+        or more ask agrees within its error and that is below 1e-4 of its terms: smaller
         differences aren't looked for.
 
     Raises
