@@ -23,7 +23,7 @@ from tunneller_lib.envelopes.isotropic import normal, surface_points
 TABLE = Path(__file__).with_name("measured.csv")
 PLANES = 2000
 # Noise of the normals, that of the contacts over the patch's size, and how many draws.
-ASKED = ((1e-4, 0.0, 12), (1e-6, 0.0, 12), (1e-6, 1e-6, 12))
+ASKED = ((1e-4, 0.0, 500), (1e-6, 0.0, 300), (1e-6, 1e-6, 120))
 HEAD = ("normals", "contacts", "surface", "is", "is not", "cannot tell")
 
 

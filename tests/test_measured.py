@@ -148,7 +148,7 @@ def test_a_small_bump_beside_a_sharp_bend_is_no_cylinder():
     assert tried(113, 1e-6, 0.0)[2].verdict != "is"
 
 
-def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_mostly():
+def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_near_misses():
     """What the report shows; `python -m tests.measured_many` makes it."""
     lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
     rows = list(csv.DictReader(lines))
@@ -160,7 +160,7 @@ def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_mostly():
         assert sum(map(sum, counts.values())) == draws
         if off == 0:
             assert counts["member"][1] == counts["near-miss"][0] == 0
-            assert sum(row[2] for row in counts.values()) <= 0.3 * draws
+            assert counts["near-miss"][1] >= 0.7 * sum(counts["near-miss"])
     assert len(KINDS) == 6
 
 

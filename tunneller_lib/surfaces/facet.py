@@ -14,7 +14,14 @@ from .frustum import Frustum
 from .rod import Rod
 from .rod_interval import GUARD, near_one, nearest_offset
 from .rounded_disc import RoundedDisc
-from .touching import accurate_cross, outline, section, touches_of_edges, touches_of_planes, unit_of
+from .touching import (
+    accurate_cross,
+    outline,
+    swept_planes,
+    touches_of_edges,
+    touches_of_planes,
+    unit_of,
+)
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -109,7 +116,7 @@ def meet_edges(solid, edges, u):
     body = outline(solid)
     (start, end), along, shift, speed = _nearby(body, edges, u)
     guard = GUARD * (body.size + _reach([start, end]))
-    cut = section(start, end, along, guard)
+    cut = swept_planes(start, end, along, guard)
     found = _nothing(guard)
     for point in touches_of_edges(body, cut):
         way = point - cut.start
@@ -126,7 +133,7 @@ def meet_faces(solid, facets, u):
     body = outline(solid)
     corners, along, shift, speed = _nearby(body, facets, u)
     guard = GUARD * (body.size + _reach(corners))
-    sides = [section(a, b, along, guard)
+    sides = [swept_planes(a, b, along, guard)
              for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]  # fmt: skip
     ways = [corner - corners[0] for corner in corners[1:]]
     normal = sum(accurate_cross(a, b) for a, b in pairwise(ways))

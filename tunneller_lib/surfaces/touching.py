@@ -97,7 +97,7 @@ def _outline_of_box(box):
     return Outline(np.array(box.corner), float(np.linalg.norm(x + y + z)), edges, [], [], [], [])
 
 
-class Section(NamedTuple):
+class SweptPlanes(NamedTuple):
     """Planes through edges along directions, as (3, n) and (n,).
 
     Parameters
@@ -125,8 +125,8 @@ class Section(NamedTuple):
     guard: np.ndarray
 
 
-def section(start, end, u, guard):
-    """Return the `Section` of edges.
+def swept_planes(start, end, u, guard):
+    """Return the `SweptPlanes` of edges.
 
     Parameters
     ----------
@@ -141,13 +141,13 @@ def section(start, end, u, guard):
     across = _cross(u, normal)
     width = scalar_products(way, across)
     slope = scalar_products(edge, u) / np.where(sine > 0, sine, 1)
-    return Section(start, u, across, normal, edge, _cross(normal, edge), width, slope, guard)
+    return SweptPlanes(start, u, across, normal, edge, _cross(normal, edge), width, slope, guard)
 
 
 def touches_of_edges(solid, cut):
     """Yield points (3, n) of a solid that may be its outermost in the planes `cut`.
 
-    `solid` is an `Outline`, `cut` a `Section`.
+    `solid` is an `Outline`, `cut` a `SweptPlanes`.
     """
     for a, b in solid.edges:
         yield _crossing(cut, a[:, None], b[:, None])
