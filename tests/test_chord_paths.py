@@ -206,7 +206,8 @@ def test_prose_leaves_the_count_of_paths_to_the_registry(file):
 
 # Typst's and LaTeX's signs, and what they are in Python.
 SIGNS = {r"\\": "\\", r"\,": "", r"\tfrac23": "2/3", r"\mathbf ": "", "bold(m)": "m",
-         "bold(n)": "n", "_0": "0", " (": "*(", "d(": "d*(", "3 d": "3*d"}  # fmt: skip
+         "bold(nu)": "n", "bold(n)": "n", "_0": "0", " (": "*(", "d(": "d*(",
+         "3 d": "3*d"}  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -169,10 +170,10 @@ def test_compiler_is_loaded_where_the_work_is_long(monkeypatch):
     monkeypatch.setattr(compiled._Work, "compiled", False)
     compiled.expect(0.9 * compiled.LONG)
     assert not compiled._Work.compiled
-    monkeypatch.setattr(compiled.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "numba", None)
     compiled.expect(compiled.LONG)
     assert not compiled._Work.compiled  # nothing to be had
-    monkeypatch.setattr(compiled.importlib.util, "find_spec", lambda name: name)
+    monkeypatch.setitem(sys.modules, "numba", ModuleType("numba"))
     compiled.expect(0.0)
     assert compiled._Work.compiled
 

@@ -130,7 +130,7 @@ def test_meet_box_by_hand():
 def test_wrong_input_is_told():
     rod = Rod((0, 0, 0), (1, 0, 0), 1)
     for call, message in (
-        (lambda: meet_box("rod", (0, 0), (1, 1)), "rod: must be of class Rod"),
+        (lambda: meet_box("rod", (0, 0), (1, 1)), "solid: must be of class Rod or Frustum or Box"),
         (lambda: meet_box(rod, (0, 0, 0), (1, 1)), "low: the last axis must hold x, y"),
         (lambda: meet_box(rod, (0, np.nan), (1, 1)), "low: must hold finite numbers"),
         (lambda: meet_box(rod, (0, 2), (1, 1)), "low: must not be above high"),

@@ -7,7 +7,7 @@ what both ways do alike: no powers, whose last bit depends on who computes them,
 """
 
 import functools
-import importlib.util
+import importlib
 import inspect
 import math
 from types import FunctionType
@@ -31,7 +31,16 @@ def expect(seconds):
     """
     _Work.expected += seconds
     if _Work.expected > LONG and not _Work.compiled:
-        _Work.compiled = importlib.util.find_spec("numba") is not None
+        _Work.compiled = _numba_loads()
+
+
+def _numba_loads():
+    """Tell whether numba is there and takes this numpy."""
+    try:
+        importlib.import_module("numba")
+    except ImportError:
+        return False
+    return True
 
 
 def call(function, *arguments, **parts):

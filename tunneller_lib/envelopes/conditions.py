@@ -6,7 +6,7 @@ from .evidence import Forms, weigh
 from .forms import derivative_along, frobenius
 
 
-def conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
+def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     """Return a class' two conditions on a direction.
 
     Parameters
@@ -78,18 +78,18 @@ def asked(kind, f, off, size, unsure, sharp, floor=1.0):
     Parameters
     ----------
     kind, f, off, size, unsure
-        As for `conditions`; `size` is None for channels.
+        As for `two_conditions`; `size` is None for channels.
     sharp : float
         Relative bound of the second condition, above which a point doesn't tell.
     floor : float
-        As for `conditions`.
+        As for `two_conditions`.
 
     Returns
     -------
     evidence : Evidence
         Of each point.
     """
-    evidence = weigh(conditions(kind, f, off, size or 0.0, unsure, floor), sharp)
+    evidence = weigh(two_conditions(kind, f, off, size or 0.0, unsure, floor), sharp)
     if kind != "cone":
         return evidence
     # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
-from .conditions import asked, conditions
+from .conditions import asked, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
 from .functions import Function, HalfAngle, Shift
 from .jet import HIGHEST, ORDER
@@ -183,7 +183,7 @@ def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
         evidence = _flat(rough, sharp)
         if curved.any():
             off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
-            of_curved = weigh(conditions("ruled", g, off), sharp)
+            of_curved = weigh(two_conditions("ruled", g, off), sharp)
             evidence = _with(evidence, curved, of_curved)
         return _judged(kind, [evidence], spread, ruled_residual(g))
     flat = found.curvature <= FLAT
