@@ -120,12 +120,12 @@ def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):
 @every_kind
 def test_judge_notices_each_fault(kind):
     # An answer emptied, one end moved inwards or outwards by more than the promise.
-    lines = FAMILIES[-1](kind, np.random.default_rng(3), 600 if kind != "rounded" else 60)
+    lines = FAMILIES[-1](kind, np.random.default_rng(3), 600 if kind != "rounded" else many(24, 60))
     shapes, _, u = lines
     enter, leave = exact_intervals(kind, *lines)
     chord = leave - enter
     hit = chord * np.linalg.norm(u, axis=-1) > 0.1 * size_of(kind, shapes, u)
-    assert hit.sum() >= 10
+    assert hit.sum() >= 5
     step = np.where(hit, chord / 100, 0)
     wrong = [
         (np.where(hit, np.inf, enter), np.where(hit, -np.inf, leave)),
@@ -139,7 +139,7 @@ def test_judge_notices_each_fault(kind):
     # A hit invented for a line that misses.
     missing = enter > leave
     verdicts = judged((np.where(missing, 0.0, enter), np.where(missing, 0.0, leave)), kind, *lines)
-    assert verdicts[2][missing].all() and missing.sum() >= 10
+    assert verdicts[2][missing].all() and missing.sum() >= 5
 
 
 @every_kind
@@ -247,7 +247,7 @@ def test_wrong_input_is_told(call, message):
 @every_kind
 def test_memory_a_line_is_at_most_64_bytes(kind):
     rng = np.random.default_rng(8)
-    p, u = rng.normal(size=(2, 400_000, 3))
+    p, u = rng.normal(size=(2, 400_000 if kind != "rounded" else 200_000, 3))
     row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
     shape = shape_of(kind, np.array(row, dtype=float))
     tracemalloc.start()
