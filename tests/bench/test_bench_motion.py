@@ -1,5 +1,7 @@
 """How fast set-values are made and laps are run."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -91,7 +93,7 @@ def test_lag_against_lfilter(benchmark, say, at_once, kind):
     slopes = np.diff(values) / 0.005
     loop = LAG_LOOPS[kind]
     plant = Lag(0.5, 0.02)
-    run = lambda: follow(plant, loop, values, slopes=slopes)  # noqa: E731
+    run = partial(follow, plant, loop, values, slopes=slopes)
     b, a = [0.0, 1e-3, 9e-4], [1.0, -1.7, 0.75]
     benchmark.pedantic(run, rounds=3)
     ours, theirs = best_times(run, lambda: lfilter(b, a, values), rounds=15)
@@ -106,8 +108,8 @@ def test_oil_a_tick(benchmark, say, at_once):
     arm = arm_of(REFERENCE_MACHINE, usual_sizes(REFERENCE_MACHINE))
     push = Push(damper=2e4, lever=(0.88, 0.8), across=(0.2, -0.1))
     loop = LAG_LOOPS["counts, limit and delay"]
-    alone = lambda: follow(plants, loop, values, slopes=slopes)  # noqa: E731
-    both = lambda: follow(plants, loop, values, slopes=slopes, arm=arm, push=push)  # noqa: E731
+    alone = partial(follow, plants, loop, values, slopes=slopes)
+    both = partial(alone, arm=arm, push=push)
     benchmark.pedantic(alone, rounds=2)
     both()
     times = best_times(alone, both, rounds=5)

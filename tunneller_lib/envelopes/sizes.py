@@ -14,9 +14,8 @@ from .rough import RUNS, scatter
 from .steady import SURE, eliminated, steadiness
 
 SAME_SIZE = 1e-11  # relative difference of sizes that count as one
-SHARP_OVER_WINDOW = (
-    1e-7  # relative bound over the normals' spread, above which a point doesn't tell
-)
+# Relative bound over the normals' spread, above which a point doesn't tell.
+SHARP_OVER_WINDOW = 1e-7
 ROUND = 1e-3  # |K|/|II|^2, from which on a point may tell all half-angles that it allows
 BENT = 0.1  # and from which on its evidence isn't asked to be sharper
 _SOME = np.pi * np.arange(12)[None] / 12  # directions

@@ -13,7 +13,7 @@ from .outward import gradient
 from .planning import Plan, engaged_areas
 from .sensitivity import planned_motion
 
-STILL = 1e-6  # m/s, a feed below which nothing swings
+SLOWEST = 1e-6  # m/s, a feed below which nothing swings
 
 
 class LoadedLaps:
@@ -186,7 +186,7 @@ def picks_fault(
     s = 2j * np.pi * ground.ripple_frequency
     along = levers(plan.circuit.machine.torus, at)
     rate = (s * swing).real
-    speed = np.maximum(norm(along * rates), STILL)
+    speed = np.maximum(norm(along * rates), SLOWEST)
     faster = np.sum(along**2 * rates * rate, axis=-1) / speed
     damper = ground.force(engaged_areas(plan.circuit, middle))[:, None]
     across = ground.normal * slope
@@ -293,7 +293,7 @@ def _answers(plan, plant, loop, ground, arm, torque):
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
     # Of torque_i by the rate of the joint j.
-    speed = np.maximum(norm(along * rates), STILL)[:, None, None]
+    speed = np.maximum(norm(along * rates), SLOWEST)[:, None, None]
     out = ground.normal * gradient(plan.circuit, middle, at)
     matrix = out[:, :, None] * (along**2 * rates)[:, None, :] / speed
     matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))

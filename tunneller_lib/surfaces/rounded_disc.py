@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..exact import dot, norm
-from .blocks import BLOCK, scalar_products
+from .blocks import meet_in_blocks, scalar_products, unsure
 from .rod_interval import GUARD, near_one, nearest_offset
 
 HALVINGS = 64  # after which an interval has no float inside, or next to none
@@ -138,16 +138,13 @@ class RoundedDisc:
         >>> float(enter), float(leave)
         (5.0, 13.0)
         """
-        shape = np.broadcast_shapes(point.shape, direction.shape)
-        rows = np.broadcast_to(point, shape).reshape(-1, 3)
-        turns = np.broadcast_to(direction, shape).reshape(-1, 3)
-        disc = np.array(self.centre), self.unit, self.radius, self.corner
-        found = np.empty((2, len(rows)))
-        for first in range(0, len(rows), BLOCK):
-            block = slice(first, first + BLOCK)
-            found[:, block] = _meet(*disc, rows[block], turns[block])
-        enter, leave = found.reshape(2, *shape[:-1])
-        return enter[()], leave[()]
+        centre = np.array(self.centre)
+        unit = self.unit
+
+        def careful(p, u):
+            return _meet(centre, unit, self.radius, self.corner, p, u)
+
+        return meet_in_blocks(unsure, careful, centre, point, direction)
 
 
 def _meet(centre, unit, radius, corner, p, u):
