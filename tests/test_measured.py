@@ -148,20 +148,30 @@ def test_a_small_bump_beside_a_sharp_bend_is_no_cylinder():
     assert tried(113, 1e-6, 0.0)[2].verdict != "is"
 
 
-def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_near_misses():
-    """What the report shows; `python -m tests.measured_many` makes it."""
+def told(turn, off):
+    """Return how many members and near-misses of the table are, are not and cannot be told."""
     lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
-    rows = list(csv.DictReader(lines))
+    rows = csv.DictReader(lines)
+    part = [row for row in rows if (float(row["normals"]), float(row["contacts"])) == (turn, off)]
+    return {row["surface"]: [int(row[verdict]) for verdict in HEAD[3:]] for row in part}
+
+
+def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_most():
+    """What the report shows; `python -m tests.measured_many` makes it."""
     for turn, off, draws in ASKED:
-        part = [
-            row for row in rows if (float(row["normals"]), float(row["contacts"])) == (turn, off)
-        ]
-        counts = {row["surface"]: [int(row[verdict]) for verdict in HEAD[3:]] for row in part}
+        counts = told(turn, off)
         assert sum(map(sum, counts.values())) == draws
         if off == 0:
             assert counts["member"][1] == counts["near-miss"][0] == 0
+            assert 2 * counts["member"][0] > sum(counts["member"])
             assert 2 * counts["near-miss"][1] > sum(counts["near-miss"])
     assert len(KINDS) == 6
+
+
+@pytest.mark.xfail(reason="the goal: a fit keeps a quarter of its points, or it would tell wrongly")
+def test_with_normals_off_by_a_millionth_three_of_ten_are_not_told_at_most():
+    counts = told(1e-6, 0.0).values()
+    assert sum(row[2] for row in counts) <= 0.3 * sum(map(sum, counts))
 
 
 @pytest.mark.parametrize(("change", "message"), [
