@@ -19,6 +19,5 @@ def wall_frame(circuit, s):
 def gradient(circuit, s, q):
     """Return df/dq (..., 2), in m/rad, at joint positions q (..., 2) with f = 0 at places s."""
     normal, _, _ = wall_frame(circuit, s)
-    units = np.broadcast_to(np.eye(2), (*q.shape[:-1], 2, 2))
-    moves = circuit.machine.torus.velocity(q[..., None, :], units)
+    moves = circuit.machine.torus.velocity(q[..., None, :], np.eye(2))
     return dot(moves, normal[..., None, :])
