@@ -158,6 +158,13 @@ def test_docstrings_give_the_shapes_and_units_of_the_rules(call):
 
 
 @every_call
+def test_angles_are_in_radians(call):
+    for name in ("angle", "azimuth", "half_angle", "phi", "theta"):
+        if name in call.parameters:
+            assert rule_of(call.parameters[name].annotation).unit == "rad"
+
+
+@every_call
 def test_the_example_of_a_call_is_answered(call):
     call(call.valid)
 

@@ -171,7 +171,10 @@ WRONG = [
     (lambda: Cutter.ball(0, 5), "radius: must be one finite number above zero"),
     (lambda: Cutter.bull(3, 4, 9), "corner: must not be above the radius 3 m; got 4"),
     (lambda: Cutter.bull(3, 2, 3), "length: must be at least 4 m; got 3"),
-    (lambda: Cutter.cone(3, 1.6, 9), "half_angle: must be below pi/2 rad; got 1.6"),
+    (
+        lambda: Cutter.cone(3, 1.6, 9),
+        "half_angle: must lie between 0 and pi/2, both left out; got 1.6",
+    ),
     (lambda: Cutter.cone(3, 0.5, 5), "length: must be at least"),
     (lambda: Cutter.cone(3, 0.5, 9, tip=3), "tip: must be below the shank's 3 m; got 3"),
     (lambda: CUTTERS["flat"].drop([(0, 0)], (0, 0)), "points: the last axis must hold x, y, z"),

@@ -368,6 +368,16 @@ def size_or_zero(name, value):
     return number
 
 
+def _half_angle(name, value):
+    """Return `value` as a float, half the opening of a cone that is no line and no plane."""
+    number = finite(name, value)
+    if not 0 < number < np.pi / 2:
+        raise ValueError(f"{name}: must lie between 0 and pi/2, both left out; got {number!r}.")
+    if number < LEAST:
+        raise ValueError(f"{name}: must be at least {LEAST:g} rad; got {number!r}.")
+    return number
+
+
 def whole(name, value, low, high):
     """Return `value` as an int64 array of any shape with low <= value <= high.
 
@@ -483,6 +493,7 @@ Length = Annotated[float, Rule("float", size, "m")]
 Length0 = Annotated[float, Rule("float", size_or_zero, "m")]
 Coordinate = Annotated[float, Rule("float", coordinate, "m")]
 Angle = Annotated[float, Rule("float", coordinate, "rad")]
+HalfAngle = Annotated[float, Rule("float", _half_angle, "rad")]
 Duration = Annotated[float, Rule("float", positive, "s")]
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Annotated[tuple[float, float, float], Rule("(3,) float", point, "m")]

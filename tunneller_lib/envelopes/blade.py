@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Directions, Length, Length0, Point, Points, Whole, checked
+from ..arguments import Directions, HalfAngle, Length, Length0, Point, Points, Whole, checked
 from ..exact import dot, norm
-from .functions import HalfAngle, Shift, Turn, Varying
+from .functions import Shift, Turn, Varying
 from .jet import Jet
 
 _SLENDER = 1e6  # times a hub's radius: no size of a blade is above it

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import LEAST, Angles, Length, Length0, Point, Points, Whole, checked
+from ..arguments import LEAST, Angles, HalfAngle, Length, Length0, Point, Points, Whole, checked
 from .blade import cone_distance
 from .conics import top_circle
-from .functions import HalfAngle
 from .isotropic import cone_planes, cone_rulings
 
 

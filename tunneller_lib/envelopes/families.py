@@ -7,8 +7,8 @@ and motions to give them stand below.
 
 import numpy as np
 
-from ..arguments import LEAST, Length, checked, shown
-from .functions import Function, HalfAngle, Shift, Turn, Varying, coordinates, vectors
+from ..arguments import LEAST, HalfAngle, Length, checked, shown
+from .functions import Function, Shift, Turn, Varying, coordinates, vectors
 from .jet import Jet
 from .triples import add, cross_product, dot_product, times, unit_vector
 

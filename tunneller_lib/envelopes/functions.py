@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import LEAST, Rule, bounded_array, directions, finite, real, shown
+from ..arguments import Rule, bounded_array, directions, finite, real, shown
 from ..exact import norm
 from .jet import Jet
 
@@ -47,15 +47,6 @@ def _number(name, value):
     """Return `value` as a float of at most 1e100 in size."""
     number = finite(name, value)
     bounded_array(name, number)
-    return number
-
-
-def _half_angle(name, value):
-    number = finite(name, value)
-    if not 0 < number < np.pi / 2:
-        raise ValueError(f"{name}: must lie between 0 and pi/2, both left out; got {number!r}.")
-    if number < LEAST:
-        raise ValueError(f"{name}: must be at least {LEAST:g} rad; got {number!r}.")
     return number
 
 
@@ -114,7 +105,6 @@ def _unit_vectors(name, value):
 Number = Annotated[float, Rule("float", _number)]
 Shift = Annotated[float, Rule("float", _number, "m")]
 Turn = Annotated[float, Rule("float", _number, "rad")]
-HalfAngle = Annotated[float, Rule("float", _half_angle, "rad")]
 Centre = Annotated[tuple[float, float], Rule("(2,) float", _centre)]
 Three = Annotated[list, Rule("(...) float or Jet, three of them", _three)]
 UnitThree = Annotated[list, Rule("(...) float or Jet, three of them", _normals)]

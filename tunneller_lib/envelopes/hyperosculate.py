@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import Reals, checked
+from ..arguments import HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound
 from .circle_roots import real_zeros
 from .cone_pose import ConePose, TouchingCone
 from .forms import derivative_along, frobenius
-from .functions import Function, HalfAngle
+from .functions import Function
 from .jet import Jet, derivative
 
 BLOCK = 1000  # points at a time, whose jets fit the cache

@@ -11,11 +11,11 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import Length0, NotNegative, Points, checked
+from ..arguments import HalfAngle, Length0, NotNegative, Points, checked
 from ..exact import norm
 from .adapted import adapted_frames, frames_by
 from .fit import mean_frame
-from .functions import HalfAngle, Shift, UnitVectors, Varying
+from .functions import Shift, UnitVectors, Varying
 from .jet import EXPONENTS, HIGHEST, ORDER, Jet, jet_variables
 from .recognition import Recognition, belongs, judged
 from .rough import RUNS

@@ -7,8 +7,8 @@ isotropic model, where the graph is one of revolution, f = g(r).
 
 import numpy as np
 
-from ..arguments import LEAST, checked
-from .functions import HalfAngle, Shift
+from ..arguments import LEAST, HalfAngle, checked
+from .functions import Shift
 from .jet import Jet, series
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)

@@ -5,11 +5,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import Reals, checked
+from ..arguments import HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
 from .conditions import asked, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
-from .functions import Function, HalfAngle, Shift
+from .functions import Function, Shift
 from .jet import HIGHEST, ORDER
 from .residuals import residual, ruled_residual
 from .rough import RUNS, errors, rough_frames

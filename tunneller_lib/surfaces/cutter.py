@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from ..arguments import (
     Corners,
     Directions,
+    HalfAngle,
     Length,
     Points,
     Rule,
@@ -123,7 +124,9 @@ class Cutter:
 
     @classmethod
     @checked
-    def cone(cls, radius: Length, half_angle: Length, length: Length, *, tip: Length | None = None):
+    def cone(
+        cls, radius: Length, half_angle: HalfAngle, length: Length, *, tip: Length | None = None
+    ):
         """Return a cone with a shank: a drill, an engraver, with a tip's radius a tapered mill.
 
         Parameters
@@ -139,8 +142,6 @@ class Cutter:
             given.
         """
         least = 0.0 if tip is None else tip
-        if half_angle >= np.pi / 2:
-            raise ValueError(f"half_angle: must be below pi/2 rad; got {half_angle:g}.")
         if least >= radius:
             raise ValueError(f"tip: must be below the shank's {radius:g} m; got {least:g}.")
         height = (radius - least) / np.tan(half_angle)
