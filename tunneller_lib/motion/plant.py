@@ -74,8 +74,8 @@ class _Linear:
     """What the linear plants share."""
 
     @checked
-    def command(self, rate: Finite, position: Angle = 0.0):
-        """Return the command that gives a steady rate, in rad/s; the same at every position."""
+    def command(self, rate: Finite, position: Angle | None = None):
+        """Return the command that gives a steady rate, in rad/s, at a position, in rad: any."""
         return rate / self._steady
 
     @property
