@@ -28,6 +28,8 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     """
     two, three, four = (frobenius(off, k) for k in (2, 3, 4))
 
+    # In the adapted frame, with e along the angle a and w across it, these are f_ee - 2 size, f_eee
+    # and f_ew. At a simple zero of the first condition that the class asks for, the second decides.
     def normal(a):
         return derivative_along(f, a, 2) - 2 * size
 
@@ -38,6 +40,7 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
         return derivative_along(f, a, 1, 1)
 
     if kind == "cone":
+        # Eqs 11 and 12, where rho = cot(half-angle)/2 is the circle's radius, and its own error.
         rho = 0.5 / np.tan(size)
         unsure = unsure * 0.5 / np.sin(size) ** 2
 
@@ -52,6 +55,7 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
             fourth = rho**2 * derivative_along(f, a, 4)
             return [fourth, 6 * rho * derivative_along(f, a, 2, 1), 3 * last]
 
+        # Terms that cancel to nearly nothing must not pass for a condition of no size.
         def size_4(a):
             return np.maximum(sum(np.abs(term) for term in terms(a)), floor * whole[:, None])
 
@@ -64,11 +68,15 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     def whole(size):
         return lambda a: size[:, None] + 0 * a
 
+    # Contact along a line: no curvature, less the radius, and none in the next order. The sizes of
+    # both terms have one unit: of a graph over its plane 1/m^2, in an adapted frame m.
     if kind in ("ruled", "cylinder"):
         beside = frobenius(f, 2) if kind == "cylinder" else frobenius(f, 2) ** 2
         return Forms(normal, third, 2, two + 2 * unsure, three, whole(frobenius(f, 3) + beside))
+    # A sphere along its circle: a principal direction, of which the curvature doesn't change.
     if kind == "channel":
         return Forms(mixed, third, 2, two, three, whole(frobenius(f, 3) + frobenius(f, 2)))
+    # A pipe: a principal direction, of which the curvature is that of the radius.
     return Forms(mixed, normal, 2, two, two + 2 * unsure, whole(frobenius(f, 2) + 2 * abs(size)))
 
 

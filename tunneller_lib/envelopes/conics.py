@@ -143,6 +143,7 @@ def cone_vertex(point: Point, centre: Centre, a: Shift, b: Shift):
     weight = x * x + y * y + 1 + 2 * u * x + 2 * v * y
     if weight == 0:
         raise ValueError("centre: must not be that of a cylinder, which has no vertex; got one.")
+    # a and b, by axes through the point that point to the centre and across, turned to x and y.
     along = a * v + b * u
     across = b * v - a * u
     vertex = [

@@ -230,6 +230,7 @@ class ConeChord:
         chord = stop - start
         sin = np.sin(self.cone.half_angle)
         cos = np.cos(self.cone.half_angle)
+        # The chord in plan passes the axis at `gap`, `along` before and behind its nearest point.
         plan = np.hypot(chord[0], chord[1])
         gap = np.abs(start[0] * chord[1] - start[1] * chord[0]) / plan
         along = np.array([start[:2] @ chord[:2], stop[:2] @ chord[:2]]) / plan
@@ -237,6 +238,8 @@ class ConeChord:
         w = first + (last - first) * (1 + nodes) / 2
         rho = gap * np.cosh(w)
         height = start[2] + (gap * np.sinh(w) - along[0]) / plan * chord[2]
+        # The foot's distance from the apex, the rate at which it goes away from the apex, and the
+        # rate at which the azimuth turns, by the cone's development; both are by w.
         distance = rho * sin - height * cos
         away = gap * np.sinh(w) * sin - rho / plan * chord[2] * cos
         around = gap / rho * sin

@@ -300,12 +300,14 @@ def _wind(torus, ends, family, index, ways):
     length = c * ends.angle[index]
     cosines = []
     for end in (ends.a[index], np.abs(ends.b[index]) if family is inner else ends.b[index]):
+        # From the inner equator, z = 0, to the end: the nodes, and last the end itself.
         z = np.append((np.pi - end[:, None]) * (1 + nodes) / 2, np.pi - end[:, None], axis=1)
+        # rho^2 - c^2 = (rho - c)(rho + c), of which the first factor is 2 R sin^2(z/2).
         sine = np.sin(z / 2)
         rho = c + 2 * torus.R * sine**2
         cosine = sine * np.sqrt(2 * torus.R * (rho + c)) / rho
         length += torus.R * (np.pi - end) / 2 * (cosine[:, :-1] @ weights)
-        cosines.append(cosine[:, -1])
+        cosines.append(cosine[:, -1])  # of the azimuth at the end
     kind = "inner" if family is inner else "outer"
     ways.kind[index] = kind
     ways.length[index] = length
