@@ -4,7 +4,7 @@ A function built from ordinary arithmetic and numpy's elementary functions, call
 arguments, returns its Taylor polynomial: all derivatives to that order, without differences.
 """
 
-from functools import partial
+from functools import cached_property, partial
 from itertools import product
 from math import factorial
 
@@ -77,6 +77,11 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     def order(self):
         """Return the polynomial's order."""
         return _ORDER[len(self.c)]
+
+    @cached_property
+    def reciprocal(self):
+        """Return 1 over the jet; kept, since several functions are often divided by one."""
+        return series(self, elementary.reciprocal(self.value))
 
     @checked
     def derivative(self, i: Whole(0, HIGHEST), j: Whole(0, HIGHEST)):
@@ -215,12 +220,16 @@ def inverse(x, y):
 
 
 def _constant(value, like):
-    points = like.c.shape[1:]
-    # Most are numbers, or arrays with one at each point: they spare the longer question.
-    if type(value) not in _PLAIN and getattr(value, "shape", None) != points:
-        points = np.broadcast_shapes(np.shape(value), points)
+    points = np.broadcast_shapes(np.shape(value), like.c.shape[1:])
     c = np.zeros((len(like.c), *points))
     c[0] = value
+    return Jet(c)
+
+
+def _raised(a, value):
+    """Return a jet plus a number, or an array with one at each of its points."""
+    c = a.c.copy()
+    c[0] += value
     return Jet(c)
 
 
@@ -243,8 +252,17 @@ def _widened(c, ndim):
 
 
 def _add(a, b):
+    if not isinstance(a, Jet):
+        a, b = b, a
+    # Most of what isn't a jet is a number, or has the points' shape.
+    if type(b) in _PLAIN or (getattr(b, "shape", None) == a.c.shape[1:] and not isinstance(b, Jet)):
+        return _raised(a, b)
     a, b = _both(a, b)
     return Jet(a.c + b.c)
+
+
+def _subtract(a, b):
+    return _add(a, Jet(-b.c) if isinstance(b, Jet) else -b)
 
 
 def _multiply(a, b):
@@ -260,7 +278,7 @@ def _multiply(a, b):
 
 def _divide(a, b):
     if isinstance(b, Jet):
-        return _multiply(a, np.reciprocal(b))
+        return _multiply(a, b.reciprocal)
     return Jet(_widened(a.c, np.ndim(b)) / b)
 
 
@@ -270,8 +288,8 @@ def _power(a, p):
     if np.ndim(p) == 0 and 0 <= p == int(p):  # whole powers are smooth at zero, too
         result = _constant(1.0, a)
         for bit in bin(int(p))[2:]:
-            result = result * result
-            result = result * a if bit == "1" else result
+            result = _multiply(result, result)
+            result = _multiply(result, a) if bit == "1" else result
         return result
     return series(a, elementary.power(a.value, p))
 
@@ -289,10 +307,10 @@ def series(a, coefficients):
     """Return sum of coefficients[n] (a - a0)^n to the order of the jet a, by Horner."""
     coefficients = coefficients[: a.order + 1]
     step = Jet(np.concatenate([np.zeros_like(a.c[:1]), a.c[1:]]))
-    result = step * coefficients[-1]
+    result = Jet(step.c * coefficients[-1])
     for coefficient in coefficients[-2:0:-1]:
-        result = (result + coefficient) * step
-    return result + coefficients[0]
+        result = _multiply(_raised(result, coefficient), step)
+    return _raised(result, coefficients[0])
 
 
 def _elementary(coefficients, a):
@@ -301,16 +319,16 @@ def _elementary(coefficients, a):
 
 _FUNCTIONS = {
     np.add: _add,
-    np.subtract: lambda a, b: _add(a, -b),
+    np.subtract: _subtract,
     np.multiply: _multiply,
     np.divide: _divide,
     np.power: _power,
     np.negative: lambda a: Jet(-a.c),
     np.positive: lambda a: a,
-    np.square: lambda a: a * a,
+    np.square: lambda a: _multiply(a, a),
     np.sqrt: lambda a: _power(a, 0.5),
     np.arctan2: _arctan2,
-    np.hypot: lambda a, b: _power(a * a + b * b, 0.5),
+    np.hypot: lambda a, b: np.sqrt(a * a + b * b),
 } | {
     getattr(np, name): partial(_elementary, getattr(elementary, name))
     for name in (
