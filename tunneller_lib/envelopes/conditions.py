@@ -80,7 +80,7 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     return Forms(mixed, normal, 2, two, two + 2 * unsure, whole(frobenius(f, 2) + 2 * abs(size)))
 
 
-def asked(kind, f, off, size, unsure, sharp, floor=1.0):
+def asked(kind, f, off, size, unsure, sharp, **floor):
     """Return the evidence for a class and one size.
 
     Parameters
@@ -89,15 +89,15 @@ def asked(kind, f, off, size, unsure, sharp, floor=1.0):
         As for `two_conditions`; `size` is None for channels.
     sharp : float
         Relative bound of the second condition, above which a point doesn't tell.
-    floor : float
-        As for `two_conditions`.
+    floor
+        As for `two_conditions`, where it isn't the usual one.
 
     Returns
     -------
     evidence : Evidence
         Of each point.
     """
-    evidence = weigh(two_conditions(kind, f, off, size or 0.0, unsure, floor), sharp)
+    evidence = weigh(two_conditions(kind, f, off, size or 0.0, unsure, **floor), sharp)
     if kind != "cone":
         return evidence
     # Multiple solutions stay if f_ew = 0; else Eq. 12 says nothing of them.

@@ -40,7 +40,7 @@ def frobenius(f, degree):
 
 
 def principal(f):
-    """Return a Hessian's eigenvalues (n,), low and high, and the low one's direction angle."""
+    """Return a Hessian's eigenvalues (n,), low and high, and the low one's direction, 0 to pi."""
     a = derivative(f, 2, 0)
     b = derivative(f, 1, 1)
     c = derivative(f, 0, 2)

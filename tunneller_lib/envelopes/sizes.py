@@ -78,7 +78,7 @@ def searched(kind, f, off, runs, sharp, window, size):
             evidence = asked(kind, f, off, value, own, sharp)
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
-        again = asked(kind, f, off, shared, same_size * abs(shared), sharp, 1e-3)
+        again = asked(kind, f, off, shared, same_size * abs(shared), sharp, floor=1e-3)
         # A point that sees the size stand still around it needs no window.
         agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
         refutes = evidence.refutes | (complete & ~same)
