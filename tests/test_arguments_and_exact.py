@@ -184,3 +184,16 @@ def test_checked_call_refuses_what_the_function_itself_would(given, options, why
     assert add(1, 2, scale=3) == add(y=2, scale=3, x=1) == 9
     with pytest.raises(TypeError, match=why):
         add(*given, **options)
+
+
+@pytest.mark.parametrize("rows", [0, 1, 8192, 8193, 30_000])
+def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
+    sizes = []
+
+    def double(block):
+        sizes.append(len(block))
+        return 2 * block
+
+    given = np.arange(3.0 * rows).reshape(rows, 3)
+    np.testing.assert_array_equal(exact.in_blocks(double, given), 2 * given)
+    assert max(sizes, default=0) * 3 * 8 <= 2**18  # a quarter of a MiB, of rows of three

@@ -396,6 +396,9 @@ ADVICE = [
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 "},
      "[plan] tolerance: must be at least what a count of 9.59e-05 rad moves the cutter, 8.4e-05 m; "
      "got 1e-07 m."),
+    ({"tolerance = 1e-3 ": "tolerance = 1e-7 ", "count_deg = 0.0054931640625": ""},
+     "[plan] tolerance: must be at least what a count of 9.59e-05 rad moves the cutter, 8.4e-05 m; "
+     "got 1e-07 m."),
     ({"height = -0.36": "height = -0.9"}, "[machine] height: may be from -"),
     ({"gain = 10 ": "gain = 1000 "}, "the gain must be below "),
 ]  # fmt: skip

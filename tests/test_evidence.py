@@ -44,5 +44,8 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
     circle = np.stack([np.cos(angle), np.sin(angle), np.ones(20)], axis=-1) / np.sqrt(2)
     assert spread_in_two(s, t, None) and spread_in_two(s, t, normals)
     assert not spread_in_two(s, t, circle)
+    short = 5e-6 * angle  # an arc that is hardly turned
+    arc = np.stack([np.cos(short), np.sin(short), np.ones(20)], axis=-1) / np.sqrt(2)
+    assert not spread_in_two(s, t, arc)
     assert not spread_in_two(size * np.cos(angle), 2 * size * np.sin(angle), normals)
     assert not spread_in_two(s, s * s / size, None)

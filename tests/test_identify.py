@@ -41,6 +41,13 @@ def test_axis_without_noise_is_found(kind, gain, lag, delay):
     assert found.rms < 1e-4 * np.ptp(speed)
 
 
+def test_delay_of_a_slow_log_without_noise_is_found():
+    # A tick later or earlier is a hundred-millionth of the way off, what gain and lag make up for.
+    valve = 0.4 * np.sin(np.linspace(0, 2 * np.pi, 20_000))
+    position, _ = axis_log(Lag(0.5, 0.02), valve, 3)
+    assert identify_axis(valve, position, TICK, kind="position").delay == 3
+
+
 @pytest.mark.parametrize("kind, noise", [("speed", 5e-3), ("position", 3e-4)])
 def test_standard_errors_are_those_of_many_logs(kind, noise):
     rng = np.random.default_rng(2)

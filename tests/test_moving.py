@@ -47,9 +47,19 @@ def test_axes_stay_where_the_first_drawing_has_them():
     assert np.array_equal(before[:, right], after[:, right]) and not np.array_equal(before, after)
 
 
+def test_drawings_may_stand_for_a_hundredth_of_a_second():
+    shown = moving_picture(dot, [0.2, 0.8], alt="A dot.", milliseconds=10)
+    with PIL.Image.open(io.BytesIO(shown.data)) as picture:
+        assert picture.info["duration"] == 10
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (
+            {"milliseconds": 9},
+            r"^milliseconds: must be one whole number from 10 to 10000; got 9\.$",
+        ),
         ({"alt": " "}, r"^alt: must say what is seen; got ' '\.$"),
         ({"values": [1]}, r"^values: must be 2 to 500 values in a row; got \[1\]\.$"),
         ({"draw": lambda value: value}, r"^draw: must return a drawing; got 0\.1\.$"),

@@ -32,6 +32,14 @@ def test_three_ways_are_seen():
     assert all(share(picture, colour) > 1e-3 for colour in ("geodesic", "tangent sphere"))
 
 
+def test_exaggeration_is_a_positive_number():
+    for wrong in (0, -1, np.inf):
+        with pytest.raises(
+            ValueError, match=r"^exaggeration: must be one finite number above zero"
+        ):
+            three_ways_in_space(TORUS, LOW, HIGH, exaggeration=wrong)
+
+
 def test_projected_way_is_drawn_farther_aside_if_exaggerated():
     near, far = (three_ways_in_space(TORUS, LOW, HIGH, exaggeration=k) for k in (1, 12))
     # Not exaggerated the two lie in one place, where one hides the other.

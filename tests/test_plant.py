@@ -360,6 +360,20 @@ def test_end_of_the_stroke_is_told(plant):
         run(plant, 0.005, [1.0] * 2000, plant.rest(0.0))
 
 
+@pytest.mark.parametrize("state", [(0.0, 0.0, 1e6), np.zeros((5, 1)), 0.0])
+def test_states_are_five_numbers(state):
+    with pytest.raises(ValueError) as refused:
+        Compressible(PHI).derivative(state, 0.0)
+    assert str(refused.value) == f"state: must be five numbers; got shape {np.shape(state)}."
+
+
+def test_valve_may_open_wholly_and_no_farther():
+    half, whole = (PHI.loaded(0.0, 0.1, 100.0, opened) for opened in (0.5, 1.0))
+    assert 1.5 * half < whole < 2 * half
+    with pytest.raises(ValueError, match=r"^opened: must be at most 1; got 1\.01\.$"):
+        PHI.loaded(0.0, 0.1, 100.0, 1.01)
+
+
 @every_axis
 def test_angles_outside_the_stroke_are_refused(axis):
     # Volumes were negative there, and frequencies complex.

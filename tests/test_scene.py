@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from tunneller_lib.arguments import rule_of
-from tunneller_lib.reporting import camera, gl, machine_scene, scene, tunnel_scene
+from tunneller_lib.reporting import (
+    camera,
+    gl,
+    machine_scene,
+    path_scene,
+    scene,
+    torus_scene,
+    tunnel_scene,
+)
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 
@@ -113,7 +121,9 @@ def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend,
     assert picture.ndim == 3 and (picture != 255).any()
 
 
-@pytest.mark.parametrize("module", [camera, machine_scene, scene, tunnel_scene])
+@pytest.mark.parametrize(
+    "module", [camera, machine_scene, path_scene, scene, torus_scene, tunnel_scene]
+)
 def test_every_argument_of_what_draws_in_space_says_what_it_may_be(module):
     own = [
         one for one in vars(module).values() if getattr(one, "__module__", "") == module.__name__
