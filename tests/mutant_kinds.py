@@ -16,6 +16,7 @@ KINDS = FORMULAS | {"tolerance", "default", "range", "guard", "rule", "message"}
 # Of a module that draws: what isn't a matter of taste.
 LOGIC = {"branch", "range", "guard", "rule", "message"}
 
+TINY = 1e-9
 OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "==", "and": "or",
             "or": "and", "+": "-", "-": "+", "+=": "-=", "-=": "+="}  # fmt: skip
 BOUNDARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "and": "or",
@@ -199,6 +200,10 @@ class Places(ast.NodeVisitor):
         if name in ("reshape", "moveaxis", "expand_dims", "swapaxes", "range", "lru_cache"):
             return  # how arrays lie and how often a loop may run
         self.generic_visit(node)
+        if name in ("maximum", "clip", "where"):  # what keeps a divisor from being 0
+            for argument in node.args[1:]:
+                if is_number(argument) and 0 < argument.value <= TINY:
+                    self.leave_out(start_of(argument), end_of(argument))
 
     def visit_JoinedStr(self, node):
         """What is printed stays; messages are words in `raise`."""

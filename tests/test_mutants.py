@@ -138,8 +138,11 @@ def test_lists_and_what_is_printed_stay(source):
     assert Places(source).found == []
 
 
-def test_guards_against_zero_are_never_drawn():
-    places = Places("def f(a, n):\n    return a / (n + (n == 0)) - 2\n")
+@pytest.mark.parametrize(
+    "divisor", ["(n + (n == 0))", "np.maximum(n, 1e-9)", "np.clip(n, 1e-30, n)"]
+)
+def test_guards_against_zero_are_never_drawn(divisor):
+    places = Places(f"def f(a, n):\n    return a / {divisor} - 2\n")
     drawn = {(kind, old) for *_, kind, old, _ in set(places.found) - set(places.idle)}
     assert drawn == {("factor", "/"), ("exponent", "/"), ("sign", "-"), ("constant", "2")}
 
