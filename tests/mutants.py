@@ -237,7 +237,7 @@ def tests_of(file, kind=""):
 
     A test of the module's name comes first; where as many imports lead there, the one that speaks
     of the module's functions more often. What arguments may be is judged early by those that know
-    the rules themselves, and an argument's rule by them first.
+    the rules themselves, and an argument's rule by them first, by the contract's before all.
     """
     words = re.compile(rf"\b({'|'.join(sorted(public(file)) or ['-'])})\b")
     about = [other for other in modules() if rules() and "checked" in public(other)]
@@ -248,7 +248,8 @@ def tests_of(file, kind=""):
         early = {"rule": 9, "guard": 1, "range": 1}.get(kind, 0)
         knows = early * any(away.get(o) == 1 for o in about)
         spoken = len(words.findall((COPY / test).read_text(encoding="utf-8")))
-        return away[file] - 3 * bool(named) - knows, -spoken, test
+        contract = kind == "rule" and Path(test).stem == "test_contract"
+        return not contract, away[file] - 3 * bool(named) - knows, -spoken, test
 
     return sorted((test for test in reach() if file in reach()[test]), key=nearness)
 

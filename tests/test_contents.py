@@ -145,6 +145,11 @@ def test_draw_map_draws_parts_with_chapters():
     filled_parts = [p for p in CONTENTS["part"]
                     if any(p["chapters"][0] <= k <= p["chapters"][1] for k in numbers)]  # fmt: skip
     assert len(draw_map(ax, FOLDER)) == len(filled_parts)
+    # A part's name stands on two lines of about one length, and its chapters below.
+    said = [text.get_text().split("\n") for text in ax.texts if text.get_text()]
+    assert [f"{first} {second}" for first, second, _ in said] == [p["name"] for p in filled_parts]
+    with pytest.raises(ValueError, match=r"^ax: must be of class Axes; got None\.$"):
+        draw_map(None, FOLDER)
 
 
 def test_index_refuses_what_is_no_folder():

@@ -352,6 +352,11 @@ def test_crossings_lie_on_the_ellipses(ax):
     np.testing.assert_allclose(ends, [[-16, 16], [16, 74], [74, 106]], rtol=1e-12)
 
 
+def test_an_axis_seen_from_the_other_end_runs_backwards(ax):
+    *_, dots = rod_plot.draw_crossings(ax, 25.0, -90.0, 0.8, 15.0)
+    np.testing.assert_allclose(np.sort(dots.get_xdata()), [-106, -74, -16, 16], rtol=1e-12)
+
+
 def test_crossings_of_lines_beside_the_rod_are_refused(ax):
     with pytest.raises(ValueError, match=r"^aside: must be at most the radius, 25 m; got -26 m\.$"):
         rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, -26.0)
@@ -366,6 +371,11 @@ def test_half_swings_fall_to_that_of_the_outer_equator(ax):
         turned = line.get_ydata()
         assert np.all(np.diff(turned) < 0)
         assert turned[-1] == pytest.approx(180 / np.sqrt(1 + torus.r / torus.R), rel=1e-9)
+
+
+def test_half_swings_of_more_than_three_tori_are_refused(ax):
+    with pytest.raises(ValueError, match=r"^tori: must be at most three; got 4\.$"):
+        geodesic_plot.draw_half_swings(ax, [TORUS, RING] * 2)
 
 
 def test_arrivals_grow_with_the_direction(ax):

@@ -48,14 +48,6 @@ def test_only_axes_with_cylinders_have_margins():
         ground_fault(planned, lag, loop, Ground(2e7, 2.0))
 
 
-def test_lengths_of_way_are_numbers():
-    route = plan(CIRCUIT, Limits(feed=0.2, acceleration=1.0), tolerance=1e-2).route
-    assert route.length_at(0.0) == 0
-    for place in (None, "x", np.nan):
-        with pytest.raises(ValueError, match=r"^place: must "):
-            route.length_at(place)
-
-
 @pytest.mark.parametrize("number", [0.0, -1.0, [1.0, 2.0]])
 def test_bounds_are_numbers_above_zero(number):
     with pytest.raises(ValueError, match=r"^jerk: must be one number above zero; got "):

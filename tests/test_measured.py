@@ -77,6 +77,16 @@ def test_the_degree_rises_as_noise_falls():
     assert loud.fits and quiet.fits and loud.degree < quiet.degree
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_left_of_few_data_is_their_noise(seed):
+    # 250 points give 750 equations for 153 coefficients, which take a fifth of the noise with them.
+    errors = {"contact_error": 1e-3, "normal_error": 1e-3}
+    fit = fit_surface(*noisy(patch(250, seed), 1e-3, 1e-3, seed), **errors)
+    assert fit.fits and 0.9 < fit.misfit < 1.1
+    loud = fit_surface(*noisy(patch(250, seed), 1.4e-3, 1.4e-3, seed), **errors)
+    assert not loud.fits and 1.25 < loud.misfit < 1.55
+
+
 def test_noise_said_too_small_fits_nothing():
     data = noisy(patch(), 1e-3, 1e-3, 4)
     fit = fit_surface(*data, contact_error=1e-5, normal_error=1e-5)
