@@ -165,6 +165,12 @@ def test_angles_are_in_radians(call):
 
 
 @every_call
+def test_directions_are_no_zero_vectors(call):
+    if "direction" in call.parameters:
+        assert rule_of(call.parameters["direction"].annotation).check is arguments.directions
+
+
+@every_call
 def test_the_example_of_a_call_is_answered(call):
     call(call.valid)
 

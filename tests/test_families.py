@@ -8,6 +8,7 @@ from tunneller_lib.envelopes.families import (
     helicoid,
     helix,
     helix_lines,
+    moving_cone,
     ruled,
     tangent_lines,
     turning,
@@ -79,3 +80,8 @@ def test_helix_lines_turn_as_their_directions_differ(twist):
     (*_, before, _), (*_, after, _) = (helix_lines(s + d, twist, pitch=0.7) for d in (-h, h))
     turn = helix_lines(s, twist, pitch=0.7)[3]
     np.testing.assert_allclose(np.subtract(after, before) / (2 * h), turn, atol=1e-9)
+
+
+def test_a_motion_that_answers_one_number_is_refused():
+    with pytest.raises(ValueError, match=r"^motion: must return .* angular velocity; got 3\.$"):
+        moving_cone(lambda t: 3, 0.3)(0.0, 0.0)

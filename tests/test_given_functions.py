@@ -134,8 +134,3 @@ def test_half_angles_lie_between_a_line_and_a_plane(half_angle):
         ValueError, match=r"^half_angle: must lie between 0 and pi/2, both left out"
     ):
         families.moving_cone(lambda t: None, half_angle)
-
-
-def test_a_motion_that_answers_one_number_is_told_so():
-    with pytest.raises(ValueError, match=r"^motion: must return .* angular velocity; got 3\.$"):
-        families.moving_cone(lambda t: 3, 0.3)(0.0, 0.0)

@@ -68,6 +68,18 @@ def test_covariance_says_how_far_fits_of_other_noise_are_apart():
     assert 0.6 < np.median(np.std(heights, axis=0) / expected) < 1.6
 
 
+def test_far_from_the_patch_a_fit_says_nothing():
+    fit = fit_surface(*patch(), **EXACT)
+    fit.surface(2 * fit.reach, 0.0)
+    for name, place in (("x", (2.01 * fit.reach, 0.0)), ("y", (0.0, -2.01 * fit.reach))):
+        with pytest.raises(ValueError) as refused:
+            fit.surface(*place)
+        assert str(refused.value) == (
+            f"{name}: must be at most {2 * fit.reach:g} m in size, 2 times the patch's; "
+            f"got {2.01 * fit.reach:g}."
+        )
+
+
 def test_the_degree_rises_as_noise_falls():
     data = patch()
     loud, quiet = (

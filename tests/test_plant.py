@@ -367,6 +367,15 @@ def test_states_are_five_numbers(state):
     assert str(refused.value) == f"state: must be five numbers; got shape {np.shape(state)}."
 
 
+@every_axis
+@pytest.mark.parametrize("plant", [Rigid, Compressible])
+def test_joints_may_stand_at_the_ends_of_their_stroke(axis, plant):
+    # Without weight and friction nothing moves them from there.
+    light = replace(axis, gravity=0.0)
+    for end in (light.low, light.high):
+        assert run(plant(light), 0.005, [0.0], plant(light).rest(end))[1, 0] == end
+
+
 def test_valve_may_open_wholly_and_no_farther():
     half, whole = (PHI.loaded(0.0, 0.1, 100.0, opened) for opened in (0.5, 1.0))
     assert 1.5 * half < whole < 2 * half

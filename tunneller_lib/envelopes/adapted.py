@@ -150,9 +150,7 @@ def isotropic_jet(frames, where):
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
     x, y, _, fx, fy = _isotropic_derivatives(r, n)
-    f = _integrated(*compose([fx, fy], *inverse(x, y)))
-    f.c[:3] = 0.0
-    return f
+    return _integrated(*compose([fx, fy], *inverse(x, y)))
 
 
 def sound(f):
