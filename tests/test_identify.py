@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Lag, Loop, follow, reference_axes
+from tunneller_lib.motion import Compressible, Lag, Loop, follow, identify, reference_axes
 from tunneller_lib.motion.identify import identify_axis, identify_loop
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -39,6 +39,21 @@ def test_axis_without_noise_is_found(kind, gain, lag, delay):
     assert found.gain.value == pytest.approx(gain, rel=1e-4)
     assert found.lag.value == pytest.approx(lag, rel=1e-3)
     assert found.rms < 1e-4 * np.ptp(speed)
+
+
+def test_no_more_delays_are_tried_than_tell(monkeypatch):
+    tried = set()
+    columns = identify._columns
+
+    def watched(valve, tick, lag, delay, kind):
+        tried.add(delay)
+        return columns(valve, tick, lag, delay, kind)
+
+    monkeypatch.setattr(identify, "_columns", watched)
+    valve = openings(np.random.default_rng(1))
+    position, _ = axis_log(Lag(0.5, 0.02), valve, 3)
+    assert identify_axis(valve, position, TICK, kind="position").delay == 3
+    assert max(tried) <= 6  # two that fit worse than 3, and one that fits worse than these
 
 
 def test_delay_of_a_slow_log_without_noise_is_found():
