@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 LEAST, MOST = 1e-100, 1e100  # lengths whose squares, and products of three, are sound floats
+GREATEST = float(np.finfo(float).max)
+FEW = 3  # numbers, as of one point, that Python looks at one by one before numpy begins
 
 
 @dataclass(frozen=True)
@@ -278,6 +280,8 @@ def real(name, value):
     >>> real("theta", [1, 2])
     array([1., 2.])
     """
+    if type(value) is np.ndarray and value.dtype == float:
+        return value
     array = _array(value)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must hold real numbers in a regular array; got {shown(value)}.")
@@ -298,7 +302,7 @@ def _array(value):
 def finite_array(name, value):
     """Return `value` as a float array (...) of finite numbers."""
     array = real(name, value)
-    if not _within(array, np.finfo(float).max):
+    if not _within(array, GREATEST):
         raise ValueError(
             f"{name}: must hold finite numbers; got {_first(array, ~np.isfinite(array))}."
         )
@@ -307,6 +311,8 @@ def finite_array(name, value):
 
 def _within(array, most):
     """Tell whether no number is above `most` in size: two passes that keep nothing."""
+    if array.size <= FEW:
+        return all([abs(number) <= most for number in array.ravel().tolist()])
     return not array.size or bool(array.min() >= -most and array.max() <= most)
 
 
@@ -442,6 +448,10 @@ def _sized(name, value, rule):
 def directions(name, value):
     """Return `value` as vectors (..., 3) of `sizes` that have squares, none of them zero."""
     array = finite_points(name, value)
+    if array.ndim == 1:
+        greatest = max(map(abs, array.tolist()))
+        if LEAST <= greatest <= MOST:
+            return array
     greatest = np.abs(array).max(axis=-1)
     if not greatest.all():
         raise ValueError(f"{name}: must not be zero; got (0, 0, 0).")

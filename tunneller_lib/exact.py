@@ -44,15 +44,17 @@ def difference_of_products(a, b, c, d):
 
 def cross(a, b):
     """Return the vector products along the last axis, each component to its last digits."""
-    ax, ay, az = np.moveaxis(a, -1, 0)
-    bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            difference_of_products(ay, bz, az, by),
-            difference_of_products(az, bx, ax, bz),
-            difference_of_products(ax, by, ay, bx),
-        ],
-        axis=-1,
+    return np.stack(accurate_products(np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)), axis=-1)
+
+
+def accurate_products(a, b):
+    """Return the components of vector products, each to its last digits, of three numbers each."""
+    ax, ay, az = a
+    bx, by, bz = b
+    return (
+        difference_of_products(ay, bz, az, by),
+        difference_of_products(az, bx, ax, bz),
+        difference_of_products(ax, by, ay, bx),
     )
 
 

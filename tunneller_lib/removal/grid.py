@@ -159,7 +159,8 @@ class Lines(NamedTuple):
             enter, leave, room = ball_sweep(run, rise, length, radius, s, m)
             hit = room > 0
         else:
-            hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
+            with np.errstate(all="ignore"):
+                hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
         start = cos * sy + sin * sz
         return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
 

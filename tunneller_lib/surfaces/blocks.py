@@ -1,12 +1,18 @@
-"""Many lines against one shape, in blocks that stay in the cache.
+"""Many lines against one shape, or each against its own, in blocks that stay in the cache.
 
 Each shape has two ways. The quick way is the plain formula. It holds for lines that are given
 near the shape, that are neither nearly parallel nor nearly level with it, and that neither touch
 it nor pass it closely. The careful way, with twice the digits where they cancel, takes the rest:
 one of a hundred thousand lines that come from anywhere, and any number of those that don't.
+
+Both are written once, `elementwise`: one line takes them in Python's own floats, many in rows of
+x, y and z, over which numpy runs fastest.
 """
 
 import numpy as np
+
+from ..elementwise import larger, ratio, root, smaller, where
+from .vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
@@ -20,12 +26,12 @@ def meet_in_blocks(quick, careful, start, point, direction):
     Parameters
     ----------
     quick : callable
-        Of q and u (3, n), points from `start`, in m, and directions; returns `enter`, `leave`
-        and where they are `sure` (n,). Directions may be (3, 1); of one line both are (3,).
+        Of points from `start`, in m, and directions, as `vectors`; returns `enter`, `leave` and
+        where they are `sure`.
     careful : callable
-        Of points and directions (k, 3); returns `enter` and `leave` (k,).
+        Of points and directions; returns `enter` and `leave`.
     start : (3,) float
-        A point of the shape, in m.
+        A point of the shape, in m, three floats.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
 
@@ -35,39 +41,61 @@ def meet_in_blocks(quick, careful, start, point, direction):
         In lengths of the direction; ``inf`` and ``-inf`` for a miss.
     """
     if point.ndim == 1 == direction.ndim:
-        # One line: the same formulas with numbers in the place of rows, ten times as fast.
-        with np.errstate(all="ignore"):
-            enter, leave, sure = quick(point - start, direction)
-        return (enter[()], leave[()]) if sure else careful(point, direction)
+        p, u = point.tolist(), direction.tolist()
+        enter, leave, sure = quick(differences(p, start), u)
+        if not sure:
+            enter, leave = careful(p, u)
+        return np.float64(enter), np.float64(leave)
     shape = np.broadcast_shapes(point.shape, direction.shape)
     rows = np.broadcast_to(point, shape).reshape(-1, 3)
     one = direction.size == 3
-    turns = direction.reshape(1, 3) if one else np.broadcast_to(direction, shape).reshape(-1, 3)
+    u = direction.ravel().tolist() if one else None
+    turns = None if one else np.broadcast_to(direction, shape).reshape(-1, 3)
     found = np.empty((2, len(rows)))
-    for first in range(0, len(rows), BLOCK):
-        block = slice(first, first + BLOCK)
-        p = rows[block]
-        u = turns if one else turns[block]
-        # Rows of x, y and z, over which numpy runs fastest.
-        q = np.subtract(p.T, start[:, None], order="C")
-        with np.errstate(all="ignore"):
-            enter, leave, sure = quick(q, u.T if one else u.T.copy())
-        rest = np.flatnonzero(~sure)
-        if len(rest):
-            enter[rest], leave[rest] = careful(p[rest], u if one else u[rest])
-        found[:, block] = enter, leave
+    with np.errstate(all="ignore"):
+        for first in range(0, len(rows), BLOCK):
+            block = slice(first, first + BLOCK)
+            p = rows[block]
+            u = u if one else turns[block].T.copy()
+            q = np.subtract(p.T, np.array(start)[:, None], order="C")
+            enter, leave, sure = quick(q, u)
+            rest = np.flatnonzero(~sure)
+            if len(rest):
+                enter[rest], leave[rest] = careful(p[rest].T.copy(), u if one else u[:, rest])
+            found[:, block] = enter, leave
     enter, leave = found.reshape(2, *shape[:-1])
+    return enter, leave
+
+
+def meet_one_by_one(careful, vectors, numbers):
+    """Return where lines enter and leave shapes, one shape a line.
+
+    Parameters
+    ----------
+    careful : callable
+        Of `vectors` and `numbers`, three rows each, and a row; returns `enter` and `leave`.
+    vectors : list of (..., 3) float
+        Places of the shapes, the lines' points and directions.
+    numbers : list of (...) float
+        The shapes' other sizes, in m.
+
+    Returns
+    -------
+    enter, leave : (...) float
+        In lengths of the direction; ``inf`` and ``-inf`` for a miss.
+    """
+    parts = [*(v[..., i] for v in vectors for i in range(3)), *numbers]
+    shape = np.broadcast_shapes(*(part.shape for part in parts))
+    parts = [np.broadcast_to(part, shape).flat if part.size > 1 else part.item() for part in parts]
+    found = np.empty((2, int(np.prod(shape))))
+    with np.errstate(all="ignore"):
+        for first in range(0, found.shape[1], BLOCK):
+            block = slice(first, first + BLOCK)
+            rows = [part if isinstance(part, float) else part[block] for part in parts]
+            triples = [rows[3 * i : 3 * i + 3] for i in range(len(vectors))]
+            found[:, block] = np.reshape(careful(*triples, *rows[3 * len(vectors) :]), (2, -1))
+    enter, leave = found.reshape(2, *shape)
     return enter[()], leave[()]
-
-
-def scalar_products(a, b):
-    """Return scalar products of vectors (3, ...) along the first axis."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def vector_products(a, b):
-    """Return the components of vector products of vectors (3, ...)."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def well_shaped(*sizes):
@@ -79,21 +107,24 @@ def well_shaped(*sizes):
 def unsure(q, u):
     """Return that nothing is sure: the quick way of a shape that isn't `well_shaped`."""
     del u
-    return np.empty(q.shape[1:]), np.empty(q.shape[1:]), np.zeros(q.shape[1:], dtype=bool)
+    x = q[0]
+    return (
+        (x, x, False) if isinstance(x, float) else (*np.empty((2, len(x))), np.zeros(len(x), bool))
+    )
 
 
 def about_an_axis(v, radius, inside, q, u):
-    """Return `enter`, `leave` and `sure` (n,) of lines against a shape about an axis.
+    """Return `enter`, `leave` and `sure` of lines against a shape about an axis.
 
     Parameters
     ----------
     v : (3,) float
-        The axis from its start on, in m.
+        The axis from its start on, in m, three floats.
     radius : float
         The widest of the shape, in m.
     inside : callable
         Of a `Nearest`: returns `enter`, `leave` and `sure`.
-    q, u : (3, n) or (3,) float
+    q, u : vectors
         The lines' points from the axis' start, in m, and their directions.
     """
     n = vector_products(u, v)
@@ -101,32 +132,34 @@ def about_an_axis(v, radius, inside, q, u):
     uu, size = scalar_products(u, u), scalar_products(q, q)
     size = size * (uu * scalar_products(v, v))
     # Most lines pass beside the endless wall, by more than what rounding makes of it.
-    beside = aside * aside > (1 + 10 * CLOSE) * radius**2 * nn + 1e-23 * size
-    if q.ndim == 1:
-        if beside:
-            return np.float64(np.inf), np.float64(-np.inf), True
+    beside = aside * aside > (1 + 10 * CLOSE) * radius * radius * nn + 1e-23 * size
+    if beside is True:
+        return np.inf, -np.inf, True
+    if beside is False:
         return _met(inside, Nearest(v, radius, q, u, n, nn, aside, uu, size))
-    near = ~beside
-    enter = np.full(near.shape, np.inf)
-    leave = np.full(near.shape, -np.inf)
-    sure = ~near
-    near = np.flatnonzero(near)
+    enter = np.full(beside.shape, np.inf)
+    leave = np.full(beside.shape, -np.inf)
+    near = np.flatnonzero(~beside)
     if len(near):
-        take = [x if np.shape(x)[-1:] == (1,) != enter.shape else x[..., near]
-                for x in (q, u, np.stack(n), nn, aside, uu, size)]  # fmt: skip
-        enter[near], leave[near], sure[near] = _met(inside, Nearest(v, radius, *take))
-    return enter, leave, sure
+
+        def picked(part):
+            return part[near] if isinstance(part, np.ndarray) else part
+
+        triples = [[picked(part) for part in vector] for vector in (q, u, n)]
+        take = [*triples, *map(picked, (nn, aside, uu, size))]
+        enter[near], leave[near], beside[near] = _met(inside, Nearest(v, radius, *take))
+    return enter, leave, beside
 
 
 def _met(inside, lines):
     """Return `enter`, `leave` and `sure` of lines that pass an endless wall inside."""
     first, last, certain = inside(lines)
     hit = first <= last
-    return np.where(hit, first, np.inf), np.where(hit, last, -np.inf), certain & lines.sound
+    return where(hit, first, np.inf), where(hit, last, -np.inf), certain & lines.sound
 
 
 class Nearest:
-    """Lines where they are nearest to an axis v, as arrays (n,).
+    """Lines where they are nearest to an axis v.
 
     `middle` is the line's parameter there, `share` the axis's; `room` is radius^2 less the
     squared distance, times nn; `half` is the parameter from the middle to an endless wall.
@@ -136,14 +169,14 @@ class Nearest:
         self.radius, self.nn, self.uu = radius, nn, uu
         self.vv = scalar_products(v, v)
         self.qv, self.uv = scalar_products(q, v), scalar_products(u, v)
-        self.middle = -scalar_products(vector_products(q, v), n) / nn
-        self.aside2 = aside * aside / nn
-        self.room = radius**2 * nn - aside * aside
-        self.half = np.sqrt(self.room * self.vv) / nn
+        self.middle = ratio(-scalar_products(vector_products(q, v), n), nn)
+        self.aside2 = ratio(aside * aside, nn)
+        self.room = radius * radius * nn - aside * aside
+        self.half = ratio(root(self.room * self.vv), nn)
         # Where the line's given point is near and its angle to the axis not small, and no tangent.
-        enough = size <= FAR**2 * nn * (radius**2 + nn / uu)
-        enough = enough & (uu < RANGE**2) & (uu > RANGE**-2)
-        self.sound = enough & (self.room > CLOSE * radius**2 * nn)
+        enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
+        enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
+        self.sound = enough & (self.room > CLOSE * radius * radius * nn)
 
     @property
     def share(self):
@@ -152,6 +185,6 @@ class Nearest:
 
     def planes(self):
         """Return where lines enter and leave the slab between the axis' ends, and where sure."""
-        at_start, at_end = -self.qv / self.uv, (self.vv - self.qv) / self.uv
-        steep = self.uv**2 > CLOSE**2 * self.uu * self.vv
-        return np.minimum(at_start, at_end), np.maximum(at_start, at_end), steep
+        at_start, at_end = ratio(-self.qv, self.uv), ratio(self.vv - self.qv, self.uv)
+        steep = self.uv * self.uv > CLOSE * CLOSE * self.uu * self.vv
+        return smaller(at_start, at_end), larger(at_start, at_end), steep

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
-from ..exact import cross, dot, norm
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, scalar_products, unsure, well_shaped
-from .rod_interval import GUARD, near_one, nearest_offset
+from ..elementwise import larger, ratio, root, scaled, smaller, some, where, within
+from ..exact import accurate_products
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
+from .rod_interval import GUARD, nearest_offset
+from .vectors import lengths, near_one, scalar_products, shares, unit_and_speed
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
 
@@ -45,20 +47,25 @@ def meet_boxes(
     >>> enter, leave
     (array([ 1., inf]), array([  4., -inf]))
     """
-    normals, wide = _faces(x, y, z)
-    size = norm(wide)
-    along, exponent = near_one(direction)
-    speed = norm(along)
-    along = along / speed[..., None]
-    speed = np.ldexp(speed, exponent)
-    q, shift = nearest_offset(corner, along, speed, point, direction)
+    return meet_one_by_one(_meet_edges, [corner, x, y, z, point, direction], [])
+
+
+def _meet_edges(corner, x, y, z, p, u):
+    """Return `enter` and `leave` of lines against boxes, all as vectors."""
+    return _meet(corner, *_faces(x, y, z), p, u)
+
+
+def _meet(corner, normals, wide, p, u):
+    """Return `enter` and `leave` of lines against boxes with such faces."""
+    along, speed = unit_and_speed(u)
+    q, shift = nearest_offset(corner, along, speed, p, u)
     # Across each pair of faces: where the line is, from the middle, and how fast it goes.
-    half = wide / 2
-    at = dot(normals, q[..., None, :]) - half
-    pace = np.broadcast_to(dot(normals, along[..., None, :]), at.shape)
-    hit, enter, leave = box_interval(half, size, at, pace)
-    enter = np.where(hit, shift + enter / speed, np.inf)
-    return enter[()], np.where(hit, shift + leave / speed, -np.inf)[()]
+    half = [w / 2 for w in wide]
+    at = [scalar_products(normal, q) - h for normal, h in zip(normals, half, strict=True)]
+    pace = [scalar_products(normal, along) for normal in normals]
+    hit, enter, leave = box_interval(half, lengths(wide), at, pace)
+    enter = where(hit, shift + enter / speed, np.inf)
+    return enter, where(hit, shift + leave / speed, -np.inf)
 
 
 def box_interval(half, size, at, pace):
@@ -66,11 +73,11 @@ def box_interval(half, size, at, pace):
 
     Parameters
     ----------
-    half : (..., 3) float
+    half : vectors
         Half widths, in m.
     size : (...) float
         Of the boxes, in m, by which the guard counts.
-    at, pace : (..., 3) float
+    at, pace : vectors
         Places of the points across the faces, from the middle, in m, and how these grow along
         the lines.
 
@@ -81,83 +88,109 @@ def box_interval(half, size, at, pace):
     enter, leave : (...) float
         In m; meaningless where the line misses.
     """
-    guard = GUARD * size[..., None]
-    at, pace = np.where(pace < 0, -at, at), np.abs(pace)
+    guard = GUARD * size
+    at = [where(v < 0, -x, x) for x, v in zip(at, pace, strict=True)]
+    pace = [abs(v) for v in pace]
     # A line that runs level with two faces, within the guard over the whole box, stays between.
-    level = pace * size[..., None] <= guard
-    pace = np.where(level, 0.0, pace)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # By how much the faces must move outwards until the line meets both of two slabs at once:
-        # seen along the line, its distance from a side of the box's shadow.
-        gap = np.abs(at * _next(pace) - _next(at) * pace)
-        gap = (gap - half * _next(pace) - _next(half) * pace) / (pace + _next(pace))
-        short = np.fmax.reduce(gap, axis=-1)
-        # A touch is one of the box that is just so much larger.
-        half = half + np.maximum(short, 0)[..., None]
-        first = np.where(level, -np.inf, (-half - at) / pace)
-        last = np.where(level, np.inf, (half - at) / pace)
-    enter, leave = first.max(axis=-1), last.min(axis=-1)
+    level = [v * size <= guard for v in pace]
+    pace = [where(flat, 0.0, v) for flat, v in zip(level, pace, strict=True)]
+    # By how much the faces must move outwards until the line meets both of two slabs at once:
+    # seen along the line, its distance from a side of the box's shadow.
+    short = -np.inf
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        both = pace[i] + pace[j]
+        gap = abs(at[i] * pace[j] - at[j] * pace[i]) - half[i] * pace[j] - half[j] * pace[i]
+        short = larger(short, where(both > 0, ratio(gap, both), -np.inf))
+    # A touch is one of the box that is just so much larger.
+    half = [h + larger(short, 0.0) for h in half]
+    slabs = []
+    for h, x, v, flat in zip(half, at, pace, level, strict=True):
+        first, last = ratio(-h - x, v), ratio(h - x, v)
+        slabs.append((v, where(flat, -np.inf, first), where(flat, np.inf, last)))
+    enter = larger(larger(slabs[0][1], slabs[1][1]), slabs[2][1])
+    leave = smaller(smaller(slabs[0][2], slabs[1][2]), slabs[2][2])
     # Rounding may part its two ends: then the point of the slabs, last that of the steepest faces,
     # which place it best.
     touch = enter
-    order = np.argsort(pace, axis=-1)
-    firsts, lasts = (np.take_along_axis(ends, order, axis=-1) for ends in (first, last))
-    for i in range(3):
-        touch = np.clip(touch, firsts[..., i], lasts[..., i])
+    for _, first, last in _by_pace(*slabs):
+        touch = within(touch, first, last)
     crossed = leave < enter
-    hit = short <= guard[..., 0]
-    return hit, np.where(crossed, touch, enter), np.where(crossed, touch, leave)
+    return short <= guard, where(crossed, touch, enter), where(crossed, touch, leave)
+
+
+def _by_pace(one, other, third):
+    """Return three slabs by ascending pace, which is the first number of each."""
+    one, other = _in_order(one, other)
+    other, third = _in_order(other, third)
+    one, other = _in_order(one, other)
+    return one, other, third
+
+
+def _in_order(one, other):
+    swap = one[0] > other[0]
+    pairs = list(zip(one, other, strict=True))
+    return [where(swap, b, a) for a, b in pairs], [where(swap, a, b) for a, b in pairs]
 
 
 def _quickly(normals, half, size, q, u):
-    """Return `enter`, `leave` and where they are sure (n,), of lines (3, n) from the corner."""
-    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= (FAR * size) ** 2
-    speed = np.sqrt(scalar_products(u, u))
+    """Return `enter`, `leave` and where they are sure of lines from the corner."""
+    reach = FAR * size
+    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= reach * reach
+    speed = root(scalar_products(u, u))
     sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
     for normal, wide in zip(normals, half, strict=True):
         at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)
-        middle, reach = -at / pace, wide / np.abs(pace)
-        level = np.abs(pace) <= CLOSE * speed
-        if np.any(level):
+        middle, reach = ratio(-at, pace), ratio(wide, abs(pace))
+        level = abs(pace) <= CLOSE * speed
+        if some(level):
             # Such a line is between the faces all along the box, or nowhere, unless it's close.
-            middle = np.where(level, 0, middle)
-            reach = np.where(level, np.where(np.abs(at) < wide, np.inf, -np.inf), reach)
-            sure = sure & (~level | (np.abs(np.abs(at) - wide) > 10 * CLOSE * size))
-        enter, leave = np.maximum(enter, middle - reach), np.minimum(leave, middle + reach)
-    sure = sure & (np.abs(leave - enter) * speed > CLOSE * size)
+            middle = where(level, 0.0, middle)
+            reach = where(level, where(abs(at) < wide, np.inf, -np.inf), reach)
+            close = abs(abs(at) - wide) <= 10 * CLOSE * size
+            sure = where(level & close, False, sure)
+        enter, leave = larger(enter, middle - reach), smaller(leave, middle + reach)
+    sure = sure & (abs(leave - enter) * speed > CLOSE * size)
     hit = enter <= leave
-    return np.where(hit, enter, np.inf), np.where(hit, leave, -np.inf), sure
+    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure
 
 
-def _next(values):
-    return np.roll(values, -1, axis=-1)
+def _check_edges(x, y, z):
+    """Raise ValueError unless edges, vectors in m, are sound and perpendicular to each other."""
+    edges = x, y, z
+    for edge in edges:
+        length = np.abs(edge).max(axis=0)
+        sizes("x, y, z", length)
+        if not np.all(length > 0):
+            raise ValueError("x, y, z: must not be zero; got an edge that is.")
+    units = [unit_and_speed(edge)[0] for edge in edges]
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        cosine = np.max(np.abs(scalar_products(units[first], units[second])), initial=0)
+        if cosine > SQUARE:
+            raise ValueError(
+                f"x, y, z: must be perpendicular to each other; got a cosine of {cosine:.2g}."
+            )
 
 
 def _faces(x, y, z):
-    """Return the faces' unit normals (..., 3, 3), and how far opposite faces are apart."""
-    edges = np.stack(np.broadcast_arrays(x, y, z), axis=-2)
-    length = np.abs(edges).max(axis=-1)
-    sizes("x, y, z", length)
-    if not np.all(length > 0):
-        raise ValueError("x, y, z: must not be zero; got an edge that is.")
-    edges, exponent = near_one(edges)
-    lengths = norm(edges)
-    cosines = np.abs(dot(edges, np.roll(edges, -1, axis=-2)) / (lengths * _next(lengths)))
-    if not np.all(cosines <= SQUARE):
-        raise ValueError(
-            f"x, y, z: must be perpendicular to each other; got a cosine of {cosines.max():.2g}."
-        )
-    normals = cross(np.roll(edges, -1, axis=-2), np.roll(edges, -2, axis=-2))
-    normals = normals / norm(normals)[..., None]
-    wide = dot(normals, edges)
-    # Outwards from the corner, whichever hand the edges are of.
-    return normals * np.sign(wide)[..., None], np.ldexp(np.abs(wide), exponent)
+    """Return the unit normals of boxes' faces, and how far opposite faces are apart, as vectors."""
+    _check_edges(x, y, z)
+    edges = [near_one(edge) for edge in (x, y, z)]
+    normals, wide = [], []
+    for i in range(3):
+        edge, power = edges[i]
+        normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
+        normal = shares(normal, lengths(normal))
+        width = scalar_products(normal, edge)
+        # Outwards from the corner, whichever hand the edges are of.
+        normals.append([where(width < 0, -part, part) for part in normal])
+        wide.append(scaled(abs(width), power))
+    return normals, wide
 
 
 @functools.lru_cache
 def _faces_of(x, y, z):
     """Return the same of one box, whose edges are tuples: it often meets many lines one by one."""
-    return _faces(*np.array([x, y, z]))
+    return _faces(x, y, z)
 
 
 @dataclass(frozen=True)
@@ -185,7 +218,7 @@ class Box:
     z: Point
 
     def __post_init__(self):
-        _faces(*np.array([self.x, self.y, self.z]))
+        _faces(self.x, self.y, self.z)
 
     @property
     def faces(self):
@@ -227,16 +260,15 @@ class Box:
         >>> float(enter), float(leave)
         (4.0, 9.0)
         """
-        corner = np.array(self.corner)
         normals, wide = _faces_of(self.x, self.y, self.z)
-        half, size = wide / 2, norm(wide)
+        half, size = [w / 2 for w in wide], lengths(wide)
 
         def careful(p, u):
-            return meet_boxes.unchecked(corner, *np.array([self.x, self.y, self.z]), p, u)
+            return _meet(self.corner, normals, wide, p, u)
 
         def quick(q, u):
             return _quickly(normals, half, size, q, u)
 
         if not well_shaped(*wide):
             quick = unsure
-        return meet_in_blocks(quick, careful, corner, point, direction)
+        return meet_in_blocks(quick, careful, self.corner, point, direction)

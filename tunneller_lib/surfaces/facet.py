@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Directions, Rule, checked, near_points
-from ..exact import norm
-from .blocks import BLOCK, scalar_products
+from .blocks import BLOCK
 from .box import Box
 from .frustum import Frustum
 from .rod import Rod
-from .rod_interval import GUARD, near_one, nearest_offset
+from .rod_interval import GUARD, nearest_offset
 from .rounded_disc import RoundedDisc
 from .touching import (
     accurate_cross,
@@ -22,6 +21,7 @@ from .touching import (
     touches_of_planes,
     unit_of,
 )
+from .vectors import differences, scalar_products, sums, unit_and_speed
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -156,13 +156,12 @@ def meet_faces(solid, facets, u):
 
 def _nearby(body, facets, u):
     """Return corners (3, n) moved next to a solid, unit vectors (3, n), and what that took."""
-    along, exponent = near_one(u)
-    speed = norm(along)
-    along = along / speed[..., None]
-    speed = np.ldexp(speed, exponent)
-    first, shift = nearest_offset(body.start, along, speed, facets[:, 0], u)
-    corners = [(first + (facets[:, i] - facets[:, 0])).T.copy() for i in range(facets.shape[1])]
-    return corners, np.broadcast_to(along, first.shape).T.copy(), shift, speed
+    u = np.broadcast_to(u, facets[:, 0].shape).T
+    along, speed = unit_and_speed(u)
+    corners = np.moveaxis(facets, 0, -1).copy()
+    first, shift = nearest_offset(body.start, along, speed, corners[0], u)
+    moved = [np.array(sums(first, differences(corner, corners[0]))) for corner in corners]
+    return moved, np.array(along), shift, speed
 
 
 def _reach(corners):

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
+from ..elementwise import larger, ratio, root, smaller, where, within
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, unsure, well_shaped
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
+from .vectors import differences, lengths
 
 
 @checked
@@ -46,14 +48,18 @@ def meet_frusta(
             raise ValueError(f"{name}: must not be below zero; got {np.min(radius):g} m.")
         sizes(name, radius)
     sizes("b - a", np.abs(b - a).max(axis=-1))
-    axis = frame(a, b, direction)
-    turned = np.any(axis.start != a, axis=-1)
-    first = np.where(turned, radius_b, radius_a)
-    last = np.where(turned, radius_a, radius_b)
-    s, m, z, shift = nearest_point(axis, point, direction)
+    return meet_one_by_one(_meet, [a, b, point, direction], [radius_a, radius_b])
+
+
+def _meet(a, b, p, u, radius_a, radius_b):
+    """Return `enter` and `leave` of lines against frusta, vectors and numbers."""
+    axis = frame(a, b, u)
+    first = where(axis.turned, radius_b, radius_a)
+    last = where(axis.turned, radius_a, radius_b)
+    s, m, z, shift = nearest_point(axis, p, u)
     hit, enter, leave = frustum_interval(axis.run, axis.rise, axis.length, first, last, s, m)
-    enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
-    return enter[()], np.where(hit, shift + (leave - z) / axis.speed, -np.inf)[()]
+    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
+    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
 
 
 @dataclass(frozen=True)
@@ -130,14 +136,13 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        a, b = np.array([self.a, self.b])
-        v, length = b - a, float(norm(b - a))
+        a, b = self.a, self.b
+        v = differences(b, a)
+        length = lengths(v)
         radius, gain = max(self.radius_a, self.radius_b), self.radius_b - self.radius_a
 
         def careful(p, u):
-            return meet_frusta.unchecked(
-                a, b, np.float64(self.radius_a), np.float64(self.radius_b), p, u
-            )
+            return _meet(a, b, p, u, self.radius_a, self.radius_b)
 
         def quick(q, u):
             return about_an_axis(v, radius, inside, q, u)
@@ -161,23 +166,24 @@ def _inside_frustum(lines, start_radius, gain):
     w = start_radius + gain * lines.share
     first, last, steep = lines.planes()
     # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
-    A, B, C = across - grow**2, w * grow, lines.aside2 - w**2
-    square = w**2 * across - A * lines.aside2
-    larger = B + np.copysign(np.sqrt(square), B)
-    one, other = larger / A, C / larger
-    low, high = np.minimum(one, other), np.maximum(one, other)
+    A, B, C = across - grow * grow, w * grow, lines.aside2 - w * w
+    square = w * w * across - A * lines.aside2
+    half = root(square)
+    sum_of_both = B + where(B < 0, -half, half)
+    one, other = ratio(sum_of_both, A), ratio(C, sum_of_both)
+    low, high = smaller(one, other), larger(one, other)
     # A line steeper than the wall is on this side of the tip beyond one root.
     low, high = (
-        np.where(A > 0, low, np.where(grow > 0, high, -np.inf)),
-        np.where(A > 0, high, np.where(grow > 0, np.inf, low)),
+        where(A > 0, low, where(grow > 0, high, -np.inf)),
+        where(A > 0, high, where(grow > 0, np.inf, low)),
     )
-    enter, leave = np.maximum(first, lines.middle + low), np.minimum(last, lines.middle + high)
+    enter, leave = larger(first, lines.middle + low), smaller(last, lines.middle + high)
     # Shallower lines may meet the wall's other half alone, beyond the tip, or no wall.
     beyond = (A > 0) & ((w < 0) | (square < 0))
-    clear = np.abs(leave - enter) > CLOSE * (last - first)
-    clear = (clear | beyond) & (np.abs(A) > 1e-3 * across) & (np.abs(w) > CLOSE * lines.radius)
-    clear = clear & (np.abs(square) > CLOSE * w**2 * across)
-    return np.where(beyond, np.inf, enter), np.where(beyond, -np.inf, leave), steep & clear
+    clear = abs(leave - enter) > CLOSE * (last - first)
+    clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * lines.radius)
+    clear = clear & (abs(square) > CLOSE * (w * w) * across)
+    return where(beyond, np.inf, enter), where(beyond, -np.inf, leave), steep & clear
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
@@ -207,42 +213,42 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     tells whether the wall is met, once, so that there is no crack at a rim or at the tip. From
     there it falls to zero where x y = (c s)^2 with x, y = w -+ c sigma, both linear along the line.
     """
-    radius = np.maximum(first_radius, last_radius)
+    radius = larger(first_radius, last_radius)
     guard = GUARD * (radius + run)
     gain = last_radius - first_radius
     wall = (gain != 0) & (length > guard)  # else a rod, or a disc but for less than the guard
-    with np.errstate(all="ignore"):
-        h, e = run / length, rise / length  # sine and cosine between line and axis
-        # The rod is larger by the guard all round: where a line is nearly level with a disc, or
-        # nearly parallel to the axis, rounding moves the rod's ends far along it, off a touch.
-        more = np.where(wall, guard, 0.0)
-        length_over = np.where(wall, length + 2 * more, length)
-        hit, enter, leave = flat_interval(
-            run + 2 * h * more, rise + 2 * e * more, length_over, radius + more, s, m + h * more
-        )
-        enter, leave = enter - e * more, leave - e * more
-        slant = np.hypot(length, gain)
-        c, d = length / slant, gain / slant
-        up, steep = c * h + np.abs(d) * e, np.abs(d) * e - c * h
-        # So nearly along a ruling that the wall is as far away all along the line.
-        steep = np.where(np.abs(steep) * (radius + length) <= guard, 0.0, steep)
-        # Deepest: where the wall is as steep as the line, or at the wide end.
-        turn = np.where(gain < 0, -1.0, 1.0)
-        sigma = -d * e * np.abs(s) / np.sqrt(-up * steep)
-        z = np.clip(np.where(steep < 0, (e * m - sigma) / h, turn * np.inf), enter, leave)
-        sigma = e * m - h * z
-        w = c * first_radius + d * (h * m + e * z)
-        hit = hit & (~wall | (w - c * np.hypot(s, sigma) >= -2 * guard))
-        before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
-        before, after = np.where(turn < 0, after, before), np.where(turn < 0, before, after)
-        # The discs' planes as they are, unless the line is level with them.
-        level = rise * radius <= guard * length
-        first = np.where(level, -np.inf, -run * m / rise)
-        last = np.where(level, np.inf, rise + run * (run - m) / rise)
+    h, e = ratio(run, length), ratio(rise, length)  # sine and cosine between line and axis
+    # The rod is larger by the guard all round: where a line is nearly level with a disc, or
+    # nearly parallel to the axis, rounding moves the rod's ends far along it, off a touch.
+    more = where(wall, guard, 0.0)
+    longer = where(wall, length + 2 * more, length)
+    hit, enter, leave = flat_interval(
+        run + 2 * h * more, rise + 2 * e * more, longer, radius + more, s, m + h * more
+    )
+    enter, leave = enter - e * more, leave - e * more
+    slant = root(length * length + gain * gain)
+    c, d = ratio(length, slant), ratio(gain, slant)
+    up, steep = c * h + abs(d) * e, abs(d) * e - c * h
+    # So nearly along a ruling that the wall is as far away all along the line.
+    steep = where(abs(steep) * (radius + length) <= guard, 0.0, steep)
+    # Deepest: where the wall is as steep as the line, or at the wide end.
+    turn = where(gain < 0, -1.0, 1.0)
+    sigma = ratio(-d * e * abs(s), root(-up * steep))
+    z = within(where(steep < 0, ratio(e * m - sigma, h), turn * np.inf), enter, leave)
+    sigma = e * m - h * z
+    w = c * first_radius + d * (h * m + e * z)
+    rho = root(s * s + sigma * sigma)
+    hit = hit & (where(wall, w - c * rho, 0.0) >= -2 * guard)
+    before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
+    before, after = where(turn < 0, after, before), where(turn < 0, before, after)
+    # The discs' planes as they are, unless the line is level with them.
+    level = rise * radius <= guard * length
+    first = where(level, -np.inf, ratio(-run * m, rise))
+    last = where(level, np.inf, rise + ratio(run * (run - m), rise))
     # The deepest point belongs to what is met, on whichever side of an end rounding puts it.
-    inner = np.minimum(z, np.maximum(np.maximum(enter, first), z - before))
-    outer = np.maximum(z, np.minimum(np.minimum(leave, last), z + after))
-    return hit, np.where(wall, inner, enter), np.where(wall, outer, leave)
+    inner = smaller(z, larger(larger(enter, first), z - before))
+    outer = larger(z, smaller(smaller(leave, last), z + after))
+    return hit, where(wall, inner, enter), where(wall, outer, leave)
 
 
 def _to_the_wall(w, aside, sigma, up, steep):
@@ -251,14 +257,14 @@ def _to_the_wall(w, aside, sigma, up, steep):
     The line goes to the wide end: from the point on, w - sigma grows by `up` (above zero) and
     w + sigma by `steep`, which is less, and they meet the wall where their product is aside^2.
     """
-    x, y = np.maximum(w - sigma, 0), np.maximum(w + sigma, 0)
-    square = np.minimum(aside**2, x * y)
-    slope = steep / up
+    x, y = larger(w - sigma, 0.0), larger(w + sigma, 0.0)
+    square = smaller(aside * aside, x * y)
+    slope = ratio(steep, up)
     # Both roots, each of that of x and y which is small there, in sums where nothing cancels.
     half = (y - slope * x) / 2
-    root = np.sqrt(np.maximum(half**2 + slope * square, 0))
-    small = np.where(half >= 0, square / (half + root), (root - half) / slope)
-    small = np.where((half >= 0) & (square == 0), 0.0, small)
-    before = np.maximum((x - small) / up, 0)
+    both = root(larger(half * half + slope * square, 0.0))
+    small = where(half >= 0, ratio(square, half + both), ratio(both - half, slope))
+    small = where((half >= 0) & (square == 0), 0.0, small)
+    before = larger(ratio(x - small, up), 0.0)
     # At least as steep as the wall the line doesn't meet it again.
-    return before, np.where(steep < 0, np.maximum((y + slope * small) / -steep, 0), np.inf)
+    return before, where(steep < 0, larger(ratio(y + slope * small, -steep), 0.0), np.inf)

@@ -6,9 +6,11 @@ from typing import Literal
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
+from ..elementwise import larger, ratio, root, smaller, where, within
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, unsure, well_shaped
+from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
+from .vectors import differences, lengths
 
 BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
 
@@ -53,7 +55,8 @@ def meet_rods(
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
     check_rods(a, b, radius)
-    return _meet(frame(a, b, direction), radius, ends == "round", point, direction)
+    careful = _meet_capsules if ends == "round" else _meet_flat
+    return meet_one_by_one(careful, [a, b, point, direction], [radius])
 
 
 def check_rods(a, b, radius):
@@ -67,13 +70,22 @@ def check_rods(a, b, radius):
     sizes("b - a", np.abs(b - a).max(axis=-1))
 
 
-def _meet(axis, radius, round_ends, p, direction):
-    """Return `enter` and `leave` of any lines."""
-    s, m, z, shift = nearest_point(axis, p, direction)
-    inside = round_interval if round_ends else flat_interval
-    hit, enter, leave = inside(axis.run, axis.rise, axis.length, radius, s, m)
-    enter = np.where(hit, shift + (enter - z) / axis.speed, np.inf)
-    return enter[()], np.where(hit, shift + (leave - z) / axis.speed, -np.inf)[()]
+def _meet_flat(a, b, p, u, radius):
+    """Return `enter` and `leave` of lines against flat rods, vectors and numbers."""
+    return _meet(frame(a, b, u), flat_interval, radius, p, u)
+
+
+def _meet_capsules(a, b, p, u, radius):
+    """Return the same of capsules."""
+    return _meet(frame(a, b, u), round_interval, radius, p, u)
+
+
+def _meet(axis, interval, radius, p, u):
+    """Return `enter` and `leave` of lines p along u, which see the axis so."""
+    s, m, z, shift = nearest_point(axis, p, u)
+    hit, enter, leave = interval(axis.run, axis.rise, axis.length, radius, s, m)
+    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
+    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
 
 
 @dataclass(frozen=True)
@@ -183,31 +195,36 @@ class Rod:
         enter = np.empty(point.shape[:-1])
         leave = np.empty(point.shape[:-1])
         rows, firsts, lasts = point.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
-        axis = frame(np.array(self.a), np.array(self.b), direction)
+        u = direction.tolist()
+        axis = frame(self.a, self.b, u)
         for start in range(0, len(rows), BLOCK):
             block = slice(start, start + BLOCK)
-            self._meet_parallel(axis, rows[block], direction, firsts[block], lasts[block])
-        return enter[()], leave[()]
+            self._meet_parallel(axis, rows[block], u, firsts[block], lasts[block])
+        return enter, leave
+
+    @property
+    def _interval(self):
+        return round_interval if self.ends == "round" else flat_interval
 
     def _meet_any(self, point, direction):
         """Return `enter` and `leave` of lines of any directions (..., 3)."""
-        a, b = np.array(self.a), np.array(self.b)
-        radius, v = self.radius, b - a
-        round_ends = self.ends == "round"
+        a, b, radius = self.a, self.b, self.radius
+        v = differences(b, a)
+        inside = _inside_capsule if self.ends == "round" else _inside_rod
 
         def careful(p, u):
-            return _meet(frame(a, b, u), radius, round_ends, p, u)
+            return _meet(frame(a, b, u), self._interval, radius, p, u)
 
         def quick(q, u):
-            return about_an_axis(v, radius, _inside_capsule if round_ends else _inside_rod, q, u)
+            return about_an_axis(v, radius, inside, q, u)
 
-        if not well_shaped(self.length, radius):
+        if not well_shaped(lengths(v), radius):
             quick = unsure
         return meet_in_blocks(quick, careful, a, point, direction)
 
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
-        bound = np.abs([p.min(), p.max()]).max() + np.abs(axis.start).max()
+        bound = max(-p.min(), p.max()) + max(map(abs, axis.start))
         r, run, rise = self.radius, axis.run, axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
@@ -224,7 +241,7 @@ class Rod:
             near = np.flatnonzero(close)
             m = _along(p[near], axis.start, axis.flat)
             near = near[(m >= -reach) & (m <= run + reach)]
-            enter[near], leave[near] = _meet(axis, r, self.ends == "round", p[near], u)
+            enter[near], leave[near] = self._carefully(axis, p[near], u)
         elif 2 * np.count_nonzero(close) > len(p):  # to pick them out would cost too much
             self._meet_plainly(axis, p, s, w, u, (enter, leave))
         else:
@@ -263,15 +280,20 @@ class Rod:
                 t /= axis.speed
             np.copyto(t, none, where=missed)
         if len(edge):
-            found[0][edge], found[1][edge] = _meet(axis, r, False, p[edge], u)
+            found[0][edge], found[1][edge] = self._carefully(axis, p[edge], u)
+
+    def _carefully(self, axis, p, u):
+        """Return `enter` and `leave` of lines p (n, 3) of one direction."""
+        with np.errstate(all="ignore"):
+            return _meet(axis, self._interval, self.radius, p.T.copy(), u)
 
 
 def _inside_rod(lines):
     """Return where lines enter and leave a rod, and where that is sure."""
     first, last, steep = lines.planes()
-    enter = np.maximum(first, lines.middle - lines.half)
-    leave = np.minimum(last, lines.middle + lines.half)
-    clear = np.abs(leave - enter) > CLOSE * (lines.half + (last - first))
+    enter = larger(first, lines.middle - lines.half)
+    leave = smaller(last, lines.middle + lines.half)
+    clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
     return enter, leave, steep & clear
 
 
@@ -280,11 +302,12 @@ def _inside_capsule(lines):
     share, step = lines.share, lines.half * (lines.uv / lines.vv)
     ends, clear = [], True
     for sign in (-1, 1):
-        beside = np.minimum(np.maximum(share + sign * step, 0), 1) - share
-        room = (lines.room - beside**2 * (lines.nn**2 / lines.uu)) / lines.nn
-        ends.append(lines.middle + beside * (lines.uv / lines.uu) + sign * np.sqrt(room / lines.uu))
-        clear = clear & (np.abs(room) > CLOSE * lines.radius**2)
-        ends[-1] = np.where(room > 0, ends[-1], -sign * np.inf)
+        beside = within(share + sign * step, 0.0, 1.0) - share
+        room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
+        room = ratio(room, lines.nn)
+        end = lines.middle + beside * (lines.uv / lines.uu) + sign * root(room / lines.uu)
+        clear = clear & (abs(room) > CLOSE * lines.radius * lines.radius)
+        ends.append(where(room > 0, end, -sign * np.inf))
     return *ends, clear
 
 

@@ -14,12 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..exact import difference_of_products
-from .blocks import scalar_products, vector_products
+from ..exact import accurate_products
 from .box import Box
 from .rod import Rod
-from .rod_interval import near_one
 from .rounded_disc import RoundedDisc
+from .vectors import scalar_products, unit_and_speed, vector_products
 
 HALVINGS = 32  # a chord of so small an arc is off by the square of it, less than a rounding
 
@@ -80,8 +79,7 @@ def outline(solid):
     if round_ends:
         balls = [(np.zeros(3), both[0]), (v, both[1])]
     if np.any(v):
-        unit, _ = near_one(v)
-        unit = unit / np.linalg.norm(unit)
+        unit = np.array(unit_and_speed(v)[0])
         walls = [(np.zeros(3), v, *both)]
         if not round_ends:
             rims = [(np.zeros(3), unit, both[0]), (v, unit, both[1])]
@@ -278,8 +276,4 @@ def unit_of(v):
 
 def accurate_cross(a, b):
     """Return vector products of vectors (3, n), each component to its last digits."""
-    return np.stack([
-        difference_of_products(a[1], b[2], a[2], b[1]),
-        difference_of_products(a[2], b[0], a[0], b[2]),
-        difference_of_products(a[0], b[1], a[1], b[0]),
-    ])  # fmt: skip
+    return np.stack(accurate_products(a, b))

@@ -1,0 +1,69 @@
+"""One formula for one line and for many: operations on floats as on arrays, element by element.
+
+Python adds two floats in a thirtieth of the time that numpy takes to be called. A formula made of
+sums, products and these functions runs either way, with the same bits. Many callers divide by zero
+where another branch answers: with arrays they hold numpy's warnings off.
+"""
+
+import math
+
+import numpy as np
+
+
+def where(condition, yes, no):
+    """Return `yes` where a condition holds, else `no`."""
+    if condition is True:
+        return yes
+    if condition is False:
+        return no
+    return np.where(condition, yes, no)
+
+
+def smaller(a, b):
+    """Return the smaller of two numbers, or not a number if one is none."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.minimum(a, b)
+    return a if a <= b or a != a else b
+
+
+def larger(a, b):
+    """Return the larger of two numbers, or not a number if one is none."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.maximum(a, b)
+    return a if a >= b or a != a else b
+
+
+def within(x, low, high):
+    """Return x, or the end that it is beyond."""
+    return smaller(larger(x, low), high)
+
+
+def root(x):
+    """Return the square root, not a number of what is below zero."""
+    if isinstance(x, np.ndarray):
+        return np.sqrt(x)
+    return math.sqrt(x) if x >= 0 else math.nan
+
+
+def ratio(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.divide(a, b)
+    return a / b if b else a * math.copysign(math.inf, b)
+
+
+def exponent(x):
+    """Return the power of two next above a size."""
+    return np.frexp(x)[1] if isinstance(x, np.ndarray) else math.frexp(x)[1]
+
+
+def scaled(x, power):
+    """Return x times a power of two."""
+    if isinstance(x, np.ndarray) or isinstance(power, np.ndarray):
+        return np.ldexp(x, power)
+    return math.ldexp(x, power)
+
+
+def some(condition):
+    """Return whether a condition holds anywhere."""
+    return condition.any() if isinstance(condition, np.ndarray) else condition
