@@ -17,6 +17,7 @@ from tunneller_lib.replica.rod_exact import judge as missed_thin_thick
 from tunneller_lib.replica.rod_methods import METHODS, crossings, three_surfaces
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box, meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
+from tunneller_lib.surfaces.vectors import differences, scalar_products
 
 READS = ["report/ledger/*"]
 
@@ -350,7 +351,7 @@ def test_chance_at_rims(judge):
 def what_is_wrong(found, lines):
     """Return which intervals are missed, thin or thick, by more than rounding."""
     a, b, radius, _, u = lines
-    margin = 64 * np.finfo(float).eps * (radius + frame(a, b, u).run)
+    margin = 64 * np.finfo(float).eps * (radius + frame(a.T, b.T, u.T).run)
     return missed_thin_thick(found, lines, margin)
 
 
@@ -679,8 +680,8 @@ def test_always_reliable(judge):
     def beside(lines):
         """Return |s|, in floats, and whether a line meets its rod, in whole numbers."""
         a, b, _, point, u = lines
-        axis = frame(a, b, u)
-        side = np.abs(np.einsum("ni,ni->n", point - axis.start, axis.across))
+        axis = frame(a.T, b.T, u.T)
+        side = np.abs(scalar_products(differences(point.T, axis.start), axis.across))
         return side, np.less_equal(*exact_intervals(*lines))
 
     def unguarded(lines):

@@ -22,7 +22,7 @@ TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", 
 
 def margin(a, b, radius, p, u):
     """Return by how much the docstring lets a rod's surface be off."""
-    return 64 * EPS * (radius + frame(a, b, u).run)
+    return 64 * EPS * (radius + frame(a.T, b.T, u.T).run)
 
 
 @every_end

@@ -15,6 +15,7 @@ from ..elementwise import larger, ratio, root, smaller, where
 from .vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
+PAIRS = 8192  # the same of lines with shapes of their own
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
 FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
@@ -89,8 +90,8 @@ def meet_one_by_one(careful, vectors, numbers):
     parts = [np.broadcast_to(part, shape).flat if part.size > 1 else part.item() for part in parts]
     found = np.empty((2, int(np.prod(shape))))
     with np.errstate(all="ignore"):
-        for first in range(0, found.shape[1], BLOCK):
-            block = slice(first, first + BLOCK)
+        for first in range(0, found.shape[1], PAIRS):
+            block = slice(first, first + PAIRS)
             rows = [part if isinstance(part, float) else part[block] for part in parts]
             triples = [rows[3 * i : 3 * i + 3] for i in range(len(vectors))]
             found[:, block] = np.reshape(careful(*triples, *rows[3 * len(vectors) :]), (2, -1))
