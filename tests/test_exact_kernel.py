@@ -33,9 +33,9 @@ def fewer(kind, n):
 
 def meet(kind, shapes, p, u):
     """Return where lines enter and leave shapes (n, 12)."""
-    a, b, radius, other = shapes[:, :3], shapes[:, 3:6], shapes[:, 6], shapes[:, 7]
+    a, b, radius, other = shapes[..., :3], shapes[..., 3:6], shapes[..., 6], shapes[..., 7]
     if kind == "box":
-        return meet_boxes(a, b, shapes[:, 6:9], shapes[:, 9:], p, u)
+        return meet_boxes(a, b, shapes[..., 6:9], shapes[..., 9:], p, u)
     if kind == "frustum":
         return meet_frusta(a, b, radius, other, p, u)
     if kind == "rounded":
@@ -76,6 +76,22 @@ def test_quick_way_leaves_hard_lines_to_the_careful_one(family, kind):
         shape_of(kind, row).meet_line(p[None], u) for row, p, u in zip(*lines, strict=True)
     ])[..., 0].T  # fmt: skip
     assert not np.any(judged(with_one, kind, *lines))
+
+
+@every_kind
+@every_family
+def test_one_line_has_the_bits_of_many(family, kind):
+    # In floats or in rows, the quick way's answers and the careful one's.
+    shapes, p, u = family(kind, np.random.default_rng(11), fewer(kind, many(75, 300)))
+    rows = list(zip(shapes, p, u, strict=True))
+    each = [meet(kind, *(part[None] for part in row)) for row in rows]
+    np.testing.assert_array_equal(np.concatenate(each, axis=-1), meet(kind, shapes, p, u))
+    for row, point, way in rows:
+        shape = shape_of(kind, row)
+        alone = shape.meet_line(point, way)
+        assert all(type(end) is np.float64 for end in alone)
+        beside = shape.meet_line(np.stack([point, point + way]), np.stack([way, way]))
+        np.testing.assert_array_equal(alone, np.array(beside)[:, 0])
 
 
 @every_kind
@@ -255,6 +271,31 @@ def test_memory_a_line_is_at_most_64_bytes(kind):
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most <= 64 * len(p)
+
+
+@every_kind
+def test_memory_a_line_with_a_shape_of_its_own_is_at_most_64_bytes(kind):
+    n = 300_000 if kind != "rounded" else 100_000
+    rng = np.random.default_rng(8)
+    p, u = rng.normal(size=(2, n, 3))
+    row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
+    shapes = np.tile(np.array([*row, *[0] * (12 - len(row))], dtype=float), (n, 1))
+    tracemalloc.start()
+    meet(kind, shapes, p, u)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most <= 64 * n
+
+
+@every_kind
+def test_shapes_and_lines_broadcast_with_each_other(kind):
+    shapes, p, u = FAMILIES[-1](kind, np.random.default_rng(12), 6)
+    found = meet(kind, shapes[:, None, None], p[:2, None], u[3:])
+    assert np.shape(found) == (2, 6, 2, 3)
+    for i, j, k in np.ndindex(6, 2, 3):
+        alone = meet(kind, shapes[i : i + 1], p[j : j + 1], u[3 + k : 4 + k])
+        np.testing.assert_array_equal(np.array(found)[:, i, j, k], np.ravel(alone))
+    assert np.shape(meet(kind, shapes[:0], p[0], u[0])) == (2, 0)
 
 
 def test_a_box_by_hand():

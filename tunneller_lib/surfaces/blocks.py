@@ -87,7 +87,7 @@ def meet_one_by_one(careful, vectors, numbers):
     """
     parts = [*(v[..., i] for v in vectors for i in range(3)), *numbers]
     shape = np.broadcast_shapes(*(part.shape for part in parts))
-    parts = [np.broadcast_to(part, shape).flat if part.size > 1 else part.item() for part in parts]
+    parts = [np.broadcast_to(part, shape).flat if part.size != 1 else part.item() for part in parts]
     found = np.empty((2, int(np.prod(shape))))
     with np.errstate(all="ignore"):
         for first in range(0, found.shape[1], PAIRS):
