@@ -1,11 +1,15 @@
-"""How far the arm and the cutter keep from the wall that isn't cut yet, in closed form."""
+"""How far the arm, the cutter and other solids keep from the wall that isn't cut yet."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Angle, Length0, Lengths, Points, checked
-from ..surfaces import Machine, Section
+from ..surfaces import Box, Frustum, Machine, Rod, RoundedDisc, Section
+from ..surfaces.touching import outline, touches_of_planes
+
+ANGLES = 360  # from y, at which a solid's outermost points are looked at first
+THIRDS = 40  # after which an angle is known to its half of the digits, and a least depth to all
 
 
 class Clearance(NamedTuple):
@@ -59,6 +63,64 @@ def rod_clearance(section: Section, a: Points, b: Points, radius: Lengths):
         raise ValueError(f"radius: must not be below zero; got {np.min(radius):g} m.")
     depths = [section.depth(end[..., 1], end[..., 2]) for end in (a, b)]
     return np.minimum(*depths) - radius
+
+
+@checked
+def solid_clearance(section: Section, solid: Rod | Frustum | Box | RoundedDisc):
+    """Return how far a solid stays inside a section: a cutter's part, a piece of the machine.
+
+    Parameters
+    ----------
+    section : Section
+        The tunnel's, which is convex.
+    solid : Rod, Frustum, Box or RoundedDisc
+        In the frame of the tunnel, in any pose.
+
+    Returns
+    -------
+    clearance : float
+        Least distance to the wall, in m; if negative, how deep the solid is in the ground;
+        ``inf`` for an empty one.
+
+    Notes
+    -----
+    Both are convex. Across the wall, in the plane x = 0, the least depth is that of the point where
+    the solid reaches farthest along the wall's normal there, so that one angle is looked for. The
+    points are those at which planes touch the solid, as in `meet_facets`. Those at `ANGLES` angles
+    tell where the depth has valleys, whose lowest points are found by thirds.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Egg
+    >>> capsule = Rod((0, 0, -0.4), (0.8, 0.3, 0), 0.1, ends="round")
+    >>> round(solid_clearance(Egg(0.5), capsule), 12)
+    0.1
+    """
+    body = outline(solid)
+    angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
+    depths = _depths(section, body, angle)
+    # Each point's valleys of the depth, between the neighbours of a sample.
+    valley = (depths < np.roll(depths, 1, axis=1)) & (depths <= np.roll(depths, -1, axis=1))
+    which, sample = np.nonzero(valley)
+    if not len(which):
+        return float(depths.min(initial=np.inf))
+    pick = which, np.arange(len(which))
+    low, high = angle[sample] - angle[1], angle[sample] + angle[1]
+    for _ in range(THIRDS):
+        one, other = low + (high - low) / 3, high - (high - low) / 3
+        nearer = _depths(section, body, one)[pick] < _depths(section, body, other)[pick]
+        low, high = np.where(nearer, low, one), np.where(nearer, other, high)
+    return float(min(depths.min(), _depths(section, body, low)[pick].min()))
+
+
+def _depths(section, body, angle):
+    """Return depths (k, n) of the k points of an `Outline` that planes touch, at angles (n,)."""
+    normal = np.stack([np.zeros(len(angle)), np.cos(angle), np.sin(angle)])
+    points = [body.start[:, None] + point for point in touches_of_planes(body, normal)]
+    if not points:
+        return np.empty((0, len(angle)))
+    _, y, z = np.moveaxis(points, 1, 0)
+    return section.depth(y, z)
 
 
 @checked
