@@ -21,16 +21,16 @@ def where(condition, yes, no):
 
 def smaller(a, b):
     """Return the smaller of two numbers, or not a number if one is none."""
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return np.minimum(a, b)
-    return a if a <= b or a != a else b
+    if type(a) is float and type(b) is float:
+        return a if a <= b or a != a else b
+    return np.minimum(a, b)
 
 
 def larger(a, b):
     """Return the larger of two numbers, or not a number if one is none."""
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return np.maximum(a, b)
-    return a if a >= b or a != a else b
+    if type(a) is float and type(b) is float:
+        return a if a >= b or a != a else b
+    return np.maximum(a, b)
 
 
 def within(x, low, high):
@@ -40,28 +40,28 @@ def within(x, low, high):
 
 def root(x):
     """Return the square root, not a number of what is below zero."""
-    if isinstance(x, np.ndarray):
-        return np.sqrt(x)
-    return math.sqrt(x) if x >= 0 else math.nan
+    if type(x) is float:
+        return math.sqrt(x) if x >= 0 else math.nan
+    return np.sqrt(x)
 
 
 def ratio(a, b):
     """Return a / b, which is infinite or not a number where b is zero."""
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return np.divide(a, b)
-    return a / b if b else a * math.copysign(math.inf, b)
+    if type(a) is float and type(b) is float:
+        return a / b if b else a * math.copysign(math.inf, b)
+    return np.divide(a, b)
 
 
 def exponent(x):
     """Return the power of two next above a size."""
-    return np.frexp(x)[1] if isinstance(x, np.ndarray) else math.frexp(x)[1]
+    return math.frexp(x)[1] if type(x) is float else np.frexp(x)[1]
 
 
 def scaled(x, power):
     """Return x times a power of two."""
-    if isinstance(x, np.ndarray) or isinstance(power, np.ndarray):
-        return np.ldexp(x, power)
-    return math.ldexp(x, power)
+    if type(x) is float and type(power) is int:
+        return math.ldexp(x, power)
+    return np.ldexp(x, power)
 
 
 def some(condition):

@@ -22,7 +22,8 @@ def norm(a):
 def two_product(a, b):
     """Return a * b rounded, and exactly what the rounding lost."""
     product = a * b
-    a_high, b_high = _high(a), _high(b)
+    a_scaled, b_scaled = _SPLITTER * a, _SPLITTER * b
+    a_high, b_high = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
     a_low, b_low = a - a_high, b - b_high
     return product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
 
@@ -85,8 +86,3 @@ def in_blocks(function, rows, block=8192):
     for start in range(0, len(flat), block):
         out[start : start + block] = function(flat[start : start + block])
     return out.reshape(rows.shape)
-
-
-def _high(a):
-    scaled = _SPLITTER * a
-    return scaled - (scaled - a)

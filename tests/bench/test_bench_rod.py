@@ -12,7 +12,7 @@ import pyvista
 
 from tests.bench.conftest import best_times
 from tunneller_lib.replica.rod_methods import METHODS
-from tunneller_lib.surfaces import Frustum, Rod
+from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 LINES = 500_000
@@ -141,9 +141,26 @@ def test_parallel_lines_against_vtk(benchmark, say):
     say("exact, lines per second over those of pyvista's ray_trace", ratio, "pyvista")
 
 
-@pytest.mark.parametrize("shape", [ROD, Frustum(ROD.a, ROD.b, 25, 10)], ids=["rod", "frustum"])
-def test_one_line_at_a_time(benchmark, say, shape):
-    point, direction = np.array([16.0, 14.0, -3.0]), np.array([0.1, 0.2, 1.0])
-    benchmark.pedantic(shape.meet_line, (point, direction), rounds=3)
-    (many,) = best_times(lambda: [shape.meet_line(point, direction) for _ in range(200)], rounds=9)
-    say("one call with its checks / us", many / 200 * 1e6)
+SOLIDS = {
+    "rod": ROD,
+    "capsule": Rod(ROD.a, ROD.b, 25, ends="round"),
+    "frustum": Frustum(ROD.a, ROD.b, 25, 10),
+    "box": Box((-20, -15, 0), (40, 0, 0), (0, 30, 0), (0, 0, 50)),
+    "rounded disc": RoundedDisc(ROD.a, ROD.axis, 20, 5),
+}
+DIRECTIONS = {
+    "any": (0.1, 0.2, 1.0),
+    "nearly axial": (0.6, 0.0, 0.8 + 1e-9),
+    "nearly upright": (0.0, 1e-9, 1.0),
+}
+
+
+@pytest.mark.parametrize("way", DIRECTIONS)
+@pytest.mark.parametrize("name", SOLIDS)
+def test_one_line_at_a_time(benchmark, say, name, way):
+    point, direction = np.array([6.0, 4.0, -3.0]), np.array(DIRECTIONS[way])
+    meet_line = SOLIDS[name].meet_line
+    benchmark.pedantic(meet_line, (point, direction), rounds=3)
+    (many,) = best_times(lambda: [meet_line(point, direction) for _ in range(50)], rounds=31)
+    say(f"{name}, {way} line: one call with its checks / us", many / 50 * 1e6)
+    assert many / 50 < (60e-6 if way == "any" else 120e-6)  # the rest may take the careful way
