@@ -38,7 +38,7 @@ def within(x, low, high):
     return smaller(larger(x, low), high)
 
 
-def root(x):
+def square_root(x):
     """Return the square root, not a number of what is below zero."""
     if type(x) is float:
         return math.sqrt(x) if x >= 0 else math.nan
@@ -52,7 +52,7 @@ def ratio(a, b):
     return np.divide(a, b)
 
 
-def exponent(x):
+def power_above(x):
     """Return the power of two next above a size."""
     return math.frexp(x)[1] if type(x) is float else np.frexp(x)[1]
 

@@ -11,7 +11,7 @@ x, y and z, over which numpy runs fastest.
 
 import numpy as np
 
-from ..elementwise import larger, ratio, root, smaller, where
+from ..elementwise import larger, ratio, smaller, square_root, where
 from .vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
@@ -173,7 +173,7 @@ class Nearest:
         self.middle = ratio(-scalar_products(vector_products(q, v), n), nn)
         self.aside2 = ratio(aside * aside, nn)
         self.room = radius * radius * nn - aside * aside
-        self.half = ratio(root(self.room * self.vv), nn)
+        self.half = ratio(square_root(self.room * self.vv), nn)
         # Where the line's given point is near and its angle to the axis not small, and no tangent.
         enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
         enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, root, scaled, smaller, some, where, within
+from ..elementwise import larger, ratio, scaled, smaller, some, square_root, where, within
 from ..exact import accurate_products
 from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, nearest_offset
@@ -136,7 +136,7 @@ def _quickly(normals, half, size, q, u):
     """Return `enter`, `leave` and where they are sure of lines from the corner."""
     reach = FAR * size
     enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= reach * reach
-    speed = root(scalar_products(u, u))
+    speed = square_root(scalar_products(u, u))
     sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
     for normal, wide in zip(normals, half, strict=True):
         at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)

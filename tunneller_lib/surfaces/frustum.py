@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, root, smaller, where, within
+from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
 from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
@@ -168,7 +168,7 @@ def _inside_frustum(lines, start_radius, gain):
     # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
     A, B, C = across - grow * grow, w * grow, lines.aside2 - w * w
     square = w * w * across - A * lines.aside2
-    half = root(square)
+    half = square_root(square)
     sum_of_both = B + where(B < 0, -half, half)
     one, other = ratio(sum_of_both, A), ratio(C, sum_of_both)
     low, high = smaller(one, other), larger(one, other)
@@ -226,18 +226,18 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
         run + 2 * h * more, rise + 2 * e * more, longer, radius + more, s, m + h * more
     )
     enter, leave = enter - e * more, leave - e * more
-    slant = root(length * length + gain * gain)
+    slant = square_root(length * length + gain * gain)
     c, d = ratio(length, slant), ratio(gain, slant)
     up, steep = c * h + abs(d) * e, abs(d) * e - c * h
     # So nearly along a ruling that the wall is as far away all along the line.
     steep = where(abs(steep) * (radius + length) <= guard, 0.0, steep)
     # Deepest: where the wall is as steep as the line, or at the wide end.
     turn = where(gain < 0, -1.0, 1.0)
-    sigma = ratio(-d * e * abs(s), root(-up * steep))
+    sigma = ratio(-d * e * abs(s), square_root(-up * steep))
     z = within(where(steep < 0, ratio(e * m - sigma, h), turn * np.inf), enter, leave)
     sigma = e * m - h * z
     w = c * first_radius + d * (h * m + e * z)
-    rho = root(s * s + sigma * sigma)
+    rho = square_root(s * s + sigma * sigma)
     hit = hit & (where(wall, w - c * rho, 0.0) >= -2 * guard)
     before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
     before, after = where(turn < 0, after, before), where(turn < 0, before, after)
@@ -262,7 +262,7 @@ def _to_the_wall(w, aside, sigma, up, steep):
     slope = ratio(steep, up)
     # Both roots, each of that of x and y which is small there, in sums where nothing cancels.
     half = (y - slope * x) / 2
-    both = root(larger(half * half + slope * square, 0.0))
+    both = square_root(larger(half * half + slope * square, 0.0))
     small = where(half >= 0, ratio(square, half + both), ratio(both - half, slope))
     small = where((half >= 0) & (square == 0), 0.0, small)
     before = larger(ratio(x - small, up), 0.0)

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, root, smaller, where, within
+from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
 from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
@@ -305,7 +305,7 @@ def _inside_capsule(lines):
         beside = within(share + sign * step, 0.0, 1.0) - share
         room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
         room = ratio(room, lines.nn)
-        end = lines.middle + beside * (lines.uv / lines.uu) + sign * root(room / lines.uu)
+        end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
         clear = clear & (abs(room) > CLOSE * lines.radius * lines.radius)
         ends.append(where(room > 0, end, -sign * np.inf))
     return *ends, clear

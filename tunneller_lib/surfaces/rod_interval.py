@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, root, scaled, smaller, where, within
+from ..elementwise import larger, ratio, scaled, smaller, square_root, where, within
 from ..exact import accurate_products, two_product, two_sum
 from .vectors import differences, lengths, near_one, scalar_products, shares, sums, vector_products
 
@@ -118,12 +118,12 @@ def flat_interval(run, rise, length, radius, s, m):
     # The shadow is a rectangle, |s| <= r and 0 <= m <= run, with an ellipse about either end: a
     # disc seen at a slant, whose half width at s is k = rise/length sqrt(r^2 - s^2).
     wide = radius + guard
-    k = rise / length * root(larger((wide - s) * (wide + s), 0.0))
+    k = rise / length * square_root(larger((wide - s) * (wide + s), 0.0))
     hit = (s <= wide) & (parallel | ((m >= -k - guard) & (m <= run + k + guard))) & solid
     # What the guard let in beyond the shadow is moved to its edge, where the formulas hold.
     m = where(parallel, m, within(m, -k, run + k))
     # The product keeps the digits that r^2 - s^2 would lose near a tangent.
-    w = root(larger((radius - s) * (radius + s), 0.0))
+    w = square_root(larger((radius - s) * (radius + s), 0.0))
     # The endless wall is entered and left at middle -+ half. A line along the axis never
     # meets it: there the discs alone bound the interval.
     middle, half = ratio(m * rise, run), ratio(w * length, run)
@@ -148,7 +148,7 @@ def round_interval(run, rise, length, radius, s, m):
     """
     guard, length, parallel, s = _sizes(run, length, radius, s, m)
     wide = radius + guard
-    k = root(larger((wide - s) * (wide + s), 0.0)) + guard
+    k = square_root(larger((wide - s) * (wide + s), 0.0)) + guard
     hit = (s <= wide) & (parallel | ((m >= -k) & (m <= run + k)))
     m, run = where(parallel, 0.0, m), where(parallel, 0.0, run)
     enter, leave, _ = ball_sweep(run, rise, length, radius, s, m)
@@ -162,7 +162,7 @@ def ball_sweep(run, rise, length, radius, s, m):
     answer is negative where a line misses, and tells it without a guard.
     """
     room = (radius - s) * (radius + s)
-    k = rise / length * root(larger(room, 0.0))
+    k = rise / length * square_root(larger(room, 0.0))
     still = run == 0
     pace = where(still, 1.0, run)
     # How far along the axis those balls are: the ends' beyond the wall's own two crossings.
@@ -170,8 +170,8 @@ def ball_sweep(run, rise, length, radius, s, m):
     last = where(still, 1.0, within((m + k) / pace, 0.0, 1.0))
     behind, ahead = m - first * run, m - last * run
     before, after = room - behind * behind, room - ahead * ahead
-    enter = first * rise - root(larger(before, 0.0))
-    return enter, last * rise + root(larger(after, 0.0)), before
+    enter = first * rise - square_root(larger(before, 0.0))
+    return enter, last * rise + square_root(larger(after, 0.0)), before
 
 
 def _sizes(run, length, radius, s, m):
@@ -179,5 +179,5 @@ def _sizes(run, length, radius, s, m):
     guard = GUARD * (radius + run)
     # So small a run moves the surface over the whole rod by less than the guard.
     parallel = run <= guard
-    s = where(parallel, root(s * s + m * m), abs(s))
+    s = where(parallel, square_root(s * s + m * m), abs(s))
     return guard, where(length > 0, length, 1.0), parallel, s

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, root, some, where
+from ..elementwise import larger, ratio, some, square_root, where
 from ..exact import dot, norm
 from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, nearest_offset
@@ -173,23 +173,24 @@ class _Passing:
     def at(self, t):
         """Return the distance from the disc, and half of what its square grows by with t."""
         height = self.height + t * self.rise
-        rho = root(larger(self.square + t * (2 * self.turn + t * self.flat), 0.0))
+        rho = square_root(larger(self.square + t * (2 * self.turn + t * self.flat), 0.0))
         beside = larger(rho - self.radius, 0.0)
         outwards = (self.turn + t * self.flat) / where(rho > 0, rho, 1.0)
-        return root(beside * beside + height * height), beside * outwards + height * self.rise
+        distance = square_root(beside * beside + height * height)
+        return distance, beside * outwards + height * self.rise
 
 
 def _quickly(unit, radius, corner, q, u):
     """Return `enter`, `leave` and where they are sure of lines from the centre."""
     size, uu, qq = radius + corner, scalar_products(u, u), scalar_products(q, q)
     near = (qq <= FAR * FAR * size * size) & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
-    speed = root(uu)
+    speed = square_root(uu)
     along = shares(u, speed)
     shift = -scalar_products(q, along)
     q = sums(q, multiples(shift, along))
     line = _Passing(radius, q, along, unit)
     # The solid is in a ball about its centre, outside of which the search begins.
-    reach = root(larger(size * size - scalar_products(q, q), 0.0))
+    reach = square_root(larger(size * size - scalar_products(q, q), 0.0))
     start, started = _stepped(line, corner, -reach, 1, GUARD / 4 * size)
     end, ended = _stepped(line, corner, reach, -1, GUARD / 4 * size)
     # Up to the one and from the other on the distance is too great: passing, they prove a miss.

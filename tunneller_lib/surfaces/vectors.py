@@ -1,6 +1,6 @@
 """Vectors as three numbers, of one line, or as three rows, of many."""
 
-from ..elementwise import exponent, larger, root, scaled
+from ..elementwise import larger, power_above, scaled, square_root
 
 
 def scalar_products(a, b):
@@ -15,7 +15,7 @@ def vector_products(a, b):
 
 def lengths(v):
     """Return the lengths of vectors."""
-    return root(scalar_products(v, v))
+    return square_root(scalar_products(v, v))
 
 
 def sums(a, b):
@@ -44,7 +44,7 @@ def near_one(v):
     No digit changes, and the squares are in range.
     """
     x, y, z = v
-    power = exponent(larger(larger(abs(x), abs(y)), abs(z)))
+    power = power_above(larger(larger(abs(x), abs(y)), abs(z)))
     return (scaled(x, -power), scaled(y, -power), scaled(z, -power)), power
 
 
