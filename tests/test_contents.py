@@ -12,7 +12,14 @@ import pytest
 
 from report.site.proofs import proofs
 from report.sources import INDEX, ROOT, notebooks
-from tunneller_lib.reporting import Record, contents_table, draw_map, ending, figure
+from tunneller_lib.reporting import (
+    Record,
+    contents_table,
+    draw_first_pictures,
+    draw_map,
+    ending,
+    figure,
+)
 from tunneller_lib.reporting.chapters import filled, printed, read_chapters
 
 READS = ["notebooks/*", "report/numbers/*", "report/ledger/*", "tests/test_*.py"]
@@ -46,7 +53,19 @@ def test_chapters_ask_and_answer():
     assert [c.file for c in found] == [n.name for n in CHAPTERS]
     for chapter in found:
         assert chapter.question.endswith("?") and chapter.found.endswith("."), chapter.file
-        assert "{" not in chapter.found and "|" not in chapter.question + chapter.found
+        assert "{" not in chapter.found
+        assert "|" not in chapter.question + chapter.found + chapter.needs
+
+
+def test_chapters_say_in_words_what_they_need():
+    for chapter in read_chapters(FOLDER):
+        assert not re.search(r"\b(Eqs?\.?|sections?) \d", chapter.needs), chapter.file
+
+
+def test_essay_takes_a_quarter_of_an_hour():
+    every = {chapter.number: chapter.minutes for chapter in read_chapters(FOLDER)}
+    assert all(minutes >= 5 and minutes % 5 == 0 for minutes in every.values())
+    assert max(minutes for number, minutes in every.items() if number > 60) <= 15
 
 
 def test_contents_table_links_every_chapter():
@@ -152,9 +171,31 @@ def test_draw_map_draws_parts_with_chapters():
         draw_map(None, FOLDER)
 
 
+def test_first_pictures_are_one_of_each_chapter_in_order():
+    _, ax = figure(height=9)
+    images = draw_first_pictures(ax, FOLDER)
+    places = [image.get_extent() for image in images]
+    assert len(images) == len(CHAPTERS) == len(ax.texts)
+    assert [text.get_text() for text in ax.texts] == [n.stem[:2] for n in CHAPTERS]
+    low, high = ax.get_xlim(), ax.get_ylim()
+    for left, right, bottom, top in places:
+        assert low[0] < left < right < low[1] and high[0] < bottom < top < high[1]
+
+
+def test_first_pictures_refuse_a_notebook_without_one(tmp_path):
+    (tmp_path / "01_bare.ipynb").write_text('{"cells": [{"cell_type": "code", "source": []}]}')
+    _, ax = figure(height=2)
+    with pytest.raises(ValueError, match=r"^folder: 01_bare\.ipynb must hold a picture; run it\.$"):
+        draw_first_pictures(ax, tmp_path)
+
+
 def test_index_refuses_what_is_no_folder():
     _, ax = figure(height=2)
-    for call in (lambda: draw_map(ax, "here"), lambda: contents_table("here")):
+    for call in (
+        lambda: draw_map(ax, "here"),
+        lambda: draw_first_pictures(ax, "here"),
+        lambda: contents_table("here"),
+    ):
         with pytest.raises(ValueError, match=r"^folder: must be of class Path; got 'here'\.$"):
             call()
 

@@ -14,7 +14,7 @@ from tunneller_lib.reporting import Record, figure
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Section, Torus
 
 DRAW_IN_SPACE = {"machine_scene", "path_scene", "scene", "torus_scene", "tunnel_scene"}
-READ_NOTEBOOKS = {"contents_table", "draw_map", "ending"}
+READ_NOTEBOOKS = {"contents_table", "draw_first_pictures", "draw_map", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
 
 RING = Torus(3.0, 1.0)

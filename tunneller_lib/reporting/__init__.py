@@ -1,6 +1,6 @@
 """What notebooks use to show and to record: needs the study's environment, not only numpy."""
 
-from .chapters import contents_table, draw_map, ending
+from .chapters import contents_table, draw_first_pictures, draw_map, ending
 from .interactive import sliders
 from .moving import moving_picture
 from .number_format import in_words
@@ -14,6 +14,7 @@ __all__ = [
     "Record",
     "cone_plot",
     "contents_table",
+    "draw_first_pictures",
     "draw_map",
     "ending",
     "figure",

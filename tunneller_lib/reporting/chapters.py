@@ -1,21 +1,28 @@
 """The study's chapters, its notebooks: what each asks and found, their table, their map."""
 
+import base64
+import io
 import json
 import re
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+import PIL.Image
 from IPython.display import Markdown
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from ..arguments import checked
+from ..arguments import Whole, checked
 from .record import CHECKOUT, Record
 from .style import COLOURS
 
 NOTEBOOKS = CHECKOUT / "notebooks"
 CONTENTS = "contents.toml"
+NEEDS = re.compile(r"\*\*You need\*\*\s+(.*?)\.(?:\s|$)", re.DOTALL)
+HEADS = "", "question", "what came out", "you need", "minutes"
+WORDS, LINES = 150, 30  # of prose and of code that are read in a minute
+THUMB = 1.6  # width of a small picture over its height
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -33,12 +40,18 @@ class Chapter:
         Its title.
     found : str
         The answer in a sentence.
+    needs : str
+        What a reader must know, in Markdown.
+    minutes : int
+        What it takes to read, to the nearest five.
     """
 
     number: int
     file: str
     question: str
     found: str
+    needs: str
+    minutes: int
 
     @property
     def link(self):
@@ -63,11 +76,26 @@ def read_chapters(folder=NOTEBOOKS):
     made = []
     for path in sorted(folder.glob("[0-9]*.ipynb")):
         if number := int(path.stem[:2]):
-            text = "".join(json.loads(path.read_text())["cells"][0]["source"])
-            question = text.split("\n")[0].lstrip("# ")
+            cells = _cells(path)
+            opening = cells[0][1]
+            question = opening.split("\n")[0].lstrip("# ")
             found = filled(path.stem, said[path.stem], folder.parent)
-            made.append(Chapter(number, path.name, question, found))
+            needs = " ".join(NEEDS.search(opening)[1].split())
+            made.append(Chapter(number, path.name, question, found, needs, _minutes(cells)))
     return made
+
+
+def _cells(path):
+    """Return the kind and the text of each cell of a notebook."""
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
+
+
+def _minutes(cells):
+    """Return the minutes that cells take to read, to the nearest five."""
+    words = sum(len(text.split()) for kind, text in cells if kind == "markdown")
+    lines = sum(text.count("\n") + 1 for kind, text in cells if kind == "code")
+    return max(5, 5 * round((words / WORDS + lines / LINES) / 5))
 
 
 @checked
@@ -170,8 +198,10 @@ def contents_table(folder: Path = NOTEBOOKS):
     lines = []
     for part in _contents(folder)["part"]:
         if inside := _chapters_of(part, every):
-            lines += [f"### {part['name']}", "", "| | question | what came out |", "|-|-|-|"]
-            lines += [f"| {c.link} | {c.question} | {c.found} |" for c in inside]
+            lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
+            lines += [
+                f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |" for c in inside
+            ]
             lines.append("")
     return Markdown("\n".join(lines))
 
@@ -217,6 +247,54 @@ def draw_map(ax: Axes, folder: Path = NOTEBOOKS):
     ax.set(xlim=(-0.5, max(p["place"][0] for p in parts.values()) + 0.5), ylim=(-0.4, 2.4))
     ax.axis("off")
     return boxes
+
+
+@checked
+def draw_first_pictures(ax: Axes, folder: Path = NOTEBOOKS, *, across: Whole(1, 100) = 7):
+    """Draw the first picture of each chapter, small, with the chapter's number.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        The drawing.
+    folder : pathlib.Path
+        The folder with the notebooks, each as it was last run.
+    across : int
+        How many stand beside each other.
+
+    Returns
+    -------
+    images : list of matplotlib.image.AxesImage
+        One for each chapter.
+
+    Raises
+    ------
+    ValueError
+        If a notebook holds no picture.
+    """
+    images = []
+    paths = [path for path in sorted(folder.glob("[0-9]*.ipynb")) if int(path.stem[:2])]
+    for k, path in enumerate(paths):
+        picture = _first_picture(path)
+        column, row = k % across, -(k // across)
+        wide = min(0.88, 0.75 * picture.width / picture.height / THUMB)
+        high = wide * picture.height / picture.width * THUMB
+        place = (column - wide / 2, column + wide / 2, row - high / 2, row + high / 2)
+        images.append(ax.imshow(picture, extent=place, aspect="auto"))
+        ax.text(column - 0.47, row + 0.41, path.stem[:2], va="center", fontsize=7)
+    ax.set(xlim=(-0.5, across - 0.5), ylim=(-((len(paths) - 1) // across) - 0.5, 0.5))
+    ax.axis("off")
+    return images
+
+
+def _first_picture(path):
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        for output in cell.get("outputs", []):
+            if content := output.get("data", {}).get("image/png"):
+                picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
+                picture.thumbnail((320, 320))
+                return picture
+    raise ValueError(f"folder: {path.name} must hold a picture; run it.")
 
 
 def _two_lines(name):
