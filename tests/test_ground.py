@@ -36,7 +36,7 @@ from tunneller_lib.ream import (
     plan,
     simulate,
 )
-from tunneller_lib.ream.planning import engaged_areas
+from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 

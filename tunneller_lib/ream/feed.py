@@ -53,8 +53,8 @@ class Limits:
         Of the cutter, in m/s^2: the joints' accelerations, each times its lever, so that corners
         cost feed, too. Every lap starts and ends at rest.
     volume : float
-        Ground that a steady groove may remove, in m^3/s (section 3.3.2). Between knots and at
-        bends the ball takes somewhat more and less.
+        Ground that the cutter's front may remove, in m^3/s (section 3.3.2), where it is on the
+        circuit. Between knots the ball takes somewhat more and less.
     flow : float
         Oil that the pump delivers to both axes together, in m^3/s; needs `axes`.
     valve : float

@@ -8,9 +8,10 @@ from ..motion import Arm, Compressible, Push, follow
 from ..removal import Ground
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .faults import Fault
+from .front import engaged_areas
 from .moves import levers
 from .outward import gradient
-from .planning import Plan, engaged_areas
+from .planning import Plan
 from .sensitivity import planned_motion
 
 SLOWEST = 1e-6  # m/s, a feed below which nothing swings

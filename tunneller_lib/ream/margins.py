@@ -9,7 +9,8 @@ from ..motion import Compressible, Rigid, Sizes
 from ..motion.stability import gain_limit
 from ..paths import Circuit
 from .both_axes import Loops, Plants, check_ticks
-from .planning import Plan, engaged_areas, push_levers
+from .front import engaged_areas, push_levers
+from .planning import Plan
 
 JOINTS = "theta", "phi"
 PLACES = 41  # of the circuit, at which oil and loop are looked at

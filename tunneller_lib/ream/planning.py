@@ -21,13 +21,12 @@ from ..arguments import (
     positions,
     size,
 )
-from ..exact import norm
 from ..paths import Circuit
 from ..paths.bounds import Way
-from ..removal import removed_volume, rod_clearance
+from ..removal import rod_clearance
 from .feed import Limits
+from .front import engaged_areas, push_levers
 from .moves import Moves, levers, move_lengths, strains
-from .outward import gradient
 from .route import Route, path_points, route_through
 from .timing import move_shares, move_ticks
 
@@ -39,8 +38,6 @@ MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
 # Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
 GENTLY = 0.1
-STRIDE = 1e-4  # m of the section, for the lean of the circuit out of it
-AHEAD = 16  # places of the cutter's front over which the ground in its way is averaged
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -369,9 +366,10 @@ def plan(
 def _eased(way, circuit, limits, advance, tick):
     """Return `_timed`, with limits that are tightened where the run between places leaves them."""
     length = _places(way)
+    load = _loads(way, circuit, limits, advance, length)
     ease = np.ones_like(length)
     for _ in range(EASINGS):
-        _, speed, moment, _ = found = _timed(way, circuit, limits, advance, length, ease)
+        _, speed, moment, _ = found = _timed(way, circuit, limits, load, length, ease)
         if not tick * MOST_TICKS > moment[-1]:
             break  # refused for its ticks
         i, along = _sampled(length, speed, moment, tick)
@@ -385,6 +383,18 @@ def _eased(way, circuit, limits, advance, tick):
     return found
 
 
+def _loads(way, circuit, limits, advance, length):
+    """Return what the ground asks of the moves between lengths of way (k + 1,), for `profile`."""
+    places = way.place(length)
+    middle = (places[1:] + places[:-1]) / 2
+    load = {"ground": engaged_areas(circuit, middle, advance)}
+    if limits.ground is not None:
+        load["groove"] = engaged_areas(circuit, middle)
+        slopes = way.at(length, order=1)
+        load["pushed"] = push_levers(circuit, limits.ground, places, way.at(length), slopes)
+    return load
+
+
 def _sampled(length, speed, moment, tick):
     """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
     time = tick * np.arange(np.ceil(moment[-1] / tick - 1e-9) + 1)
@@ -395,32 +405,23 @@ def _sampled(length, speed, moment, tick):
     return i, length[i] + 2 * (length[i + 1] - length[i]) * share * mean
 
 
-def _timed(way, circuit, limits, advance, length, ease):
+def _timed(way, circuit, limits, load, length, ease):
     """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
 
-    Limits of acceleration are divided by `ease`.
+    Under a `load` from `_loads`. Limits of acceleration are divided by `ease`.
     """
     at = way.at(length)
     moves = np.diff(length)
-    places = way.place(length)
-    ground = _ground(circuit, places, moves, advance)
-    slopes = way.at(length, order=1)
-    load = {}
-    if limits.ground is not None:
-        middle = (places[1:] + places[:-1]) / 2
-        load["groove"] = engaged_areas(circuit, middle)
-        load["pushed"] = push_levers(circuit, limits.ground, places, at, slopes)
     feed = limits.profile(
         moves,
         at,
-        ground,
         **load,
-        slopes=slopes * ease[:, None],
+        slopes=way.at(length, order=1) * ease[:, None],
         bends=way.at(length, order=2) * ease[:, None],
         twists=way.at(length, order=3),
         levers=levers(circuit.machine.torus, at),
     )
-    straight = limits.profile(moves, at, ground, **load)
+    straight = limits.profile(moves, at, **load)
     # The feed changes evenly in time over a move, so that its mean is that of both ends.
     due = [np.cumsum(2 * moves / (v[1:] + v[:-1])) for v in (feed, straight)]
     return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
@@ -553,53 +554,6 @@ def _withdrawn(circuit, position, distance):
         way = slope / levers(torus, found) ** 2
         found = found - (distance + circuit.overcut(found)) * way / (slope @ way)
     return found
-
-
-def _ground(circuit, s, lengths, advance):
-    """Return the ground removed by each metre of the moves between arc lengths s, in m^2.
-
-    Moves are longer than what they cover of the section where the circuit leans out of its plane.
-    """
-    across = np.diff(s) / lengths
-    return across * groove_areas(circuit, (s[1:] + s[:-1]) / 2, advance)
-
-
-def groove_areas(circuit, s, advance=0.0):
-    """Return the ground removed by each metre of the offset section at arc lengths s, in m^2.
-
-    Beside an earlier pass, an `advance` in m away, or of a whole groove for none.
-    """
-    machine = circuit.machine
-    with np.errstate(divide="ignore"):
-        wall = 1 / circuit.profile.curvature(s) + machine.offset
-    return removed_volume(
-        machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
-    )
-
-
-def engaged_areas(circuit, s):
-    """Return the ground removed by each metre of the circuit (...), in m^2, at arc lengths s, in m.
-
-    Of a whole groove: the mean over all places that the ball's front is at work on, for it meets a
-    bend before its centre does. The circuit leans out of the section's plane and is longer.
-    """
-    machine = circuit.machine
-    front = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
-    ahead = front * (np.arange(AHEAD) + 0.5) / AHEAD
-    near = s[..., None] + [-STRIDE / 2, STRIDE / 2]
-    lean = STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])
-    return lean * groove_areas(circuit, s[..., None] + ahead).mean(axis=-1)
-
-
-def push_levers(circuit, ground, s, positions, slopes):
-    """Return the torques (n, 2) that resist positive motion, in N m, by a newton against the feed.
-
-    On a `circuit` in a `ground`, at positions (n, 2), in rad, at places s (n,), in m; slopes (n, 2)
-    are those of the positions by the length of way, in rad/m. The force out of the wall goes along
-    with that against the feed.
-    """
-    along = levers(circuit.machine.torus, positions) ** 2 * slopes
-    return along + ground.normal * gradient(circuit, s, positions)
 
 
 def _keep_clear(circuit, arm_radius):

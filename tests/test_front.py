@@ -1,0 +1,86 @@
+"""The ground that the front of a moving ball takes."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, plan
+from tunneller_lib.ream.front import engaged_areas, front_areas, groove_areas
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
+
+CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+CIRCLE = closed_profile([Arc(0.0, 0.0, 0.55, 0.0, 2 * np.pi)])
+INVERT = float(CIRCUIT.profile.blends[2])  # where the tight bend begins
+ADVANCES = pytest.mark.parametrize("advance", [0.0, 0.04, 0.17, 0.5])
+SPACING = 1e-3  # m of points, across the way
+STEP = 5e-3  # m of the section, over which ground is counted
+
+
+def counted(s, advance):
+    """Return the ground that a step along the offset section at s takes, by counting points."""
+    machine = CIRCUIT.machine
+    radius = machine.cutter_radius
+    profile = CIRCUIT.profile
+    half = np.sqrt(machine.depth * (2 * radius - machine.depth))
+    x = np.arange(-half, half, 2 * SPACING) + SPACING
+    before = profile.point(np.linspace(s - 0.15, s - STEP / 2, 100))
+    during = profile.point(np.linspace(s - STEP / 2, s + STEP / 2, 20))
+    low, high = during.min(axis=0) - radius, during.max(axis=0) + radius
+    grid = [np.arange(a, b, SPACING) + SPACING / 2 for a, b in zip(low, high, strict=True)]
+    points = np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 2)
+    beyond = -profile.depth(*points.T)
+    near = (beyond > machine.offset) & (beyond < radius)
+    points, beyond = points[near], beyond[near]
+    nearest = [
+        np.min([np.sum((points - centre) ** 2, axis=-1) for centre in way], axis=0)
+        for way in (before, during)
+    ]
+    volume = 0.0
+    for place in x:
+        square = radius**2 - place**2
+        earlier = radius**2 - (place - advance) ** 2 if advance else -1.0
+        new = (nearest[1] < square) & (nearest[0] > square)
+        new &= beyond > np.sqrt(max(earlier, 0.0))
+        volume += np.count_nonzero(new) * 2 * SPACING**3
+    return volume / STEP
+
+
+@ADVANCES
+def test_front_on_one_arc_takes_the_groove_of_a_circle(advance):
+    s = np.linspace(0.05, 0.85, 9)
+    exact = groove_areas(CIRCUIT, s, advance)
+    assert front_areas(CIRCUIT, s, advance) == pytest.approx(exact, rel=1e-4)
+
+
+@ADVANCES
+def test_areas_change_evenly_where_the_bend_jumps(advance):
+    s = np.linspace(0.9, CIRCUIT.profile.perimeter - 0.1, 4000)
+    jumps = np.abs(np.diff(groove_areas(CIRCUIT, s, advance))).max()
+    assert np.abs(np.diff(engaged_areas(CIRCUIT, s, advance))).max() < 0.05 * jumps
+
+
+@pytest.mark.parametrize("advance", [0.0, 0.04])
+@pytest.mark.parametrize("before", [0.05, 0.03, 0.015, 0.0, -0.05, -0.11, -0.125])
+def test_front_meets_a_bend_before_its_centre_does(before, advance):
+    s = INVERT - before
+    found = front_areas(CIRCUIT, np.array([s]), advance)[0]
+    assert found == pytest.approx(counted(s, advance), rel=0.04)  # of points 1 mm apart
+
+
+def test_areas_of_a_leaning_circuit_are_those_of_its_own_metres():
+    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5), pitch=0.1)
+    s = np.linspace(0.05, 0.85, 9)
+    length = np.linalg.norm(circuit.point(s + 5e-5) - circuit.point(s - 5e-5), axis=-1) / 1e-4
+    assert length.max() > 1.01
+    assert engaged_areas(circuit, s) * length == pytest.approx(groove_areas(circuit, s), rel=1e-6)
+
+
+@pytest.mark.parametrize("advance", [0.04, 0.08])
+def test_planned_feed_keeps_the_ground_of_the_front_within_its_limit(advance):
+    limits = Limits(feed=0.1, acceleration=0.5, volume=1.5e-4)
+    made = plan(CIRCUIT, limits, tolerance=1e-3, laps=2, advance=advance)
+    rate = engaged_areas(CIRCUIT, made.places, advance) * np.gradient(made.reached, made.tick)
+    assert rate.max() <= 1.03 * limits.volume
+    assert rate.max() > 0.97 * limits.volume
+    # By the bend at the centre alone the feed would be full up to where the invert begins.
+    assert np.interp(INVERT - 0.01, made.s, made.feed) < 0.9 * limits.feed

@@ -1,0 +1,90 @@
+"""The ground that the front of a moving ball takes, and how it pushes on both joints."""
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+from ..exact import norm
+from ..removal import removed_volume
+from .moves import levers
+from .outward import gradient
+
+NODES, WEIGHTS = leggauss(6)  # of slices of the ball, on either side of the earlier groove's edge
+HALVINGS = 20  # of the range in which a slice's front leaves the ground
+STRIDE = 1e-4  # m of the section, for the lean of the circuit out of it
+
+
+def groove_areas(circuit, s, advance=0.0):
+    """Return the ground removed by each metre of the offset section at arc lengths s, in m^2.
+
+    Beside an earlier pass, an `advance` in m away, or of a whole groove for none. It is that of a
+    cutter on a circle, as great as the bend at its centre.
+    """
+    machine = circuit.machine
+    with np.errstate(divide="ignore"):
+        wall = 1 / circuit.profile.curvature(s) + machine.offset
+    return removed_volume(
+        machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
+    )
+
+
+def engaged_areas(circuit, s, advance=0.0):
+    """Return the ground removed by each metre of the circuit (n,), in m^2, at arc lengths s, in m.
+
+    Beside an earlier pass, an `advance` in m away, or of a whole groove for none. Where the front
+    meets a bend before the centre does it is `front_areas`, elsewhere `groove_areas`. The circuit
+    leans out of the section's plane and is longer.
+    """
+    machine = circuit.machine
+    half = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
+    blends = circuit.profile.blends
+    begins = np.mod(s, circuit.profile.perimeter)
+    ahead = [np.searchsorted(blends, begins + way, side="right") for way in (0.0, half)]
+    bends = ahead[0] != ahead[1]
+    areas = groove_areas(circuit, s, advance)
+    areas[bends] = front_areas(circuit, s[bends], advance)
+    near = s[..., None] + [-STRIDE / 2, STRIDE / 2]
+    return areas * STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])
+
+
+def front_areas(circuit, s, advance=0.0):
+    """Return what the ball's front covers of the plane across its way (n,), in m^2, in the ground.
+
+    At arc lengths s (n,), in m: so much is removed for each metre of the offset section. Across the
+    tunnel the ball is cut into circles of radii rho. The front of each is in the ground from the
+    wall's normal on up to the angle at which it leaves it, and covers rho (1 - cos angle).
+    """
+    machine = circuit.machine
+    profile = circuit.profile
+    half = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
+    pitch = min(advance or np.inf, 2 * half)
+    # The groove of the earlier pass reaches to pitch - half, and is as deep as this one at pitch/2.
+    edges = np.array([-half, pitch - half, pitch / 2])
+    lengths = np.diff(edges)[:, None] / 2
+    x = (edges[:-1, None] + lengths * (1 + NODES)).ravel()
+    rho = np.sqrt(machine.cutter_radius**2 - x**2)
+    earlier = np.sqrt(np.maximum(machine.cutter_radius**2 - (pitch - x) ** 2, 0.0))
+    cleared = np.maximum(machine.offset, earlier)  # how far from the offset section no ground is
+    centre = profile.point(s)[:, None]
+    normal = profile.normal(s)[:, None]
+    forward = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    low = np.full((len(s), len(x)), -1.0)
+    high = np.ones_like(low)  # of the angle's cosine: where the front is in the ground
+    for _ in range(HALVINGS):
+        cos = (low + high) / 2
+        sin = np.sqrt(1 - cos**2)
+        on_front = centre + rho[:, None] * (cos[..., None] * normal + sin[..., None] * forward)
+        in_ground = -profile.depth(on_front[..., 0], on_front[..., 1]) > cleared
+        low = np.where(in_ground, low, cos)
+        high = np.where(in_ground, cos, high)
+    return (rho * (1 - high)) @ (lengths * WEIGHTS).ravel()
+
+
+def push_levers(circuit, ground, s, positions, slopes):
+    """Return the torques (n, 2) that resist positive motion, in N m, by a newton against the feed.
+
+    On a `circuit` in a `ground`, at positions (n, 2), in rad, at places s (n,), in m; slopes (n, 2)
+    are those of the positions by the length of way, in rad/m. The force out of the wall goes along
+    with that against the feed.
+    """
+    along = levers(circuit.machine.torus, positions) ** 2 * slopes
+    return along + ground.normal * gradient(circuit, s, positions)
