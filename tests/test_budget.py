@@ -65,7 +65,7 @@ TOLERANCES = pytest.mark.parametrize("tolerance", [3e-3, 1e-3, 2e-4])
 @TOLERANCES
 def test_knots_alone_leave_the_sagitta(circuit, tolerance):
     fault = knot_fault(job(circuit, tolerance=tolerance))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.measured == pytest.approx(fault.closed, rel=0.01)
     assert fault.under > fault.over  # chords keep inside
 
 
@@ -83,14 +83,16 @@ def test_corrected_chords_leave_hardly_anything(circuit, tolerance):
 @TOLERANCES
 def test_tangent_spheres_alone_leave_the_law_of_the_third_power(circuit, tolerance):
     fault = tangent_sphere_fault(job(circuit, tolerance=tolerance))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.measured == pytest.approx(
+        fault.closed, rel=0.025
+    )  # of short chords: 0.3 % at 0.2 mm
 
 
 @CIRCUITS
 def test_setpoints_alone_leave_the_sagitta_of_joint_lines(circuit):
     for step in (2e-2, 5e-3):
         fault = setpoint_fault(job(circuit, step=step))
-        assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+        assert fault.measured == pytest.approx(fault.closed, rel=1e-3)
 
 
 @CIRCUITS
@@ -98,7 +100,7 @@ def test_setpoints_alone_leave_the_sagitta_of_joint_lines(circuit):
 def test_counts_alone_leave_their_rounding(circuit, bits):
     count = 2 * np.pi / 2**bits
     fault = count_fault(job(circuit, count=count))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.measured == pytest.approx(fault.closed, rel=0.025)  # a mean over one lap
     # Half a count of either set-value is met, and one count of both together isn't passed.
     at = CIRCUIT.position(LAP.places)
     off = np.abs(count * np.rint(at / count) - at).max()
@@ -111,7 +113,7 @@ def test_counts_alone_leave_their_rounding(circuit, bits):
 @TOLERANCES
 def test_corners_alone_miss_their_knots_by_the_blend(circuit, tolerance):
     fault = corner_fault(job(circuit, tolerance=tolerance))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.measured == pytest.approx(fault.closed, rel=0.006)
     assert fault.closed <= tolerance / 2 * 1.01
 
 
@@ -135,7 +137,18 @@ PLANTS = {"T0": Integrator(0.5), "T1": Lag(0.5, 0.02), "T2": [Rigid(a) for a in 
 def test_following_alone_leaves_its_series_in_the_lag(tier, gains, options):
     plants = PLANTS[tier] if tier == "T2" else [PLANTS[tier]] * 2
     fault = following_fault(LAP, plants, pair(gains, **options))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.06)
+    # Equal gains lag along the path. Others lag across it, of which the series lacks the third
+    # order, and where the bend jumps they overshoot by micrometres.
+    missed = 0.003 if gains[0] == gains[1] else 0.055
+    assert fault.measured == pytest.approx(fault.closed, rel=missed)
+
+
+@pytest.mark.parametrize("tier", ["T0", "T1"])
+def test_following_is_off_its_series_by_the_third_order_in_the_lag(tier):
+    plants = [PLANTS[tier]] * 2
+    slow, fast = (following_fault(LAP, plants, pair(gains)) for gains in [(8, 12), (16, 24)])
+    missed = [abs(fault.measured / fault.closed - 1) for fault in (slow, fast)]
+    assert 0.03 < missed[0] < 0.055 and missed[1] < missed[0] / 4
 
 
 def test_following_error_of_a_steady_rate_is_the_rate_over_the_gain():
@@ -202,7 +215,7 @@ def test_encoder_is_off_the_linear_theory_by_half_at_most(tier, feed, bits, rati
 @pytest.mark.parametrize("name", ["y", "z", "roll", "pitch", "yaw"])
 def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, name):
     fault = pose_fault(job(circuit), Pose(**{name: 2e-3}))
-    assert fault.measured == pytest.approx(fault.closed, rel=0.05)
+    assert fault.measured == pytest.approx(fault.closed, rel=1e-3)
 
 
 def changed(fault, by, factor):

@@ -196,8 +196,7 @@ def lap(ground, **options):
 def test_feed_keeps_the_power_of_the_head_and_the_oil_of_the_valves():
     made = lap(CONCRETE)
     power = CONCRETE.power(engaged_areas(CIRCUIT, made.places) * np.gradient(made.reached, 5e-3))
-    # The places of ticks are interpolated between setpoints, so that a bend is met somewhat off.
-    assert 2900 < power.max() < 3000 * 1.05
+    assert power.max() == pytest.approx(3000, rel=1e-3)
     assert lap(replace(CONCRETE, energy=40e6)).lap_time == pytest.approx(
         2 * made.lap_time, rel=0.03
     )
@@ -223,14 +222,15 @@ def test_loaded_axis_goes_as_fast_as_its_pressure_allows():
 
 def test_wall_pushes_back_and_nothing_else_changes_it():
     short = plan(CIRCUIT, replace(lap(MORTAR).limits, feed=0.08), tolerance=5e-3, rest=0.2)
+    even = replace(MORTAR, ripple=0.0)  # with which the cutter's speed doesn't swing
     cuts = [simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=ground)
-            for ground in (None, replace(MORTAR, energy=1.0), MORTAR)]  # fmt: skip
+            for ground in (None, replace(MORTAR, energy=1.0), even)]  # fmt: skip
     free, hardly, pushed = cuts
     assert free.force is None
     assert np.abs(hardly.deviation - free.deviation).max() < 1e-8
-    # The force times the picks' speed is the power, but for the few ticks by which it is late.
-    cut_power = pushed.force * MORTAR.pick_speed * short.tick
-    assert cut_power.sum() == pytest.approx(MORTAR.power(pushed.removed.sum()), rel=0.06)
+    # The force times the picks' speed is the power, four ticks late: 0.2 % of all is the plunge's.
+    cut_power = pushed.force * even.pick_speed * short.tick
+    assert cut_power.sum() == pytest.approx(even.power(pushed.removed.sum()), rel=5e-3)
     assert (free.deviation - pushed.deviation).max() > 1e-3
 
 
@@ -256,8 +256,10 @@ def test_loads_leave_what_their_closed_forms_say(scale, section, sizes):
     shared = arm_fault(made, plants, loop, arm)
     mean = ground_fault(made, plants, loop, ground, arm=arm)
     picks = picks_fault(made, plants, loop, ground, arm=arm)
-    for fault in (shared, mean, picks):
+    for fault in (shared, mean):
         assert 1 / 1.25 < fault.measured / fault.closed < 1.25, fault.source
+    # Where the invert ends the ground falls by two thirds in less time than the loops answer in.
+    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
 
 
 def test_picks_leave_more_than_nothing_and_less_than_the_mean():
@@ -268,19 +270,19 @@ def test_picks_leave_more_than_nothing_and_less_than_the_mean():
     still = picks_fault(made, OILY, LOOP, replace(MORTAR, ripple=0.0), arm=ARM)
     assert still.measured == 0 == still.closed
     assert 0 < picks.measured < mean.measured
-    assert 1 / 1.25 < picks.measured / picks.closed < 1.25
-    # Nearly all of it is a mean that the ripple leaves, not a swing.
+    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
+    # Most of it is a mean that the ripple leaves, not a swing.
     evened = np.convolve(picks.deviation, np.ones(83) / 83, mode="valid")
-    assert np.abs(evened).max() > 0.8 * picks.measured
+    assert np.abs(evened).max() > 0.5 * picks.measured
 
 
-def test_loads_in_concrete_leave_what_their_closed_forms_say_within_a_half():
+def test_loads_in_concrete_leave_what_their_closed_forms_say():
     made = lap(CONCRETE, tolerance=5e-3, rest=0.2)
     laps = LoadedLaps(made, OILY, LOOP)
     mean = ground_fault(made, OILY, LOOP, CONCRETE, arm=ARM, laps=laps)
     picks = picks_fault(made, OILY, LOOP, CONCRETE, arm=ARM, laps=laps)
     assert 1 / 1.25 < mean.measured / mean.closed < 1.25
-    assert 1 / 1.5 < picks.measured / picks.closed < 1.5
+    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
 
 
 def test_laps_under_loads_are_run_once(monkeypatch):
