@@ -4,7 +4,6 @@ Gains are Kv, the wanted rate over the following error, in 1/s; what a plant's o
 doesn't matter, because the static inverse divides by it.
 """
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Literal
 
@@ -185,25 +184,20 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     if not np.size(angles):
         raise ValueError("angles: must hold one joint angle at least; got none.")
     models = _models(plant, angles)
+    # A closed loop changes with its gain in a straight line: all models are looked at together.
+    still = np.stack([_matrix(one, loop, 0.0) for one in models])
+    by_gain = np.stack([_matrix(one, loop, 1.0) for one in models]) - still
+    growth = lambda gain: np.abs(np.linalg.eigvals(still + gain * by_gain)).max() - 1  # noqa: E731
     if not loop.integral:
-        gentle = replace(loop, gain=GENTLE)
-        return 0.0, min(_upper_limit(one, gentle) for one in models)
-    worst = lambda gain: max(_radius(one, loop, gain) for one in models)  # noqa: E731
+        return 0.0, _first_unstable(growth, GENTLE, 1.25)
     tried = np.geomspace(GENTLE, 10 / loop.tick, GAINS)
-    radii = [worst(gain) for gain in tried]
-    calmest = int(np.argmin(radii))
-    if not radii[calmest] < 1:
+    grows = [growth(gain) for gain in tried]
+    calmest = int(np.argmin(grows))
+    if not grows[calmest] < 0:
         return np.inf, 0.0
-    growth = lambda gain: worst(gain) - 1  # noqa: E731
     start = float(tried[calmest])
     low, high = (_first_unstable(growth, start, factor) for factor in (0.8, 1.25))
     return float(low), float(high)
-
-
-@lru_cache(256)
-def _upper_limit(plant, loop):
-    """Return the gain at which a stable loop stops being so, which several checks ask for."""
-    return float(eigenvalue_limit(plant, loop))
 
 
 def _models(plant, angles):

@@ -252,8 +252,10 @@ def _push(plan, ground, picks):
     places = plan.places[:-1]
     at = circuit.position(places)
     pulse = ground.pulse(plan.tick * (np.arange(len(places)) + 0.5)) if picks else 1.0
+    # Between setpoints, closer than the cutter's front is long, its ground changes evenly.
+    area = np.interp(places, plan.s, engaged_areas(circuit, plan.s))
     return Push(
-        damper=pulse * ground.force(engaged_areas(circuit, places)),
+        damper=pulse * ground.force(area),
         lever=levers(circuit.machine.torus, at),
         across=ground.normal * gradient(circuit, places, at),
     )
