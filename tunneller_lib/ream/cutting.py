@@ -17,11 +17,11 @@ from ..motion.ticks import expect_run
 from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
-from .face import Face
+from .face import BESIDE, EVERY, Face
 from .planning import Plan, Pose, Run
 from .wall import intact_wall, overbreak, standing
 
-CHUNK = 50  # ticks after which the removed volume is noted
+CHUNK = 6 * EVERY  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s after which the cutting says how far it is
 PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
 Cost = Whole(1, 2**31 - 1)
@@ -67,7 +67,7 @@ class Cut:
 
     @property
     def ends(self):
-        """Return the ends (2,) of the modelled ground along the tunnel's x, in m."""
+        """Return the ends (2,) of the ground that laps may reach along the tunnel's x, in m."""
         return _ends(self.centres, self.plan.circuit.machine.cutter_radius)
 
     @property
@@ -185,7 +185,9 @@ def simulate(
     last = first + plan.laps * int(plan.ticks.sum())
     face = None
     if ground is not None:
-        face = Face(plan, ground, setvalues, first, pose, shape, thickness)
+        noted = first + _noted(plan)
+        tell = _Teller(plan, say, first)
+        face = Face(plan, ground, setvalues, first, pose, shape, thickness, noted, tell.cut_to)
     push = face and face.push
     track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
     for axis, name in enumerate(("theta", "phi")):
@@ -204,9 +206,25 @@ def simulate(
                 f"got {loop[axis].gain:g} 1/s."
             )
     ends = track.position[: first + 1], track.position[last:]
-    cut = _carved(plan, track.position[first : last + 1], ends, pose, shape, thickness, say)
-    force = None if face is None else face.force(track)[first:last]
-    return replace(cut, track=track.between(first, last), force=force)
+    laps = track.between(first, last)
+    if face is None:
+        return replace(_carved(plan, laps.position, ends, pose, shape, thickness, say), track=laps)
+    face.finish(track.position)
+    centres, before, after = _centres(plan, laps.position, ends, pose)
+    start, stop = _ends(np.concatenate([before, centres, after]), face.radius)
+    if start < face.ends[0] or stop > face.ends[1]:
+        raise ValueError(
+            f"ground: must hold the cutter back by less than {BESIDE:g} m along the tunnel, beyond "
+            "which no ground is modelled."
+        )
+    standing(face.wall)  # refuses a wall that is cut through
+    so_far = np.concatenate([[0.0], np.cumsum(face.removed)])
+    removed = np.diff(so_far[noted])
+    plunged = float(so_far[-1] - removed.sum())
+    force = face.force(track)[first:last]
+    return Cut(
+        plan, laps, centres, face.wall, noted - first, removed, before, after, plunged, force
+    )
 
 
 def _whole(plan):
@@ -249,12 +267,28 @@ def expected_seconds(
     # Imports, and compiles, what the run will need.
     follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=ground and Push())
     tried = min(PROBE, len(slopes))
-    first = int(plan.entry.ticks.sum())
-    face = ground and Face(plan, ground, setvalues, first, None, shape, thickness)
-    begun = time.perf_counter()
-    push = face and face.push
-    follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried], arm=arm, push=push)
-    axes = (time.perf_counter() - begun) * len(slopes) / tried
+
+    def probed(push):
+        begun = time.perf_counter()
+        follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried], arm=arm, push=push)
+        return (time.perf_counter() - begun) * len(slopes) / tried
+
+    axes = probed(ground and Push())
+    if ground is not None:
+        first = int(plan.entry.ticks.sum())
+        noted = first + _noted(plan)
+        face = Face(
+            plan,
+            ground,
+            setvalues,
+            first,
+            None,
+            shape,
+            thickness,
+            noted,
+            _Teller(plan, None).cut_to,
+        )
+        return axes, max(probed(face.push) - axes, 0.0)
     centres = plan.centres(plan.setvalues)
     reach = plan.circuit.machine.cutter_radius
     wall = intact_wall(plan.circuit, *_ends(centres, reach), shape, thickness=thickness)
@@ -312,34 +346,63 @@ def carve(
 
 def _carved(plan, position, ends, pose, shape, thickness, say):
     """Return the `Cut` of positions in all laps, and of those before and after them."""
-    ticks = int(plan.ticks.sum())
-    centres = plan.centres(position, pose=pose)
-    before = plan.centres(ends[0], pose=pose)
-    after = plan.centres(ends[1], pose=pose) - [plan.advance * (plan.laps - 1), 0.0, 0.0]
+    centres, before, after = _centres(plan, position, ends, pose)
     reach = plan.circuit.machine.cutter_radius
     start, stop = _ends(np.concatenate([before, centres, after]), reach)
     wall = intact_wall(plan.circuit, start, stop, shape, thickness=thickness)
-    # Whatever their ticks, laps and steps end where something is noted.
-    laps = ticks * np.arange(plan.laps)
-    within = np.union1d(np.arange(0, ticks, CHUNK), [ticks - len(plan.back) + 1])
-    noted = np.append(np.add.outer(laps, within[within < ticks]).ravel(), ticks * plan.laps)
+    noted = _noted(plan)
     plunged = wall.cut_path(before, reach) if len(before) else 0.0
     removed = []
-    begun = said = time.monotonic()
+    tell = _Teller(plan, say)
     for a, b in pairwise(noted):
         removed.append(wall.cut_path(centres[a : b + 1], reach))
-        now = time.monotonic()
-        if say is None or (b % ticks and now - said < SILENCE):
-            continue
-        said = now
-        lap, within = divmod(b - 1, ticks)
-        part = f", {100 * (within + 1) // ticks} % of it" if b % ticks else ""
-        left = (now - begun) * (noted[-1] - b) / b
-        to_go = f"; about {left:.0f} s to go" if left >= 1 else ""
-        say(f"cutting: lap {lap + 1} of {plan.laps}{part}{to_go}")
+        tell.cut_to(b)
     plunged += wall.cut_path(after, reach) if len(after) else 0.0
     standing(wall)  # refuses a wall that is cut through
     return Cut(plan, None, centres, wall, noted, np.array(removed), before, after, plunged)
+
+
+def _centres(plan, position, ends, pose):
+    """Return the cutter's centres in all laps, and before and after them."""
+    centres = plan.centres(position, pose=pose)
+    before = plan.centres(ends[0], pose=pose)
+    after = plan.centres(ends[1], pose=pose) - [plan.advance * (plan.laps - 1), 0.0, 0.0]
+    return centres, before, after
+
+
+def _noted(plan):
+    """Return the ticks (k + 1,) of all laps at which the removed ground is noted."""
+    # Whatever their ticks, laps and steps end where something is noted.
+    ticks = int(plan.ticks.sum())
+    within = np.union1d(np.arange(0, ticks, CHUNK), [ticks - len(plan.back) + 1])
+    starts = ticks * np.arange(plan.laps)
+    return np.append(np.add.outer(starts, within[within < ticks]).ravel(), ticks * plan.laps)
+
+
+class _Teller:
+    """Says how far the cutting is: at the end of each lap, and after a silence."""
+
+    def __init__(self, plan, say, first=0):
+        self.say = say
+        self.first = first
+        self.laps = plan.laps
+        self.ticks = int(plan.ticks.sum())
+        self.begun = self.said = time.monotonic()
+
+    def cut_to(self, tick):
+        """Say how far it is at a tick, of which the first lap begins at the `first`."""
+        done = tick - self.first
+        now = time.monotonic()
+        if self.say is None or not 0 < done <= self.ticks * self.laps:
+            return
+        if done % self.ticks and now - self.said < SILENCE:
+            return
+        self.said = now
+        lap, within = divmod(done - 1, self.ticks)
+        part = f", {100 * (within + 1) // self.ticks} % of it" if done % self.ticks else ""
+        left = (now - self.begun) * (self.ticks * self.laps - done) / done
+        to_go = f"; about {left:.0f} s to go" if left >= 1 else ""
+        self.say(f"cutting: lap {lap + 1} of {self.laps}{part}{to_go}")
 
 
 def _ends(centres, reach):

@@ -15,7 +15,8 @@ STILL = 1e-6  # m, a way on which no ground in the way can be told
 class Face:
     """The ground in the way of a cutter that two joints move; `push` is for `motion.follow`.
 
-    The ground that is removed for each metre of way is that of the last `EVERY` ticks.
+    The ground that is removed for each metre of way is that of the last `EVERY` ticks, or of fewer
+    where one is `noted`.
 
     Parameters
     ----------
@@ -33,16 +34,26 @@ class Face:
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.
+    noted : (k,) int
+        Set-values up to which the removed volumes are to be known.
+    say : function
+        Told at which set-value the run is.
 
     Attributes
     ----------
+    wall : DexelGrid
+        What stands.
+    ends : (float, float)
+        From where to where it is modelled along the tunnel's x, in m.
+    removed : (n - 1,) float
+        Volumes, in m^3, at the ticks by whose ends they were cut.
     area : (n - 1,) float
         Ground that is removed for each metre of way in each tick, in m^2.
     damper : (n - 1,) float
         Force against the motion over the cutter's speed in each tick, in N s/m.
     """
 
-    def __init__(self, plan, ground, setvalues, first, pose, shape, thickness):
+    def __init__(self, plan, ground, setvalues, first, pose, shape, thickness, noted, say):
         circuit = plan.circuit
         machine = circuit.machine
         ticks = np.arange(len(setvalues)) - first
@@ -59,30 +70,46 @@ class Face:
         time = plan.tick * (np.arange(len(setvalues) - 1) + 0.5)
         self.stiffness = ground.force(ground.pulse(time))
         planned = self._centres(setvalues, slice(None))
-        ends = (
+        self.ends = (
             planned[:, 0].min() - self.radius - BESIDE,
             planned[:, 0].max() + self.radius + BESIDE,
         )
-        self.wall = intact_wall(circuit, *ends, shape, thickness=thickness)
+        self.wall = intact_wall(circuit, *self.ends, shape, thickness=thickness)
+        self.removed = np.zeros(len(setvalues) - 1)
         self.area = np.zeros(len(setvalues) - 1)
         self.damper = np.zeros(len(setvalues) - 1)
+        self._stops = np.append(noted, len(setvalues) - 1)
+        self._say = say
         self._way = np.empty((0, 2))
         self._ahead = 0.0
+        self._asked = 0
 
     def push(self, tick, reached):
         """Return the `Push` of the next ticks, once the cutter has `reached` positions (m, 2)."""
+        self._cut(tick, reached)
+        self._asked = tick
+        self._say(tick)
+        stop = self._stops[np.searchsorted(self._stops, tick, side="right")]
+        ticks = slice(tick, min(tick + EVERY, stop))
+        self.area[ticks] = self._ahead
+        self.damper[ticks] = self._ahead * self.stiffness[ticks]
+        return Push(damper=self.damper[ticks], lever=self.lever[ticks], across=self.across[ticks])
+
+    def finish(self, position):
+        """Cut what is left of the way, once all positions (n, 2) are known."""
+        self._cut(len(position) - 1, position[self._asked :])
+
+    def _cut(self, tick, reached):
+        """Cut the way up to a tick, through the positions (m, 2) that were reached since."""
         # Where the cutter hardly moved what it cuts is known later.
         self._way = np.concatenate([self._way[:-1], reached])
         begun = tick - len(self._way) + 1
         centres = self._centres(self._way, slice(begun, tick + 1))
         moved = float(np.sum(np.linalg.norm(np.diff(centres, axis=0), axis=-1)))
         if moved > STILL:
-            self._ahead = self.wall.cut_path(centres, self.radius) / moved
+            self.removed[tick - 1] = self.wall.cut_path(centres, self.radius)
+            self._ahead = self.removed[tick - 1] / moved
             self._way = self._way[-1:]
-        ticks = slice(tick, tick + EVERY)
-        self.area[ticks] = self._ahead
-        self.damper[ticks] = self._ahead * self.stiffness[ticks]
-        return Push(damper=self.damper[ticks], lever=self.lever[ticks], across=self.across[ticks])
 
     def force(self, track):
         """Return the force (n - 1,) against the motion at each tick's beginning, in N."""
