@@ -2,15 +2,18 @@
 
 import time
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tunneller_lib.job import read_job
 from tunneller_lib.motion import Lag, Loop
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, plan, simulate
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
+REFERENCE = Path(__file__).resolve().parents[2] / "notebooks" / "reference.toml"
 SHAPE = 400, 720
 LIMITS = Limits(feed=0.06, acceleration=0.5)
 
@@ -50,3 +53,15 @@ def test_laps_cost_in_proportion(benchmark, say, laps):
     several = benchmark.pedantic(spent, args=(many,), rounds=1)
     alone = np.min([spent(one) for _ in range(2)])
     say(f"{laps} laps over {laps} times one", several / (laps * alone))
+
+
+def test_a_lap_with_everything_on_takes_less_than_ten_seconds(benchmark, say):
+    def everything():
+        start = time.process_time()
+        read_job(REFERENCE).simulated()
+        return time.process_time() - start
+
+    everything()  # compiles what it needs
+    seconds = benchmark.pedantic(everything, rounds=1)
+    say("the reference job, planned and cut with ground, arm and oil, CPU s", seconds)
+    assert seconds < 10

@@ -1,0 +1,48 @@
+"""When picks that cut what the picks before them left make a joint swing up."""
+
+import numpy as np
+import pytest
+
+from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
+from tunneller_lib.ream.chatter import chatter_limit
+from tunneller_lib.surfaces import REFERENCE_MACHINE
+
+PLANTS = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
+LOOP = Loop(10.0, 5e-4, delay=1)
+ANGLE, TICKS = 0.1, 6000
+
+
+def swing(joint, picks, damper, lever):
+    """Return by how much a swing grows in a second, and its frequency in Hz, run tick by tick."""
+    before = round(1 / picks / LOOP.tick)
+    way = np.full(before + TICKS, ANGLE)
+
+    def push(tick, reached):
+        way[before + tick] = reached[-1, joint]
+        torque = np.zeros((1, 2))
+        torque[0, joint] = damper * lever**2 * picks * (way[before + tick] - way[tick])
+        return Push(torque=torque)
+
+    wanted = np.full((TICKS + 1, 2), ANGLE)
+    wanted[1:] += 1e-5
+    off = follow(PLANTS, [LOOP] * 2, wanted, push=push).position[1:, joint]
+    _, middle, end = off.reshape(3, -1) - off.reshape(3, -1).mean(axis=-1, keepdims=True)
+    frequencies = np.fft.rfftfreq(len(end), LOOP.tick)
+    return end.std() / middle.std(), frequencies[np.abs(np.fft.rfft(end)).argmax()]
+
+
+@pytest.mark.parametrize(("joint", "picks", "lever"), [(0, 12.0, 0.88), (1, 20.0, 0.8)])
+def test_joint_swings_up_beyond_the_limit_and_not_below(joint, picks, lever):
+    limit, frequency = chatter_limit(PLANTS[joint], LOOP, ANGLE, lever, picks)
+    assert swing(joint, picks, 0.85 * limit, lever)[0] < 0.6
+    grown, found = swing(joint, picks, 1.15 * limit, lever)
+    assert grown > 2 and found == pytest.approx(frequency, abs=1.0)
+
+
+def test_limit_falls_with_the_square_of_the_lever():
+    near, far = (chatter_limit(PLANTS[0], LOOP, ANGLE, lever, 12.0) for lever in (0.4, 0.8))
+    assert near[0] == pytest.approx(4 * far[0], rel=1e-9) and near[1] == far[1]
+
+
+def test_many_picks_are_a_damper_that_nothing_swings_up_in():
+    assert chatter_limit(PLANTS[0], LOOP, ANGLE, 0.88, 1e4) == (np.inf, 0.0)
