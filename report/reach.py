@@ -6,6 +6,7 @@ imports, not all of paths. Comments, docstrings and the form of the code have no
 """
 
 import ast
+import gc
 import hashlib
 import sys
 from functools import cache
@@ -20,13 +21,24 @@ def parsed(text):
 
     A text that reads a ``__doc__`` keeps them.
     """
-    tree = ast.parse(text)
+    tree = _tree_of(text)
     if "__doc__" not in text:
         for node in _statements(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 if ast.get_docstring(node, clean=False) is not None:
                     del node.body[0]
     return tree
+
+
+def _tree_of(text):
+    """Return a text's syntax tree, made without looking for garbage among its many nodes."""
+    looked = gc.isenabled()
+    gc.disable()
+    try:
+        return ast.parse(text)
+    finally:
+        if looked:
+            gc.enable()
 
 
 def _statements(tree):

@@ -14,7 +14,7 @@ import time
 
 import pytest
 
-from report.reach import meaning, needed
+from report.reach import meaning, needed, parsed
 from report.sources import ROOT, code, notebook_sources, notebooks
 
 # What every test depends on: then all of them are meant.
@@ -48,7 +48,7 @@ def means_the_same(name, since):
 
 def reads(test):
     """Return the patterns of the files that a test says it reads."""
-    for node in ast.parse(test.read_text(encoding="utf-8")).body:
+    for node in parsed(test.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "READS":
             return ast.literal_eval(node.value)
     return []
