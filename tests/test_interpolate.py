@@ -33,15 +33,18 @@ def nearest(exact, tie):
     return floor(exact + HALF) if tie == "up" else -floor(HALF - exact)
 
 
+def quotients(whole, ticks, tie):
+    """Return whole numbers in an array over ticks, rounded to whole ones."""
+    rest = np.array([nearest(Fraction(m, ticks), tie) for m in range(ticks)])
+    return whole // ticks + rest[whole % ticks]
+
+
 @ties
 def test_time_bresenham_is_exact_rounding_of_all_short_moves(tie):
     # A start only shifts the line, so one start does for all moves and a sample of them for all.
     for ticks in range(1, 65):
         moves = time_bresenham(0, np.arange(-256, 257), ticks, tie=tie)
-        rounded = {
-            p: nearest(Fraction(p, ticks), tie) for p in range(-256 * ticks, 256 * ticks + 1)
-        }
-        expected = [[rounded[n * d] for n in range(ticks + 1)] for d in range(-256, 257)]
+        expected = quotients(np.arange(-256, 257)[:, None] * np.arange(ticks + 1), ticks, tie)
         np.testing.assert_array_equal(moves, expected)
         for start in (LOW + 256, -77, -1, 1, 123456, HIGH - 256):
             shifted = time_bresenham(start, start + np.arange(-256, 257), ticks, tie=tie)
@@ -59,15 +62,13 @@ def test_line_ticks_are_the_closed_form_of_all_short_moves(tie):
 
 @ties
 def test_time_bresenham_of_ten_thousand_long_moves(tie):
-    rng = np.random.default_rng(4)
-    ends = rng.integers(-(2**30), 2**30, (10_000, 2))
-    for (start, stop), ticks in zip(
-        ends.tolist(), rng.integers(1, 20, 10_000).tolist(), strict=True
-    ):
-        line = time_bresenham(start, stop, ticks, tie=tie).tolist()
-        assert line == list(line_ticks(start, stop, ticks, tie=tie))
-        slope = Fraction(stop - start, ticks)
-        assert line == [nearest(start + n * slope, tie) for n in range(ticks + 1)]
+    ends = np.random.default_rng(4).integers(-(2**30), 2**30, (19, 550, 2))
+    for ticks, (start, stop) in enumerate(np.moveaxis(ends, -1, 1), 1):
+        lines = time_bresenham(start, stop, ticks, tie=tie)
+        expected = quotients((stop - start)[:, None] * np.arange(ticks + 1), ticks, tie)
+        np.testing.assert_array_equal(lines, start[:, None] + expected)
+        for one, other, line in zip(start.tolist(), stop.tolist(), lines.tolist(), strict=True):
+            assert line == list(line_ticks(one, other, ticks, tie=tie))
 
 
 @pytest.mark.parametrize("ends", [(0, HIGH), (LOW, -1), (HIGH, 0), (-1, LOW), (7, -8)])
