@@ -150,8 +150,11 @@ def test_grid_sees_the_same_collision():
     s = circuit.knots(tolerance=1e-3)
     joint, centre = circuit.arm(circuit.position(s))
     angle = (np.arange(360) + 0.5) * np.pi / 180
-    reach = np.linspace(0, 1.2, 24_001)[:, None]
-    inner = reach[np.argmax(EGG.depth(reach * np.cos(angle), reach * np.sin(angle)) < 0, axis=0), 0]
+    inner, outer = np.zeros(360), np.full(360, 1.2)
+    for _ in range(40):  # the wall, halved in
+        middle = (inner + outer) / 2
+        inside = EGG.depth(middle * np.cos(angle), middle * np.sin(angle)) > 0
+        inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
     tunnel = DexelGrid.radial(-0.3, 1.3, inner, inner + 0.2, (200, 360))
     for radius, collides in ((clearance - 1e-3, False), (clearance + 5e-3, True)):
         rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre, strict=True)]

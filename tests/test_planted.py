@@ -1,8 +1,10 @@
 """The comparison of notebooks catches what is planted, and lets last bits pass."""
 
+import re
 import shutil
 import subprocess
 import sys
+from collections import Counter
 
 import matplotlib
 import nbformat
@@ -151,72 +153,82 @@ def test_missing_picture_is_told(tmp_path):
     assert picture_difference(tmp_path / "a.png", tmp_path / "b.png") == "a.png is not committed."
 
 
-def run_pytest(notebook):
-    command = [sys.executable, "-m", "pytest", "-p", "tests.notebook_results", "-q", "-rf"]
-    options = [
-        "-p",
-        "no:cacheprovider",
-        "--rootdir",
-        notebook.parent,
-        "-c",
-        ROOT / "pyproject.toml",
-    ]
-    run = subprocess.run(
-        [*command, *options, notebook], cwd=ROOT, capture_output=True, text=True, timeout=100
-    )
-    return run.stdout
-
-
-@pytest.fixture(scope="module")
-def checkout(tmp_path_factory, shared_kernels):
-    """Return a folder with a notebook that has been run, and its results."""
-    folder = tmp_path_factory.mktemp("checkout")
-    (folder / "notebooks").mkdir()
-    path = folder / "notebooks" / "01_test.ipynb"
-    cells = [new_code_cell(source, id=f"cell-{i}") for i, source in enumerate(SOURCES)]
-    nbformat.write(new_notebook(cells=cells), path)
-    run_notebook(path)
-    return folder
-
-
-@pytest.fixture
-def notebook(checkout, tmp_path):
-    shutil.copytree(checkout, tmp_path, dirs_exist_ok=True)
-    return tmp_path / "notebooks" / "01_test.ipynb"
-
-
 def edit(path, old, new):
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
 
 
-def test_true_notebook_passes(notebook):
-    assert "7 passed" in run_pytest(notebook)
-
-
-def test_notebook_that_a_build_has_run_is_not_run_again(notebook):
+def built(root):
+    notebook = root / "notebooks" / "01_test.ipynb"
     run_notebook(notebook, notebook_sources(notebook))
-    assert "2 passed" in run_pytest(notebook)
-    edit(notebook.parents[1] / "figures" / "axes.svg", "M ", "M 9")
-    assert "1 failed" in run_pytest(notebook)
 
 
-def test_planted_results_are_caught(notebook):
-    root = notebook.parent.parent
-    edit(notebook, '"0.5\\n"', '"0.6\\n"')
+def altered_since(root):
+    built(root)
+    edit(root / "figures" / "axes.svg", "M ", "M 9")
+
+
+def planted(root):
+    edit(root / "notebooks" / "01_test.ipynb", '"0.5\\n"', '"0.6\\n"')
     edit(root / "report" / "numbers" / "01_test.json", '"value": 1.25', '"value": 1.26')
     edit(root / "figures" / "axes.svg", "M ", "M 9")
-    output = run_pytest(notebook)
-    assert "4 passed" in output and "3 failed" in output
+
+
+def dead(root):
+    edit(root / "notebooks" / "01_test.ipynb", "print(0.5)", "import os; os._exit(1)")
+
+
+def unrun(root):
+    edit(root / "notebooks" / "01_test.ipynb", '"execution_count": 4', '"execution_count": 5')
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory, shared_kernels):
+    """Return what pytest says of a notebook that has been run, as it is and changed: by one run.
+
+    A part for each name, with what passed and failed of it.
+    """
+    folder = tmp_path_factory.mktemp("checkouts")
+    true = folder / "true" / "notebooks" / "01_test.ipynb"
+    true.parent.mkdir(parents=True)
+    cells = [new_code_cell(source, id=f"cell-{i}") for i, source in enumerate(SOURCES)]
+    nbformat.write(new_notebook(cells=cells), true)
+    run_notebook(true)
+    shutil.rmtree(folder / "true" / "build")
+    for change in (built, altered_since, planted, dead, unrun):
+        shutil.copytree(folder / "true", folder / change.__name__)
+        change(folder / change.__name__)
+    command = [sys.executable, "-m", "pytest", "-p", "tests.notebook_results", "-q", "-rA"]
+    options = ["-p", "no:cacheprovider", "--rootdir", folder, "-c", ROOT / "pyproject.toml"]
+    run = subprocess.run(
+        [*command, *options, folder], cwd=ROOT, capture_output=True, text=True, timeout=600
+    )
+    found = {path.name: Counter() for path in folder.iterdir()}
+    for word, name in re.findall(r"^(PASSED|FAILED) .*?(\w+)/notebooks/", run.stdout, re.M):
+        found[name][word] += 1
+    return found, run.stdout
+
+
+def test_true_notebook_passes(said):
+    assert said[0]["true"] == {"PASSED": 7}
+
+
+def test_notebook_that_a_build_has_run_is_not_run_again(said):
+    assert said[0]["built"] == {"PASSED": 2}
+    assert said[0]["altered_since"]["FAILED"] == 1
+
+
+def test_planted_results_are_caught(said):
+    found, output = said
+    assert found["planted"] == {"PASSED": 4, "FAILED": 3}
     assert "numbers, it, value: 1.26 is committed, 1.25 came out now." in output
     assert "axes.svg differs from the committed figure" in output
     assert "Cell outputs differ" in output
 
 
-def test_dead_kernel_and_unrun_notebook_are_told(notebook):
-    edit(notebook, "print(0.5)", "import os; os._exit(1)")
-    edit(notebook, '"execution_count": 4', '"execution_count": 5')
-    output = run_pytest(notebook)
-    assert "The kernel died" in output
+def test_dead_kernel_and_unrun_notebook_are_told(said):
+    found, output = said
+    assert found["dead"]["FAILED"] >= 1 and "The kernel died" in output
+    assert found["unrun"] == {"PASSED": 6, "FAILED": 1}
     assert "isn't stored as run from top to bottom" in output
