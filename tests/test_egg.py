@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.long import many
 from tests.shapes import log_uniform
 from tunneller_lib.surfaces import Egg
 
@@ -103,7 +104,7 @@ def test_offset_obeys_steiner(egg, share):
 def test_offset_is_at_its_distance_inside(a, share):
     egg = Egg(a)
     section = egg.offset(share * a)
-    points = section.point(np.linspace(0, section.perimeter, 400))
+    points = section.point(np.linspace(0, section.perimeter, many(100, 400)))
     np.testing.assert_allclose(egg.depth(*points.T), share * a, atol=1e-12 * a)
     far = to_curve(polygon(egg, 4000), points)
     np.testing.assert_allclose(far, abs(share) * a, atol=1e-3 * a)
@@ -136,7 +137,7 @@ def test_depth_against_sampled_distance(share):
     a = 0.5
     section = Egg(a).offset(share * a)
     low, high = [-1.5 * a, -2.8 * a], [1.5 * a, 1.8 * a]
-    points = np.random.default_rng(1).uniform(low, high, (400, 2))
+    points = np.random.default_rng(1).uniform(low, high, (many(120, 400), 2))
     curve = polygon(section, 5000)
     depth = section.depth(*points.T)
     step = np.max(np.linalg.norm(np.roll(curve, -1, axis=0) - curve, axis=-1))

@@ -283,7 +283,7 @@ def test_limits_refuse(options, message):
 
 @pytest.fixture(scope="module")
 def two_laps():
-    job = lap(laps=3, advance=0.05)
+    job = lap(Limits(feed=0.2, acceleration=0.5), laps=3, advance=0.05)
     return carve(job, ideal(job))
 
 
@@ -355,7 +355,7 @@ def test_ideal_chain_leaves_scallops_of_the_formula(two_laps):
 
 
 def test_ideal_chain_removes_the_volume_of_the_closed_form():
-    job = lap(laps=4, advance=0.05)
+    job = lap(Limits(feed=0.2, acceleration=0.5), laps=3, advance=0.05)
     cut = carve(job, ideal(job))
     assert len(cut.lap_volumes) == cut.plan.laps
     for steady in cut.lap_volumes[1:]:
