@@ -63,7 +63,7 @@ def test_meet_box_is_what_a_search_finds(kind, ends):
 
 
 @pytest.mark.parametrize("ends", ["flat", "round"])
-@settings(max_examples=many(16, 200))
+@settings(max_examples=many(8, 200))
 @given(st.integers(0, 2**32 - 1), st.sampled_from(KINDS), st.sampled_from([1e-6, 1.0, 1e6]))
 def test_top_is_a_point_of_the_rod_in_the_box(ends, seed, kind, scale):
     # Halve the box towards its highest part until it is a point: the rod must be there.
