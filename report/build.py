@@ -203,9 +203,10 @@ def _duration(seconds):
     return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{seconds:.0f} s"
 
 
-if __name__ == "__main__":
+def told(task):
+    """Return the exit code of a task, which says in one sentence what stops it."""
     try:
-        code = tell_stale() if sys.argv[1:] == ["stale"] else main()
+        return task()
     except KeyboardInterrupt:
         print("Interrupted; the next build goes on from here.", file=sys.stderr, flush=True)
         os._exit(130)  # at once: the threads wait for kernels, which end when we are gone
@@ -216,5 +217,8 @@ if __name__ == "__main__":
             "the next build goes on from here.",
             file=sys.stderr,
         )
-        code = 1
-    sys.exit(code)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(told(tell_stale if sys.argv[1:] == ["stale"] else main))

@@ -1,5 +1,6 @@
 """The build: what counts as a change, and that no failure leaves half a result."""
 
+import errno
 import os
 import shutil
 import signal
@@ -13,7 +14,7 @@ from ipykernel.ipkernel import IPythonKernel
 from jupyter_client.kernelspec import KernelSpecManager
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
-from report.build import recover
+from report.build import recover, told
 from report.execute import METADATA, NotebookFailed, run_notebook
 from report.lock import locked
 from report.sources import (
@@ -216,6 +217,26 @@ def test_edit_after_a_killed_build_is_kept(notebook):
     before = files(notebook)
     recover(notebook.parent.parent)
     assert files(notebook) == before
+
+
+@pytest.mark.parametrize("reason", [errno.ENOSPC, errno.EFBIG, errno.EROFS])
+def test_disk_that_takes_no_more_changes_nothing_and_is_told(notebook, reason, monkeypatch, capsys):
+    write(notebook, RECORD.format(value=1))
+    run_notebook(notebook)
+    write(notebook, RECORD.format(value=2))
+    before = files(notebook)
+
+    def refuse(*_):
+        raise OSError(reason, os.strerror(reason), "a.svg")
+
+    monkeypatch.setattr(nbformat, "write", refuse)
+    assert told(lambda: run_notebook(notebook)) == 1
+    assert capsys.readouterr().err == (
+        f"The build stopped: {os.strerror(reason)} (a.svg). What was there is whole; "
+        "the next build goes on from here.\n"
+    )
+    assert files(notebook) == before
+    assert list((notebook.parents[1] / "build" / "staging").iterdir()) == []
 
 
 def test_what_is_no_finished_notebook_is_removed(tmp_path):
