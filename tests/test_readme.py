@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+from fnmatch import fnmatch
 
 import numpy as np
 import pytest
@@ -71,3 +72,12 @@ def test_the_list_of_targets_is_complete():
     targets = set(re.findall(r"^(\w+):.*##", makefile, re.M))
     told = set(re.findall(r"`(?:make )?(\w+)`|^make (\w+)", TEXT, re.M))
     assert targets <= {name for pair in told for name in pair}
+
+
+def test_layout_names_every_module_of_the_rooms():
+    layout = TEXT.split("\n## Layout\n")[1]
+    named = re.findall(r"[\w*]+\.py\b", layout)
+    library = ROOT / "tunneller_lib"
+    for path in library.rglob("*.py"):
+        if path.parent.name not in ("reporting", "job") and path.name != "__init__.py":
+            assert any(fnmatch(path.name, name) for name in named), path.name
