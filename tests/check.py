@@ -17,6 +17,8 @@ import pytest
 from report.reach import meaning, needed, parsed
 from report.sources import ROOT, code, notebook_sources, notebooks
 
+# New files elsewhere are a visitor's own: an environment, notes.
+STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
 # What every test depends on: then all of them are meant.
 GROUND = ("environment.txt", "pyproject.toml", "tests/conftest.py", "tests/notebook_results.py")
 
@@ -28,8 +30,9 @@ def git(*arguments):
 
 
 def changed(since):
-    """Return the names of the files that differ from a commit, and of new ones."""
-    known, new = git("diff", "--name-only", since), git("ls-files", "-o", "--exclude-standard")
+    """Return the names of the files that differ from a commit, and of new ones in the study."""
+    known = git("diff", "--name-only", since)
+    new = git("ls-files", "-o", "--exclude-standard", "--", *STUDY)
     if known is None:
         sys.exit(f"SINCE: must name a commit; got {since!r}.")
     return set(known.splitlines()) | set(new.splitlines())

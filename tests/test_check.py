@@ -1,5 +1,7 @@
 """`make check`: what a change reaches, no more and no less."""
 
+import subprocess
+
 import pytest
 
 from tests import check
@@ -46,3 +48,15 @@ def test_ground_reaches_all(reached):
 def test_commit_that_is_none_is_refused():
     with pytest.raises(SystemExit, match=r"^SINCE: must name a commit; got 'no such'\.$"):
         check.changed("no such")
+
+
+def test_new_files_count_in_the_studys_folders_alone(monkeypatch, tmp_path):
+    for folder in (*check.STUDY, "plain"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "new.py").touch()
+    (tmp_path / "notes.txt").touch()
+    monkeypatch.setattr(check, "ROOT", tmp_path)
+    for command in (["init"], ["commit", "--allow-empty", "-m", "none"]):
+        who = ["-c", "user.name=nobody", "-c", "user.email=nobody@example.org"]
+        subprocess.run(["git", *who, *command, "--quiet"], cwd=tmp_path, check=True)
+    assert check.changed("HEAD") == {f"{folder}/new.py" for folder in check.STUDY}
