@@ -157,7 +157,7 @@ def test_following_error_of_a_steady_rate_is_the_rate_over_the_gain():
     rate = np.diff(at, axis=0) / 0.005
     track = follow(Integrator(0.5), pair(**P, count=0.0), at, slopes=rate)
     for error, speed in zip(track.error.T, rate.T, strict=True):
-        slow = np.convolve(speed, np.full(40, 1 / 40), "same")  # set-points on whole ticks jitter
+        slow = np.convolve(speed, np.full(40, 1 / 40), "same")  # setpoints on whole ticks jitter
         assert np.abs(error).max() == pytest.approx(np.abs(slow).max() / 10, rel=0.05)
 
 
@@ -232,7 +232,7 @@ def changed(fault, by, factor):
         wanted = len(LAP.knots) * f
         tolerances = 1e-3 / f ** np.arange(1.0, 4.0, 0.02)
         return fault(job(tolerance=min(tolerances, key=lambda t: abs(knots_within(t) - wanted))))
-    if by == "set-points":
+    if by == "setpoints":
         return fault(job(step=5e-3 / f))
     if by == "count":
         return fault(job(count=BITS16 / f))
@@ -329,7 +329,7 @@ def test_budget_adds_up_to_all_together():
     loops, plant = pair(**FED), [Lag(0.5, 0.02)] * 2
     faults = budget(LAP, plant, loops, pose=POSE)
     assert [fault.source for fault in faults] == [
-        "knots", "tangent spheres", "corners", "set-points", "counts", "feed ripple", "following",
+        "knots", "tangent spheres", "corners", "setpoints", "counts", "feed ripple", "following",
         "encoder", "pose",
     ]  # fmt: skip
     ticks = len(LAP.setvalues)

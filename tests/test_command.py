@@ -243,7 +243,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     assert answer["times_s"]["all"] > answer["lap_time_s"] > answer["times_s"]["straight"]
     assert all(isinstance(answer[name], int) for name in numbers)
     assert all(isinstance(answer[name], float) for name in lengths)
-    sources = ["knots", "tangent spheres", "corners", "set-points", "counts", "feed ripple",
+    sources = ["knots", "tangent spheres", "corners", "setpoints", "counts", "feed ripple",
                "following", "encoder", "pose"]  # fmt: skip
     assert [fault["source"] for fault in answer["faults"]] == sources
     assert all(0 <= fault["rms_m"] < 0.01 for fault in answer["faults"])
@@ -344,10 +344,10 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     code, said, _ = run(capsys, "cut", job(), "--out", tmp_path / "cut")
     assert code == 0
     lines = said.splitlines()
-    assert "set-points" in lines[0] and "1 x " in lines[1] and "under-break" in lines[2]
+    assert "setpoints" in lines[0] and "1 x " in lines[1] and "under-break" in lines[2]
     table = next(i for i, line in enumerate(lines) if line.startswith("each alone")) + 1
     assert [line.split()[0] for line in lines[table : table + 8]] == [
-        "knots", "tangent", "corners", "set-points", "counts", "feed", "following", "encoder"
+        "knots", "tangent", "corners", "setpoints", "counts", "feed", "following", "encoder"
     ]  # fmt: skip
     assert {Path(line).name for line in lines[-len(FILES) :]} == FILES
     times = next(line for line in lines if line.startswith("time in s: "))

@@ -1,4 +1,4 @@
-"""Tables for others, and for ourselves again: knots, set-points, set-values as CSV.
+"""Tables for others, and for ourselves again: knots, setpoints, set-values as CSV.
 
 In metres, radians and whole counts; the head of each says which.
 """
@@ -22,7 +22,7 @@ def knots_csv(plan: Plan):
 
 @checked
 def setpoints_csv(plan: Plan):
-    """Return the set-points of a lap as a table: ticks of each move, its end, time and feed.
+    """Return the setpoints of a lap as a table: ticks of each move, its end, time and feed.
 
     Joint positions are whole parts of a count, and the head says how many ``parts`` make one. The
     first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
@@ -30,7 +30,7 @@ def setpoints_csv(plan: Plan):
     ticks = np.append(0, plan.ticks)
     times = (plan.tick * np.cumsum(ticks)).round(9)
     left = [list(row) for row in zip(ticks.tolist(), *_texts(times, plan.feed), strict=True)]
-    what = "set-points of a lap: ticks of the move to each, theta and phi in parts of a count"
+    what = "setpoints of a lap: ticks of the move to each, theta and phi in parts of a count"
     names = ["setpoint", "ticks", "time_s", "feed_m_s", *JOINTS]
     return _described(plan, what, _columns(names, left, plan.parts), parts=plan.fineness)
 

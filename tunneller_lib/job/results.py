@@ -191,7 +191,7 @@ def _mark(fault):
 def summary_text(numbers: Summary):
     """Return what `summarise` found as lines for people, lengths in mm."""
     lines = [
-        f"{numbers['knots']} knots, {numbers['setpoints']} set-points, {numbers['ticks']} ticks",
+        f"{numbers['knots']} knots, {numbers['setpoints']} setpoints, {numbers['ticks']} ticks",
         f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
         f"{1e3 * numbers['removed_m3']:.2f} l removed",
         f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "

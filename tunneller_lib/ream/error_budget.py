@@ -28,7 +28,7 @@ OF_AXES = following_fault, encoder_fault
 # Who answers for a source; the path between knots, whatever its name, is what the paper is about.
 KINDS = {
     "knots": "chosen", "corners": "chosen", "pose": "chosen",
-    "set-points": "machine", "counts": "machine", "feed ripple": "machine",
+    "setpoints": "machine", "counts": "machine", "feed ripple": "machine",
     "following": "machine", "encoder": "machine", "both joints": "machine",
     "ground, mean": "ground", "ground, picks": "ground",
 }  # fmt: skip

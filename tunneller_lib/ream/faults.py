@@ -143,11 +143,11 @@ def setpoint_fault(plan: Plan):
     move = np.diff(at, axis=0)
     sagitta = joint_bend(circuit, middle, circuit.position(middle), move) / 8
     return Fault(
-        source="set-points",
+        source="setpoints",
         deviation=circuit.overcut(_between(plan, at)),
         measure="largest",
         closed=float(np.abs(sagitta).max()),
-        halved_by="set-points",
+        halved_by="setpoints",
         factor=np.sqrt(2),
     )
 
@@ -196,7 +196,7 @@ def ripple_fault(plan: Plan):
         deviation=along,
         measure="largest",
         closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks[:-1] / 8)),
-        halved_by="set-points",
+        halved_by="setpoints",
         factor=np.sqrt(2),
         along=True,
     )
