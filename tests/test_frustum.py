@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.exact_shapes import judged
 from tunneller_lib.surfaces import Frustum, Rod, meet_rods
 
 EMPTY = (np.inf, -np.inf)
@@ -105,7 +106,7 @@ def test_a_line_nearly_along_a_ruling_leaves_the_wall_before_the_tip_that_it_pas
     # One of a million hard lines: by rounding the wall was as far away all along, and the answer
     # ended at the tip, which the line passes at 450 roundings of the size.
     shape = [4.209124715513e50, 3.507603929594167e50, 5.846006549323612e50, 3.044132530363791e53,
-             1.5234693067537332e53, 3.8583643225535837e52, 5.4718621301669e52, 0, 0, 0, 0, 0]  # fmt: skip
+             1.5234693067537332e53, 3.8583643225535837e52, 5.4718621301669e52, *[0] * 5]  # fmt: skip
     p = [7.529656435528812e51, -3.039923405648278e50, -5.366634012279076e52]
     u = [4.911527105864659e29, 2.5253976801423366e29, 1.526147954681498e29]
     lines = [np.array([row]) for row in (shape, p, u)]

@@ -239,8 +239,8 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     w = c * first_radius + d * (h * m + e * z)
     rho = square_root(s * s + sigma * sigma)
     hit = hit & (where(wall, w - c * rho, 0.0) >= -2 * guard)
-    # What is met has its deepest point inside: the wall is moved out as far as it takes. All along
-    # a ruling that is the guard, lest rounding say where on it a line leaves that is beside the tip.
+    # What is met has its deepest point inside: the wall is moved out as far as it takes. Along a
+    # ruling it is moved by the guard, lest rounding say where a line leaves that passes the tip.
     w = larger(w, c * rho + where(steep == 0, guard, 0.0))
     before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
     before, after = where(turn < 0, after, before), where(turn < 0, before, after)
