@@ -105,12 +105,13 @@ def test_hard_lines_are_never_missed():
 def test_a_line_nearly_along_a_ruling_leaves_the_wall_before_the_tip_that_it_passes():
     # One of a million hard lines: by rounding the wall was as far away all along, and the answer
     # ended at the tip, which the line passes at 450 roundings of the size.
-    shape = [4.209124715513e50, 3.507603929594167e50, 5.846006549323612e50, 3.044132530363791e53,
-             1.5234693067537332e53, 3.8583643225535837e52, 5.4718621301669e52, *[0] * 5]  # fmt: skip
+    a = [4.209124715513e50, 3.507603929594167e50, 5.846006549323612e50]
+    b = [3.044132530363791e53, 1.5234693067537332e53, 3.8583643225535837e52]
+    radii = [5.4718621301669e52, 0.0]
     p = [7.529656435528812e51, -3.039923405648278e50, -5.366634012279076e52]
     u = [4.911527105864659e29, 2.5253976801423366e29, 1.526147954681498e29]
-    lines = [np.array([row]) for row in (shape, p, u)]
-    found = Frustum(shape[:3], shape[3:6], *shape[6:8]).meet_line(p, u)
+    lines = [np.array([row]) for row in ([*a, *b, *radii, *[0] * 4], p, u)]
+    found = Frustum(a, b, *radii).meet_line(p, u)
     faults = judged([np.array([end]) for end in found], "frustum", *lines)
     assert not np.any(faults) and found[1] < 2.0**79 * (1 - 1e-13)
 
