@@ -1,15 +1,23 @@
 """When picks that cut what the picks before them left make a joint swing up."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from tunneller_lib.job import read_job
 from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
 from tunneller_lib.ream.chatter import chatter_limit
+from tunneller_lib.ream.front import engaged_areas
+from tunneller_lib.ream.moves import levers
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 PLANTS = [Compressible(axis) for axis in reference_axes(REFERENCE_MACHINE)]
 LOOP = Loop(10.0, 5e-4, delay=1)
 ANGLE, TICKS = 0.1, 6000
+READS = ["notebooks/reference.toml"]
+JOB = Path(__file__).resolve().parents[1] / "notebooks" / "reference.toml"
 
 
 def swing(joint, picks, damper, lever):
@@ -42,6 +50,30 @@ def test_joint_swings_up_beyond_the_limit_and_not_below(joint, picks, lever):
 def test_limit_falls_with_the_square_of_the_lever():
     near, far = (chatter_limit(PLANTS[0], LOOP, ANGLE, lever, 12.0) for lever in (0.4, 0.8))
     assert near[0] == pytest.approx(4 * far[0], rel=1e-9) and near[1] == far[1]
+
+
+def test_margins_of_a_job_are_the_least_of_its_joints_and_are_printed():
+    job = read_job(JOB)
+    theta, phi = job.in_step
+    plants, loops = job.axes
+    circuit = job.planned.circuit
+    for place in np.linspace(0, circuit.profile.perimeter, 5):
+        angles = circuit.position(place)
+        lengths = levers(circuit.machine.torus, angles)
+        for one, loop, angle, lever, margin in zip(
+            plants, loops, angles, lengths, (theta, phi), strict=True
+        ):
+            assert margin.has <= chatter_limit(one, loop, angle, lever, 12.0)[0] * 1.01
+    # In concrete, 20 MJ/m^3 and 2 m/s, the damper is 10 N s/m for each square millimetre.
+    most = engaged_areas(circuit, np.linspace(0, circuit.profile.perimeter, 400)).max()
+    assert theta.needs == phi.needs == pytest.approx(1e7 * most, rel=0.02)
+    assert not theta.enough and not phi.enough
+
+
+def test_nothing_is_in_step_where_nothing_pushes_in_turn():
+    job = read_job(JOB)
+    for ground in ({}, job.ground | {"ripple_frequency": 0.0}):
+        assert replace(job, ground=ground).in_step == []
 
 
 def test_many_picks_are_a_damper_that_nothing_swings_up_in():

@@ -18,6 +18,7 @@ from ..arguments import checked, positive, shown, whole
 from ..motion import Compressible, Integrator, Lag, Loop, Rigid, arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, capability, expected_seconds, gain_margins, plan, simulate
+from ..ream.chatter import chatter_margins
 from ..removal import Ground
 from ..surfaces import Arc, Egg, Line, Machine, closed_profile
 
@@ -201,6 +202,14 @@ class Job:
         if self.controller["plant"] not in OILY or loops[0].integral:
             return []
         return capability(self.planned, plants, loops, self.sizes)
+
+    @cached_property
+    def in_step(self):
+        """Return of each joint the `Margin` against chatter, if the picks are in step; or none."""
+        plants, loops = self.axes
+        if not self.pushing or not self.pushing.ripple_frequency or loops[0].integral:
+            return []
+        return chatter_margins(self.planned, plants, loops)
 
     @cached_property
     def axes(self):

@@ -76,7 +76,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
         alone, with its greatest over- and under-break, the closed form of its ``measure`` and who
-        answers for it; ``machine``: what it has and needs, in the unit that each row names;
+        answers for it; ``machine``: what it has and needs, in the unit that each row names, and the
+        damper of the ground that each joint bears and meets if the picks are in step;
         ``warnings``, sentences.
     """
     plan = job.planned
@@ -99,7 +100,9 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "limits_used": plan.shares,
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
-        "machine": [dict(zip(MARGIN, margin, strict=False)) for margin in job.margins],
+        "machine": [
+            dict(zip(MARGIN, margin, strict=False)) for margin in [*job.margins, *job.in_step]
+        ],
         "warnings": [*_warnings(job, over, under), *_coarse(job, cut), *_strained(job, cut)],
     }
 
@@ -224,6 +227,11 @@ def summary_text(numbers: Summary):
         lines += ["", "the machine            has      needs"]
     for row in numbers["machine"]:
         lines.append(f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}")
+    if any(row["what"].startswith("in step") for row in numbers["machine"]):
+        lines += [
+            "in step: the ground's damper where picks follow each other in one track;",
+            "a joint that has less would chatter in it, at any feed",
+        ]
     return "\n".join(lines)
 
 

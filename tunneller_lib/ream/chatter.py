@@ -2,7 +2,12 @@
 
 import numpy as np
 
+from .front import engaged_areas
+from .margins import JOINTS, Margin
+from .moves import levers
+
 FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz
+PLACES = 21  # of the circuit
 
 
 def chatter_limit(plant, loop, angle, lever, picks):
@@ -55,3 +60,32 @@ def chatter_limit(plant, loop, angle, lever, picks):
         return np.inf, 0.0
     least = turns[np.argmin(needed.real[turns])]
     return float(needed.real[least]), float(FREQUENCIES[least])
+
+
+def chatter_margins(plan, plant, loop):
+    """Return which damper each joint bears on a circuit if the picks are in step, as `Margin`s.
+
+    Needed is the damper E A / u of the ground where the front of the ball takes most, in N s/m.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done, in ground whose ripple has the picks' frequency.
+    plant, loop : pair of Compressible and of Loop
+        Of theta and phi.
+    """
+    circuit, ground = plan.circuit, plan.limits.ground
+    places = np.linspace(0, circuit.profile.perimeter, PLACES)
+    at = circuit.position(places)
+    lever = levers(circuit.machine.torus, at)
+    every = np.linspace(0, circuit.profile.perimeter, 20 * PLACES)  # the front is widest at bends
+    needs = float(np.max(ground.force(engaged_areas(circuit, every))))
+    found = []
+    for joint, name in enumerate(JOINTS):
+        has = min(
+            chatter_limit(plant[joint], loop[joint], angle, length, ground.ripple_frequency)[0]
+            for angle, length in zip(at[:, joint], lever[:, joint], strict=True)
+        )
+        remedy = "picks that don't follow each other in one track would do"
+        found.append(Margin(f"in step, {name}", has, needs, "N s/m", remedy))
+    return found
