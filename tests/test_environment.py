@@ -2,6 +2,8 @@
 
 import base64
 import hashlib
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -49,3 +51,23 @@ def test_content_is_read_where_it_may_have_changed(installed):
     file.write_bytes(b"y = 3\n")
     assert environment.spoilt() == ["thing"]
     assert environment.spoilt(since=file.stat().st_ctime + 1) == []
+
+
+def test_jupyterlab_asks_no_new_user_for_news(tmp_path):
+    settings = pytest.importorskip(
+        "jupyterlab_server.settings_handler", reason="JupyterLab is in the study's environment only"
+    )
+    lab = Path(sys.prefix) / "share" / "jupyter" / "lab"
+    if not lab.is_dir():
+        pytest.skip("JupyterLab is in the study's environment only")
+    found, _ = settings.get_settings(
+        app_settings_dir=str(lab / "settings"),
+        schemas_dir=str(lab / "schemas"),
+        settings_dir=str(tmp_path),  # of somebody who never changed any
+        schema_name="@jupyterlab/apputils-extension:notification",
+    )
+    usual = {name: about["default"] for name, about in found["schema"]["properties"].items()}
+    # "none" asks on the first start whether news may be fetched.
+    assert usual["fetchNews"] == "false"
+    assert usual["checkForUpdates"] is False
+    assert usual["doNotDisturbMode"] is False  # our own notices are still seen
