@@ -25,6 +25,7 @@ LEAST_DEGREE = 4
 MORE = 2  # degrees beyond those that noise lets be seen: what is left out is less than noise
 FEWEST = 250  # planes, and the share, below which none are left out any more: what a polynomial
 SHARE = 4  # follows near an edge of regression is too small a part to speak for the surface
+SIDES = np.arange(8) * np.pi / 4  # rad, of the lines that part the points in halves
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
@@ -58,7 +59,8 @@ class Fit:
     place : (k, 2) float
         x and y of the points that were kept, in m.
     misfit : float
-        Root of the mean square of what is left, over its error: 1 if that is noise alone.
+        Root of the mean square of what is left, over its error: 1 if that is noise alone; infinite
+        where a normal leans too far from the mean.
     fits : bool
         Whether it is, as far as noise can be told.
     """
@@ -177,7 +179,7 @@ def fit_surface(
     Returns
     -------
     fit : Fit
-        Through the points near the middle that a polynomial can follow.
+        Through all points, or through a half or a quarter of them that a polynomial can follow.
 
     Raises
     ------
@@ -189,7 +191,9 @@ def fit_surface(
     Envelopes of cones, Example 32, which doesn't say how it fits. The least degree is taken to
     which no higher one adds more than noise would, and two more, so that what the polynomial leaves
     out is less than its errors. Where the highest leaves more than noise, as near an edge of
-    regression, the outer half of the points is left out, and once more.
+    regression, half of the points is left out, and once more: the outer half, or those on one side
+    of a line through the middle in one of eight directions: the first half that a polynomial can
+    follow, or, if none, a half of the one that it follows best.
 
     Examples
     --------
@@ -205,14 +209,26 @@ def fit_surface(
     if len(contact) < FEWEST:
         raise ValueError(f"contact: must be at least {FEWEST} points; got {len(contact)}.")
     fewest = max(FEWEST, len(contact) // SHARE)
-    while True:
-        found = _fitted(contact, n, contact_error, normal_error)
-        if found.fits or len(contact) < 2 * fewest:
-            return found
-        place = (contact - found.origin) @ found.axes[:2].T
-        away = np.sum((place / np.ptp(place, axis=0)) ** 2, axis=-1)
-        inner = away <= np.median(away)
-        contact, n = contact[inner], n[inner]
+    found = _fitted(contact, n, contact_error, normal_error)
+    while not found.fits and len(contact) >= 2 * fewest:
+        tried = []
+        for half in _halves(found.place):
+            fit = _fitted(contact[half], n[half], contact_error, normal_error)
+            tried.append((fit.misfit, half, fit))
+            if fit.fits:
+                return fit
+        _, half, found = min(tried, key=lambda one: one[0])
+        contact, n = contact[half], n[half]
+    return found
+
+
+def _halves(place):
+    """Yield which of some places (n, 2) are in the inner half, then which on a side of a line."""
+    place = (place - place.mean(axis=0)) / np.ptp(place, axis=0)
+    ways = [np.sum(place**2, axis=-1)]
+    ways += [place @ [np.cos(side), np.sin(side)] for side in SIDES]
+    for way in ways:
+        yield way <= np.median(way)
 
 
 def _fitted(contact, n, contact_error, normal_error):
@@ -229,12 +245,14 @@ def _fitted(contact, n, contact_error, normal_error):
     left = np.sum((right - q @ image) ** 2)
     free = len(right) - len(image)
     # A sum of as many squares of noise is their number, give or take the root of twice that.
-    fits = n[:, 2].min() > STEEP and left < free + UNLIKELY * np.sqrt(2 * free)
+    steep = n[:, 2].min() <= STEEP
+    fits = not steep and left < free + UNLIKELY * np.sqrt(2 * free)
     degree = _degree(image)
     count = _count(degree)
     root = root[:count, :count]
     c = np.linalg.solve(root, image[:count])
-    return Fit(origin, axes, reach, degree, c, root, local[:, :2], np.sqrt(left / free), bool(fits))
+    misfit = np.inf if steep else np.sqrt(left / free)
+    return Fit(origin, axes, reach, degree, c, root, local[:, :2], misfit, bool(fits))
 
 
 def _equations(local, n, reach, contact_error, normal_error):
