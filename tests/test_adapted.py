@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, model_jet
+from tunneller_lib.envelopes.jet import EXPONENTS
 
 S, T = np.random.default_rng(3).uniform(0.2, 0.8, (2, 40))
 SURFACES = {
@@ -44,3 +45,20 @@ def test_surfaces_without_a_graph_are_refused():
             ValueError, match=r"^surface: must be smooth at every point, of a Gaussi"
         ):
             model_jet(surface, places, T)
+
+
+def test_model_jet_is_the_series_of_the_tangent_planes():
+    """At a point nearby the series has the height over the plane there, to its fifth order."""
+    surface = SURFACES["space"]
+    x, y, f = model_jet(surface, S, T)
+    step = 1e-3
+    there, beside, g = model_jet(surface, S + step, T - 2 * step)
+    powers = zip(f.c, EXPONENTS, strict=True)
+    series = sum(c * (there - x) ** i * (beside - y) ** j for c, (i, j) in powers)
+    np.testing.assert_allclose(series, g.c[0], atol=1e-11)
+    # The value is what Eq. 6 makes of the plane: its distance from the origin over n_3 + 1.
+    n = np.stack([np.cos(T) * np.cos(S), np.cos(T) * np.sin(S), np.sin(T)], axis=-1)
+    turned = np.sign(x * n[:, 0])  # the normals' side is the surface's own
+    n = turned[:, None] * n
+    point = np.stack(surface(S, T), axis=-1)
+    np.testing.assert_allclose(f.c[0], -np.sum(point * n, axis=-1) / (n[:, 2] + 1), rtol=1e-13)

@@ -12,6 +12,7 @@ from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
 from tunneller_lib.reporting import (
     cone_plot,
+    draw_first_pictures,
     figure,
     geodesic_plot,
     machine_plot,
@@ -401,3 +402,10 @@ def test_mirrored_way_has_ends_within_half_a_turn(ax):
     for begin, end in (((0.1, 0.8), (2.6, -0.3)), ((0.0, 0.8), (3.7, -0.3))):
         with pytest.raises(ValueError, match=r"^begin, end: must have theta 0, and one between"):
             geodesic_plot.draw_mirrored(ax, RING, begin, end)
+
+
+@pytest.mark.parametrize("folder", ["here", 3, None])
+def test_first_pictures_are_those_of_a_folder(ax, folder):
+    with pytest.raises(ValueError, match=r"^folder: must be of class Path; got "):
+        draw_first_pictures(ax, folder)
+    assert not ax.images
