@@ -162,6 +162,9 @@ def test_angles_are_in_radians(call):
     for name in ("angle", "azimuth", "half_angle", "phi", "theta"):
         if name in call.parameters:
             assert rule_of(call.parameters[name].annotation).unit == "rad"
+    if "position" in call.parameters:  # of one joint, or of both
+        rule = rule_of(call.parameters["position"].annotation)
+        assert rule.unit == "rad" or rule.says.startswith("(..., 2)")
 
 
 @every_call
