@@ -409,3 +409,9 @@ def test_first_pictures_are_those_of_a_folder(ax, folder):
     with pytest.raises(ValueError, match=r"^folder: must be of class Path; got "):
         draw_first_pictures(ax, folder)
     assert not ax.images
+
+
+def test_chapter_without_a_picture_is_named(ax, tmp_path):
+    (tmp_path / "01_bare.ipynb").write_text('{"cells": [{"cell_type": "code", "source": []}]}')
+    with pytest.raises(ValueError, match=r"^folder: 01_bare\.ipynb must hold a picture; run it\.$"):
+        draw_first_pictures(ax, tmp_path)

@@ -234,6 +234,13 @@ def test_wall_pushes_back_and_nothing_else_changes_it():
     assert (free.deviation - pushed.deviation).max() > 1e-3
 
 
+def test_cutter_that_leaves_the_modelled_ground_is_refused(monkeypatch):
+    monkeypatch.setattr("tunneller_lib.ream.face.BESIDE", -0.02)  # m: less than the cutter reaches
+    short = plan(CIRCUIT, replace(lap(MORTAR).limits, feed=0.08), tolerance=5e-3, rest=0.2)
+    with pytest.raises(ValueError, match=r"^ground: must hold the cutter back by less than 0\.05 m"):
+        simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=MORTAR)
+
+
 CIRCLE = closed_profile([Arc(0.0, 0.0, 0.55, 0.0, 2 * np.pi)])
 OTHERS = [
     (1.0, None, {}), (0.5, None, {}), (1.3, None, {}), (1.0, CIRCLE, {"height": -0.1}),

@@ -554,6 +554,12 @@ def test_moves_from_rest_to_rest_keep_speed_acceleration_and_jerk():
             assert np.abs(np.diff(still, n=order)).max() / tick**order <= limit * (1 + 1e-6)
 
 
+@pytest.mark.parametrize(("more", "ticks"), [(0.0, 100), (1e-13, 100), (1e-10, 101)])
+def test_a_move_lasts_a_tick_more_where_its_speed_would_be_above_the_limit(more, ticks):
+    speed = 1 / (100 * (1 + more))  # m/s, over 1 m with ticks of a second
+    assert move_ticks(1.0, speed, 1e3, np.inf, 1.0)[0] == ticks
+
+
 def test_lap_under_joint_limits_lasts_as_long_as_toppras():
     """The time that toppra 0.6 gives on the same route: make bench compares more of them."""
     limits = Limits(feed=1e3, acceleration=1e6, joint_speed=0.3, joint_acceleration=2.0)

@@ -158,7 +158,7 @@ def _axis(sizes, linkage, least, greatest, inertia, gravity, friction):
         high=greatest + STROKE_MARGIN,
         inertia=inertia,
         gravity=gravity,
-        damping=1e-9,  # not yet known: it follows from the frequency, which doesn't depend on it
+        damping=inertia,  # any: it follows from the frequency, which doesn't depend on it
         supply=sizes.supply,
         tank=sizes.tank,
         bulk=sizes.bulk,

@@ -235,7 +235,7 @@ class ConeChord:
         gap = np.abs(start[0] * chord[1] - start[1] * chord[0]) / plan
         along = np.array([start[:2] @ chord[:2], stop[:2] @ chord[:2]]) / plan
         first, last = np.arcsinh(along / gap)
-        w = first + (last - first) * (1 + nodes) / 2
+        w = np.interp(nodes, (-1, 1), (first, last))
         rho = gap * np.cosh(w)
         height = start[2] + (gap * np.sinh(w) - along[0]) / plan * chord[2]
         # The foot's distance from the apex, the rate at which it goes away from the apex, and the

@@ -14,8 +14,6 @@ from .outward import gradient
 from .planning import Plan
 from .sensitivity import planned_motion
 
-SLOWEST = 1e-6  # m/s, a feed below which nothing swings
-
 
 class LoadedLaps:
     """Laps of a plan's circuit under loads: each is run once, whoever asks for it.
@@ -187,8 +185,7 @@ def picks_fault(
     s = 2j * np.pi * ground.ripple_frequency
     along = levers(plan.circuit.machine.torus, at)
     rate = (s * swing).real
-    speed = np.maximum(norm(along * rates), SLOWEST)
-    faster = np.sum(along**2 * rates * rate, axis=-1) / speed
+    faster = np.sum(_heading(along * rates) * along * rate, axis=-1)
     damper = ground.force(engaged_areas(plan.circuit, middle))[:, None]
     across = ground.normal * slope
     less = ground.ripple / 2 * damper * (along**2 * rate + faster[:, None] * across)
@@ -275,6 +272,12 @@ def ground_torques(plan, ground):
     return force * (along**2 * rate + speed * ground.normal * gradient(circuit, middle, at))
 
 
+def _heading(velocity):
+    """Return unit vectors (n, 2) along velocities, 0 where nothing moves."""
+    speed = norm(velocity)[:, None]
+    return velocity / np.where(speed > 0, speed, 1.0)
+
+
 def _answers(plan, plant, loop, ground, arm, torque):
     """Return the complex answers (m, 2) of both joints, in rad, to torques (m, 2) of the picks.
 
@@ -296,9 +299,8 @@ def _answers(plan, plant, loop, ground, arm, torque):
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
     # Of torque_i by the rate of the joint j.
-    speed = np.maximum(norm(along * rates), SLOWEST)[:, None, None]
     out = ground.normal * gradient(plan.circuit, middle, at)
-    matrix = out[:, :, None] * (along**2 * rates)[:, None, :] / speed
+    matrix = out[:, :, None] * (_heading(along * rates) * along)[:, None, :]
     matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))
     for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
         axis = one.axis

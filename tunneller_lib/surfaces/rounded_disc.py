@@ -11,7 +11,6 @@ from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, 
 from .rod_interval import GUARD, nearest_offset
 from .vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
 
-HALVINGS = 64  # after which an interval has no float inside, or next to none
 STEPS = 10  # of the quick way, by Newton; lines that need more nearly touch
 
 
@@ -251,7 +250,7 @@ def _interval(radius, corner, line):
 
 def _halved(before, low, high):
     """Return up to which place `before`, a function of places from `low` to `high`, holds."""
-    for _ in range(HALVINGS):
+    for _ in range(64):  # after which an interval has no float inside, or next to none
         middle = (low + high) / 2
         more = before(middle)
         low, high = where(more, middle, low), where(more, high, middle)
