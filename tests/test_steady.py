@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.optimize import brentq
 
 from tests.envelopes_random import member, near_miss, placed, window
 from tests.long import many
@@ -13,7 +14,7 @@ from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.jet import Jet
 from tunneller_lib.envelopes.rough import RUNS
-from tunneller_lib.envelopes.steady import gradients, steadiness
+from tunneller_lib.envelopes.steady import _simple, _turn, gradients, steadiness
 
 
 @cache
@@ -99,3 +100,19 @@ def test_half_angle_that_opens_slowly_is_refused_in_a_small_window():
     found = recognise(surface, *points, "cone", model="space")
     assert found.verdict == "is"
     assert found.half_angle == pytest.approx(data["half_angle"], rel=1e-9)
+
+
+@pytest.mark.parametrize(("share", "simple"), [(1e-7, False), (1e-6, False), (1e-4, True)])
+def test_a_cone_is_a_simple_one_from_a_share_of_the_slopes_terms_on(share, simple):
+    """Without errors: below a hundred-thousandth two cones may be one that counts twice."""
+    f, _ = random_jet(np.random.default_rng(11))
+
+    def slope(angle):
+        value, terms = _turn(f, np.array([[angle]]))
+        return (value / terms).item()
+
+    every = np.linspace(-np.pi, np.pi, 400)
+    first = next(k for k in range(399) if slope(every[k]) < 0 < slope(every[k + 1]))
+    angle = brentq(lambda a: slope(a) - share, every[first], every[first + 1], xtol=1e-15)
+    runs = Jet(np.repeat(f.c, RUNS, axis=1))
+    assert bool(_simple(runs, np.full((RUNS, 1), angle))) is simple
