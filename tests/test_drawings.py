@@ -165,6 +165,16 @@ def test_deviations_vanish_at_both_ends(ax):
     assert [line.get_label() for line in lines] == rules
 
 
+def test_gap_of_rounder_tori_is_nearer_to_the_law(ax):
+    tori = [Torus(1 / ratio, 1.0) for ratio in (4, 10, 100)]
+    law, *dots = path_plot.draw_gap(ax, tori, (0.0, 0.6), (1.5, -0.6))
+    angle, gap = law.get_data()
+    gap = np.interp(dots[0].get_xdata(), angle, gap)
+    off = [np.abs(one.get_ydata() - gap).max() for one in dots]
+    assert off[0] > off[1] > off[2] and off[2] < 0.02 * np.abs(gap).max()
+    assert [one.get_label() for one in dots] == ["R/r = 4", "R/r = 10", "R/r = 100"]
+
+
 def test_ruling_is_dotted_where_it_meets_the_torus(ax):
     y, z = 0.2, 0.3
     every, last = path_plot.draw_ruling(ax, TORUS, y, z)

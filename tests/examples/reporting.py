@@ -55,6 +55,7 @@ CALLS = {
     "motion_plot.draw_setvalues": {"t": SERIES, "values": SERIES, "ideal": SERIES, "box": 0.5},
     "path_plot.draw_competing": {"torus": RING, "p": (0.0, 0.8), "q": (3.1, -0.3)},
     "path_plot.draw_deviations": {"p": (0, 0), "q": (0.3, 0.2), "rules": ["tangent spheres"]},
+    "path_plot.draw_gap": {"tori": [Torus(0.1, 0.8)], "p": (0, 0), "q": (0.3, 0.2)},
     "cone_plot.draw_cone": {"u": SERIES},
     "cone_plot.draw_development": {"u": SERIES},
     "path_plot.draw_ways": {"p": (0, 0), "q": (0.3, 0.2)},

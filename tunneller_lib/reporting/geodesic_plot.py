@@ -1,26 +1,15 @@
 """Why a geodesic is the shortest way: plane drawings, each on the Axes `ax` it is given."""
 
-from typing import Annotated
-
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arguments import Finite, Rule, checked, shown
+from ..arguments import Finite, checked
 from ..paths import competing_geodesics, geodesic_direct, half_swing
 from ..surfaces import Torus
-from .path_plot import JointPosition
+from .path_plot import JointPosition, Tori
 from .style import COLOURS
 
 FAN = np.radians(np.linspace(178, 33, 500))  # azimuths, from straight down to steeply up
-
-
-def _tori(name, value):
-    if not isinstance(value, (list, tuple)) or not all(isinstance(one, Torus) for one in value):
-        raise ValueError(f"{name}: must be a list of tori; got {shown(value)}.")
-    return list(value)
-
-
-Tori = Annotated[list, Rule("list of Torus", _tori)]
 
 
 @checked

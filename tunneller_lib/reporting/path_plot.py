@@ -1,12 +1,13 @@
 """Plane drawings of paths and lines on the torus, each on the Axes `ax` it is given."""
 
+from itertools import cycle
 from typing import Annotated
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from ..arguments import Finite, Rule, checked, positions, shown
-from ..paths import CHORD_PATHS, competing_geodesics, geodesic_inverse, path_length
+from ..paths import CHORD_PATHS, ChordLaw, competing_geodesics, geodesic_inverse, path_length
 from ..surfaces import Torus
 from .plot import equal
 from .style import COLOURS
@@ -31,9 +32,16 @@ def _path_names(name, value):
     return [_path_name(f"{name}[{i}]", one) for i, one in enumerate(value)]
 
 
+def _tori(name, value):
+    if not isinstance(value, (list, tuple)) or not all(isinstance(one, Torus) for one in value):
+        raise ValueError(f"{name}: must be a list of tori; got {shown(value)}.")
+    return list(value)
+
+
 JointPosition = Annotated[np.ndarray, Rule("(2,) float", _joint_position, "rad")]
 PathName = Annotated[str, Rule("str", _path_name)]
 PathNames = Annotated[list, Rule("list of str", _path_names)]
+Tori = Annotated[list, Rule("list of Torus", _tori)]
 
 
 @checked
@@ -146,6 +154,40 @@ def draw_deviations(
         lines += ax.plot((t - 0.5) * chord, 1000 * off, **path_style(name))
     ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
     ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")
+    return lines
+
+
+@checked
+def draw_gap(ax: Axes, tori: Tori, p: JointPosition, q: JointPosition):
+    """Draw the law of the tangent spheres' gap beside the geodesic, and the gap on some tori.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    tori : list of Torus
+        The surfaces on which the gap is measured.
+    p, q : (2,) float
+        Joint positions (theta, phi) of the ends, in rad.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        The law, then the dots of each torus: the gap over r, and the angle between the normals
+        at P and on the way in degrees.
+    """
+    law = ChordLaw(p, q)
+    u = np.linspace(0, 1, 129)
+    lines = ax.plot(np.degrees(u * law.angle), law.gap(u), color=COLOURS["chord"], label="law")
+    t = np.linspace(0, 1, 25)
+    half = law.angle / 2
+    turned = half + np.arctan((2 * t - 1) * np.tan(half))  # of the chord's points, as on a sphere
+    for torus, marker in zip(tori, cycle("^ox"), strict=False):
+        way = CHORD_PATHS["tangent spheres"](torus, p, q, t)
+        off = geodesic_inverse(torus, p, q).points(513).deviation(way)
+        label = f"R/r = {torus.R / torus.r:.3g}"
+        look = {"ls": "", "marker": marker, "ms": 4, "color": "0.45"}
+        lines += ax.plot(np.degrees(turned), off / torus.r, **look, label=label)
+    ax.set(xlabel="angle between the normals / deg", ylabel="beside the geodesic / r")
     return lines
 
 
