@@ -16,7 +16,7 @@ from tunneller_lib.envelopes import (
 )
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.functions import as_jet
-from tunneller_lib.envelopes.isotropic import surface_points
+from tunneller_lib.envelopes.isotropic import isotropic_derivatives, surface_points
 
 S, T = np.random.default_rng(0).uniform(0.2, 0.8, (2, 14))
 NONSENSE = {
@@ -134,3 +134,9 @@ def test_half_angles_lie_between_a_line_and_a_plane(half_angle):
         ValueError, match=r"^half_angle: must lie between 0 and pi/2, both left out"
     ):
         families.moving_cone(lambda t: None, half_angle)
+
+
+def test_derivatives_need_unit_normals():
+    for n in (2 * np.eye(3)[0], (1 + 1e-5) * np.eye(3)[2]):
+        with pytest.raises(ValueError, match=r"^n: must have the length 1; got one that hasn't\.$"):
+            isotropic_derivatives(np.zeros(3), n)

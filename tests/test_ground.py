@@ -234,12 +234,29 @@ def test_wall_pushes_back_and_nothing_else_changes_it():
     assert (free.deviation - pushed.deviation).max() > 1e-3
 
 
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_usual_sizes_grow_as_similar_machines_do(scale):
+    sizes = usual_sizes(machine_of(scale))
+    grown = {
+        "head": 30.0,
+        "beam": 60.0,
+        "hose": 50e-6,
+        "lift_friction": 40.0,
+        "swing_friction": 20.0,
+    }
+    for name, size in grown.items():
+        assert getattr(sizes, name) == pytest.approx(size * scale**3)
+    for name, size in {"rated_flow": 4e-3 / 60, "pump": 1.5e-4, "valve_leak": 1e-13}.items():
+        assert getattr(sizes, name) == pytest.approx(size * scale**2)
+    assert sizes.valve_lag == pytest.approx(4e-3 * scale)
+    assert sizes.piston_leak == pytest.approx(1e-13 * scale)
+    assert (sizes.supply, sizes.tank, sizes.bulk) == (160e5, 3e5, 1e9)
+
+
 def test_cutter_that_leaves_the_modelled_ground_is_refused(monkeypatch):
     monkeypatch.setattr("tunneller_lib.ream.face.BESIDE", -0.02)  # m: less than the cutter reaches
     short = plan(CIRCUIT, replace(lap(MORTAR).limits, feed=0.08), tolerance=5e-3, rest=0.2)
-    with pytest.raises(
-        ValueError, match=r"^ground: must hold the cutter back by less than 0\."
-    ):
+    with pytest.raises(ValueError, match=r"^ground: must hold the cutter back by less than 0\."):
         simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=MORTAR)
 
 

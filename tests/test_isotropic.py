@@ -89,12 +89,6 @@ def test_contact_point_undoes_isotropic_derivatives(scale):
     np.testing.assert_allclose(normal(x, y), n, atol=1e-14)
 
 
-def test_derivatives_need_unit_normals():
-    for n in (2 * np.eye(3)[0], (1 + 1e-5) * np.eye(3)[2]):
-        with pytest.raises(ValueError, match=r"^n: must have the length 1; got one that hasn't\.$"):
-            isotropic_derivatives(np.zeros(3), n)
-
-
 def test_cone_vertex_is_that_of_the_planes():
     for _ in range(50):
         vertex, axis, angle = RNG.normal(size=3), directions(RNG, 1)[0], RNG.uniform(0.1, 1.4)

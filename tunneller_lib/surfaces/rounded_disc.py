@@ -11,8 +11,6 @@ from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, 
 from .rod_interval import GUARD, nearest_offset
 from .vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
 
-STEPS = 10  # of the quick way, by Newton; lines that need more nearly touch
-
 
 @checked
 def meet_rounded_discs(
@@ -200,7 +198,7 @@ def _quickly(unit, radius, corner, q, u):
 
 def _stepped(line, corner, t, sign, guard):
     """Return where lines that go on from t, or back, come as near as `corner`, and if they do."""
-    for _ in range(STEPS):
+    for _ in range(10):  # Newton's steps; a line that needs more nearly touches
         distance, grow = line.at(t)
         # Tangents of a convex function are below it, so that their zeros are never beyond its own.
         outside = (distance - corner > guard) & (sign * grow < 0)
