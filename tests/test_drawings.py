@@ -248,6 +248,36 @@ def test_two_balls_leave_a_bowl_and_a_ring(ax):
     assert area(areas["ring"]) == pytest.approx(ring, rel=1e-2)
 
 
+@pytest.mark.parametrize("depth", [0.05, 0.5, 0.9])
+def test_sector_and_segment_of_a_groove_differ_by_a_triangle(ax, depth):
+    radius = 0.5
+    areas = rod_plot.draw_sector_and_segment(ax, radius, depth)
+    sector, segment = (shoelace(areas[name].get_xy()) for name in ("sector", "segment"))
+    beta = np.arccos((radius - depth) / radius)
+    assert sector == pytest.approx(radius**2 * beta, rel=1e-3)
+    triangle = (radius - depth) * radius * np.sin(beta)
+    assert sector - segment == pytest.approx(triangle, rel=1e-6, abs=1e-12)
+    with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
+        rod_plot.draw_sector_and_segment(ax, radius, 1.1)
+
+
+def shoelace(corners):
+    """Return the area inside a polygon, counted backwards where it runs clockwise."""
+    x, y = corners.T
+    return abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2
+
+
+def test_half_lens_is_a_cap_of_the_ball_or_its_upper_half(ax):
+    radius, advance = 0.5, 0.2
+    whole = rod_plot.draw_half_lens(ax, radius, advance)
+    upper = rod_plot.draw_half_lens(ax, radius, advance, strip=0.2)
+    cap = radius**2 * np.arccos(advance / 2 / radius) - advance / 2 * np.sqrt(0.24)
+    assert area(whole) == pytest.approx(cap, rel=1e-2)
+    assert area(upper) == pytest.approx(cap / 2, rel=1e-2)
+    with pytest.raises(ValueError, match=r"^advance: must be below the ball's diameter; got 1 m"):
+        rod_plot.draw_half_lens(ax, radius, 2 * radius)
+
+
 @pytest.mark.parametrize("pitch", [0.1, 3.0])
 def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     radius, depth = 0.5, 0.05
