@@ -10,6 +10,7 @@ from matplotlib.collections import PolyCollection
 from tunneller_lib.motion import Integrator, Loop, Resonance
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting import (
     cone_plot,
     draw_first_pictures,
@@ -21,7 +22,7 @@ from tunneller_lib.reporting import (
     plot,
     rod_plot,
 )
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
 
 EGG = Egg(0.5)
 TORUS = REFERENCE_MACHINE.torus
@@ -299,6 +300,24 @@ def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
         rod_plot.draw_passes(ax, radius, 1.1, pitch)
     rod_plot.draw_passes(ax, radius, 2 * radius, pitch)
+
+
+def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):
+    grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (10, 10))
+    capsule = Rod((-0.2, 0.1, -0.1), (0.3, 0.1, 0.2), 0.4, ends="round")
+    grid.cut(capsule)
+    bars = rod_plot.draw_cut_row(ax, grid, capsule)
+    low, high = np.array(bars.get_segments())[..., 1].T
+    x = np.unique(np.array(bars.get_segments())[..., 0])
+    assert x.tolist() == grid.lines.x.tolist()
+    there = np.stack([x, 0 * x + 0.1, 0 * x], axis=-1)
+    enter, leave = capsule.meet_line(there, (0, 0, 1))
+    assert np.sum(high - low) == pytest.approx(20 - np.sum(np.clip(leave - enter, 0, None)))
+    for wrong in (Rod((0, 0, 0), (0, 0, 1), 0.4), Rod((0, 0, 0), (0, 1, 0), 0.4, ends="round")):
+        with pytest.raises(ValueError, match=r"^capsule: must have round ends and its axis in a"):
+            rod_plot.draw_cut_row(ax, grid, wrong)
+    with pytest.raises(ValueError, match=r"^grid: must have lines along z; got rays\.$"):
+        rod_plot.draw_cut_row(ax, DexelGrid.radial(0, 1, 0.5, 0.6, (4, 9)), capsule)
 
 
 # ---- set-values and tasks -------------------------------------------------------------------

@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting import Record, figure
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Section, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Rod, Section, Torus
 
 DRAW_IN_SPACE = {"machine_scene", "path_scene", "scene", "torus_scene", "tunnel_scene"}
 READ_NOTEBOOKS = {"contents_table", "draw_first_pictures", "draw_map", "ending"}
@@ -29,12 +30,14 @@ SEGMENTS = HandOver(ready=(3, 9), needed=(2, 12), started=(3, 12), starved=(1, 0
 INSTANCES = {
     Axes: AXES,
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
+    DexelGrid: DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (4, 4)),
     Egg: Egg(0.5),
     Figure: DRAWING,
     HandOver: SEGMENTS,
     Loop: Loop(5.0, 0.01),
     Machine: REFERENCE_MACHINE,
     Record: RECORD,
+    Rod: Rod((0, 0, 0), (0.3, 0, 0.2), 0.4, ends="round"),
     Section: Egg(0.5),
     Torus: REFERENCE_MACHINE.torus,
 }

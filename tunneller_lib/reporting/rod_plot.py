@@ -5,6 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Ellipse, Rectangle, Wedge
 
 from ..arguments import Finite, Length, Length0, NotNegative, checked
+from ..removal import DexelGrid
+from ..surfaces import Rod
 from .plot import equal
 from .style import COLOURS
 
@@ -236,3 +238,50 @@ def draw_passes(ax: Axes, radius: Length, depth: Length, pitch: Length):
     sector = ax.add_patch(Wedge((0, wall), radius, 90 - half, 90 + half, **edge))
     equal(ax, "across / m", "into the wall / m")
     return {"taken": taken, "sector": sector}
+
+
+@checked
+def draw_cut_row(ax: Axes, grid: DexelGrid, capsule: Rod):
+    """Draw a row of a grid's upright lines, as bars, with the outline of a capsule there.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    grid : DexelGrid
+        With lines along z.
+    capsule : Rod
+        With round ends, its axis in a plane y = const; the row next to it is drawn.
+
+    Returns
+    -------
+    bars : matplotlib.collections.LineCollection
+        What is left on the lines of the row.
+
+    Raises
+    ------
+    ValueError
+        If the grid has rays, or the capsule isn't such a one.
+    """
+    if grid.lines.rays:
+        raise ValueError("grid: must have lines along z; got rays.")
+    if capsule.ends != "round" or capsule.a[1] != capsule.b[1]:
+        raise ValueError(
+            "capsule: must have round ends and its axis in a plane y = const; "
+            f"got {capsule.ends} ends from y = {capsule.a[1]:g} to {capsule.b[1]:g} m."
+        )
+    row = np.argmin(np.abs(grid.lines.aside - capsule.a[1]))
+    low, high = grid.low[..., row], grid.high[..., row]
+    left = low < high
+    x = np.broadcast_to(grid.lines.x, low.shape)
+    bars = ax.vlines(x[left], low[left], high[left], color=COLOURS["tunnel"],
+                     lw=150 / len(grid.lines.x))  # fmt: skip
+    # The row's plane cuts the capsule in a thinner one: half circles about both ends.
+    off = grid.lines.aside[row] - capsule.a[1]
+    thinner = np.sqrt(max(capsule.radius**2 - off**2, 0.0))
+    turn = np.linspace(0, 2 * np.pi, 201)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    a, b = (np.asarray(end)[[0, 2]] for end in (capsule.a, capsule.b))
+    outline = np.where((circle @ (b - a) < 0)[:, None], a, b) + thinner * circle
+    ax.fill(*outline.T, fill=False, ec=COLOURS["cutter"], lw=1.2, zorder=3)
+    equal(ax, "x / m", "z / m")
+    return bars
