@@ -16,6 +16,7 @@ from tunneller_lib.reporting import (
     draw_first_pictures,
     figure,
     geodesic_plot,
+    groove_plot,
     machine_plot,
     motion_plot,
     path_plot,
@@ -238,7 +239,7 @@ def test_shadow_leans_to_one_side_only(ax):
 
 def test_two_balls_leave_a_bowl_and_a_ring(ax):
     radius, advance = 0.5, 0.2
-    areas = rod_plot.draw_two_balls(ax, radius, advance)
+    areas = groove_plot.draw_two_balls(ax, radius, advance)
     # The upper half of either: the second ball less the lens, the strip less both balls.
     half = advance / 2
     lens = radius**2 * np.arccos(half / radius) - half * np.sqrt(radius**2 - half**2)
@@ -252,14 +253,14 @@ def test_two_balls_leave_a_bowl_and_a_ring(ax):
 @pytest.mark.parametrize("depth", [0.05, 0.5, 0.9])
 def test_sector_and_segment_of_a_groove_differ_by_a_triangle(ax, depth):
     radius = 0.5
-    areas = rod_plot.draw_sector_and_segment(ax, radius, depth)
+    areas = groove_plot.draw_sector_and_segment(ax, radius, depth)
     sector, segment = (shoelace(areas[name].get_xy()) for name in ("sector", "segment"))
     beta = np.arccos((radius - depth) / radius)
     assert sector == pytest.approx(radius**2 * beta, rel=1e-3)
     triangle = (radius - depth) * radius * np.sin(beta)
     assert sector - segment == pytest.approx(triangle, rel=1e-6, abs=1e-12)
     with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
-        rod_plot.draw_sector_and_segment(ax, radius, 1.1)
+        groove_plot.draw_sector_and_segment(ax, radius, 1.1)
 
 
 def shoelace(corners):
@@ -270,19 +271,19 @@ def shoelace(corners):
 
 def test_half_lens_is_a_cap_of_the_ball_or_its_upper_half(ax):
     radius, advance = 0.5, 0.2
-    whole = rod_plot.draw_half_lens(ax, radius, advance)
-    upper = rod_plot.draw_half_lens(ax, radius, advance, strip=0.2)
+    whole = groove_plot.draw_half_lens(ax, radius, advance)
+    upper = groove_plot.draw_half_lens(ax, radius, advance, strip=0.2)
     cap = radius**2 * np.arccos(advance / 2 / radius) - advance / 2 * np.sqrt(0.24)
     assert area(whole) == pytest.approx(cap, rel=1e-2)
     assert area(upper) == pytest.approx(cap / 2, rel=1e-2)
     with pytest.raises(ValueError, match=r"^advance: must be below the ball's diameter; got 1 m"):
-        rod_plot.draw_half_lens(ax, radius, 2 * radius)
+        groove_plot.draw_half_lens(ax, radius, 2 * radius)
 
 
 @pytest.mark.parametrize("pitch", [0.1, 3.0])
 def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     radius, depth = 0.5, 0.05
-    areas = rod_plot.draw_passes(ax, radius, depth, pitch)
+    areas = groove_plot.draw_passes(ax, radius, depth, pitch)
     to_chord = radius - depth
 
     def segment(height):
@@ -298,8 +299,34 @@ def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     half = np.degrees(np.arccos(to_chord / radius))
     assert areas["sector"].theta2 - areas["sector"].theta1 == pytest.approx(2 * half)
     with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
-        rod_plot.draw_passes(ax, radius, 1.1, pitch)
-    rod_plot.draw_passes(ax, radius, 2 * radius, pitch)
+        groove_plot.draw_passes(ax, radius, 1.1, pitch)
+    groove_plot.draw_passes(ax, radius, 2 * radius, pitch)
+
+
+def test_rod_and_box_are_drawn_where_they_touch(ax):
+    rod = Rod((0, 0, 0), (0.9, 0, 1.2), 0.25)
+    lines = rod_plot.draw_rod_and_box(ax, rod, 0.1, 0.3, 0.2)
+    x, top = lines[3].get_data()
+    corners = [(x, 0.2 + 0 * x), (x + 0.15, 0.1 + 0 * x), (x - 0.15, 0 * x)]
+    for line, over in ((1, (x, 0.1 + 0 * x)), *((3, corner) for corner in corners)):
+        there = rod.meet_line(np.stack([*over, 0 * x], axis=-1), (0, 0, 1))[1]
+        met = np.isfinite(there)
+        found = lines[line].get_ydata()[met]
+        assert np.all(found >= there[met] - 1e-12)
+        if line == 1:
+            assert np.allclose(found, there[met])
+    assert np.nanmax(top) == pytest.approx(1.2 + 0.25 * 0.6)
+
+
+def test_shares_are_squares_of_their_grade(ax):
+    shares = np.array([[0, 0.5, 5], [20, 80, 0]])
+    key = plot.draw_shares(ax, shares, ["a", "b", "c"], ["of", "7", "9"])
+    middles = [patch.get_path().vertices[:4].mean(axis=0).tolist() for patch in ax.patches]
+    assert middles == [[1, 0], [2, 0], [0, 1], [1, 1]]
+    assert [p.get_facecolor() for p in ax.patches] == [p.get_facecolor() for p in key[1:]]
+    assert [text.get_text() for text in ax.texts] == ["of", "7", "9"]
+    with pytest.raises(ValueError, match=r"^shares: must have 2 rows and 2 columns, as counts"):
+        plot.draw_shares(ax, shares, ["a", "b"], ["of", "7", "9"])
 
 
 def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):

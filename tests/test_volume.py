@@ -17,7 +17,7 @@ from tunneller_lib.removal import (
     ring,
 )
 from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.rod_plot import draw_passes
+from tunneller_lib.reporting.groove_plot import draw_passes
 
 
 @given(log_uniform(1e-6, 1e6), st.floats(0, 2))

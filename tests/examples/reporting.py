@@ -67,6 +67,7 @@ CALLS = {
                            "titles": ["a", "b"]},
     "plot.draw_feet_along_axis": {"m": (0.5, 0.3, 0.2)},
     "plot.draw_tangent_spheres": {"m": (0.5, 0.3, 0.0)},
+    "plot.draw_shares": {"shares": [[0.0, 20.0]], "columns": ["a", "b"], "counts": ["of", "7"]},
     "plot.equal": {"xlabel": "x / m", "ylabel": "y / m"},
     "preview": {"picture": PIXELS},
     "sliders": {"draw": lambda: DRAWING},

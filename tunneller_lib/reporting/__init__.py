@@ -19,6 +19,7 @@ __all__ = [
     "ending",
     "figure",
     "geodesic_plot",
+    "groove_plot",
     "in_words",
     "machine_plot",
     "machine_scene",

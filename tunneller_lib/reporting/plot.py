@@ -2,13 +2,17 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Patch, PathPatch
+from matplotlib.path import Path
 
-from ..arguments import Point, checked, shown
+from ..arguments import Point, Reals, checked, shown
 from ..surfaces import Egg, Section, Torus
 from ..surfaces.torus import FEET
 from .kinds import Lines, Pictures
 from .style import COLOURS
+
+GRADES = [1e-9, 1, 10, 50]  # %, where a chart's next shade begins
+SHADES = ["white", "#f6d5a8", "#e69f00", "#b35806", "#5a2000"]
 
 
 @checked
@@ -36,6 +40,50 @@ def draw_pictures(axes: np.ndarray, pictures: Pictures, titles: Lines):
         ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
         ax.set_title(title)
         ax.axis("off")
+
+
+@checked
+def draw_shares(ax: Axes, shares: Reals, columns: Lines, counts: Lines):
+    """Draw a chart of squares, the darker the greater a share: white is none.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    shares : (n, m) float
+        In %.
+    columns : list of str
+        Names of the m columns, set below.
+    counts : list of str
+        What each of the n rows counts, set on the right, after a head for all of them.
+
+    Returns
+    -------
+    key : list of matplotlib.patches.Patch
+        For a legend of the grades.
+
+    Raises
+    ------
+    ValueError
+        If the names aren't as many as columns, and the counts as rows and a head.
+    """
+    if shares.shape != (len(counts) - 1, len(columns)):
+        raise ValueError(
+            f"shares: must have {len(counts) - 1} rows and {len(columns)} columns, as counts and "
+            f"columns say; got {shares.shape}."
+        )
+    grade = np.digitize(shares, GRADES)
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
+    for level in range(1, len(SHADES)):
+        corners = np.argwhere(grade == level)[:, ::-1] - 0.5
+        path = Path.make_compound_path(*map(Path, corners[:, None] + square))
+        ax.add_patch(PathPatch(path, facecolor=SHADES[level], lw=0))
+    ax.set(xlim=(-0.5, len(columns) - 0.5), ylim=(len(shares) - 0.5, -0.5))
+    ax.set_xticks(np.arange(len(columns)), columns, rotation=90)
+    for i, text in enumerate(counts, start=-1):
+        ax.text(len(columns) - 0.3, i, text, va="center_baseline", fontsize="small")
+    labels = ["none", "up to 1 %", "to 10 %", "to 50 %", "more"]
+    return [Patch(facecolor=shade, edgecolor="#888888", label=label)
+            for shade, label in zip(SHADES, labels, strict=True)]  # fmt: skip
 
 
 @checked
