@@ -30,14 +30,12 @@ SEGMENTS = HandOver(ready=(3, 9), needed=(2, 12), started=(3, 12), starved=(1, 0
 INSTANCES = {
     Axes: AXES,
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
-    DexelGrid: DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (4, 4)),
     Egg: Egg(0.5),
     Figure: DRAWING,
     HandOver: SEGMENTS,
     Loop: Loop(5.0, 0.01),
     Machine: REFERENCE_MACHINE,
     Record: RECORD,
-    Rod: Rod((0, 0, 0), (0.3, 0, 0.2), 0.4, ends="round"),
     Section: Egg(0.5),
     Torus: REFERENCE_MACHINE.torus,
 }
@@ -54,6 +52,8 @@ CALLS = {
     "geodesic_plot.draw_half_swings": {"tori": [Torus(0.1, 0.8)]},
     "geodesic_plot.draw_arrivals": {"torus": RING, "begin": (0.0, 0.8), "level": -0.3},
     "geodesic_plot.draw_mirrored": {"torus": RING, "begin": (0.0, 0.8), "end": (2.6, -0.3)},
+    "rod_plot.draw_cut_row": {"grid": DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (4, 4)),
+                              "capsule": Rod((0, 0, 0), (0.3, 0, 0.2), 0.4, ends="round")},
     "moving_picture": {"draw": lambda value: DRAWING, "values": [0, 1], "alt": "Nothing."},
     "motion_plot.draw_setvalues": {"t": SERIES, "values": SERIES, "ideal": SERIES, "box": 0.5},
     "path_plot.draw_competing": {"torus": RING, "p": (0.0, 0.8), "q": (3.1, -0.3)},

@@ -91,6 +91,14 @@ def _series(name, value):
     return array
 
 
+def _chart(name, value):
+    """Return a float array (n, m) of finite numbers."""
+    array = finite_array(name, value)
+    if array.ndim != 2:
+        raise ValueError(f"{name}: must be rows of numbers (n, m); got {array.shape}.")
+    return array
+
+
 def _grid(name, value):
     """Return a float array (n, m, 3); points that aren't finite are left out by those who draw."""
     array = real(name, value)
@@ -122,6 +130,7 @@ Pixels = Annotated[np.ndarray, Rule("(n, m, 3) uint8", _pixels)]
 Picture = Annotated[object, Rule("matplotlib.figure.Figure or (n, m, 3) uint8", _picture)]
 Pictures = Annotated[list, Rule("list of (n, m, 3) uint8", sound_pictures)]
 Series = Annotated[ArrayLike, Rule("(n,) float", _series)]
+Chart = Annotated[ArrayLike, Rule("(n, m) float", _chart)]
 Flags = Annotated[ArrayLike, Rule("(n,) bool", _flags)]
 Grid = Annotated[ArrayLike, Rule("(n, m, 3) float", _grid)]
 Curve = Annotated[ArrayLike, Rule("(n, 3) float", _curve)]

@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Patch, PathPatch
 from matplotlib.path import Path
 
-from ..arguments import Point, Reals, checked, shown
+from ..arguments import Point, checked, shown
 from ..surfaces import Egg, Section, Torus
 from ..surfaces.torus import FEET
-from .kinds import Lines, Pictures
+from .kinds import Chart, Lines, Pictures
 from .style import COLOURS
 
 GRADES = [1e-9, 1, 10, 50]  # %, where a chart's next shade begins
@@ -43,7 +43,7 @@ def draw_pictures(axes: np.ndarray, pictures: Pictures, titles: Lines):
 
 
 @checked
-def draw_shares(ax: Axes, shares: Reals, columns: Lines, counts: Lines):
+def draw_shares(ax: Axes, shares: Chart, columns: Lines, counts: Lines):
     """Draw a chart of squares, the darker the greater a share: white is none.
 
     Parameters
