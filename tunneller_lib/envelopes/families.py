@@ -285,6 +285,36 @@ def turning(
 
 
 @checked
+def screwing(radius: Length, pitch: Shift, lean: Turn, *, start: Turn = 1.0):
+    """Return a motion whose vertex runs on a helix about z as its axes turn, for `moving_cone`.
+
+    Parameters
+    ----------
+    radius : float
+        Of the helix, in m.
+    pitch : float
+        Its rise, in m a radian.
+    lean : float
+        Angle of the first axis, that of the cone, from z, in rad.
+    start : float
+        Turn of the axes at v = 0, in rad.
+
+    Returns
+    -------
+    motion : callable
+        Of the time v.
+    """
+
+    def vertex(v):
+        return [radius * np.cos(v), radius * np.sin(v), pitch * v]
+
+    def velocity(v):
+        return [-radius * np.sin(v), radius * np.cos(v), pitch + 0 * v]
+
+    return turning.unchecked(vertex, velocity, lean, start=start)
+
+
+@checked
 def cyclide(x: Varying, y: Varying):
     """Return f(x, y) = y^2/(x^2 + y^2): planes of a parabolic Dupin cyclide (Example 31).
 
