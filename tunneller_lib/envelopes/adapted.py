@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..arguments import Reals, checked
+from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
 from .isotropic import contact_point, isotropic_derivatives, normal
 from .jet import Jet, compose, differentiated, inverse, jet_variables, places
@@ -82,6 +82,16 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
     """
     s, t = np.broadcast_arrays(s, t)
     return frames_by(surface, *jet_variables.unchecked(s.ravel(), t.ravel()), model)
+
+
+@checked
+def frames_along(surface: Function(2), s: Finite, t: Reals):
+    """Return the frames along one line of a surface of lines, their first axis along it.
+
+    The `surface` returns three coordinates, in m, by the line s and the place t (...) along it.
+    """
+    places = np.full(t.shape, s)
+    return adapted_frames.unchecked(lambda t, s: surface(s, t), t, places, "space")
 
 
 def frames_by(surface, s, t, model):

@@ -45,6 +45,37 @@ def _weight(x, y, u, v):
 
 
 @checked
+def eq04_terms(f: Jet, *, printed: bool = False):
+    """Return the terms of Eq. 4 (13, ...), whose sum is 0 where a line lies in the graph.
+
+    Nine are mended: there an index of a third derivative is lost or changed in print, as the
+    terms have it that are `printed`.
+    """
+    d = f.derivative
+    a, b, c = d(2, 0), d(1, 1), d(0, 2)
+    k, l, m, n = d(3, 0), d(2, 1), d(1, 2), d(0, 3)  # noqa: E741
+    l1, m1 = (b, b) if printed else (l, m)
+    l2 = k if printed else l
+    return np.stack(
+        [
+            c**3 * k**2,
+            6 * c * k * n * b * a,
+            -6 * c**2 * k * m1 * a,
+            -6 * n * m1 * a**2 * b,
+            9 * c * m1**2 * a**2,
+            -6 * b * c**2 * l1 * k,
+            12 * b**2 * l1 * n * a,
+            -18 * b * c * l1 * (n if printed else m) * a,
+            12 * c * m1 * b**2 * k,
+            -8 * n * b**3 * k,
+            9 * a * c**2 * l1**2,
+            -6 * c * l2 * n * a**2,
+            n**2 * a**3,
+        ]
+    )
+
+
+@checked
 def eq09(x: Coordinates, y: Coordinates, u: Coordinates, v: Coordinates, half_angle: Angle):
     """Return the condition that a conic about (x + u, y + v) stands for a cone, a number.
 

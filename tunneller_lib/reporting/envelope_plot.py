@@ -3,8 +3,10 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arguments import checked
+from ..arguments import Finite, checked
 from ..envelopes import ConePose
+from ..envelopes.adapted import frames_along
+from ..envelopes.functions import Function
 from ..envelopes.isotropic import plane_to_point
 from .plot import equal
 from .style import COLOURS
@@ -50,3 +52,45 @@ def draw_cone_and_conic(space: Axes, top: Axes, side: Axes, cone: ConePose):
     side.scatter(*edges.T[::2], color=SIDES)
     side.set(title="its conic", xlim=(-2.2, 2.2), ylim=(-2.2, 2.2), aspect="equal")
     side.set(xlabel="x", ylabel="z / m")
+
+
+@checked
+def draw_planes_along_line(
+    above: Axes, ahead: Axes, turned: Axes, surface: Function(2), line: Finite
+):
+    """Draw a surface of lines from above, the tangent planes along one line, and their turn.
+
+    Parameters
+    ----------
+    above, ahead, turned : matplotlib.axes.Axes
+        From above; along the line, where the planes are seen edge-on; turn against place.
+    surface : callable
+        Of the line s, in rad, and the place t along it, three coordinates in m.
+    line : float
+        Which line, in rad; the four squares stand on it from t = 0.1 to t = 1.2.
+    """
+    x, y, _ = surface(*np.meshgrid(np.linspace(0, 2 * np.pi, 33), [0.1, 1.2]))
+    above.plot(x, y, color=COLOURS["torus"], lw=0.8)
+    four = np.linspace(0.1, 1.2, 4)
+    x, y, _ = frames_along(surface, line, four).contact.T
+    above.plot(x, y, "s-", color=COLOURS["tangent sphere"], mfc=COLOURS["plane"], mec="none")
+    above.set(title="from above", xlim=(-1.7, 1.7), ylim=(-1.7, 1.7))
+    equal(above, "x / m", "y / m")
+    _, turn = _turn(surface, line, four)
+    ends = 0.4 * np.stack([np.cos(turn), np.sin(turn)])
+    ahead.plot(*np.stack([-ends, ends], axis=1), color=COLOURS["plane"])
+    ahead.plot(0, 0, "o", color=COLOURS["tangent sphere"])
+    ahead.set(title="seen along the line", xlim=(-0.5, 0.5), ylim=(-0.5, 0.5))
+    equal(ahead, "in the first plane / m", "across / m")
+    place, turn = _turn(surface, line, np.linspace(0.1, 1.2, 30))
+    turned.plot(place, np.degrees(turn), color=COLOURS["plane"])
+    turned.set(title="turn of the plane", xlabel="along the line / m", ylabel="turn / deg")
+    turned.set(ylim=(-10, 190), box_aspect=1)
+
+
+def _turn(surface, line, t):
+    """Return places along a line, in m, and how far the planes there have turned, in rad."""
+    found = frames_along(surface, line, t)
+    n = found.axes[:, 2]
+    turn = np.arctan2(n @ found.axes[0, 1], n @ found.axes[0, 2])
+    return np.linalg.norm(found.contact - found.contact[0], axis=-1), np.unwrap(turn)
