@@ -60,6 +60,7 @@ CALLS = {
     "families.channel": {"curve": helix},
     "families.moving_cone": {"motion": turning(edge, edge, 0.8), "half_angle": 0.3},
     "families.ruled": {"lines": saddle},
+    "families.swept_ball": {"path": lambda s: helix(s)[:2]},
     "families.tangent_lines": {"curve": helix},
     "families.turning": {"vertex": edge, "velocity": edge},
     "fit.fit_planes": {"contact": POINTS, "n": POINTS * [1, 1, 0] + [0, 0, 3], "scale": 1.0},

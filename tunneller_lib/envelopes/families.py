@@ -105,6 +105,37 @@ def channel(curve: Function(1), radius: Length, *, growth: Shift = 0.0):
 
 
 @checked
+def swept_ball(path: Function(1), radius: Length):
+    """Return the envelope of a ball that moves on a curve: a pipe surface, by the velocity alone.
+
+    Parameters
+    ----------
+    path : callable
+        Of a parameter s: centre in m and its derivative, which mustn't be along the x axis. What
+        it raises itself passes through.
+    radius : float
+        Of the ball, in m.
+
+    Returns
+    -------
+    surface : callable
+        Coordinates, in m, by s and the angle around the path in rad.
+    """
+
+    def surface(s, t):
+        centre, velocity = vectors("path", path(s), 2, s)
+        x, y, z = velocity
+        n = np.sqrt(y * y + z * z)
+        m = np.sqrt(dot_product(velocity, velocity))
+        first = [0 * s, -z / n, y / n]
+        second = [-n / m, x * y / n / m, x * z / n / m]
+        around = add(times(np.cos(t), first), times(np.sin(t), second))
+        return add(centre, times(radius, around))
+
+    return surface
+
+
+@checked
 def ruled(lines: Function(1), *, offset: Shift = 0.0):
     """Return a ruled surface, or one at a distance: the envelope of cylinders about its rulings.
 
