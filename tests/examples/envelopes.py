@@ -64,6 +64,7 @@ CALLS = {
     "families.tangent_lines": {"curve": helix},
     "families.turning": {"vertex": edge, "velocity": edge},
     "fit.fit_planes": {"contact": POINTS, "n": POINTS * [1, 1, 0] + [0, 0, 3], "scale": 1.0},
+    "fit.noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "fit_surface": MEASURED,
     "fit.tilted": {"n": (0.0, 0.6, 0.8)},
     "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},

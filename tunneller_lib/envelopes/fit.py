@@ -4,8 +4,8 @@ import numpy as np
 
 from ..arguments import LEAST, Directions, Points, Positive, Whole, checked
 from ..exact import dot, norm
-from .functions import Number, UnitVectors
-from .isotropic import plane_to_point
+from .functions import Centre, Function, Number, UnitVectors
+from .isotropic import normal, plane_to_point, surface_points
 
 ROUNDS = 4  # of reweighting
 _HUBER = 1.345 * 1.4826  # of the median: its efficiency is 95 % for normal errors
@@ -32,6 +32,47 @@ def tilted(n: UnitVectors, turn: Number, rng: np.random.Generator):
     aside = np.cross(rng.normal(size=n.shape), n)  # of a uniform direction
     n = n + turn * aside / norm(aside)[..., None]
     return n / norm(n)[..., None]
+
+
+@checked
+def noisy_planes(
+    f: Function(2),
+    place: Centre,
+    rng: np.random.Generator,
+    *,
+    turn: Number,
+    count: Whole(1, 100_000),
+    reach: Positive,
+):
+    """Return planes of a graph about a place of the model, as points and turned normals.
+
+    Parameters
+    ----------
+    f : callable
+        Of x and y, in m. What it raises itself passes through.
+    place : (2,) float
+        The middle of the disk over which they lie.
+    rng : numpy.random.Generator
+        Draws places and turns.
+    turn : float
+        Of each normal, as for `tilted`.
+    count : int
+        How many.
+    reach : float
+        Radius of the disk.
+
+    Returns
+    -------
+    contact : (count, 3) float
+        Where the planes touch the surface before they turn, in m.
+    n : (count, 3) float
+        Unit normals.
+    """
+    angle = 2 * np.pi * rng.random(count)
+    away = reach * np.sqrt(rng.random(count))
+    x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
+    n = np.stack(normal.unchecked(x, y), axis=-1)
+    return surface_points.unchecked(f, x, y), tilted.unchecked(n, turn, rng)
 
 
 @checked

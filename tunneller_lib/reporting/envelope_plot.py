@@ -3,14 +3,15 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arguments import Finite, checked
-from ..envelopes import ConePose
+from ..arguments import Finite, HalfAngle, Positive, Reals, checked
+from ..envelopes import ConePose, adapted_frames, hyperosculating_cones
 from ..envelopes.adapted import frames_along
-from ..envelopes.functions import Function
+from ..envelopes.functions import Centre, Function
 from ..envelopes.isotropic import plane_to_point
 from .plot import equal
 from .style import COLOURS
 
+SHADES = {2: "#DCE6EF", 4: "#7FA6C9", 6: "#22527A"}  # of numbers of cones
 SIDES = COLOURS["tangent sphere"], COLOURS["error"]  # of the two planes that are seen edge-on
 
 
@@ -94,3 +95,80 @@ def _turn(surface, line, t):
     n = found.axes[:, 2]
     turn = np.arctan2(n @ found.axes[0, 1], n @ found.axes[0, 2])
     return np.linalg.norm(found.contact - found.contact[0], axis=-1), np.unwrap(turn)
+
+
+@checked
+def draw_cone_counts(ax: Axes, x: Reals, y: Reals, count: Reals):
+    """Shade a map of the model by the number of cones, all (n, m): 2 pale, 4 darker, 6 dark."""
+    ax.contourf(x, y, count, levels=[1, 3, 5, 7], colors=list(SHADES.values()))
+    ax.set(xlabel="x", aspect="equal")
+
+
+@checked
+def draw_cones_at_contact(
+    where: Axes, rods: Axes, f: Function(2), place: Centre, half_angle: HalfAngle
+):
+    """Draw a contact in a quarter of the model, and the rulings of all cones there from above.
+
+    Parameters
+    ----------
+    where, rods : matplotlib.axes.Axes
+        The model, with the circle of the radius cot(half_angle); the tangent plane, with dots on
+        the side of the vertices, generators ochre, cones that gouge red.
+    f : callable
+        Of x and y, in m.
+    place : (2,) float
+        The contact, from 0 to 2.6.
+    half_angle : float
+        Of the cones, in rad.
+    """
+    quarter = np.linspace(0, np.pi / 2, 91)
+    edge = np.array([np.sin(quarter), np.cos(quarter)]) / np.tan(half_angle)
+    where.set(facecolor=SHADES[4], xlim=(0, 2.6), ylim=(0, 2.6), xlabel="x", ylabel="y")
+    where.fill_between(*edge, color=SHADES[6], lw=0)
+    where.plot(*place, "o", color=COLOURS["machine"])
+    where.set(aspect="equal", title="the contact in the model")
+    frame = adapted_frames(f, *np.array(place)[:, None], "isotropic").axes[0]
+    cones = hyperosculating_cones(f, *place, half_angle=half_angle)
+    ends = (cones.vertex - cones.contact) / cones.distance[:, None] @ frame[:2].T
+    for end, colour in zip(ends, cone_colours(cones), strict=True):
+        rods.plot(*np.transpose([end, -end]), "o-", color=colour, markevery=[0])
+    rods.plot(0, 0, "o", color=COLOURS["chord"])
+    rods.set(xlabel="in the tangent plane", ylabel="across", xticks=[], yticks=[])
+    rods.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), aspect="equal", title=f"{len(cones)} cones")
+
+
+def cone_colours(cones):
+    """Return the colours of cones: generators ochre, those that gouge red, others green."""
+    names = np.where(cones.undecided, "generator", np.where(cones.gouges, "error", "cone"))
+    return [COLOURS[name] for name in names]
+
+
+@checked
+def draw_gap_map(ax: Axes, e: Reals, w: Reals, gap: Reals, edge: Positive, limit: Positive):
+    """Shade a map of the gap between a surface and a cone.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    e, w : (n, m) float
+        Places in the tangent plane, in m.
+    gap : (n, m) float
+        Positive where there is air, in mm; the dashed line is where it is 0.
+    edge : float
+        How far from the contact the map goes, in m.
+    limit : float
+        Where the shades end, in mm.
+
+    Returns
+    -------
+    shades : matplotlib.contour.QuadContourSet
+        For a colour bar.
+    """
+    steps = limit * np.linspace(-1, 1, 21)
+    shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
+    shades.set_rasterized(True)  # flat shades: less than lines
+    ax.contour(e, w, gap, [0.0], colors="k", linewidths=0.6, linestyles="--")
+    ax.plot(0, 0, ".", color=COLOURS["chord"])
+    ax.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge))
+    return shades
