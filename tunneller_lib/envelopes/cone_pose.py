@@ -1,6 +1,6 @@
 """A cone of revolution where it stands: what can be asked of it without the surface it touches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -130,3 +130,21 @@ class TouchingCone:
         """
         axis = (self.side or 1) * np.array(self.pose.axis)
         return cone_planes(self.pose.vertex, axis, self.pose.half_angle, azimuth)
+
+    @checked
+    def tool(self, towards: Length, away: Length):
+        """Return the pose of a tool of that cone.
+
+        Parameters
+        ----------
+        towards, away : float
+            How far its rulings reach from the contact to the vertex, at most for four fifths of
+            the way, and away from it, in m.
+
+        Returns
+        -------
+        pose : ConePose
+            The cone, cut to that length.
+        """
+        distance = self.pose.far / 2
+        return replace(self.pose, near=max(distance - towards, 0.2 * distance), far=distance + away)
