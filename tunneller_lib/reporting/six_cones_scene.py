@@ -208,3 +208,22 @@ def _arcs_seen(cones, top, here):
         p = plane_to_point(*cone_planes(vertex, axis, cones.half_angle, ROUND[:-1]))
         found += scene.kept_parts(p, np.hypot(*p[:, :2].T) < 0.4)
     return found
+
+
+@checked
+def double_cones_picture(sheet: Grid, cones: Cones):
+    """Return a picture of a `sheet` (n, m, 3) and of those cones at a contact that are multiple."""
+    size = np.ptp(sheet, axis=(0, 1)).max()
+    plotter = scene.empty()
+    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
+    for k in np.flatnonzero(cones.multiplicity > 1):
+        distance = cones.distance[k]
+        reach = 0.35 * size / distance
+        ends = max(1 - reach, 0) * distance, (1 + reach) * distance
+        wall = scene.cone(cones.vertex[k], cones.axis[k], cones.half_angle, *ends)
+        plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.35)
+        ruling = np.outer([-reach, reach], cones.vertex[k] - cones.contact[k])
+        rod = scene.curve(cones.contact[k] + ruling, size / 150)
+        plotter.add_mesh(rod, color=COLOURS["chord"])
+    plotter.add_mesh(scene.ball(cones.contact[0], size / 50), color=COLOURS["error"])
+    return scene.shoot(plotter, direction=(1.0, -0.35, 0.9), zoom=1.0)
