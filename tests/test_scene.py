@@ -7,11 +7,15 @@ import pytest
 
 from tunneller_lib.arguments import rule_of
 from tunneller_lib.reporting import (
+    blade_scene,
     camera,
+    cone_scene,
     gl,
     machine_scene,
     path_scene,
     scene,
+    six_cones_scene,
+    surface_scene,
     torus_scene,
     tunnel_scene,
 )
@@ -122,8 +126,10 @@ def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend,
 
 
 @pytest.mark.parametrize(
-    "module", [camera, machine_scene, path_scene, scene, torus_scene, tunnel_scene]
-)
+    "module",
+    [blade_scene, camera, cone_scene, machine_scene, path_scene, scene, six_cones_scene,
+     surface_scene, torus_scene, tunnel_scene],
+)  # fmt: skip
 def test_every_argument_of_what_draws_in_space_says_what_it_may_be(module):
     own = [
         one for one in vars(module).values() if getattr(one, "__module__", "") == module.__name__

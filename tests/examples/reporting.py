@@ -7,6 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tunneller_lib.envelopes import ConePose, Cones, hyperosculating_cones
+from tunneller_lib.envelopes.families import cyclide, ruled, saddle
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
@@ -14,7 +16,8 @@ from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting import Record, figure
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Rod, Section, Torus
 
-DRAW_IN_SPACE = {"machine_scene", "path_scene", "scene", "torus_scene", "tunnel_scene"}
+DRAW_IN_SPACE = {"blade_scene", "cone_scene", "machine_scene", "path_scene", "scene",
+                 "six_cones_scene", "surface_scene", "torus_scene", "tunnel_scene"}  # fmt: skip
 READ_NOTEBOOKS = {"contents_table", "draw_first_pictures", "draw_map", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
 
@@ -25,10 +28,13 @@ PIXELS = np.zeros((4, 5, 3), dtype=np.uint8)
 RECORD = Record("01_machine")
 RECORD.root = Path(tempfile.mkdtemp())
 SERIES = [0.0, 0.5, 1.0]
+MAP = np.outer([-1.0, 0.0, 1.0], [1.0, 1.0, 1.0])
+UPRIGHT = ConePose((0, 0, 0), (0, 0, 1), 0.4, near=0.0, far=2.0)
 SEGMENTS = HandOver(ready=(3, 9), needed=(2, 12), started=(3, 12), starved=(1, 0))
 
 INSTANCES = {
     Axes: AXES,
+    Cones: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5),
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
     Egg: Egg(0.5),
     Figure: DRAWING,
@@ -46,6 +52,12 @@ CALLS = {
     "Record.order": {"name": "arm against leg", "first": 1.5, "second": 2.0},
     "Record.figure": {"picture": PIXELS, "name": "stripes", "alt": "Stripes."},
     "Record.table": {"name": "t", "columns": ["x / m"], "rows": [[0.5]], "decimals": 2},
+    "envelope_plot.draw_cone_and_conic": {"cone": UPRIGHT},
+    "envelope_plot.draw_cone_counts": {"x": MAP, "y": MAP.T, "count": MAP},
+    "envelope_plot.draw_cones_at_contact": {"f": cyclide, "place": (0.5, 0.3)},
+    "envelope_plot.draw_gap_map": {"e": MAP, "w": MAP.T, "gap": MAP},
+    "envelope_plot.draw_planes_along_line": {"surface": ruled(saddle)},
+    "envelope_plot.draw_ring_gap": {"f": cyclide, "place": (0.5, 0.3), "centre": (0.1, 0.2)},
     "machine_plot.draw_plan_view": {"phi": 0.3},
     "motion_plot.draw_hand_over": {"tasks": [Task("interpolation", 5, 1)], "ticks": [1, 2]},
     "motion_plot.draw_responses": {"models": {"T1": Integrator(1.0)}, "setvalues": SERIES},

@@ -3,12 +3,13 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arguments import Finite, HalfAngle, Positive, Reals, checked
-from ..envelopes import ConePose, adapted_frames, hyperosculating_cones, jet_variables
+from ..arguments import Finite, HalfAngle, Positive, checked
+from ..envelopes import ConePose, Cones, adapted_frames, hyperosculating_cones, jet_variables
 from ..envelopes.adapted import frames_along
 from ..envelopes.conics import conic, osculating_conic
 from ..envelopes.functions import Centre, Function
 from ..envelopes.isotropic import plane_to_point
+from .kinds import Map, check_same_shape
 from .plot import equal
 from .style import COLOURS
 
@@ -99,8 +100,15 @@ def _turn(surface, line, t):
 
 
 @checked
-def draw_cone_counts(ax: Axes, x: Reals, y: Reals, count: Reals):
-    """Shade a map of the model by the number of cones, all (n, m): 2 pale, 4 darker, 6 dark."""
+def draw_cone_counts(ax: Axes, x: Map, y: Map, count: Map):
+    """Shade a map of the model by the number of cones, all (n, m): 2 pale, 4 darker, 6 dark.
+
+    Raises
+    ------
+    ValueError
+        If places `x`, `y` and `count` haven't one shape.
+    """
+    check_same_shape(x=x, y=y, count=count)
     ax.contourf(x, y, count, levels=[1, 3, 5, 7], colors=list(SHADES.values()))
     ax.set(xlabel="x", aspect="equal")
 
@@ -139,14 +147,15 @@ def draw_cones_at_contact(
     rods.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), aspect="equal", title=f"{len(cones)} cones")
 
 
-def cone_colours(cones):
+@checked
+def cone_colours(cones: Cones):
     """Return the colours of cones: generators ochre, those that gouge red, others green."""
     names = np.where(cones.undecided, "generator", np.where(cones.gouges, "error", "cone"))
     return [COLOURS[name] for name in names]
 
 
 @checked
-def draw_gap_map(ax: Axes, e: Reals, w: Reals, gap: Reals, edge: Positive, limit: Positive):
+def draw_gap_map(ax: Axes, e: Map, w: Map, gap: Map, edge: Positive, limit: Positive):
     """Shade a map of the gap between a surface and a cone.
 
     Parameters
@@ -165,7 +174,13 @@ def draw_gap_map(ax: Axes, e: Reals, w: Reals, gap: Reals, edge: Positive, limit
     -------
     shades : matplotlib.contour.QuadContourSet
         For a colour bar.
+
+    Raises
+    ------
+    ValueError
+        If places and gaps haven't one shape.
     """
+    check_same_shape(e=e, w=w, gap=gap)
     steps = limit * np.linspace(-1, 1, 21)
     shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
     shades.set_rasterized(True)  # flat shades: less than lines

@@ -107,6 +107,22 @@ def _grid(name, value):
     return array
 
 
+def _map(name, value):
+    """Return a float array (n, m) of two or more finite numbers either way."""
+    array = finite_array(name, value)
+    if array.ndim != 2 or min(array.shape) < 2:
+        raise ValueError(f"{name}: must be a map (n, m) of numbers; got {array.shape}.")
+    return array
+
+
+def check_same_shape(**maps):
+    """Raise ValueError where maps (n, m) haven't all the same shape."""
+    shapes = {one.shape for one in maps.values()}
+    if len(shapes) > 1:
+        names = ", ".join(maps)
+        raise ValueError(f"{names}: must have one shape; got {sorted(shapes)}.")
+
+
 def _flags(name, value):
     array = np.asarray(value) if isinstance(value, (np.ndarray, list, tuple)) else None
     if array is None or array.dtype != bool or array.ndim != 1:
@@ -133,4 +149,5 @@ Series = Annotated[ArrayLike, Rule("(n,) float", _series)]
 Chart = Annotated[ArrayLike, Rule("(n, m) float", _chart)]
 Flags = Annotated[ArrayLike, Rule("(n,) bool", _flags)]
 Grid = Annotated[ArrayLike, Rule("(n, m, 3) float", _grid)]
+Map = Annotated[ArrayLike, Rule("(n, m) float", _map)]
 Curve = Annotated[ArrayLike, Rule("(n, 3) float", _curve)]

@@ -1,0 +1,202 @@
+"""Cones, surfaces and blades in space: what is drawn is there, in its colour and place."""
+
+import numpy as np
+import pytest
+
+from tests.test_path_scene import share
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
+from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
+from tunneller_lib.envelopes.fit import noisy_planes
+from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.reporting.blade_scene import (
+    each_tool_picture,
+    tool_sequence_picture,
+    tools_scene,
+)
+from tunneller_lib.reporting.cone_scene import (
+    cone_in_the_model_picture,
+    cone_on_sheet_picture,
+    moving_cone_picture,
+    osculating_cone_picture,
+    osculating_cone_scene,
+    osculating_ring_picture,
+    plane_fans_picture,
+)
+from tunneller_lib.reporting.six_cones_scene import (
+    contact_scene,
+    double_cones_picture,
+    noisy_cones_picture,
+    six_rulings_picture,
+)
+from tunneller_lib.reporting.surface_scene import (
+    cones_along_curve_picture,
+    ring_on_graph_picture,
+    tangent_planes_picture,
+)
+
+ANGLE = np.radians(30)
+PLACE = (0.5, 0.3)
+UPRIGHT = ConePose((0, 0, 0), (0, 0, 1), np.radians(20), near=1.0, far=3.2)
+CONES = hyperosculating_cones(cyclide, *PLACE, half_angle=ANGLE)
+SHEET = surface_points(
+    cyclide, *np.meshgrid(np.linspace(0.3, 1, 41), np.linspace(0.1, 0.8, 41), indexing="ij")
+)
+
+
+def dark(picture):
+    """Return which share of a picture is nearly black."""
+    return np.mean(np.all(picture < 90, axis=-1))
+
+
+def seen(plotter):
+    picture = plotter.screenshot(return_img=True)
+    plotter.close()
+    return picture
+
+
+def edge(s):
+    return cubic(s, bend=0.8)[0]
+
+
+# ---- one cone -------------------------------------------------------------------------------
+
+
+def test_moving_cone_shows_its_velocities_and_a_longer_curve_if_it_turns():
+    turning = moving_cone_picture(UPRIGHT, (0.02, 1.0, 0.01), (-2.0, 0.3, 0.5))
+    sliding = moving_cone_picture(UPRIGHT, (0, 0, 0), (0.9, -0.3, 0.3))
+    for picture in (turning, sliding):
+        assert share(picture, "cone") > 0.1 and share(picture, "error") > 1e-3
+    assert dark(turning) > 1.2 * dark(sliding) > 0
+
+
+def test_moving_cone_without_a_velocity_is_refused():
+    with pytest.raises(ValueError, match=r"^vector: must not be zero; got \(0, 0, 0\)\.$"):
+        moving_cone_picture(UPRIGHT, (0, 0, 0), (0, 0, 0))
+
+
+def test_cone_in_the_model_has_a_circle_and_a_conic_of_their_colours():
+    picture = cone_in_the_model_picture(ConePose((0.2, -0.3, 0.9), (0.5, 0.2, 0.8), 0.5, 0.0, 2.0))
+    third = picture.shape[1] // 3
+    parts = [picture[:, k * third : (k + 1) * third] for k in range(3)]
+    assert share(parts[0], "error") > 1e-3 and share(parts[0], "top view") == 0
+    assert all(share(part, "top view") > 1e-3 for part in parts[1:])
+
+
+def test_cone_on_a_sheet_shows_the_curve_that_they_share():
+    flat = np.stack(np.meshgrid(np.linspace(-1, 1, 5), np.linspace(-1, 1, 5), [0.0]), -1)[:, :, 0]
+    standing = ConePose((0, 0, 0.1), (0, 0, 1), 0.4, near=0.2, far=1.0)
+    with_curve, without = (
+        cone_on_sheet_picture(flat, standing, [(-1, 0, height), (1, 0, height)], (1.0, -1.0, 1.0))
+        for height in (0.02, -0.5)
+    )
+    assert dark(with_curve) > 2 * dark(without)
+
+
+def test_osculating_cone_is_drawn_with_its_ruling():
+    point, velocity, *_ = curve_derivatives(edge, np.linspace(-1, 1.5, 60))
+    sheet = point[:, None] + np.linspace(0, 1.6, 9)[:, None] * velocity[:, None]
+    cone = ConePose(*osculating_cone(edge, 0.7), near=0.0, far=2.6)
+    bare = seen(osculating_cone_scene(sheet, cone))
+    ruling = tuple(curve_derivatives(edge, 0.7)[1])
+    lettered = osculating_cone_picture(sheet, cone, ruling, tuple(sheet[-1, -1]))
+    assert share(bare, "tangent sphere") < share(lettered, "tangent sphere")
+    fans = plane_fans_picture(edge, 0.7, cone)
+    green = fans[..., 1].astype(float) - fans[..., 0]  # the cone's planes, pale, on the right
+    half = fans.shape[1] // 2
+    assert share(fans, "error") > 0.01
+    assert np.mean(green[:, half:] > 20) > 0.02 > np.mean(green[:, :half] > 20)
+
+
+def test_ring_and_curve_have_their_top_views_below():
+    n, h = UPRIGHT.planes(np.linspace(0, 1, 20))
+    points = plane_to_point(n, h)
+    points[:, 2] += 0.2  # beside the conic
+    picture = osculating_ring_picture(UPRIGHT, points, tuple(points[0]))
+    assert share(picture, "top view") > 1e-3 and share(picture, "cone") > 1e-3
+    low = np.flatnonzero([share(row[None], "top view") > 0.01 for row in picture]).mean()
+    assert low > np.flatnonzero([share(row[None], "cone") > 0.01 for row in picture]).mean()
+
+
+# ---- surfaces -------------------------------------------------------------------------------
+
+
+def test_tangent_planes_are_pink_pieces_as_many_as_places():
+    few, many = (
+        share(tangent_planes_picture(ruled(helicoid), 0.3, places, (0.3, -0.9, 0.5)), "plane")
+        for places in ([0.2, 1.2], [0.2, 0.5, 0.8, 1.2])
+    )
+    assert 1.5 * few < many < 2.5 * few
+
+
+def test_ring_on_a_graph_is_green_and_its_top_view_yellow():
+    picture = ring_on_graph_picture(cyclide, PLACE, (0.12, 0.16))
+    assert share(picture, "cone") > 1e-3 and share(picture, "top view") > 1e-3
+
+
+def test_cones_along_a_curve_are_generators_of_one_family():
+    track = np.linspace(0.2, 0.9, 141)
+    contacts = np.stack([0.25 + 0.4 * track, track], axis=-1)
+    picture = cones_along_curve_picture(cyclide, contacts, ANGLE)
+    assert share(picture, "cone") > 0.02 and share(picture, "generator") > 1e-3
+
+
+# ---- all cones at a contact -----------------------------------------------------------------
+
+
+def test_scene_of_a_contact_has_generators_within_the_circle_only():
+    inside, outside = (seen(contact_scene(cyclide, place, ANGLE)) for place in (PLACE, (1.6, 1.2)))
+    assert share(inside, "generator") > 0.05 and share(inside, "error") > 1e-3
+    assert share(outside, "generator") == 0 and share(outside, "error") > 1e-3
+
+
+def test_six_rulings_are_green_but_for_two_black_ones():
+    picture = six_rulings_picture(SHEET, cyclide, PLACE, ANGLE)
+    assert share(picture, "generator") > 0.05 and share(picture, "cone") > 1e-3
+    assert dark(picture) > 1e-3
+
+
+def test_noisy_cones_are_blue_upon_the_exact_ones():
+    rng = np.random.default_rng(1)
+    contact, n = noisy_planes(cyclide, PLACE, rng, turn=0.05, count=300, reach=0.15)
+    picture = noisy_cones_picture(SHEET, contact, n, CONES, CONES)
+    assert share(picture, "cone") > 1e-3 and share(picture, "tangent sphere") > 1e-3
+
+
+def test_only_multiple_cones_are_drawn():
+    double = hyperosculating_cones(cyclide, 1.2, np.sqrt(3 - 1.44), half_angle=ANGLE)
+    assert (double.multiplicity > 1).any()
+    pictures = [double_cones_picture(SHEET, cones) for cones in (double, CONES)]
+    assert dark(pictures[0]) > dark(pictures[1])  # their rulings are black
+
+
+# ---- blades ---------------------------------------------------------------------------------
+
+RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
+ON_BLADE = hyperosculating_cones(RING.coordinates, 0.8, 0.3, half_angle=0.17, model="space")
+SIZE = {"towards": 0.015, "away": 0.045}
+
+
+def test_tools_have_the_colours_of_their_verdicts():
+    show = np.arange(len(ON_BLADE)) == 0
+    for word, colour in {"fits": "cone", "hits a blade": "generator", "gouges": "error"}.items():
+        picture = seen(tools_scene(RING, ON_BLADE, show, [word] * len(show), **SIZE))
+        assert share(picture, colour) > 0.003
+    none = seen(tools_scene(RING, ON_BLADE, ~show & show, ["fits"] * len(show), **SIZE))
+    assert share(none, "cone") == 0
+
+
+def test_each_tool_has_a_picture_of_its_own():
+    words = ["fits"] * len(ON_BLADE)
+    picture = each_tool_picture(RING, ON_BLADE, words, **SIZE)
+    cells = len(words) // -3 * -3
+    assert picture.shape[1] > picture.shape[0] * 3 / (cells / 3) * 0.8
+    assert share(picture, "cone") > 0.01
+
+
+def test_place_without_a_tool_is_red():
+    places = np.stack(RING.coordinates(np.array([0.8, 0.8]), np.array([0.3, 0.6])), axis=-1)
+    show = np.arange(len(ON_BLADE)) == 0
+    found = [tool_sequence_picture(RING, ON_BLADE, show, p, **SIZE) for p in (places, places[:1])]
+    assert share(found[0], "error") > share(found[1], "error") == 0
