@@ -76,3 +76,12 @@ def test_double_cone_has_its_multiplicity():
     x = 1 / np.tan(np.radians(30))
     cones = hyperosculating_cones(cyclide, x * 0.6, x * 0.8, half_angle=np.radians(30))
     assert sorted(cone.multiplicity for cone in cones) == [1] * (len(cones) - 1) + [2]
+
+
+def test_tool_reaches_from_the_contact_as_far_as_it_is_long():
+    for cone in hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5):
+        distance = np.linalg.norm(cone.contact - cone.pose.vertex)
+        tool = cone.tool(0.1, 0.4)
+        assert (distance - tool.near, tool.far - distance) == pytest.approx((0.1, 0.4))
+        assert cone.tool(10.0, 0.4).near == pytest.approx(0.2 * distance)
+        assert abs(tool.clearance(cone.contact)) < 1e-14

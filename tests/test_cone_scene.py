@@ -68,7 +68,7 @@ def test_moving_cone_shows_its_velocities_and_a_longer_curve_if_it_turns():
     sliding = moving_cone_picture(UPRIGHT, (0, 0, 0), (0.9, -0.3, 0.3))
     for picture in (turning, sliding):
         assert share(picture, "cone") > 0.1 and share(picture, "error") > 1e-3
-    assert dark(turning) > 1.2 * dark(sliding) > 0
+    assert dark(turning) > dark(sliding) > 0.01
 
 
 def test_moving_cone_without_a_velocity_is_refused():

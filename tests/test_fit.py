@@ -5,8 +5,8 @@ import pytest
 
 from tests.shapes import directions
 from tunneller_lib.envelopes.families import cyclide
-from tunneller_lib.envelopes.fit import fit_planes, mean_frame, tilted
-from tunneller_lib.envelopes.isotropic import normal, surface_points
+from tunneller_lib.envelopes.fit import fit_planes, mean_frame, noisy_planes, tilted
+from tunneller_lib.envelopes.isotropic import normal, plane_to_point, surface_points
 from tunneller_lib.envelopes.jet import jet_variables
 
 RNG = np.random.default_rng(32)
@@ -71,3 +71,16 @@ def test_mean_frame_is_a_rotation_that_takes_the_mean_to_the_top():
     assert np.linalg.det(turn) > 0
     top = (n @ turn.T).mean(axis=0)
     assert np.hypot(top[0], top[1]) < 1e-15 < top[2]
+
+
+def test_noisy_planes_touch_within_the_disk_and_turn_by_the_angle():
+    place = np.array([0.5, 0.3])
+    options = {"count": 500, "reach": 0.2}
+    contact, n = noisy_planes(cyclide, place, np.random.default_rng(1), turn=0.0, **options)
+    x, y, z = plane_to_point(n, -np.sum(n * contact, axis=-1)).T
+    away = np.hypot(x - place[0], y - place[1])
+    assert 0.19 < away.max() <= 0.2 and np.median(away) == pytest.approx(0.2 / np.sqrt(2), rel=0.1)
+    np.testing.assert_allclose(z, cyclide(x, y), atol=1e-14)
+    again, turned = noisy_planes(cyclide, place, np.random.default_rng(1), turn=0.1, **options)
+    np.testing.assert_array_equal(again, contact)
+    np.testing.assert_allclose(np.sum(n * turned, axis=-1), np.cos(np.arctan(0.1)))

@@ -96,3 +96,15 @@ def test_eq25_and_eq26_hold_for_channels():
     u, v = (top_circle(tangent, lean)[0] - np.stack([x, y], -1)).T
     np.testing.assert_allclose(eq.eq25(f, u, v), 0, atol=1e-9)
     np.testing.assert_allclose(eq.eq26(f, u, v), 0, atol=1e-8)
+
+
+def test_terms_of_eq04_cancel_on_lines_where_they_are_mended():
+    x, y = np.meshgrid(np.linspace(0.1, 0.8, 4), np.linspace(0.2, 0.9, 3))
+    f = (lambda a, b: (a + 2 * b) * (b - a) / (1 + a + 2 * b))(*jet_variables(x, y))
+    mended, printed = (eq.eq04_terms(f, printed=flag) for flag in (False, True))
+    assert mended.shape == printed.shape == (13, *x.shape)
+    assert np.abs(mended.sum(axis=0)).max() < 1e-12 < 1e-3 < np.abs(printed.sum(axis=0)).min()
+    differ = np.abs(mended - printed).max(axis=(1, 2)) > 1e-6
+    assert differ.sum() == 9
+    other = np.sin(jet_variables(x, y)[0]) * np.exp(jet_variables(x, y)[1])
+    assert np.abs(eq.eq04_terms(other).sum(axis=0)).min() > 1e-6

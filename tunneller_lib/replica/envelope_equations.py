@@ -46,7 +46,7 @@ def _weight(x, y, u, v):
 
 @checked
 def eq04_terms(f: Jet, *, printed: bool = False):
-    """Return the terms of Eq. 4 (13, ...), whose sum is 0 where a line lies in the graph.
+    """Return the terms of Eq. 4 (13, ...), whose sum is 0 where a line lies in the graph of `f`.
 
     Nine are mended: there an index of a third derivative is lost or changed in print, as the
     terms have it that are `printed`.

@@ -88,10 +88,12 @@ def tool_sequence_picture(
 
     Parameters
     ----------
-    ring, cones, show, towards, away
+    ring, cones, show
         As for `tools_scene`; those shown fit.
     places : (n, 3) float
         The points along the blade, by the index of `cones`, in m.
+    towards, away
+        As for `tools_scene`.
 
     Returns
     -------

@@ -101,7 +101,7 @@ def _turn(surface, line, t):
 
 @checked
 def draw_cone_counts(ax: Axes, x: Map, y: Map, count: Map):
-    """Shade a map of the model by the number of cones, all (n, m): 2 pale, 4 darker, 6 dark.
+    """Shade on `ax` a map of the model by the number of cones, all (n, m): 6 dark, 2 pale.
 
     Raises
     ------
