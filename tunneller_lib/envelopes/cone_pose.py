@@ -146,5 +146,5 @@ class TouchingCone:
         pose : ConePose
             The cone, cut to that length.
         """
-        distance = self.pose.far / 2
+        distance = self.pose.far / 2 if self.side else 0.0  # without a side the vertex touches
         return replace(self.pose, near=max(distance - towards, 0.2 * distance), far=distance + away)
