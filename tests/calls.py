@@ -133,6 +133,7 @@ CALLS = {
         partial(rod_clearance, _EGG), ("a", "b", "radius"), ((3,), (3,), ()), ((),)
     ),
     "Circuit.arm": Call(_TILTED.arm, ("position",), _JOINT, ((3,), (3,))),
+    "Circuit.arm_axes": Call(_TILTED.arm_axes, ("position",), _JOINT, ((3, 3),)),
     "Machine.within_limits": Call(REFERENCE_MACHINE.within_limits, ("position",), _JOINT, ((),)),
     **{
         f"project_chord {spacing}": Call(

@@ -205,6 +205,7 @@ def _random_job(rng):
     return Job(
         hydraulics={},
         ground={},
+        body={},
         machine={
             "r": R * rng.uniform(0.02, 0.25), "R": R, "theta_min": low, "theta_max": high,
             "phi_min": -swing, "phi_max": swing, "cutter_radius": R * rng.uniform(0.15, 0.3),

@@ -8,10 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, Pose, part_clearances, plan
 from tunneller_lib.removal import DexelGrid, circuit_clearance, rod_clearance, solid_clearance
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Box, Egg, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Box, Egg, Frustum, Rod, RoundedDisc
 
 EGG = Egg(0.5)
+BODY = Body(1.2, 0.3, -0.25, 0.15, holder_radius=0.12, holder_length=0.25)
+WITH_BODY = replace(REFERENCE_MACHINE, body=BODY)
 COUNT = 20_000  # of a circle's points
 SAGITTA = 0.3 * (2 * np.pi / COUNT) ** 2  # more than points of a rim leave out, in m
 
@@ -117,6 +120,109 @@ def test_solid_clearance_of_a_wheel_in_the_middle(turn):
     assert found == pytest.approx(EGG.depth(points[:, 1], points[:, 2]).min(), abs=SAGITTA)
 
 
+@pytest.mark.parametrize("kind", ["rod", "capsule", "frustum", "disc", "box"])
+def test_solid_clearance_in_many_poses_is_that_of_moved_solids(kind):
+    a, b, _, rng = posed(3)
+    turn = np.linalg.qr(rng.normal(size=(5, 1, 3, 3)))[0]
+    place = rng.uniform(-0.3, 0.3, (4, 3))
+
+    def solid(point, along):
+        # A place moves by `point`, a direction by `along`.
+        first, last = point(a), point(b)
+        if kind == "box":
+            return Box(first, *(along(0.3 * edge) for edge in np.eye(3)))
+        if kind == "disc":
+            return RoundedDisc(first, along(b - a), 0.2, 0.03)
+        if kind == "frustum":
+            return Frustum(first, last, 0.2, 0.05)
+        return Rod(first, last, 0.1, ends="round" if kind == "capsule" else "flat")
+
+    found = solid_clearance(EGG, solid(tuple, tuple), turn=turn, place=place)
+    assert found.shape == (5, 4)
+    for i, matrix in enumerate(turn[:, 0]):
+        for j, shift in enumerate(place):
+            moved = solid(lambda p: tuple(matrix @ p + shift), lambda v: tuple(matrix @ v))  # noqa: B023
+            assert found[i, j] == pytest.approx(solid_clearance(EGG, moved), abs=1e-14)
+
+
+def test_solid_clearance_of_more_poses_than_a_block():
+    rod = Rod((0, 0, 0), (0.1, 0, 0), 0.1)
+    aside = np.linspace(-0.3, 0.3, 1100)
+    place = np.stack([0 * aside, aside, 0 * aside], axis=-1)
+    many = solid_clearance(EGG, rod, place=place)
+    np.testing.assert_allclose(many, many[::-1], atol=1e-15)
+    np.testing.assert_allclose(many, EGG.depth(aside, 0.0) - 0.1, atol=1e-14)
+    assert solid_clearance(EGG, rod, place=np.zeros((0, 3))).shape == (0,)
+
+
+def in_tunnel(circuit, points, pose=None):
+    """Return points of the machine's frame in the tunnel, moved by a pose about the joint."""
+    placed = circuit.in_tunnel(points)
+    return placed if pose is None else pose.moved(placed, circuit.in_tunnel(np.zeros(3)))
+
+
+@pytest.mark.parametrize("pose", [None, Pose(y=2e-3, z=-1e-3, roll=0.01, pitch=0.02, yaw=-0.01)])
+@pytest.mark.parametrize("stance", [{}, {"pitch": 0.02, "yaw": 0.01}])
+def test_clearance_of_the_machines_parts_is_the_least_of_their_points(stance, pose):
+    circuit = cutting_circuit(WITH_BODY, EGG, **stance)
+    parts = {part.name: part for part in part_clearances(circuit, 0.1, pose=pose)}
+    assert list(parts) == ["arm", "holder", "box", "cutter"]
+    # Corners of the box, seen by the joint.
+    corners = [(x, y, z) for x in (-1.2, 0) for y in (-0.15, 0.15) for z in (-0.25, 0.15)]
+    y, z = in_tunnel(circuit, np.array(corners), pose)[:, 1:].T
+    assert parts["box"].least == pytest.approx(EGG.depth(y, z).min(), abs=1e-12)
+    assert parts["box"].place is None
+    # The holder's rims about the line from the cutter's centre to the tangential joint.
+    s = np.linspace(0, circuit.profile.perimeter, 721)
+    theta, phi = circuit.position(s).T
+    torus = circuit.machine.torus
+    ends = torus.ring_point(theta), torus.point(theta, phi)
+    joint, centre = (in_tunnel(circuit, point, pose) for point in ends)
+    back = (joint - centre) / torus.R
+    for end, nearest in ((0.0, True), (0.25, False)):
+        some = zip(centre[::8], back[::8], strict=True)
+        rims = np.concatenate([rim(c + end * v, v, 0.12)[::20] for c, v in some])
+        least = EGG.depth(rims[:, 1], rims[:, 2]).min()
+        assert parts["holder"].least <= least + 1e-12
+        # The rim about the cutter's centre decides; one place in eight is looked at.
+        assert nearest == (least < parts["holder"].least + 1e-3)
+    depth = {name: EGG.depth(p[:, 1], p[:, 2]).min() for name, p in (("a", joint), ("b", centre))}
+    assert parts["cutter"].least == pytest.approx(depth["b"] - 0.2, abs=1e-12)
+    assert parts["arm"].least == pytest.approx(min(depth.values()) - 0.1, abs=1e-12)
+
+
+def test_machine_without_a_body_has_an_arm_and_a_cutter():
+    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
+    arm, cutter = part_clearances(circuit, 0.1)
+    closed = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.1)
+    assert (arm.least, cutter.least) == pytest.approx(closed, abs=1e-12)
+    assert not cutter.collides and arm.place == cutter.place == 0
+    no_holder = replace(WITH_BODY, body=replace(BODY, holder_radius=0.0))
+    names = [part.name for part in part_clearances(cutting_circuit(no_holder, EGG), 0.1)]
+    assert names == ["arm", "box", "cutter"]
+
+
+def test_plan_keeps_the_body_clear():
+    limits = Limits(feed=0.1, acceleration=0.5)
+
+    def planned(**changes):
+        machine = replace(WITH_BODY, body=replace(BODY, **changes))
+        return plan(cutting_circuit(machine, EGG), limits, tolerance=1e-3, arm_radius=0.1)
+
+    arm, holder, box, cutter = planned().clearances
+    assert min(arm.least, holder.least, box.least) > 0 > cutter.least
+    # Higher by what is left, it nearly touches; by two millimetres more, it doesn't fit.
+    high = 0.15
+    while planned(high=high).clearances[2].least > 1e-6:
+        high += planned(high=high).clearances[2].least
+    message = r"^body: its box is 0\.00[12] m in the wall\.$"
+    with pytest.raises(ValueError, match=message):
+        planned(high=high + 2e-3)
+    message = r"^body: its holder is 0\.\d+ m in the wall \d\.\d+ m along the circuit\.$"
+    with pytest.raises(ValueError, match=message):
+        planned(holder_radius=0.25)
+
+
 def test_solid_clearance_of_nothing_and_of_a_point():
     assert solid_clearance(EGG, Rod((0, 0, 0), (0, 0, 0), 1)) == np.inf
     assert solid_clearance(EGG, Rod((9, 0.2, 0), (9, 0.2, 0), 0, ends="round")) == 0.3
@@ -165,6 +271,17 @@ def test_grid_sees_the_same_collision():
     ("call", "message"),
     [
         (lambda: solid_clearance(EGG, 1), "solid: must be of class Rod or Frustum"),
+        (
+            lambda: solid_clearance(EGG, BODY.box, turn=np.eye(2)),
+            r"turn: must be matrices \(..., 3, 3\)",
+        ),
+        (
+            lambda: solid_clearance(EGG, BODY.box, turn=2 * np.eye(3)),
+            "turn: must hold rows that are perpendicular and 1 long",
+        ),
+        (lambda: Body(1, 1, 0.2, 0.2), "low: must be below high; got 0.2 and 0.2 m"),
+        (lambda: Body(1, 0, 0, 1), "width: must be"),
+        (lambda: Body(1, 1, 0, 1, holder_radius=-1), "holder_radius: must be"),
         (lambda: rod_clearance(1, (0, 0, 0), (1, 0, 0), 1), "section: must be of class Section"),
         (lambda: rod_clearance(EGG, (0, 0, np.nan), (1, 0, 0), 1), "a: must hold finite numbers"),
         (lambda: circuit_clearance(REFERENCE_MACHINE, EGG, 1, 0, 0), "lowest: must be at most"),

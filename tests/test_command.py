@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,13 @@ import PIL.Image
 import pytest
 
 from tunneller_lib.__main__ import main, own_name, parser
-from tunneller_lib.job import WrongJob, read_job
+from tunneller_lib.job import WrongJob, read_job, results
 from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
 
 READS = ["notebooks/reference.toml"]
 
@@ -100,6 +101,35 @@ def test_job_takes_everything_that_the_reference_only_names(job):
     assert made.planned.limits.volume == 2e-4 and made.planned.limits.flow == 1e-4
     assert made.axes[1][0].integral == 1 and made.axes[1][0].count == 0
     assert made.error.y == 1e-3 and made.error.roll == np.radians(0.1)
+
+
+SIZES = (
+    "length = 1.2",
+    "width = 0.3",
+    "low = -0.25",
+    "high = 0.15",
+    "holder_radius",
+    "holder_length",
+)
+BODY = {f"# {line}": line for line in ("[body]", *SIZES)}
+
+
+def test_job_takes_a_body(job):
+    assert read_job(REFERENCE).made.body is None
+    made = read_job(job(BODY))
+    assert made.made == replace(REFERENCE_MACHINE, body=Body(1.2, 0.3, -0.25, 0.15, 0.12, 0.25))
+    parts = {part.name: part.least for part in made.planned.clearances}
+    assert list(parts) == ["arm", "holder", "box", "cutter"] and parts.pop("cutter") < 0
+    assert min(parts.values()) > 0.05
+
+
+def test_job_warns_of_a_body_that_only_its_pose_moves_into_the_wall(job):
+    about = {"# width = 0.3": "width = 0.74", "# [pose]": "[pose]", "# y = 1e-3": "y = 2e-2"}
+    made = read_job(job(BODY | about))
+    assert 0 < made.planned.clearances[2].least < 0.01
+    (warning,) = results._colliding(made)
+    assert re.fullmatch(r"\[pose\]: so the machine's box is 0\.0\d\d m in the wall\.", warning)
+    assert results._colliding(read_job(job(BODY))) == []
 
 
 def test_job_takes_pieces_and_circles(job):
@@ -244,7 +274,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     lengths = {"lap_time_s", "removed_m3", "overbreak_m", "underbreak_m"}
     tables = {"times_s", "limits_used", "saturated_share"}
     assert set(answer) == {
-        *numbers, *lengths, *tables, "faults", "files", "machine", "warnings"
+        *numbers, *lengths, *tables, "faults", "files", "machine", "clearances", "warnings"
     }  # fmt: skip
     assert all(0 <= share <= 1 for share in answer["limits_used"].values())
     assert answer["times_s"]["all"] > answer["lap_time_s"] > answer["times_s"]["straight"]
@@ -262,6 +292,12 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
         assert step in told
     assert answer["warnings"] == []
     machine_stands_below(answer)
+    arm, cutter = answer["clearances"]
+    assert arm == {"part": "arm", "clearance_m": pytest.approx(0.08), "at_m": 0.0}
+    assert cutter["clearance_m"] == pytest.approx(-0.02)
+    line = "clear of the wall, in mm: arm 80.0, cutter -20.0"
+    numbers = {name: value for name, value in answer.items() if name != "files"}
+    assert line in summary_text(numbers).splitlines()
     about, columns = read_csv((out / "setvalues.csv").read_text())
     assert len(columns["tick"]) == answer["ticks"] + 1 and about["tick_s"] == 0.005
     assert (out / "line.st").read_text().startswith("FUNCTION_BLOCK")
@@ -374,6 +410,8 @@ REFUSED = [
     ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
+    (BODY | {"# width = 0.3": "width = 0.9"}, "[body] its box is 0.0"),
+    (BODY | {"# high = 0.15": "high = -0.3"}, "[body] low: must be below high; got -0.25 and -0.3"),
     ({"# path = \"corrected": "path = \"correct"}, "[plan] path: must be \"tangent spheres\" or"),
     ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
     ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one finite number above zero; got nan."),

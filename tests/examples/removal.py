@@ -1,5 +1,7 @@
 """Examples for the room removal."""
 
+import numpy as np
+
 from tunneller_lib.removal import DexelGrid, Ground
 from tunneller_lib.removal.grid import Lines
 from tunneller_lib.surfaces import Rod
@@ -18,5 +20,5 @@ CALLS = {
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},
     "advance_for_volume": {"radius": 0.5, "volume": 0.1, "depth": 0.3},
     "circuit_clearance": {"lowest": -0.3, "highest": 0.4, "arm_radius": 0.1},
-    "solid_clearance": {"solid": Rod((0.5, 0, 0.1), (0.6, 0, 0), 0.1)},
+    "solid_clearance": {"solid": Rod((0.5, 0, 0.1), (0.6, 0, 0), 0.1), "turn": np.eye(3)},
 }

@@ -5,6 +5,7 @@ import numpy as np
 from tunneller_lib.surfaces import (
     REFERENCE_MACHINE,
     Arc,
+    Body,
     Box,
     Cone,
     Cutter,
@@ -25,6 +26,7 @@ _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
 
 INSTANCES = {
     Arc: Arc(0.0, 0.0, 0.5, 0.0, 1.0),
+    Body: Body(1.2, 0.3, -0.2, 0.1),
     Box: Box((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)),
     Cone: Cone(0.5),
     Cutter: Cutter.ball(1, 5),
@@ -41,6 +43,7 @@ INSTANCES = {
 
 CALLS = {
     "Arc.depth": {"slack": 0.0},
+    "Body": {"low": -0.2, "high": 0.1},
     "Box": _EDGES,
     "Cutter": {"parts": (Rod((0, 0, 1), (0, 0, 2), 1),)},
     "Cutter.ball": {"radius": 1.0, "length": 5.0},

@@ -20,12 +20,14 @@ from ..paths import cutting_circuit
 from ..ream import Limits, Pose, capability, expected_seconds, gain_margins, plan, simulate
 from ..ream.chatter import chatter_margins
 from ..removal import Ground
-from ..surfaces import Arc, Egg, Line, Machine, closed_profile
+from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 
 TEXT, WHOLE = "text", "whole number"
 # What each table may hold: units, TEXT or WHOLE. What has no default is needed.
 MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
                cutter_radius="m", depth="m", height="m")  # fmt: skip
+
+BODY = dict(length="m", width="m", low="m", high="m", holder_radius="m", holder_length="m")
 
 
 def _circle(radius):
@@ -111,6 +113,8 @@ class Job:
         usual ones of the machine.
     ground : dict
         Arguments of `Ground`: empty where nothing pushes back.
+    body : dict
+        Arguments of `Body`: empty where only arm and cutter fill room.
     """
 
     machine: dict
@@ -123,12 +127,15 @@ class Job:
     wall: dict
     hydraulics: dict
     ground: dict
+    body: dict
 
     @cached_property
     def made(self):
-        """Return the `Machine`."""
+        """Return the `Machine`, with its `Body` where it has one."""
+        with _said_of("body"):
+            body = Body(**self.body) if self.body else None
         with _said_of("machine"):
-            return Machine(**self.machine)
+            return Machine(**self.machine, body=body)
 
     @cached_property
     def sizes(self):
@@ -307,13 +314,14 @@ def read_job(path: str | Path):
         pose=_read("pose", given["pose"], POSE),
         wall={"along": 200, "around": 360, **_read("wall", given["wall"], WALL)},
         hydraulics=_read("hydraulics", given["hydraulics"], HYDRAULICS),
-        ground=_read_ground(given["ground"]),
+        ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
+        body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
     )
 
 
-def _read_ground(given):
-    """Return what a ground's table says, if there is one."""
-    return _read("ground", given, GROUND, ("energy", "pick_speed")) if given else {}
+def _read_if_any(table, given, units, needed):
+    """Return what a table says that may be missing, with all that it needs otherwise."""
+    return _read(table, given, units, needed) if given else {}
 
 
 def _parsed(path):
@@ -473,11 +481,17 @@ def _check_unit(where, key, value, unit):
 
 @contextmanager
 def _said_of(table, *, remedy=""):
-    """Begin a refusal with the table that it is about, and end it with what would do."""
+    """Begin a refusal with the table that it is about, and end it with what would do.
+
+    What is said of the machine's body is about that table, wherever it is found.
+    """
     try:
         yield
     except ValueError as error:
-        raise ValueError(" ".join(filter(None, (f"[{table}] {error}", remedy)))) from None
+        said = f"[{table}] {error}"
+        if said.startswith(f"[{table}] body: "):
+            said = said.replace(f"[{table}] body: ", "[body] ", 1)
+        raise ValueError(" ".join(filter(None, (said, remedy)))) from None
 
 
 def _one_of(where, word, words):

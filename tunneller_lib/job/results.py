@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..motion.stability import is_stable
-from ..ream import Cut, budget, following_fault, kind
+from ..ream import Cut, budget, following_fault, kind, part_clearances
 from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
@@ -39,8 +39,10 @@ SUMMARY = (
     "saturated_share",
     "faults",
     "machine",
+    "clearances",
     "warnings",
 )
+CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
 BEYOND = 1.25  # times, either way: what is measured is beyond its closed form's range
 LEAST_SEEN = 5e-5  # m, below which a closed form's range matters to nobody
@@ -78,7 +80,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         alone, with its greatest over- and under-break, the closed form of its ``measure`` and who
         answers for it; ``machine``: what it has and needs, in the unit that each row names, and the
         damper of the ground that each joint bears and meets if the picks are in step;
-        ``warnings``, sentences.
+        ``clearances``: how far each part of the machine keeps from the wall as planned, and where
+        along the circuit; ``warnings``, sentences.
     """
     plan = job.planned
     faults = [
@@ -103,7 +106,13 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "machine": [
             dict(zip(MARGIN, margin, strict=False)) for margin in [*job.margins, *job.in_step]
         ],
-        "warnings": [*_warnings(job, over, under), *_coarse(job, cut), *_strained(job, cut)],
+        "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
+        "warnings": [
+            *_warnings(job, over, under),
+            *_colliding(job),
+            *_coarse(job, cut),
+            *_strained(job, cut),
+        ],
     }
 
 
@@ -143,6 +152,19 @@ def _warnings(job, over, under):
                 f"tolerance of {1e3 * tolerance:g} mm."
             )
     return found
+
+
+def _colliding(job):
+    """Return sentences about parts that are in the wall where the machine stands unknowingly."""
+    if job.error is None:
+        return []
+    arm_radius = job.plan.get("arm_radius", 0.0)
+    parts = part_clearances(job.planned.circuit, arm_radius, pose=job.error)
+    return [
+        f"[pose]: so the machine's {part.name} {part.depth_in_wall}."
+        for part in parts
+        if part.collides
+    ]
 
 
 def _strained(job, cut):
@@ -209,6 +231,10 @@ def summary_text(numbers: Summary):
         "valve open for "
         + " and ".join(f"{100 * share:.2g} %" for share in numbers["saturated_share"])
         + " of the time (theta and phi)",
+        "clear of the wall, in mm: "
+        + ", ".join(
+            f"{row['part']} {1e3 * row['clearance_m']:.1f}" for row in numbers["clearances"]
+        ),
         "",
         "each alone, in mm     over   under     rms   closed form      halved by",
     ]

@@ -220,6 +220,27 @@ class Circuit:
         return in_tunnel(self, joint), in_tunnel(self, centre)
 
     @checked
+    def arm_axes(self, position: Positions):
+        """Return the arm's axes at joint positions, in the tunnel's frame.
+
+        Parameters
+        ----------
+        position : (..., 2) float
+            Joint positions (theta, phi), in rad.
+
+        Returns
+        -------
+        axes : (..., 3, 3) float
+            As the columns of a matrix: along the arm, to its left, and up.
+        """
+        theta, phi = np.moveaxis(position, -1, 0)
+        level = np.stack([np.cos(theta), 0 * theta, -np.sin(theta)], axis=-1)
+        up = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
+        left = np.array([0.0, 1.0, 0.0])
+        c, s = np.cos(phi)[..., None], np.sin(phi)[..., None]
+        return self.axes @ np.stack([c * level + s * left, c * left - s * level, up], axis=-1)
+
+    @checked
     def overcut(self, position: Positions):
         """Return how far the cutter's centre lies outside the wanted profile.
 

@@ -1,5 +1,6 @@
 """The whole job: plan a cut, run it through controller and axes, and look at the wall it leaves."""
 
+from .clearance import PartClearance, part_clearances
 from .cutting import Cut, carve, expected_seconds, simulate, starved
 from .error_budget import budget, kind
 from .faults import (
@@ -18,7 +19,8 @@ from .feed import Limits
 from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
 from .margins import Margin, capability, gain_margins
 from .moves import Moves
-from .planning import Plan, Pose, plan
+from .planning import Plan, plan
+from .pose import Pose
 from .sensitivity import trailing
 from .wall import lap_volume, overbreak, pass_distance, scallop_height, standing
 
@@ -29,6 +31,7 @@ __all__ = [
     "LoadedLaps",
     "Margin",
     "Moves",
+    "PartClearance",
     "Plan",
     "Pose",
     "arm_fault",
@@ -46,6 +49,7 @@ __all__ = [
     "knot_fault",
     "lap_volume",
     "overbreak",
+    "part_clearances",
     "pass_distance",
     "picks_fault",
     "plan",

@@ -18,7 +18,8 @@ from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
 from .face import BESIDE, EVERY, Face
-from .planning import Plan, Pose, Run
+from .planning import Plan, Run
+from .pose import Pose
 from .wall import intact_wall, overbreak, standing
 
 CHUNK = 6 * EVERY  # ticks after which the removed volume is noted

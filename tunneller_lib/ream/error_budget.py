@@ -21,7 +21,8 @@ from .faults import (
     tangent_sphere_fault,
 )
 from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
-from .planning import Plan, Pose
+from .planning import Plan
+from .pose import Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
 OF_AXES = following_fault, encoder_fault

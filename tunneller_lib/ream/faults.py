@@ -12,7 +12,8 @@ from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .moves import Moves, levers
 from .outward import gradient, wall_frame
-from .planning import Plan, Pose
+from .planning import Plan
+from .pose import Pose
 from .route import ROUNDED, path_points, route_through
 from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
 

@@ -7,12 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import (
-    Coordinate,
     Length,
     Length0,
     NotNegative,
-    Point,
-    Points,
     Rule,
     Whole,
     Wholes,
@@ -23,10 +20,11 @@ from ..arguments import (
 )
 from ..paths import Circuit
 from ..paths.bounds import Way
-from ..removal import rod_clearance
+from .clearance import PartClearance, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers
 from .moves import Moves, levers, move_lengths, strains
+from .pose import Pose
 from .route import Route, path_points, route_through
 from .timing import move_shares, move_ticks
 
@@ -53,46 +51,6 @@ Run = Annotated[ArrayLike, Rule("(n, 2) float", _run_of_positions, "rad")]
 Turn = Annotated[float, Rule("float", coordinate, "rad")]
 Ticks = Wholes("(...) int", 0, 2**40)
 Tick = Annotated[float, Rule("float", size, "s")]
-
-
-@dataclass(frozen=True)
-@checked
-class Pose:
-    """By how much a machine stands elsewhere than planned, small: in m and rad.
-
-    Parameters
-    ----------
-    y, z : float
-        To the left and up, in m.
-    roll, pitch, yaw : float
-        About the tunnel's x, y, z through the torus' centre, right-handed, in this order, in rad.
-
-    Raises
-    ------
-    ValueError
-        If a number isn't finite, or above 1e100 in size.
-    """
-
-    y: Coordinate = 0.0
-    z: Coordinate = 0.0
-    roll: Turn = 0.0
-    pitch: Turn = 0.0
-    yaw: Turn = 0.0
-
-    @checked
-    def moved(self, point: Points, centre: Point):
-        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
-        turn = np.eye(3)
-        for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
-            i, j = [k for k in range(3) if k != axis]
-            c = np.cos(angle)
-            s = np.sin(angle)
-            one = np.eye(3)
-            one[[i, j], [i, j]] = c
-            # About x and z the first of the other two axes turns to the second, about y back.
-            one[i, j], one[j, i] = (s, -s) if axis == 1 else (-s, s)
-            turn = one @ turn
-        return (point - np.array(centre)) @ turn.T + centre + [0.0, self.y, self.z]
 
 
 @dataclass(frozen=True)
@@ -125,6 +83,8 @@ class Plan(Moves):
         Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
     straight_time : float
         Which a lap would take without its rest if turning the joints cost no feed, in s.
+    clearances : list of PartClearance
+        How far arm, holder, body and cutter keep from the wall.
     path : {"tangent spheres", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots.
     """
@@ -142,6 +102,7 @@ class Plan(Moves):
     laps: int
     advance: float
     straight_time: float
+    clearances: list[PartClearance]
     path: str = "tangent spheres"
 
     @property
@@ -283,8 +244,9 @@ def plan(
     Raises
     ------
     ValueError
-        If an argument is beyond its range, the arm touches the wall (with the place), a tick at
-        full feed is longer than a step, or there would be too many ticks.
+        If an argument is beyond its range, the arm, or holder or box of the machine's body, is in
+        the wall (with the place), a tick at full feed is longer than a step, or there would be too
+        many ticks.
 
     Notes
     -----
@@ -311,7 +273,7 @@ def plan(
         raise ValueError(
             f"tolerance: must be so small that two knots are needed; got {tolerance:g} m."
         )
-    _keep_clear(circuit, arm_radius)
+    clearances = _kept_clear(circuit, arm_radius)
     torus = circuit.machine.torus
     blend = tolerance / 2 if blend is None else blend
     way = route_through(circuit, knots, way=path_points(torus, path), blend=blend)
@@ -359,6 +321,7 @@ def plan(
         laps=laps,
         advance=advance,
         straight_time=straight_time,
+        clearances=clearances,
         path=path,
     )
 
@@ -556,14 +519,11 @@ def _withdrawn(circuit, position, distance):
     return found
 
 
-def _keep_clear(circuit, arm_radius):
-    """Raise ValueError if a round-ended rod about the arm touches the intact wall."""
-    s = np.linspace(0, circuit.profile.perimeter, 721)
-    ends = circuit.arm(circuit.position(s))
-    clear = rod_clearance(circuit.section, *ends, arm_radius)
-    worst = int(np.argmin(clear))
-    if clear[worst] < 0:
-        raise ValueError(
-            f"arm_radius: an arm of {arm_radius:g} m is {-clear[worst]:.3f} m in the wall "
-            f"{s[worst]:.3f} m along the circuit."
-        )
+def _kept_clear(circuit, arm_radius):
+    """Return the clearances of the machine's parts, or refuse what is in the intact wall."""
+    found = part_clearances(circuit, arm_radius)
+    for part in found:
+        if part.collides:
+            sized = f"arm_radius: an arm of {arm_radius:g} m" if part.name == "arm" else None
+            raise ValueError(f"{sized or f'body: its {part.name}'} {part.depth_in_wall}.")
+    return found

@@ -1,15 +1,20 @@
 """How far the arm, the cutter and other solids keep from the wall that isn't cut yet."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Length0, Lengths, Points, checked
+from ..arguments import Angle, Length0, Lengths, Points, Rule, checked, finite_array
 from ..surfaces import Box, Frustum, Machine, Rod, RoundedDisc, Section
 from ..surfaces.touching import outline, touches_of_planes
 
 ANGLES = 360  # from y, at which a solid's outermost points are looked at first
-THIRDS = 40  # after which an angle is known to its half of the digits, and a least depth to all
+GOLDEN = (np.sqrt(5) - 1) / 2
+SECTIONS = 34  # after which an angle is known to its half of the digits, and a least depth to all
+POSES = 512  # that are looked at together, to keep within memory
+AS_GIVEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # a frame that isn't turned
+ROUNDED = 1e-9  # of products of a rotation's rows
 
 
 class Clearance(NamedTuple):
@@ -65,8 +70,27 @@ def rod_clearance(section: Section, a: Points, b: Points, radius: Lengths):
     return np.minimum(*depths) - radius
 
 
+def _turns(name, value):
+    """Return `value` as rotation matrices (..., 3, 3)."""
+    turn = finite_array(name, value)
+    if turn.shape[-2:] != (3, 3):
+        raise ValueError(f"{name}: must be matrices (..., 3, 3); got {turn.shape}.")
+    if not np.all(np.abs(turn @ np.moveaxis(turn, -1, -2) - np.eye(3)) <= ROUNDED):
+        raise ValueError(f"{name}: must hold rows that are perpendicular and 1 long.")
+    return turn
+
+
+Turns = Annotated[ArrayLike, Rule("(..., 3, 3) float", _turns)]
+
+
 @checked
-def solid_clearance(section: Section, solid: Rod | Frustum | Box | RoundedDisc):
+def solid_clearance(
+    section: Section,
+    solid: Rod | Frustum | Box | RoundedDisc,
+    *,
+    turn: Turns = AS_GIVEN,
+    place: Points = (0.0, 0.0, 0.0),
+):
     """Return how far a solid stays inside a section: a cutter's part, a piece of the machine.
 
     Parameters
@@ -74,11 +98,15 @@ def solid_clearance(section: Section, solid: Rod | Frustum | Box | RoundedDisc):
     section : Section
         The tunnel's, which is convex.
     solid : Rod, Frustum, Box or RoundedDisc
-        In the frame of the tunnel, in any pose.
+        In a frame of its own; in that of the tunnel, in any pose, unless the next two are given.
+    turn : (..., 3, 3) float
+        The axes of its frame in that of the tunnel, as the columns of matrices.
+    place : (..., 3) float
+        Its frame's origin in the tunnel, in m.
 
     Returns
     -------
-    clearance : float
+    clearance : (...) float
         Least distance to the wall, in m; if negative, how deep the solid is in the ground;
         ``inf`` for an empty one.
 
@@ -87,39 +115,71 @@ def solid_clearance(section: Section, solid: Rod | Frustum | Box | RoundedDisc):
     Both are convex. Across the wall, in the plane x = 0, the least depth is that of the point where
     the solid reaches farthest along the wall's normal there, so that one angle is looked for. The
     points are those at which planes touch the solid, as in `meet_facets`. Those at `ANGLES` angles
-    tell where the depth has valleys, whose lowest points are found by thirds.
+    tell where the depth has valleys, whose lowest points are found by golden sections.
 
     Examples
     --------
     >>> from tunneller_lib.surfaces import Egg
     >>> capsule = Rod((0, 0, -0.4), (0.8, 0.3, 0), 0.1, ends="round")
-    >>> round(solid_clearance(Egg(0.5), capsule), 12)
+    >>> float(solid_clearance(Egg(0.5), capsule).round(12))
     0.1
+    >>> float(solid_clearance(Egg(0.5), capsule, place=(0, 0.05, 0)).round(12))
+    0.05
     """
     body = outline(solid)
-    angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
-    depths = _depths(section, body, angle)
+    turn, place = np.array(turn), np.array(place)
+    shape = np.broadcast_shapes(turn.shape[:-2], place.shape[:-1])
+    # Only what is across the tunnel counts.
+    across = np.broadcast_to(turn[..., 1:, :], (*shape, 2, 3)).reshape(-1, 2, 3)
+    middle = np.broadcast_to(place[..., 1:], (*shape, 2)).reshape(-1, 2)
+    least = np.empty(len(across))
+    for start in range(0, len(across), POSES):
+        some = slice(start, start + POSES)
+        least[some] = _least_depths(section, body, across[some], middle[some])
+    return least.reshape(shape)[()]
+
+
+def _least_depths(section, body, across, middle):
+    """Return least depths (n,) of an `Outline` in n poses, as `_depths` has them."""
+    step = 2 * np.pi / ANGLES
+    angle = step * np.arange(ANGLES)
+    each = np.repeat(np.arange(len(across)), ANGLES)
+    depths = _depths(section, body, across[each], middle[each], np.tile(angle, len(across)))
+    depths = depths.reshape(-1, len(across), ANGLES)
+    least = depths.min(axis=(0, 2), initial=np.inf)
     # Each point's valleys of the depth, between the neighbours of a sample.
-    valley = (depths < np.roll(depths, 1, axis=1)) & (depths <= np.roll(depths, -1, axis=1))
-    which, sample = np.nonzero(valley)
+    valley = (depths < np.roll(depths, 1, axis=2)) & (depths <= np.roll(depths, -1, axis=2))
+    which, pose, sample = np.nonzero(valley)
     if not len(which):
-        return float(depths.min(initial=np.inf))
+        return least
     pick = which, np.arange(len(which))
-    low, high = angle[sample] - angle[1], angle[sample] + angle[1]
-    for _ in range(THIRDS):
-        one, other = low + (high - low) / 3, high - (high - low) / 3
-        nearer = _depths(section, body, one)[pick] < _depths(section, body, other)[pick]
-        low, high = np.where(nearer, low, one), np.where(nearer, other, high)
-    return float(min(depths.min(), _depths(section, body, low)[pick].min()))
+    posed = across[pose], middle[pose]
+    low, high = angle[sample] - step, angle[sample] + step
+    one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_one, at_other = (_depths(section, body, *posed, x)[pick] for x in (one, other))
+    for _ in range(SECTIONS):
+        # One of both places is kept, so that each section costs one depth.
+        lower = at_one < at_other
+        low, high = np.where(lower, low, one), np.where(lower, other, high)
+        new = np.where(lower, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
+        at_new = _depths(section, body, *posed, new)[pick]
+        one, other = np.where(lower, new, other), np.where(lower, one, new)
+        at_one, at_other = np.where(lower, at_new, at_other), np.where(lower, at_one, at_new)
+    np.minimum.at(least, pose, np.minimum(at_one, at_other))
+    return least
 
 
-def _depths(section, body, angle):
-    """Return depths (k, n) of the k points of an `Outline` that planes touch, at angles (n,)."""
-    normal = np.stack([np.zeros(len(angle)), np.cos(angle), np.sin(angle)])
+def _depths(section, body, across, middle, angle):
+    """Return depths (k, n) of the k points of an `Outline` that planes touch, at angles (n,).
+
+    It stands with its origin at `middle` (n, 2), and `across` (n, 2, 3) turns it into the plane of
+    y and z.
+    """
+    normal = np.cos(angle) * across[:, 0].T + np.sin(angle) * across[:, 1].T
     points = [body.start[:, None] + point for point in touches_of_planes(body, normal)]
     if not points:
         return np.empty((0, len(angle)))
-    _, y, z = np.moveaxis(points, 1, 0)
+    y, z = np.einsum("nij,kjn->ikn", across, points) + middle.T[:, None]
     return section.depth(y, z)
 
 

@@ -7,7 +7,7 @@ from .egg import Egg
 from .facet import meet_facets
 from .frustum import Frustum, meet_frusta
 from .linkage import Linkage, linkages
-from .machine import REFERENCE_MACHINE, Machine
+from .machine import REFERENCE_MACHINE, Body, Machine
 from .pieces import Arc, Line
 from .rod import Rod, meet_rods
 from .rod_box import meet_box
@@ -18,6 +18,7 @@ from .torus import Torus
 __all__ = [
     "REFERENCE_MACHINE",
     "Arc",
+    "Body",
     "Box",
     "Cone",
     "Cutter",

@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Angle, Finite, Length, NotNegative, Positions, checked
+from ..arguments import Angle, Coordinate, Finite, Length, Length0, NotNegative, Positions, checked
+from .box import Box
+from .rod import Rod
 from .section import Section
 from .torus import Torus
 
@@ -31,6 +33,56 @@ class Requirement(NamedTuple):
 
 @dataclass(frozen=True)
 @checked
+class Body:
+    """What a machine has beside joints, arm and cutter: a box that stands, and the cutter's holder.
+
+    Parameters
+    ----------
+    length, width : float
+        Of the box, in m: back from the horizontal joint, and across, half on either side.
+    low, high : float
+        Heights of its underside and of its top over that joint, in m.
+    holder_radius, holder_length : float
+        Of the cylinder about the arm that carries the cutter, from the cutter's centre back, in m;
+        one of them 0 for none.
+
+    Raises
+    ------
+    ValueError
+        If length or width isn't above zero, a size of the holder is below zero, or the underside
+        isn't below the top.
+    """
+
+    length: Length
+    width: Length
+    low: Coordinate
+    high: Coordinate
+    holder_radius: Length0 = 0.0
+    holder_length: Length0 = 0.0
+
+    def __post_init__(self):
+        if not self.low < self.high:
+            raise ValueError(f"low: must be below high; got {self.low:g} and {self.high:g} m.")
+
+    @property
+    def box(self):
+        """Return the `Box`, in the machine's frame."""
+        corner = -self.length, -self.width / 2, self.low
+        return Box(corner, (self.length, 0, 0), (0, self.width, 0), (0, 0, self.high - self.low))
+
+    @property
+    def holder(self):
+        """Return the holder as a `Rod` from the cutter's centre, back along the arm, -x here."""
+        return Rod((-self.holder_length, 0, 0), (0, 0, 0), self.holder_radius)
+
+    @property
+    def has_holder(self):
+        """Whether there is a holder."""
+        return self.holder_radius > 0 and self.holder_length > 0
+
+
+@dataclass(frozen=True)
+@checked
 class Machine:
     """A two-joint machine that reams an egg-shaped section; its axes along the tunnel's.
 
@@ -46,6 +98,8 @@ class Machine:
         Depth that it cuts behind the given wall, in m, from 0 to less than its radius.
     height : float
         Height of the torus' centre over the centre of the section's roof, in m.
+    body : Body, optional
+        What else of it fills room; without one only arm and cutter do.
 
     Raises
     ------
@@ -68,6 +122,7 @@ class Machine:
     cutter_radius: Length
     depth: NotNegative
     height: Finite
+    body: Body | None = None
 
     def __post_init__(self):
         for joint in ("theta", "phi"):

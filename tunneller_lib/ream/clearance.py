@@ -1,0 +1,106 @@
+"""How far the machine's parts keep from the wall that isn't cut yet."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arguments import Length0, checked
+from ..paths import Circuit
+from ..removal import rod_clearance, solid_clearance
+from .pose import Pose
+
+PLACES = 721  # of the circuit, at which the parts are looked at
+SAME = 1e-12  # m
+
+
+class PartClearance(NamedTuple):
+    """How far a part of the machine keeps from the wall.
+
+    Parameters
+    ----------
+    name : str
+        "arm", "holder", "box" or "cutter".
+    least : float
+        Over the circuit, in m; negative in the ground.
+    place : float or None
+        Arc length along the offset section, in m, where it is least; None for what doesn't move.
+    """
+
+    name: str
+    least: float
+    place: float | None
+
+    @property
+    def collides(self):
+        """Whether it is in the wall and isn't there to cut it."""
+        return self.least < 0 and self.name != "cutter"
+
+    @property
+    def depth_in_wall(self):
+        """Return how deep it is in the wall, and where, as the end of a sentence."""
+        where = "" if self.place is None else f" {self.place:.3f} m along the circuit"
+        return f"is {-self.least:.3f} m in the wall{where}"
+
+
+@checked
+def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None = None):
+    """Return how far the parts of a machine keep from the intact wall.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Machine, section, and how it is set up.
+    arm_radius : float
+        Of a round-ended rod about the arm, from the tangential joint to the cutter's centre, in m.
+    pose : Pose, optional
+        Where the machine stands instead of where it should.
+
+    Returns
+    -------
+    clearances : list of PartClearance
+        Of the arm; of the holder and the box of the machine's `Body`, where it has them; and of
+        the cutter's ball, which is as deep in the wall as it cuts.
+
+    Notes
+    -----
+    The machine steps back along the tunnel, so that one lap's clearances are those of all.
+
+    Examples
+    --------
+    >>> from tunneller_lib.paths import cutting_circuit
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> arm, cutter = part_clearances(cutting_circuit(REFERENCE_MACHINE, Egg(0.5)), 0.1)
+    >>> round(arm.least, 9), round(cutter.least, 9)
+    (0.08, -0.02)
+    """
+    machine = circuit.machine
+    section = circuit.section
+    s = np.linspace(0, circuit.profile.perimeter, PLACES)
+    position = circuit.position(s)
+    joint, centre = circuit.arm(position)
+    arm_axes = circuit.arm_axes(position)
+    axes = circuit.axes
+    foot = circuit.in_tunnel(np.zeros(3))
+    if pose is not None:
+        joint, centre, foot = (pose.moved(point, foot) for point in (joint, centre, foot))
+        turn = replace(pose, y=0.0, z=0.0).moved(np.eye(3), np.zeros(3)).T
+        arm_axes, axes = turn @ arm_axes, turn @ axes
+    depths = {"arm": rod_clearance(section, joint, centre, arm_radius)}
+    if machine.body is not None:
+        if machine.body.has_holder:
+            depths["holder"] = solid_clearance(
+                section, machine.body.holder, turn=arm_axes, place=centre
+            )
+        depths["box"] = solid_clearance(section, machine.body.box, turn=axes, place=foot)
+    depths["cutter"] = rod_clearance(section, centre, centre, machine.cutter_radius)
+    return [_least(name, depth, s) for name, depth in depths.items()]
+
+
+def _least(name, depth, s):
+    """Return the `PartClearance` of depths at arc lengths s, or of one depth at all."""
+    if np.ndim(depth) == 0:
+        return PartClearance(name, float(depth), None)
+    # The first of those that are equal but for rounding: an aligned arm's are, all along.
+    worst = int(np.argmax(depth <= depth.min() + SAME))
+    return PartClearance(name, float(depth.min()), float(s[worst]))

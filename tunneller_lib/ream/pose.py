@@ -1,0 +1,47 @@
+"""Where a machine stands instead of where it should."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Angle, Coordinate, Point, Points, checked
+
+
+@dataclass(frozen=True)
+@checked
+class Pose:
+    """By how much a machine stands elsewhere than planned, small: in m and rad.
+
+    Parameters
+    ----------
+    y, z : float
+        To the left and up, in m.
+    roll, pitch, yaw : float
+        About the tunnel's x, y, z through the torus' centre, right-handed, in this order, in rad.
+
+    Raises
+    ------
+    ValueError
+        If a number isn't finite, or above 1e100 in size.
+    """
+
+    y: Coordinate = 0.0
+    z: Coordinate = 0.0
+    roll: Angle = 0.0
+    pitch: Angle = 0.0
+    yaw: Angle = 0.0
+
+    @checked
+    def moved(self, point: Points, centre: Point):
+        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
+        turn = np.eye(3)
+        for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
+            i, j = [k for k in range(3) if k != axis]
+            c = np.cos(angle)
+            s = np.sin(angle)
+            one = np.eye(3)
+            one[[i, j], [i, j]] = c
+            # About x and z the first of the other two axes turns to the second, about y back.
+            one[i, j], one[j, i] = (s, -s) if axis == 1 else (-s, s)
+            turn = one @ turn
+        return (point - np.array(centre)) @ turn.T + centre + [0.0, self.y, self.z]
