@@ -5,11 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, some, square_root, where
+from ..elementwise import larger, ratio, some, square_root, where, within
 from ..exact import dot, norm
 from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, nearest_offset
 from .vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
+
+FINE = 2.0**-50  # of the size, to which a place is told: there are floats between such ends
+GUESSES = 6  # of Newton's steps to about where a line is nearest
+SHARES = 2.0**-20, 2.0**-40  # of the size, how far a guess may be off
+CHORDS = 2.0**-20, 2.0**-26  # of the size, half of what those lines have inside that touch
 
 
 @checked
@@ -169,12 +174,39 @@ class _Passing:
 
     def at(self, t):
         """Return the distance from the disc, and half of what its square grows by with t."""
-        height = self.height + t * self.rise
+        place = self._place(t)
+        _, beside, height = place
+        return square_root(beside * beside + height * height), self._growth(t, place)
+
+    def distance(self, t):
+        """Return the distance from the disc."""
+        return square_root(self.square_of_distance(t))
+
+    def square_of_distance(self, t):
+        """Return its square."""
+        _, beside, height = self._place(t)
+        return beside * beside + height * height
+
+    def growth(self, t):
+        """Return half of what its square grows by with t."""
+        return self._growth(t, self._place(t))
+
+    def bend(self, t):
+        """Return how the growth changes with t."""
+        rho, *_ = self._place(t)
+        area = self.square * self.flat - self.turn * self.turn
+        beside = self.flat - ratio(self.radius * area, rho * rho * rho)
+        return self.rise * self.rise + where(rho > self.radius, beside, 0.0)
+
+    def _place(self, t):
+        """Return how far from the axis, beside the disc and above it a line is."""
         rho = square_root(larger(self.square + t * (2 * self.turn + t * self.flat), 0.0))
-        beside = larger(rho - self.radius, 0.0)
+        return rho, larger(rho - self.radius, 0.0), self.height + t * self.rise
+
+    def _growth(self, t, place):
+        rho, beside, height = place
         outwards = (self.turn + t * self.flat) / where(rho > 0, rho, 1.0)
-        distance = square_root(beside * beside + height * height)
-        return distance, beside * outwards + height * self.rise
+        return beside * outwards + height * self.rise
 
 
 def _quickly(unit, radius, corner, q, u):
@@ -205,8 +237,7 @@ def _stepped(line, corner, t, sign, guard):
         if not some(outside):
             break
         t = where(outside, t - ratio((distance - corner) * distance, grow), t)
-    distance, _ = line.at(t)
-    return t, abs(distance - corner) <= 2 * guard
+    return t, abs(line.distance(t) - corner) <= 2 * guard
 
 
 def _meet_discs(centre, axis, p, u, radius, corner):
@@ -228,28 +259,53 @@ def _interval(radius, corner, line):
     size = radius + corner
 
     def nears(t):
-        _, grow = line.at(t)
-        return grow < 0
+        return line.growth(t) < 0
 
     def outside(t):
-        distance, _ = line.at(t)
-        return distance > corner
+        return line.square_of_distance(t) > corner * corner
 
     # The solid is in a ball about its centre, so that a line meets it on this way or not at all.
-    nearest = _halved(nears, -2 * size, 2 * size)
-    least, _ = line.at(nearest)
-    start = _halved(outside, -2 * size, nearest)
-    end = -_halved(lambda t: outside(-t), -2 * size, -nearest)
-    # A touch within the guard is one of the solid that is just so much larger.
+    fine = FINE * size
+    guess = _guessed(line, size)
+    looks = [guess + sign * share * size for share in SHARES for sign in (-1, 1)]
+    nearest = _halved(nears, -2 * size, 2 * size, looks, fine)
+    least = line.distance(nearest)
     touch = least > corner
+    if touch is True:
+        start = end = nearest
+    else:
+        first, last = ([side * nearest - chord * size for chord in CHORDS] for side in (1, -1))
+        start = _halved(outside, -2 * size, nearest, first, fine)
+        end = -_halved(lambda t: outside(-t), -2 * size, -nearest, last, fine)
+    # A touch within the guard is one of the solid that is just so much larger.
     start, end = where(touch, nearest, start), where(touch, nearest, end)
     return (least <= corner + GUARD * size) & (size > 0), start, end
 
 
-def _halved(before, low, high):
-    """Return up to which place `before`, a function of places from `low` to `high`, holds."""
-    for _ in range(64):  # after which an interval has no float inside, or next to none
+def _guessed(line, size):
+    """Return about where lines are nearest to discs, by Newton, if it comes near at all."""
+    t = 0.0
+    for _ in range(GUESSES):
+        t = within(t - ratio(line.growth(t), line.bend(t)), -size, size)
+    return where(t == t, t, 0.0)
+
+
+def _halved(before, low, high, looks, fine):
+    """Return up to which place `before`, a function of places from `low` to `high`, holds.
+
+    It is told to a length that is `fine`. Places that are looked at first may spare most of the
+    halvings.
+    """
+    for look in looks:
+        look = within(look, low, high)
+        more = before(look)
+        low, high = where(more, look, low), where(more, high, look)
+    while some(apart := high - low > fine):
         middle = (low + high) / 2
         more = before(middle)
-        low, high = where(more, middle, low), where(more, high, middle)
+        # A line that is done stays as it is, however many others aren't.
+        low, high = (
+            where(apart, where(more, middle, low), low),
+            where(apart, where(more, high, middle), high),
+        )
     return high
