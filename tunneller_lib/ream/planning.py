@@ -84,7 +84,7 @@ class Plan(Moves):
     straight_time : float
         Which a lap would take without its rest if turning the joints cost no feed, in s.
     clearances : list of PartClearance
-        How far arm, holder, body and cutter keep from the wall.
+        How far arm, holder, box and cutter keep from the wall.
     path : {"tangent spheres", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots.
     """
