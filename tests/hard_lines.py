@@ -1,4 +1,4 @@
-"""Hard lines against rods, capsules, frusta and boxes, by family.
+"""Hard lines against rods, capsules, frusta, boxes and rounded discs, by family.
 
 A family takes a kind, a random generator and a number n, and returns shapes (n, 12) as
 `tests.exact_shapes` reads them, points and directions (n, 3). It uses sums, products, quotients
@@ -13,8 +13,7 @@ import numpy as np
 from tunneller_lib.replica.rod_cases import TRIPLES, whole_rotations
 
 EPS = np.finfo(float).eps
-KINDS = ("rod", "capsule", "frustum", "box")  # of the table and of the long run
-ALL_KINDS = (*KINDS, "rounded")
+KINDS = ("rod", "capsule", "frustum", "box", "rounded")
 WITH_AXES = ("rod", "capsule", "frustum")
 BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
 SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis

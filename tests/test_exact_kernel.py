@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.exact_shapes import EPS, exact_interval, exact_intervals, judged, size_of
-from tests.hard_lines import ALL_KINDS, FAMILIES, TOUCHING, scaled, sizes
+from tests.hard_lines import FAMILIES, KINDS, TOUCHING, scaled, sizes
 from tests.long import many
 from tunneller_lib.surfaces import (
     Box,
@@ -22,7 +22,7 @@ from tunneller_lib.surfaces import (
 
 LINES = many(250, 2_500)  # a family and kind, each judged in whole numbers
 MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already
-every_kind = pytest.mark.parametrize("kind", ALL_KINDS)
+every_kind = pytest.mark.parametrize("kind", KINDS)
 every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
 
 

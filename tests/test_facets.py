@@ -5,12 +5,12 @@ import pytest
 
 from tests.exact_facets import judged_facets
 from tests.exact_shapes import EPS
-from tests.hard_lines import ALL_KINDS, Whole, _floats
+from tests.hard_lines import KINDS, Whole, _floats
 from tests.long import many
 from tests.test_exact_kernel import shape_of
 from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box, meet_facets
 
-every_kind = pytest.mark.parametrize("kind", ALL_KINDS)
+every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 def touching(kind, rng, n):
@@ -135,7 +135,7 @@ def test_meet_box_takes_every_solid():
 @pytest.mark.parametrize("power", [-300, 300])
 def test_facets_scale(power):
     k = 2.0**power
-    for kind in ALL_KINDS:
+    for kind in KINDS:
         shapes, facets, u = anywhere(kind, np.random.default_rng(6), 3)
         for shape, facet, way in zip(shapes, facets, u, strict=True):
             found = meet_facets(shape_of(kind, shape), facet, way)

@@ -22,7 +22,6 @@ PAGE = (HERE / "README.md").read_text(encoding="utf-8")
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
 # Answers of another program, line by line: two parameters, or a dash.
 ANSWERED = r"""
-#include <string.h>
 int meet(const char *kind, const double *s, const double *p, const double *u, double *t) {
     static FILE *file;
     char word[2][40];
@@ -65,7 +64,8 @@ def test_table_is_what_its_script_writes(rows):
     for k, kind in enumerate(KINDS):
         for number, family in enumerate(FAMILIES):
             rng = np.random.default_rng([hard_lines_table.SEED, k, number])
-            made = hard_lines_table.rows(kind, family, rng, only=2)
+            few = 1 if kind == "rounded" else 2  # whose judge takes fifty times as long
+            made = hard_lines_table.rows(kind, family, rng, only=few)
             kept = rows[first[kind, family.__name__] :]
             for one, row in zip(made, kept, strict=False):
                 assert one == list(row.values())

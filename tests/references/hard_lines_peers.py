@@ -7,7 +7,8 @@
 
 Each routine gets the same rays, called as its package offers it, and says where each meets its
 shape first. The packages are no part of this library's environment: mujoco, pybullet, open3d,
-embreex and vtk from PyPI, @dimforge/rapier3d-compat, jolt-physics and three from npm.
+embreex, vtk and cadquery-ocp-novtk from PyPI, @dimforge/rapier3d-compat, jolt-physics and three
+from npm.
 """
 
 import csv
@@ -23,10 +24,12 @@ HERE = Path(__file__).parent
 TABLE = HERE / "hard_lines_peers.csv"
 DOUBLE, SINGLE = 2.0**-52, 2.0**-23
 SIDES = 64
-# What each routine computes with; a mesh of 64 sides may be off by 0.005 of the size.
+CONFUSION = 1e-7  # Open CASCADE's own
+# What each routine computes with; a mesh of 64 sides may be off by 0.005 of the size. To Open
+# CASCADE, in doubles, places within 1e-7 are the same.
 PRECISION = {
     "tunneller_lib": DOUBLE, "MuJoCo": DOUBLE, "PyBullet": DOUBLE, "VTK box": DOUBLE,
-    "Rapier": SINGLE, "Jolt": SINGLE, "three.js": DOUBLE,
+    "Open CASCADE": SINGLE, "Rapier": SINGLE, "Jolt": SINGLE, "three.js": DOUBLE,
     "Open3D, mesh": None, "embree, mesh": None, "VTK, mesh": None,
 }  # fmt: skip
 COLUMNS = ["routine", "version", "kind", "family", "lines", "holes", "ghosts", "displaced",
@@ -43,9 +46,12 @@ def ray_of(row):
     """Return a row as a ray: its shape at a size near 1, scaled by a power of two, from outside."""
     shape = np.array([float(row[f"s{i}"]) for i in range(1, 13)])
     p, u = (np.array([float(row[v + axis]) for axis in "xyz"]) for v in "pu")
-    box = row["kind"] == "box"
-    size = np.linalg.norm(shape[3:]) if box else (
-        shape[6:8].max() + np.linalg.norm(shape[3:6] - shape[:3]))  # fmt: skip
+    if row["kind"] == "box":
+        size = np.linalg.norm(shape[3:])
+    elif row["kind"] == "rounded":
+        size = shape[6] + shape[7]
+    else:
+        size = shape[6:8].max() + np.linalg.norm(shape[3:6] - shape[:3])
     scale, speed = 2.0 ** -np.frexp(size)[1], 2.0 ** -np.frexp(np.abs(u).max())[1]
     shape, p, u, size = shape * scale, p * scale, u * speed, size * scale
     # From so far that the shape lies ahead, by a whole power of two of the direction.
@@ -95,9 +101,14 @@ def pose(ray):
         if np.linalg.det(turn) < 0:
             turn[:, 0] *= -1
         return shape[:3] + edges.sum(axis=0) / 2, turn, lengths / 2
-    a, b = shape[:3], shape[3:6]
-    length = np.linalg.norm(b - a)
-    z = (b - a) / length if length else np.array([0.0, 0, 1])
+    if ray["kind"] == "rounded":
+        a = b = shape[:3]
+        z = shape[3:6] / np.linalg.norm(shape[3:6])
+        length = 2 * shape[7]
+    else:
+        a, b = shape[:3], shape[3:6]
+        length = np.linalg.norm(b - a)
+        z = (b - a) / length if length else np.array([0.0, 0, 1])
     x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
     x /= np.linalg.norm(x)
     return (a + b) / 2, np.stack([x, np.cross(z, x), z], axis=-1), np.array([length / 2])
@@ -113,6 +124,9 @@ def mesh(ray):
         return corners @ turn.T + centre, np.array(faces)
     start, end = ray["shape"][6:8]
     profile = [(start, -half[0]), (end, half[0])]  # radius, height
+    if ray["kind"] == "rounded":
+        angle = np.linspace(-np.pi / 2, np.pi / 2, SIDES // 2 + 1)
+        profile = [(start + end * np.cos(t), end * np.sin(t)) for t in angle]
     if ray["kind"] == "capsule":
         angle = np.linspace(0, np.pi / 2, SIDES // 4 + 1)[:-1]
         low = [(start * np.cos(t), -half[0] - start * np.sin(t)) for t in angle[::-1]]
@@ -156,7 +170,7 @@ def with_pybullet(rays):
 
     pybullet.connect(pybullet.DIRECT)
     for ray in rays:
-        if ray["kind"] == "frustum":
+        if ray["kind"] in ("frustum", "rounded"):
             yield "none"
             continue
         centre, turn, half = pose(ray)
@@ -263,25 +277,123 @@ def with_embree(rays):
         yield float(found[0]) if found[0] < 1e30 else None
 
 
+def with_open_cascade(rays):
+    from OCP.gp import gp_Dir, gp_Lin, gp_Pnt
+    from OCP.IntCurvesFace import IntCurvesFace_ShapeIntersector
+
+    for ray in rays:
+        body = open_cascade_solid(ray)
+        if body is None:
+            yield "none"  # it refuses the shape
+            continue
+        speed = np.linalg.norm(ray["direction"])
+        line = gp_Lin(gp_Pnt(*ray["origin"]), gp_Dir(*ray["direction"]))
+        found = IntCurvesFace_ShapeIntersector()
+        found.Load(body, CONFUSION)
+        found.Perform(line, 0.0, ray["reach"] * speed)
+        places = [found.WParameter(i + 1) for i in range(found.NbPnt())] if found.IsDone() else []
+        yield min(places) / speed if places else None
+
+
+def open_cascade_solid(ray):
+    """Return a shape of Open CASCADE, or None where it makes none."""
+    from OCP.BRepPrimAPI import (
+        BRepPrimAPI_MakeBox,
+        BRepPrimAPI_MakeCone,
+        BRepPrimAPI_MakeCylinder,
+        BRepPrimAPI_MakeRevol,
+    )
+    from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt
+
+    centre, turn, half = pose(ray)
+    kind, (start, end) = ray["kind"], ray["shape"][6:8]
+    low = centre - turn @ half if kind == "box" else centre - turn[:, 2] * half[0]
+    frame = gp_Ax2(gp_Pnt(*low), gp_Dir(*turn[:, 2]), gp_Dir(*turn[:, 0]))
+    try:
+        if kind == "box":
+            return BRepPrimAPI_MakeBox(frame, *(2 * half).tolist()).Solid()
+        if kind == "rod" or (kind == "frustum" and start == end):
+            return BRepPrimAPI_MakeCylinder(frame, start, 2 * half[0]).Solid()
+        if kind == "frustum":
+            return BRepPrimAPI_MakeCone(frame, start, end, 2 * half[0]).Solid()
+        axis = gp_Ax1(gp_Pnt(*centre), gp_Dir(*turn[:, 2]))
+        return BRepPrimAPI_MakeRevol(open_cascade_profile(ray, centre, turn, half), axis).Shape()
+    except Exception:  # Standard_Failure and what follows from it: sizes below its least
+        return None
+
+
+def open_cascade_profile(ray, centre, turn, half):
+    """Return half of the section of a capsule or a rounded disc, as a face of Open CASCADE."""
+    from OCP.BRepBuilderAPI import (
+        BRepBuilderAPI_MakeEdge,
+        BRepBuilderAPI_MakeFace,
+        BRepBuilderAPI_MakeWire,
+    )
+    from OCP.GC import GC_MakeArcOfCircle
+    from OCP.gp import gp_Pnt
+
+    def at(radius, height):
+        return gp_Pnt(*(centre + turn[:, 0] * radius + turn[:, 2] * height))
+
+    radius, corner = ray["shape"][6:8]
+    wire = BRepBuilderAPI_MakeWire()
+    if ray["kind"] == "capsule":
+        tall, diagonal = half[0], radius / np.sqrt(2)
+        pieces = [
+            [(0, -tall - radius), (diagonal, -tall - diagonal), (radius, -tall)],
+            [(radius, -tall), (radius, tall)],
+            [(radius, tall), (diagonal, tall + diagonal), (0, tall + radius)],
+            [(0, tall + radius), (0, -tall - radius)],
+        ]
+    else:
+        pieces = [
+            [(0, -corner), (radius, -corner)],
+            [(radius, -corner), (radius + corner, 0), (radius, corner)],
+            [(radius, corner), (0, corner)],
+            [(0, corner), (0, -corner)],
+        ]
+    for piece in pieces:
+        if piece[0] == piece[-1]:
+            continue
+        places = [at(*place) for place in piece]
+        if len(places) == 3:
+            places = [_made(GC_MakeArcOfCircle(*places)).Value()]
+        wire.Add(_made(BRepBuilderAPI_MakeEdge(*places)).Edge())
+    return _made(BRepBuilderAPI_MakeFace(_made(wire).Wire())).Face()
+
+
+def _made(builder):
+    """Return a builder of Open CASCADE that could build; another's result may end the process."""
+    if not builder.IsDone():
+        raise ValueError("It can't be built.")
+    return builder
+
+
 PYTHON = {
     "MuJoCo": ("mujoco", with_mujoco), "PyBullet": ("pybullet", with_pybullet),
-    "VTK box": ("vtk", with_vtk_box), "Open3D, mesh": ("open3d", with_open3d),
+    "VTK box": ("vtk", with_vtk_box), "Open CASCADE": ("cadquery-ocp-novtk", with_open_cascade),
+    "Open3D, mesh": ("open3d", with_open3d),
     "embree, mesh": ("embreex", with_embree), "VTK, mesh": ("vtk", with_vtk_mesh),
 }  # fmt: skip
 
 
 def run_python(folder):
-    """Let the routines of the Python packages answer."""
-    from importlib.metadata import version
+    """Let the routines of those Python packages answer that are installed."""
+    from importlib.metadata import PackageNotFoundError, version
 
     rays = json.loads((folder / "rays.json").read_text())
     for routine, (package, answer) in PYTHON.items():
+        try:
+            version(package)
+        except PackageNotFoundError:
+            continue
         keep(folder, routine, version(package), list(answer(rays)))
 
 
 def verdict(ray, found, precision):
     """Return how an answer is wrong, "touch", "touch lost", or "" where there is nothing to say."""
-    shape = np.array(ray["shape"][:3] if ray["kind"] == "box" else ray["shape"][:6])
+    # Boxes and rounded discs have one place, the others two ends.
+    shape = np.array(ray["shape"][: 3 if ray["kind"] in ("box", "rounded") else 6])
     place = max(np.abs(shape).max(), np.abs(ray["origin"]).max())
     slack = 64 * precision * (ray["size"] + place) if precision else 0.005 * ray["size"]
     if abs(ray["depth"]) <= slack:

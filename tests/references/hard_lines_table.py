@@ -1,4 +1,4 @@
-"""Write hard_lines.csv.gz: lines against rods, capsules, frusta and boxes, with exact answers.
+"""Write hard_lines.csv.gz: lines against solids, with exact answers.
 
     python -m tests.references.hard_lines_table
 
@@ -28,9 +28,14 @@ SINGLE = 2.0**-23
 
 
 def size_of(kind, shape):
-    """Return the size of a shape (12,), in m: the wider radius and the length, or the diagonal."""
+    """Return the size of a shape (12,), in m.
+
+    The wider radius and the length, a box's diagonal, or a rounded disc's greatest radius.
+    """
     if kind == "box":
         return float(np.linalg.norm(shape[3:]))
+    if kind == "rounded":
+        return float(shape[6] + shape[7])
     return float(max(shape[6:8]) + np.linalg.norm(shape[3:6] - shape[:3]))
 
 
