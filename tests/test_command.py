@@ -128,7 +128,9 @@ def test_job_warns_of_a_body_that_only_its_pose_moves_into_the_wall(job):
     made = read_job(job(BODY | about))
     assert 0 < made.planned.clearances[2].least < 0.01
     (warning,) = results._colliding(made)
-    assert re.fullmatch(r"\[pose\]: so the machine's box is 0\.0\d\d m in the wall\.", warning)
+    assert re.fullmatch(
+        r"the machine's box is 0\.0\d\d m in the wall, where it stands by \[pose\]\.", warning
+    )
     assert results._colliding(read_job(job(BODY))) == []
 
 

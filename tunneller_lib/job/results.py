@@ -161,7 +161,7 @@ def _colliding(job):
     arm_radius = job.plan.get("arm_radius", 0.0)
     parts = part_clearances(job.planned.circuit, arm_radius, pose=job.error)
     return [
-        f"[pose]: so the machine's {part.name} {part.depth_in_wall}."
+        f"the machine's {part.name} {part.depth_in_wall}, where it stands by [pose]."
         for part in parts
         if part.collides
     ]

@@ -38,7 +38,7 @@ class PartClearance(NamedTuple):
 
     @property
     def depth_in_wall(self):
-        """Return how deep it is in the wall, and where, as the end of a sentence."""
+        """Return how deep it is in the wall, and where, as a sentence goes on."""
         where = "" if self.place is None else f" {self.place:.3f} m along the circuit"
         return f"is {-self.least:.3f} m in the wall{where}"
 

@@ -524,6 +524,7 @@ def _kept_clear(circuit, arm_radius):
     found = part_clearances(circuit, arm_radius)
     for part in found:
         if part.collides:
-            sized = f"arm_radius: an arm of {arm_radius:g} m" if part.name == "arm" else None
-            raise ValueError(f"{sized or f'body: its {part.name}'} {part.depth_in_wall}.")
+            arm = part.name == "arm"
+            what = f"arm_radius: an arm of {arm_radius:g} m" if arm else f"body: its {part.name}"
+            raise ValueError(f"{what} {part.depth_in_wall}.")
     return found
