@@ -7,7 +7,7 @@ import pytest
 
 from tests.calls import CALLS
 from tunneller_lib.paths import Circuit, ConeChord, cutting_circuit, project_chord
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Cone, Egg, Torus
 
 EGG = Egg(0.5)
 NUMBERS = {
@@ -24,9 +24,13 @@ NUMBERS = {
     "yaw": ("yaw", lambda x: cutting_circuit(REFERENCE_MACHINE, EGG, yaw=x)),
     "tolerance": ("tolerance", Circuit(REFERENCE_MACHINE, EGG).knots),
 } | {
-    f"Machine {name}": (name, lambda x, name=name: replace(REFERENCE_MACHINE, **{name: x}))
-    for name in REFERENCE_MACHINE.__dataclass_fields__
-}
+    f"{type(whole).__name__} {name}": (name, lambda x, whole=whole, name=name: replace(
+        whole, **{name: x}
+    ))
+    for whole in (REFERENCE_MACHINE, Body(1.2, 0.3, -0.2, 0.1))
+    for name in whole.__dataclass_fields__
+    if name != "body"
+}  # fmt: skip
 SIZES = [k for k, (name, _) in NUMBERS.items() if name in ("r", "R", "a", "H", "h", "cutter_radius",
                                                            "tolerance")]  # fmt: skip
 
