@@ -329,3 +329,17 @@ def test_edges_of_a_box_may_be_of_either_hand():
 def test_a_frustum_without_an_axis_is_empty():
     enter, leave = meet_frusta((0, 0, 0), (0, 0, 0), 1, 1, (0, 0, -1), (0, 0, 1))
     assert (enter, leave) == (np.inf, -np.inf)
+
+
+def test_a_rounded_disc_holds_the_points_within_its_corner_s_radius_of_the_disc():
+    disc = RoundedDisc((0.1, 0.2, 0.3), (0.0, 0.0, 5.0), 0.03, 0.01)  # m
+    away = {  # beside the axis and along it, in m
+        (0.0, 0.0): True, (0.02, 0.0099): True, (0.02, 0.0101): False, (0.0399, 0.0): True,
+        (0.0401, 0.0): False, (0.037, 0.007): True, (0.038, 0.007): False, (0.0, -0.0099): True,
+    }  # fmt: skip
+    turn = np.random.default_rng(4).uniform(0, 2 * np.pi, len(away))
+    beside, along = np.array(list(away)).T
+    way = np.stack([beside * np.cos(turn), beside * np.sin(turn), along], axis=-1)
+    points = way + (0.1, 0.2, 0.3)
+    assert disc.contains(points).tolist() == list(away.values())
+    assert disc.contains((0.1, 0.2, 0.31)) and disc.contains((0.14, 0.2, 0.3))  # on the surface
