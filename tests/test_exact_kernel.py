@@ -340,6 +340,6 @@ def test_a_rounded_disc_holds_the_points_within_its_corner_s_radius_of_the_disc(
     turn = np.random.default_rng(4).uniform(0, 2 * np.pi, len(away))
     beside, along = np.array(list(away)).T
     way = np.stack([beside * np.cos(turn), beside * np.sin(turn), along], axis=-1)
-    points = way + (0.1, 0.2, 0.3)
+    points = way + np.array([0.1, 0.2, 0.3])
     assert disc.contains(points).tolist() == list(away.values())
     assert disc.contains((0.1, 0.2, 0.31)) and disc.contains((0.14, 0.2, 0.3))  # on the surface
