@@ -24,7 +24,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site test long check lab browser atlas bench plc mutants words format lock clean
+.PHONY: help environment report stale site live test long check lab browser atlas bench plc mutants words format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -40,6 +40,9 @@ stale: environment ## say which notebooks `make report` would run, and why
 
 site: report ## the notebooks and the report as web pages, build/site/index.html
 	@$(BIN)/python -m report.site
+
+live: report ## those pages with sliders that move without Python, build/live/index.html (fetches 106 MB once)
+	@$(BIN)/python -m report.live
 
 # A worker takes a file at a time, in the order of testpaths: notebooks, which take longest, first,
 # and doctests, the shortest, last, so that none waits long for another at the end.
@@ -57,7 +60,7 @@ lab: environment ## open JupyterLab on the index of the notebooks
 	@$(ALONE) $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
 		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
 
-browser: site ## try pages and notebooks in a headless Chromium, where there is one
+browser: site live ## try pages and notebooks in a headless Chromium, where there is one
 	@$(BIN)/python -m pytest tests/browser -s
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv

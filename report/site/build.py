@@ -32,10 +32,13 @@ PLACES = [
 
 
 class Site:
-    """A folder of pages, and what the search shall find in them."""
+    """A folder of pages, and what the search shall find in them.
 
-    def __init__(self, folder):
-        self.folder = folder
+    `live` is what pages have more if they run the study (report/live), else None.
+    """
+
+    def __init__(self, folder, live=None):
+        self.folder, self.live = folder, live
         self.found = []
         self.origin = f"Shows results with the digest {results_digest()[:16]}."
 
@@ -47,7 +50,8 @@ class Site:
         root = "../" * address.count("/")
         html = PAGES.get_template("page.html").render(
             root=root, title=plain(title), body=body, style=style, kind=kind,
-            policy=policy.content_policy(style), places=PLACES,
+            policy=policy.content_policy(style, runs=self.live is not None), places=PLACES,
+            live=self.live,
             address=address, here=here or address, footer=self.origin, **more,
         )  # fmt: skip
         self.write(address, html)
@@ -59,7 +63,7 @@ class Site:
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
-def build(folder, chosen=None):
+def build(folder, chosen=None, live=None):
     """Make the site in a folder, which is emptied first.
 
     Parameters
@@ -68,9 +72,11 @@ def build(folder, chosen=None):
         Where to.
     chosen : list of pathlib.Path, optional
         Notebooks that become chapters, all unless told; links to others lead to the index.
+    live : report.live.build.LivePages, optional
+        What makes the pages run.
     """
     shutil.rmtree(folder, ignore_errors=True)
-    site = Site(folder)
+    site = Site(folder, live)
     shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
     chosen = notebooks() if chosen is None else chosen
     add_report(site, "report", report_page("report"), chosen)
@@ -80,8 +86,11 @@ def build(folder, chosen=None):
     add_proofs(site)
     add_library(site)
     style = HtmlFormatter(cssclass="code").get_style_defs(".code")
-    site.write("style.css", style + "\n" + (HERE / "style.css").read_text())
+    style += "\n" + (HERE / "style.css").read_text() + (live.style if live else "")
+    site.write("style.css", style)
     site.write("site.js", (HERE / "site.js").read_bytes())
+    if live:
+        live.add(site)
     site.write("search-index.js", script(site.found))
 
 
@@ -95,7 +104,7 @@ def add_chapters(site, chosen, figure_captions):
         scenes = scene_files(notebook)
         chapter = Chapter(
             notebook, lambda url, root=root: follow(url, chosen, root), root,
-            [name(path) for path in scenes], set_tables, figure_captions,
+            [name(path) for path in scenes], set_tables, figure_captions, site.live,
         )  # fmt: skip
         body = chapter.html()
         contents = [entry(titles[page], root + page, here=page == here) for page in order]

@@ -38,11 +38,13 @@ class Chapter:
         Each recorded table's HTML, by notebook and name.
     captions : dict
         Each figure's caption in the report as HTML, by file.
+    live : report.live.build.LivePages, optional
+        What stands below the cells that have sliders.
     """
 
-    def __init__(self, notebook, link, to_root, scenes, tables, captions):
+    def __init__(self, notebook, link, to_root, scenes, tables, captions, live=None):
         self.cells = nbformat.read(notebook, as_version=4).cells
-        self.link, self.to_root = link, to_root
+        self.link, self.to_root, self.live = link, to_root, live
         self.stem, self.scenes = notebook.stem, scenes
         made = records(notebook)[1]
         self.figures = {f["alt"]: f["file"] for f in made.get("figures", {}).values()}
@@ -75,10 +77,11 @@ class Chapter:
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
         turning = "".join(map(self.scene, self.scenes_of(number)))
+        moving = self.live.below(self.stem, number) if self.live else ""
         said = f'<p class="number">cell {number}</p>'
         return (
             f'<div class="cell" id="cell-{number}">\n'
-            f'<div class="source">{said}{code(source)}</div>\n{outputs}{turning}</div>'
+            f'<div class="source">{said}{code(source)}</div>\n{outputs}{turning}{moving}</div>'
         )
 
     def output(self, output):

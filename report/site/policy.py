@@ -11,13 +11,15 @@ from report.site.scenes import viewer_style
 OWN = "'self' file:"
 
 
-def content_policy(style=""):
+def content_policy(style="", *, runs=False):
     """Return the policy of a page.
 
     Parameters
     ----------
     style : str
         What stands in the page's element <style>, if anything.
+    runs : bool
+        Whether Python runs in the page: its Worker imports a module that the page hands over.
 
     Returns
     -------
@@ -32,7 +34,7 @@ def content_policy(style=""):
     return "; ".join(
         [
             "default-src 'none'",
-            f"script-src {OWN} 'wasm-unsafe-eval'",
+            f"script-src {OWN} 'wasm-unsafe-eval'" + (" blob:" if runs else ""),
             "worker-src blob:",
             f"style-src {OWN} {styles}",
             "style-src-attr 'unsafe-inline'",

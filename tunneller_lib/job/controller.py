@@ -163,7 +163,7 @@ def chord_rows(plan):
 
 def line_rows(name, moves, parts):
     """Return the tables of an entry or exit: ticks and ends in parts of a count."""
-    ends = np.rint(parts / moves.count * moves.setpoints).astype(int)
+    ends = np.rint(parts / moves.count * moves.setpoints).astype(np.int64)
     return {
         f"a{name}Ticks": moves.ticks.tolist(),
         f"a{name}Theta": ends[1:, 0].tolist(),

@@ -181,7 +181,7 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
     """
     _check_segments(knots, ticks)
     scale = _scale(ticks, parts)
-    segment = np.repeat(np.arange(len(ticks)), ticks)
+    segment = np.repeat(np.arange(len(ticks)), ticks.astype(np.intp))
     n = np.arange(len(segment)) - (np.cumsum(ticks) - ticks)[segment]
     first = ticks[:, None] * knots[:-1] + _first(scale, tie)[:, None]
     values = n[:, None] * np.diff(knots, axis=0)[segment]
@@ -208,7 +208,7 @@ def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
     """
     _check_segments(knots, ticks)
     scale = _scale(ticks, parts)
-    return np.repeat(np.diff(knots, axis=0) / scale[:, None], ticks, axis=0)
+    return np.repeat(np.diff(knots, axis=0) / scale[:, None], ticks.astype(np.intp), axis=0)
 
 
 @checked

@@ -1,0 +1,97 @@
+"""Pages that run, opened as files: sliders of chapters move pictures, in a moment, offline."""
+
+import os
+
+import pytest
+from chromium import wait
+
+from report.live.build import LIVE
+
+RUNS = ["02_torus", "07_chord", "09_geodesic", "24_follow", "33_dexel", "57_statements"]
+BOX = "document.querySelector('.live')"
+PICTURE = "document.querySelector('.live').parentElement.querySelector('figure img')"
+MOVE = """(() => {{
+  const slider = {}.querySelector('input');
+  slider.value = +slider.min + (slider.max - slider.min) * {};
+  slider.dispatchEvent(new Event('input'));
+}})()"""
+
+
+def chapters():
+    pages = sorted((LIVE / "chapters").glob("*.html"))
+    return [page for page in pages if page.stem in RUNS and 'class="live"' in page.read_text()]
+
+
+def elsewhere(browser):
+    return [r for r in browser.requests if not r.startswith(("file:", "data:", "blob:"))]
+
+
+def start(browser, page):
+    """Open a page and load Python into it; return the seconds that it took."""
+    browser.requests.clear()
+    browser.open(page.as_uri())
+    browser.run(f"{BOX}.querySelector('button').click()")
+    return browser.until(f"+{BOX}.dataset.ready", 120) / 1000
+
+
+def test_pages_that_run_are_there():
+    assert len(chapters()) == 5, "`make live` makes them; 07 moves a scene"
+
+
+@pytest.mark.parametrize("page", chapters(), ids=lambda page: page.stem)
+def test_slider_moves_a_picture_at_once(browser, page):
+    ready = start(browser, page)
+    taken = []
+    for share in (0.3, 0.5, 0.7, 0.6, 0.4, 0.2, 0.35, 0.55, 0.65):
+        before, drawn = browser.picture(PICTURE), browser.run(f"{BOX}.dataset.drawn")
+        browser.run(MOVE.format(BOX, share))
+        wait(lambda n=drawn: browser.run(f"{BOX}.dataset.drawn > {n}"), said="another drawing")
+        taken.append(float(browser.run(f"{BOX}.dataset.moment")))
+        assert (browser.picture(PICTURE) != before).mean() > 1e-4
+    median = sorted(taken)[len(taken) // 2]
+    cores, load = os.cpu_count(), os.getloadavg()[0]
+    print(f"\n{page.stem}: ready after {ready:.1f} s, {median:.0f} ms in the median, "
+          f"on {cores} cores with a load of {load:.1f}")  # fmt: skip
+    assert browser.errors == [] and elsewhere(browser) == []
+    assert ready < 20 and median < 300
+
+
+def test_page_stays_free_while_python_loads(browser):
+    browser.open(chapters()[0].as_uri())
+    browser.run(
+        "window.longest = 0; window.last = performance.now(); setInterval(() => {"
+        "longest = Math.max(longest, performance.now() - last); last = performance.now(); }, 20)"
+    )
+    browser.run(f"{BOX}.querySelector('button').click()")
+    browser.until(f"{BOX}.querySelector('progress')?.value > 0.4", 120)
+    browser.run("window.longest = 0; true")
+    browser.until(f"+{BOX}.dataset.ready", 120)
+    longest = browser.run("longest")
+    print(f"\nthe page stood still for at most {longest:.0f} ms while Python started")
+    assert longest < 500
+
+
+def test_picture_says_where_the_sliders_stand_and_keys_move_them(browser):
+    start(browser, next(page for page in chapters() if page.stem == "02_torus"))
+    assert browser.run("document.activeElement.type") == "range"
+    before = browser.run(f"{PICTURE}.alt")
+    browser.press("ArrowRight", 39)
+    browser.until(f"{PICTURE}.alt !== {before!r}")
+    assert "Drawn for ratio 2.656." in browser.run(f"{PICTURE}.alt")
+    assert browser.run(f"{BOX}.querySelector('output').textContent") == "2.656"
+
+
+@pytest.mark.parametrize("missing", ["WebAssembly", "Worker"])
+def test_browser_that_cannot_says_so_and_keeps_the_picture(browser, missing):
+    browser.open(chapters()[0].as_uri())
+    stored = browser.run(f"{PICTURE}.src")
+    browser.run(f"window.{missing} = undefined; {BOX}.querySelector('button').click()")
+    assert "can't run Python in a page" in browser.run(f"{BOX}.textContent")
+    assert browser.run(f"{PICTURE}.src") == stored
+
+
+def test_sliders_that_cannot_start_say_why(browser):
+    browser.open(chapters()[0].as_uri())
+    browser.run(f"{BOX}.dataset.program = 'none'; runtimeParts.parts = [];")
+    browser.run(f"{BOX}.querySelector('button').click()")
+    browser.until(f'{BOX}.textContent.includes("The sliders didn\'t start")')
