@@ -10,7 +10,9 @@ from report.sources import ROOT, notebooks
 
 LIVE = ROOT / "build" / "live"
 HERE = Path(__file__).parent
-OWN = ("worker.js", "worker.py")
+OWN = ("worker.js", "worker.py", "planner.py")
+# Pages of their own, each with a script of its name: address and title.
+TOOLS = [("planner.html", "Planner"), ("geodesic.html", "Geodesics")]
 
 
 class LivePages:
@@ -26,6 +28,7 @@ class LivePages:
 
     scripts = ("live/parts.js", "live/live.js")
     style = (HERE / "live.css").read_text()
+    places = tuple((title, address) for address, title in TOOLS)
     note = (
         "These pages run: below a picture with sliders a button loads Python into the page, once "
         "a visit to it, without a network. Scenes can be turned; their sliders move in the "
@@ -78,8 +81,19 @@ class LivePages:
         about = {"parts": parts, "total": sum(size for _, size in parts)}
         found.write("live/parts.js", f"window.runtimeParts = {json.dumps(about)};\n")
         found.write("live/live.js", (HERE / "live.js").read_bytes())
+        self.add_tools(found)
         for name, content in licences(self.kept):
             found.write(f"live/licences/{name}", content)
+
+    def add_tools(self, found):
+        """Write the planner's page and the calculator's."""
+        for address, title in TOOLS:
+            own = f"live/{address.removesuffix('.html')}.js"
+            body = (HERE / address).read_text()
+            found.page(address, title, body, kind="tool", more_scripts=("live/job.js", own))
+            found.write(own, (HERE / Path(own).name).read_bytes())
+        job = (ROOT / "notebooks" / "reference.toml").read_text()
+        found.write("live/job.js", f"window.referenceJob = {json.dumps(job)};\n")
 
     def reads(self, file):
         """Tell whether a program reads a file of that name."""

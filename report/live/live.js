@@ -1,6 +1,6 @@
 // Sliders that run the library in the page: Python is loaded once, when the first is asked for.
 "use strict";
-const stays = "The picture stays as the notebook left it.";
+const stays = "The page stays as it was made.";
 const cannot = `This browser can't run Python in a page, which takes WebAssembly and Workers. ${stays}`;
 const waiting = new Map();
 let worker;
@@ -107,10 +107,8 @@ function moving(box, name, controls) {
   return draw();
 }
 
-async function run(event) {
-  const button = event.target;
-  const box = button.closest(".live");
-  const name = box.dataset.program;
+// Load Python, which a box shows meanwhile; then go on with `next`, which gets that display.
+async function whenReady(box, next) {
   const bar = document.createElement("progress");
   const told = document.createElement("p");
   told.setAttribute("role", "status");
@@ -121,22 +119,30 @@ async function run(event) {
   }
   box.replaceChildren(bar, told);
   const said = (share, text) => {
-    bar.value = share;
+    if (share === null) bar.removeAttribute("value"); // on its way, nobody says how far
+    else bar.value = share;
     if (told.textContent !== `${text} …`) told.textContent = `${text} …`;
   };
   try {
     const began = performance.now();
     said(0, "Loading Python");
-    ready ??= loadPython(said);
-    if (!window.programs?.[name]) await load(`${root}live/programs/${name}.js`);
-    await ready;
-    said(0.9, "Running the chapter's code");
-    await moving(box, name, await ask("open", { name, program: window.programs[name] }));
+    await (ready ??= loadPython(said));
+    await next(said);
     box.dataset.ready = Math.round(performance.now() - began);
   } catch (error) {
     const why = error.message || "a file didn't load";
-    told.textContent = `The sliders didn't start (${why}). ${stays} To load the page anew tries again.`;
+    told.textContent = `Python didn't start (${why}). ${stays} To load the page anew tries again.`;
     box.replaceChildren(told);
   }
 }
-for (const button of document.querySelectorAll(".live button")) button.addEventListener("click", run);
+
+function run(event) {
+  const box = event.target.closest(".live");
+  const name = box.dataset.program;
+  return whenReady(box, async (said) => {
+    if (!window.programs?.[name]) await load(`${root}live/programs/${name}.js`);
+    said(0.9, "Running the chapter's code");
+    await moving(box, name, await ask("open", { name, program: window.programs[name] }));
+  });
+}
+for (const button of document.querySelectorAll("[data-program] button")) button.addEventListener("click", run);

@@ -2,6 +2,7 @@
 // The page sends files in base64, since neither may fetch one where pages are opened as files.
 "use strict";
 let python;
+let planner; // planner.py, which most pages don't need
 const opened = new Map();
 const types = { wasm: "application/wasm", json: "application/json" };
 
@@ -43,12 +44,19 @@ async function start({ files, lock, said }) {
   await python.loadPackage(Object.keys(JSON.parse(lock).packages), { messageCallback() {} });
   python.unpackArchive(bytes(files["study.zip"]).buffer, "zip", { extractDir: "/study" });
   said("Importing them");
+  planner = new TextDecoder().decode(bytes(files["planner.py"]));
   python.runPython(new TextDecoder().decode(bytes(files["worker.py"])));
 }
 
+// What a function of planner.py returns; its progress is told line by line.
+function planned(name, said, ...values) {
+  python.setStderr({ batched: said });
+  const found = python.globals.get(name)(...values.map((value) => python.toPy(value)));
+  return found?.toJs ? found.toJs({ dict_converter: Object.fromEntries }) : found;
+}
+
 const tasks = {
-  start: (asked) =>
-    start({ ...asked, said: (text) => postMessage({ id: asked.id, said: text }) }),
+  start,
   open({ name, program }) {
     const drawing = python.globals.get("Drawing")(program);
     opened.set(name, drawing);
@@ -58,6 +66,12 @@ const tasks = {
     const [picture, alt] = opened.get(name).drawn(python.toPy(values)).toJs();
     return { picture, alt };
   },
+  planner: () => void python.runPython(planner),
+  cut({ text, name, said }) {
+    const [code, printed, files] = planned("cut", said, text, name);
+    return { code, printed, files };
+  },
+  geodesic: ({ asked, said }) => planned("geodesic_of", said, asked),
 };
 
 // One task after the other, in the order they came.
@@ -65,7 +79,8 @@ let last = Promise.resolve();
 onmessage = ({ data }) => {
   last = last.then(async () => {
     try {
-      postMessage({ id: data.id, answer: await tasks[data.task](data) });
+      const said = (text) => postMessage({ id: data.id, said: text });
+      postMessage({ id: data.id, answer: await tasks[data.task]({ ...data, said }) });
     } catch (error) {
       const lines = String(error.message || error).trim().split("\n");
       postMessage({ id: data.id, failed: lines[lines.length - 1] });

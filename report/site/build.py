@@ -50,7 +50,8 @@ class Site:
         root = "../" * address.count("/")
         html = PAGES.get_template("page.html").render(
             root=root, title=plain(title), body=body, style=style, kind=kind,
-            policy=policy.content_policy(style, runs=self.live is not None), places=PLACES,
+            policy=policy.content_policy(style, runs=self.live is not None),
+            places=[*PLACES, *(self.live.places if self.live else ())],
             live=self.live,
             address=address, here=here or address, footer=self.origin, **more,
         )  # fmt: skip

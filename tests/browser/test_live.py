@@ -94,4 +94,4 @@ def test_sliders_that_cannot_start_say_why(browser):
     browser.open(chapters()[0].as_uri())
     browser.run(f"{BOX}.dataset.program = 'none'; runtimeParts.parts = [];")
     browser.run(f"{BOX}.querySelector('button').click()")
-    browser.until(f'{BOX}.textContent.includes("The sliders didn\'t start")')
+    browser.until(f'{BOX}.textContent.includes("Python didn\'t start")')

@@ -1,0 +1,128 @@
+"""What the planner's pages run: the command line itself, its pictures, and geodesics.
+
+The command's wall is drawn by VTK, which no page has: here matplotlib draws it unrolled.
+"""
+
+import io
+from contextlib import redirect_stdout
+from pathlib import Path
+
+import numpy as np
+
+from tunneller_lib import __main__ as command
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse
+from tunneller_lib.reporting import COLOURS, ERROR_MAP, figure, preview
+from tunneller_lib.reporting.machine_plot import draw_limits
+from tunneller_lib.surfaces import Torus
+
+HERE = Path("/planned")
+
+
+def draw_plan(plan):
+    """Return a drawing of a plan: the circuit between the joints' limits, the feed along it."""
+    drawing, (joints, along) = figure(1, 2, height=7)
+    draw_limits(joints, plan.circuit.machine)
+    theta, phi = np.degrees(plan.setpoints).T
+    joints.plot(theta, phi, color=COLOURS["offset"])
+    knots = np.degrees(plan.circuit.position(plan.knots))
+    joints.plot(*knots.T, ".", color=COLOURS["chord"], label=f"{len(plan.knots)} knots")
+    joints.legend()
+    along.plot(plan.s, 1e3 * plan.feed, color=COLOURS["cutter"])
+    along.set(xlabel="place along the offset section / m", ylabel="feed / (mm/s)", ylim=(0, None))
+    return drawing
+
+
+def draw_wall(cut, limit):
+    """Return a drawing of the standing wall, unrolled, with its over-break in colour."""
+    drawing, ax = figure(height=8)
+    lines = cut.wall.lines
+    angle = np.degrees(np.arctan2(lines.sin, lines.cos))
+    order = np.argsort(angle)
+    untouched = cut.overbreak < -0.999 * cut.plan.circuit.machine.depth
+    over = np.ma.masked_where(untouched, 1e3 * cut.overbreak)
+    ax.set_facecolor(COLOURS["tunnel"])
+    image = ax.pcolormesh(
+        angle[order], lines.x, over[:, order],
+        cmap=ERROR_MAP, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True,
+    )  # fmt: skip
+    drawing.colorbar(image, label="over-break / mm", extend="both")
+    ax.set(xlabel="angle about the tunnel's axis / deg", ylabel="along the tunnel / m")
+    return drawing
+
+
+def draw(job, cut, path, say):
+    """Write plan and wall of a cut as pictures; return the files written."""
+    files = []
+    for name, drawing in (
+        ("plan.png", draw_plan(cut.plan)),
+        (path.name, draw_wall(cut, job.limit)),
+    ):
+        say(f"writing {path.with_name(name)}")
+        path.with_name(name).write_bytes(preview(drawing).data)
+        files.append(str(path.with_name(name)))
+    return files
+
+
+def cut(text, name):
+    """Run the command ``cut`` on a job's text.
+
+    Returns
+    -------
+    code : int
+        The command's exit code.
+    printed : str
+        What it printed, but for progress and the files' names.
+    files : dict of str to bytes
+        What it wrote.
+    """
+    HERE.mkdir(exist_ok=True)
+    folder = HERE / "files"
+    for old in folder.glob("*"):
+        old.unlink()
+    job = HERE / name
+    job.write_text(text, encoding="utf-8")
+    printed = io.StringIO()
+    by_vtk = command.draw_wall
+    command.draw_wall = draw
+    try:
+        with redirect_stdout(printed):
+            code = command.main(["cut", str(job), "--out", str(folder)])
+    finally:
+        command.draw_wall = by_vtk
+        job.unlink()
+    files = {path.name: path.read_bytes() for path in sorted(folder.glob("*"))}
+    said = printed.getvalue().partition(f"{folder}/")[0]
+    return code, said.strip("\n"), files
+
+
+def geodesic_of(asked):
+    """Return a geodesic's numbers as texts with all digits that they have.
+
+    Parameters
+    ----------
+    asked : dict of str to float
+        ``r`` and ``R`` of the torus in m; ``theta`` and ``phi`` of the start in degrees; and
+        either ``theta2`` and ``phi2`` of the end, or ``azimuth`` in degrees and ``length`` in m.
+
+    Returns
+    -------
+    numbers : dict of str to str
+        By names with their units.
+    """
+    torus = Torus(r=asked["r"], R=asked["R"])
+    start = np.radians([asked["theta"], asked["phi"]])
+    if "length" in asked:
+        way = geodesic_direct(torus, start, np.radians(asked["azimuth"]), asked["length"])
+        theta, phi = np.degrees(way.position[-1])
+        numbers = {"theta at the end / deg": theta, "phi at the end / deg": phi}
+        numbers["azimuth at the end / deg"] = np.degrees(way.azimuth[-1])
+        return {name: repr(float(value)) for name, value in numbers.items()}
+    found = geodesic_inverse(torus, start, np.radians([asked["theta2"], asked["phi2"]]))
+    numbers = {
+        "length / m": found.length,
+        "azimuth at the start / deg": np.degrees(found.azimuth1),
+        "azimuth at the end / deg": np.degrees(found.azimuth2),
+        "Clairaut's constant / m": found.clairaut,
+    }
+    words = {"kind": str(found.kind), "certificate": str(found.certificate)}
+    return {name: repr(float(value)) for name, value in numbers.items()} | words

@@ -1,0 +1,103 @@
+"""The planner and the calculator, opened as files: the command line's own numbers."""
+
+import base64
+import re
+import time
+
+from report.live import planner
+from report.live.build import LIVE
+from report.sources import ROOT
+
+REFERENCE = ROOT / "notebooks" / "reference.toml"
+ANSWER = "document.getElementById('answer')"
+
+
+def elsewhere(browser):
+    return [r for r in browser.requests if not r.startswith(("file:", "data:", "blob:"))]
+
+
+def open_page(browser, name):
+    browser.requests.clear()
+    browser.open((LIVE / name).as_uri())
+
+
+def write(browser, name, value):
+    """Write a value into a field of the form."""
+    browser.run(
+        f"(() => {{ const field = document.querySelector('[name=\"{name}\"]');"
+        f"field.value = '{value}'; field.dispatchEvent(new Event('change')); }})()"
+    )
+
+
+def plan(browser):
+    """Let the page plan and simulate; return the seconds from the click to the answer."""
+    began = time.monotonic()
+    browser.run("document.getElementById('plan').click()")
+    browser.until(f"!!{ANSWER}.querySelector('h2')", 300)
+    return time.monotonic() - began
+
+
+def test_planner_gives_the_command_s_budget_to_the_printed_digit(browser, tmp_path, monkeypatch):
+    monkeypatch.setattr(planner, "HERE", tmp_path)
+    code, printed, files = planner.cut(REFERENCE.read_text(), "job.toml")
+    open_page(browser, "planner.html")
+    first = plan(browser)
+    taken = plan(browser)
+    print(f"\na whole cut: {first:.0f} s with Python's loading, {taken:.0f} s without")
+    assert code == 0
+    assert browser.run("document.getElementById('budget').textContent") == printed
+    links = browser.run(f"[...{ANSWER}.querySelectorAll('a[download]')].map((a) => a.download)")
+    assert sorted(links) == sorted([*files, "job.toml"])
+    for name in ("budget.csv", "controller.c", "section.dxf", "job.toml"):
+        there = base64.b64decode(browser.run(CONTENT.format(name)))
+        assert same(there, files.get(name, REFERENCE.read_bytes())), name
+    assert browser.errors == [] and elsewhere(browser) == []
+    assert taken < 60
+
+
+CONTENT = """(async () => {{
+  const link = document.querySelector('a[download="{}"]');
+  const content = await new Promise((done) => {{
+    const asked = new XMLHttpRequest();
+    asked.open("GET", link.href);
+    asked.onload = () => done(asked.response);
+    asked.responseType = "arraybuffer";
+    asked.send();
+  }});
+  return btoa(String.fromCharCode(...new Uint8Array(content)));
+}})()"""
+NUMBER = re.compile(rb"-?\d+\.\d+(?:e[-+]\d+)?")
+
+
+def same(one, other):
+    """Tell whether two texts agree but for the last digits of numbers with a point."""
+    numbers = [[float(n) for n in NUMBER.findall(text)] for text in (one, other)]
+    near = all(abs(a - b) <= 1e-9 * abs(a) + 1e-12 for a, b in zip(*numbers, strict=True))
+    return near and NUMBER.sub(b"0", one) == NUMBER.sub(b"0", other)
+
+
+def test_planner_refuses_in_the_command_s_words(browser):
+    open_page(browser, "planner.html")
+    write(browser, "machine.R", "800")
+    assert "R = 800  # tangential" in browser.run("document.getElementById('job').value")
+    plan(browser)
+    said = browser.run(f"{ANSWER}.textContent")
+    assert said.startswith("Not understood") and "[machine] R: must be at most 50 m" in said
+
+
+def test_planner_writes_what_was_left_out(browser):
+    open_page(browser, "planner.html")
+    write(browser, "pose.z", "2e-3")
+    job = browser.run("document.getElementById('job').value")
+    assert "\n[pose] " in job and "\nz = 2e-3\n" in job and "\n# y = 1e-3" in job
+
+
+def test_calculator_gives_the_library_s_digits(browser):
+    open_page(browser, "geodesic.html")
+    browser.run("document.getElementById('asked').requestSubmit()")
+    browser.until(f"!!{ANSWER}.querySelector('table')", 120)
+    asked = {"r": 0.08, "R": 0.8, "theta": 0, "phi": -30, "theta2": 60, "phi2": 35}
+    shown = browser.run(f"{ANSWER}.textContent")
+    for name, value in planner.geodesic_of(asked).items():
+        assert name in shown and value[:14] in shown
+    assert browser.errors == [] and elsewhere(browser) == []
