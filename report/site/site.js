@@ -41,10 +41,44 @@ function weigh(word, part) {
   return word.startsWith(part) || word.includes("_" + part) ? 1 : 0;
 }
 
-// Sections with every word; those with it in the title first.
+const best = (words, part) => Math.max(0, ...words.map((word) => weigh(word, part)));
+
+// Whether two words differ by a letter at most: one more, one less, or another.
+function alike(one, other) {
+  const [short, long] = one.length < other.length ? [one, other] : [other, one];
+  let same = 0;
+  while (same < short.length && short[same] === long[same]) same++;
+  const rest = long.slice(same + 1);
+  return long.length - short.length < 2 && [short.slice(same), short.slice(same + 1)].includes(rest);
+}
+
+// A word as it stands in the index, where one that nothing begins with is mistaken by a letter.
+function mended(part, words) {
+  const every = Object.keys(words);
+  if (part.length < 4 || every.some((word) => weigh(word, part))) return part;
+  const near = every.filter((word) => alike(word, part));
+  return near.sort((a, b) => words[b].length - words[a].length)[0] || part;
+}
+
+// How well a section's name answers a word: its own heading, its page's title, its chapter's file.
+// A function of the library counts the more, the more sections name it.
+function named([title, address], part, words) {
+  const titles = title.split(" · ");
+  const heading = titles.pop();
+  const [file, anchor] = address.split("#");
+  if (file.startsWith("library/")) {
+    const own = best(wordsOf(heading.split(".").pop()), part);
+    if (heading.includes(".")) return own; // a method, a module
+    return 4 * own + (own && anchor && words[heading] ? 6 + Math.log2(words[heading].length) : 0);
+  }
+  const chapter = file.startsWith("chapters/") && !titles.length && best(file.split(/[/_.]/), part);
+  return 4 * best(wordsOf(heading), part) + best(wordsOf(titles.join(" ")), part) + 5 * chapter;
+}
+
+// Sections with every word, best first.
 function search(text) {
-  const wanted = wordsOf(text);
   const { words, sections } = window.searchIndex;
+  const wanted = wordsOf(text).map((part) => mended(part, words));
   const scores = new Map();
   wanted.forEach((part, n) => {
     const here = new Map();
@@ -54,11 +88,9 @@ function search(text) {
       for (const place of places) here.set(place, Math.max(here.get(place) || 0, weight));
     }
     for (const [place, weight] of here) {
-      const titled = Math.max(0, ...wordsOf(sections[place][0]).map((word) => weigh(word, part)));
-      const title = titled && titled + 4;
-      if ((scores.get(place)?.[1] || 0) === n) {
-        scores.set(place, [(scores.get(place)?.[0] || 0) + weight + title, n + 1]);
-      }
+      const [so_far, count] = scores.get(place) || [0, 0];
+      if (count < n) continue;
+      scores.set(place, [so_far + weight + named(sections[place], part, words), n + 1]);
     }
   });
   return [...scores]
@@ -109,6 +141,12 @@ field.form.addEventListener("keydown", (event) => {
     if (next) next.focus();
     event.preventDefault();
   }
+});
+document.addEventListener("keydown", (event) => {
+  const writes = event.target.closest("input, textarea, select, .stage");
+  if (event.key !== "/" || writes || event.ctrlKey || event.altKey || event.metaKey) return;
+  event.preventDefault();
+  field.focus();
 });
 document.addEventListener("click", (event) => {
   if (!field.form.contains(event.target)) list("", []);

@@ -126,6 +126,20 @@ def test_search_finds_names_and_equations(browser):
     assert browser.errors == []
 
 
+@pytest.mark.parametrize("text", ["geodesic", "geodesc", "geodessic"])
+def test_search_ranks_and_forgives_a_letter(browser, text):
+    browser.open((SITE / "index.html").as_uri())
+    browser.run(f"(field.value = {text!r}, answer().then(() => true))")
+    first = browser.run("[...document.querySelectorAll('#found a')].slice(0, 2).map((a) => a.href)")
+    assert "geodesic_inverse" in first[0] and "chapters/09_geodesic.html" in first[1]
+
+
+def test_search_is_entered_by_a_key(browser):
+    browser.open((SITE / "index.html").as_uri())
+    browser.press("/", 191)
+    assert browser.run("document.activeElement.id") == "search"
+
+
 def test_search_is_done_by_keyboard(browser):
     browser.open((SITE / "index.html").as_uri())
     browser.run("document.getElementById('search').focus()")
