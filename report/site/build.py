@@ -20,9 +20,15 @@ from report.sources import ROOT, notebooks, results_digest, scene_files
 
 SITE = ROOT / "build" / "site"
 HERE = Path(__file__).parent
+# Pygments' styles whose every word stands out from the ground behind it, by 4.5 to 1.
+CODE_STYLES = {
+    "not screen, (prefers-color-scheme: light)": "xcode",
+    "screen and (prefers-color-scheme: dark)": "github-dark",
+}
 PAGES = jinja2.Environment(
     loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True, autoescape=True
 )
+EMPTY_HEAD = re.compile(r"<th\b([^>]*)>\s*</th>")
 PLACES = [
     ("Chapters", "index.html"),
     ("Report", "report.html"),
@@ -48,6 +54,7 @@ class Site:
         `body` and `style` are HTML and CSS as they are; everything else is text.
         """
         root = "../" * address.count("/")
+        body = EMPTY_HEAD.sub(r"<td\1></td>", body)  # a head that says nothing is none
         html = PAGES.get_template("page.html").render(
             root=root, title=plain(title), body=body, style=style, kind=kind,
             policy=policy.content_policy(style, runs=self.live is not None),
@@ -86,13 +93,18 @@ def build(folder, chosen=None, live=None):
     add_chapters(site, chosen, captions(supplement[1]))
     add_proofs(site)
     add_library(site)
-    style = HtmlFormatter(cssclass="code").get_style_defs(".code")
+    style = "\n".join(f"@media {on} {{\n{colours(name)}\n}}" for on, name in CODE_STYLES.items())
     style += "\n" + (HERE / "style.css").read_text() + (live.style if live else "")
     site.write("style.css", style)
     site.write("site.js", (HERE / "site.js").read_bytes())
     if live:
         live.add(site)
     site.write("search-index.js", script(site.found))
+
+
+def colours(name):
+    """Return the rules of code in one of Pygments' styles."""
+    return HtmlFormatter(cssclass="code", style=name).get_style_defs(".code")
 
 
 def add_chapters(site, chosen, figure_captions):

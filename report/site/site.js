@@ -26,6 +26,15 @@ if (shown) {
   shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
 }
 
+// ---- boxes that scroll are reached by keyboard
+const wide = new ResizeObserver((entries) => {
+  for (const { target } of entries) {
+    if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
+    else target.removeAttribute("tabindex");
+  }
+});
+for (const box of document.querySelectorAll("main pre, main table, math[display=block]")) wide.observe(box);
+
 // ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
 const field = document.getElementById("search");
 const found = document.getElementById("found");
@@ -68,7 +77,8 @@ function named([title, address], part, words) {
   const [file, anchor] = address.split("#");
   if (file.startsWith("library/")) {
     const own = best(wordsOf(heading.split(".").pop()), part);
-    if (heading.includes(".")) return own; // a method, a module
+    // A method, or a module.
+    if (heading.includes(".")) return own;
     return 4 * own + (own && anchor && words[heading] ? 6 + Math.log2(words[heading].length) : 0);
   }
   const chapter = file.startsWith("chapters/") && !titles.length && best(file.split(/[/_.]/), part);
