@@ -44,13 +44,14 @@ async function loadPython(said) {
 }
 
 // ---- one drawing: its sliders, and the picture that they move
-function control({ name, min, max, value, step, whole, description }, move) {
+function control({ name, min, max, value, whole, description }, move) {
   const label = document.createElement("label");
   const words = document.createElement("span");
   const slider = document.createElement("input");
   const shown = document.createElement("output");
   words.textContent = description;
-  Object.assign(slider, { type: "range", min, max, step: whole ? 1 : step, value, name });
+  // Steps from the low end would move the start, which need not be one of them.
+  Object.assign(slider, { type: "range", min, max, step: whole ? 1 : "any", value, name });
   const show = () => (shown.textContent = whole ? slider.value : String(+(+slider.value).toPrecision(4)));
   slider.addEventListener("input", () => (show(), move()));
   show();

@@ -81,7 +81,7 @@ class Drawing:
         names = self.moved.controls
         return [
             {"name": name, "whole": isinstance(slider, IntSlider)}
-            | {key: slider.about.get(key) for key in ("min", "max", "value", "step", "description")}
+            | {key: slider.about.get(key) for key in ("min", "max", "value", "description")}
             for name, slider in names.items()
         ]
 

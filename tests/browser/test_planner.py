@@ -1,5 +1,6 @@
 """The planner and the calculator, opened as files: the command line's own numbers."""
 
+import json
 import os
 import re
 import time
@@ -41,7 +42,7 @@ def plan(browser):
 
 def test_planner_gives_the_command_s_budget_to_the_printed_digit(browser, tmp_path, monkeypatch):
     monkeypatch.setattr(planner, "HERE", tmp_path)
-    code, printed, files = planner.cut(REFERENCE.read_text(), "job.toml")
+    code, printed, _ = planner.cut(REFERENCE.read_text(), "job.toml")
     open_page(browser, "planner.html")
     taken = plan(browser)
     cores, load = os.cpu_count(), os.getloadavg()[0]
@@ -49,12 +50,26 @@ def test_planner_gives_the_command_s_budget_to_the_printed_digit(browser, tmp_pa
           f"{load:.1f}")  # fmt: skip
     assert code == 0
     assert browser.run("document.getElementById('budget').textContent") == printed
+    assert browser.errors == [] and elsewhere(browser) == []
+
+
+def test_planner_s_files_are_the_command_s(browser, tmp_path, monkeypatch):
+    monkeypatch.setattr(planner, "HERE", tmp_path)
+    text = REFERENCE.read_text()
+    soon = {"along = 200": "along = 40", "around = 360": "around = 60", '"T3"': '"T0"'}
+    for old, new in soon.items():
+        text = text.replace(old, new)
+    _, printed, files = planner.cut(text, "job.toml")
+    open_page(browser, "planner.html")
+    browser.run(f"document.getElementById('job').value = {json.dumps(text)}; true")
+    plan(browser)
+    assert browser.run("document.getElementById('budget').textContent") == printed
+    assert "only plant" in browser.run(f"{ANSWER}.querySelector('.said').textContent")
     links = browser.run(f"[...{ANSWER}.querySelectorAll('a[download]')].map((a) => a.download)")
     assert sorted(links) == sorted([*files, "job.toml"])
     for name in ("budget.csv", "controller.c", "section.dxf", "job.toml"):
         there = fetched(browser, name, tmp_path / "saved")
-        assert same(there, files.get(name, REFERENCE.read_bytes())), name
-    assert browser.errors == [] and elsewhere(browser) == []
+        assert same(there, files.get(name, text.encode())), name
 
 
 def fetched(browser, name, folder):
