@@ -67,9 +67,11 @@ def test_planner_s_files_are_the_command_s(browser, tmp_path, monkeypatch):
     assert "only plant" in browser.run(f"{ANSWER}.querySelector('.said').textContent")
     links = browser.run(f"[...{ANSWER}.querySelectorAll('a[download]')].map((a) => a.download)")
     assert sorted(links) == sorted([*files, "job.toml"])
-    for name in ("budget.csv", "controller.c", "section.dxf", "job.toml"):
+    # A rounding that falls the other way moves an encoder's count, and the budget by nanometres.
+    near = {"budget.csv": 1e-7, "controller.c": 1e-12, "section.dxf": 1e-12, "job.toml": 0.0}
+    for name, least in near.items():
         there = fetched(browser, name, tmp_path / "saved")
-        assert same(there, files.get(name, text.encode())), name
+        assert same(there, files.get(name, text.encode()), least), name
 
 
 def fetched(browser, name, folder):
@@ -83,10 +85,10 @@ def fetched(browser, name, folder):
 NUMBER = re.compile(rb"-?\d+\.\d+(?:e[-+]\d+)?")
 
 
-def same(one, other):
-    """Tell whether two texts agree but for the last digits of numbers with a point."""
+def same(one, other, least):
+    """Tell whether two texts agree, numbers with a point to 1e-9 of themselves or to `least`."""
     numbers = [[float(n) for n in NUMBER.findall(text)] for text in (one, other)]
-    near = all(abs(a - b) <= 1e-9 * abs(a) + 1e-12 for a, b in zip(*numbers, strict=True))
+    near = all(abs(a - b) <= 1e-9 * abs(a) + least for a, b in zip(*numbers, strict=True))
     return near and NUMBER.sub(b"0", one) == NUMBER.sub(b"0", other)
 
 
