@@ -19,7 +19,7 @@ FLOORS = {
     "arguments": 0, "compiled": 0, "elementwise": 0, "exact": 0,
     "surfaces": 1, "envelopes": 1,
     "paths": 2, "removal": 2, "motion": 2,
-    "ream": 3, "replica": 3,
+    "ream": 3, "replica": 3, "milling": 3,
     "job": 4,
     "reporting": 5,
     "__main__": 6,

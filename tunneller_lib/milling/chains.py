@@ -1,0 +1,240 @@
+"""Chains of positions along which a conical mill goes, across its characteristic."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Length, Length0, Whole, checked
+from ..envelopes import adapted_frames, hyperosculating_cones
+from ..exact import dot, norm
+from .patch import Cloud, Patch
+from .positions import Positions, depths_of
+from .tools import ConicalMill
+
+MOST_TURN = np.cos(np.radians(15))  # of the axis from one position to the next
+PATCH_ENDS = "the patch ends"
+NO_CONE = "no cone continues"
+NO_FIT = "the next one doesn't fit"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Positions one after the other: arrays with a row a position.
+
+    Parameters
+    ----------
+    s, t : (k,) float
+        Parameters of the contact.
+    contact, normal : (k, 3) float
+        Where the mill touches, in m, and the unit normal that points to its side.
+    tip, axis : (k, 3) float
+        The middle of the mill's lower end, in m, and the unit vector from there to the spindle.
+    across : (k, 3) float
+        Unit tangent of the characteristic at the contact, which the chain crosses at a right
+        angle.
+    ends : tuple of two str
+        Why it ends at its first and at its last position: "the patch ends", "no cone continues",
+        "the next one doesn't fit", or "long enough".
+    """
+
+    s: np.ndarray
+    t: np.ndarray
+    contact: np.ndarray
+    normal: np.ndarray
+    tip: np.ndarray
+    axis: np.ndarray
+    across: np.ndarray
+    ends: tuple
+
+    def __len__(self):
+        return len(self.tip)
+
+
+@checked
+def trace_chains(
+    patch: Patch,
+    mill: ConicalMill,
+    starts: Positions,
+    *,
+    step: Length,
+    tolerance: Length0,
+    others: Cloud | None = None,
+    most: Whole(2, 1000) = 100,
+    n: Whole(2, 500) = 121,
+):
+    """Return the chain through each of some positions that fit.
+
+    Parameters
+    ----------
+    patch, mill
+        As for `find_positions`.
+    starts : Positions
+        Those rows that fit are begun from, both ways.
+    step : float
+        From contact to contact, in m.
+    tolerance, others
+        As for `find_positions`: where a position doesn't fit the chain ends.
+    most : int
+        Positions to either side of the start.
+    n : int
+        As for `find_positions`.
+
+    Returns
+    -------
+    chains : list of Chain
+        One a row of `starts` that fits.
+
+    Notes
+    -----
+    The characteristic of a moving cone that agrees with the surface to second order is conjugate to
+    the ruling through the contact. Going at a right angle to it gives the widest strip (Envelopes,
+    section 4). By the midpoint rule; at each point the cone is taken whose axis turns least, up to
+    15 degrees.
+
+    Examples
+    --------
+    >>> from tunneller_lib.milling import find_positions
+    >>> patch = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
+    >>> mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
+    >>> starts = find_positions(patch, mill, 0.005, 0.002, tolerance=1e-4)
+    >>> chains = trace_chains(patch, mill, starts, step=1e-3, tolerance=1e-4)
+    >>> len(chains)
+    2
+    """
+    rows = np.flatnonzero(starts.fits)
+    if not len(rows):
+        return []
+    begin = starts.s[rows], starts.t[rows], starts.axis[rows]
+    ways = [_trace(patch, mill, begin, sign * step, most) for sign in (1, -1)]
+    chains = []
+    for forth, back in zip(*ways, strict=True):
+        rows_back, end_back = back
+        rows_forth, end_forth = forth
+        parts = [np.array(column) for column in zip(*rows_back[:0:-1], *rows_forth, strict=True)]
+        ends = end_back, end_forth
+        chains.append(_fitting(patch, mill, parts, len(rows_back) - 1, ends, tolerance, others, n))
+    return chains
+
+
+def _fitting(patch, mill, parts, start, ends, tolerance, others, n):
+    """Return the `Chain` of the positions next to each other, about the start, that fit."""
+    tip, axis = parts[4:6]
+    own, holder, other = depths_of(patch, mill, tip, axis, others, n)
+    wrong = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0))
+    first = wrong[wrong < start].max(initial=-1) + 1
+    last = wrong[wrong > start].min(initial=len(tip))
+    ends = NO_FIT if first else ends[0], NO_FIT if last < len(tip) else ends[1]
+    return Chain(*(part[first:last] for part in parts), ends)
+
+
+def _trace(patch, mill, begin, step, most):
+    """Return for each start the rows of a `Chain`, from there on, and why they end."""
+    s, t, axis = (part.copy() for part in begin)
+    found = [[] for _ in s]
+    ends = np.full(len(s), "long enough", dtype="<U24")
+    heading = np.full((len(s), 3), np.nan)
+    active = np.arange(len(s))
+    for _ in range(most + 1):
+        here = _taken(patch, mill, s[active], t[active], axis[active], heading[active], step)
+        for row, k in zip(here.row, here.good, strict=True):
+            found[active[k]].append(row)
+        ends[active[~here.ok]] = NO_CONE
+        active = active[here.ok]
+        if not len(active):
+            break
+        middle = s[active] + here.rate[0] / 2, t[active] + here.rate[1] / 2
+        inside = _within(patch, *middle)
+        ends[active[~inside]] = PATCH_ENDS
+        active = active[inside]
+        between = _taken(
+            patch, mill, middle[0][inside], middle[1][inside], here.axis[inside],
+            here.heading[inside], step,
+        )  # fmt: skip
+        ends[active[~between.ok]] = NO_CONE
+        active = active[between.ok]
+        after = s[active] + between.rate[0], t[active] + between.rate[1]
+        inside = _within(patch, *after)
+        ends[active[~inside]] = PATCH_ENDS
+        active = active[inside]
+        s[active], t[active] = (part[inside] for part in after)
+        axis[active] = between.axis[inside]
+        heading[active] = between.heading[inside]
+    return list(zip(found, ends.tolist(), strict=True))
+
+
+@dataclass
+class _Here:
+    """Of points that are asked, whether one has a cone, and of those that do all that follows."""
+
+    ok: np.ndarray
+    good: np.ndarray
+    row: list
+    rate: np.ndarray
+    axis: np.ndarray
+    heading: np.ndarray
+
+
+def _taken(patch, mill, s, t, axis, heading, step):
+    """Return a `_Here` of points, after axes and headings; step is in m, negative to go back."""
+    cones = hyperosculating_cones.unchecked(
+        patch.surface, s, t, half_angle=mill.half_angle, model="space"
+    )
+    near, far = mill.rulings
+    usable = (cones.side == patch.side) & (cones.distance >= near) & (cones.distance <= far)
+    turn = np.where(usable, dot(cones.axis, axis[cones.index]), -1.0)
+    chosen = np.full(len(s), -1)
+    order = np.argsort(turn)  # the best of each point is written last
+    chosen[cones.index[order]] = order
+    ok = (chosen >= 0) & (turn[chosen] >= MOST_TURN) if len(turn) else np.zeros(len(s), bool)
+    good = np.flatnonzero(ok)
+    k = chosen[good]
+    contact = cones.contact[k]
+    normal = patch.side * cones.normal[k]
+    ruling = (contact - cones.vertex[k]) / cones.distance[k][:, None]
+    way, inverse = conjugate_frame(patch, s[good], t[good], ruling)
+    across = np.cross(normal, way)
+    # The first heading's sign is free; afterwards it is that of the step before.
+    ahead = np.where(
+        np.isnan(heading[good, 0]), np.sign(step), dot(way, np.nan_to_num(heading[good]))
+    )
+    way = np.where(ahead < 0, -1.0, 1.0)[:, None] * way
+    rate = abs(step) * np.einsum("nij,nj->in", inverse, way)
+    tip = cones.vertex[k] + mill.below * cones.axis[k]
+    parts = s[good], t[good], contact, normal, tip, cones.axis[k], across
+    return _Here(ok, good, list(zip(*parts, strict=True)), rate, cones.axis[k], way)
+
+
+def conjugate_frame(patch, s, t, ruling):
+    """Return the way across the characteristic, and the parameters' rates along tangents.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    s, t : (k,) float
+        Points.
+    ruling : (k, 3) float
+        Unit tangents there, along the rulings of cones.
+
+    Returns
+    -------
+    way : (k, 3) float
+        Unit tangents, at right angles to the directions that are conjugate to the rulings: the way
+        in which the normal turns along them.
+    inverse : (k, 2, 3) float
+        By which a tangent vector, in m, is multiplied to give changes of s and t.
+    """
+    frames = adapted_frames.unchecked(patch.surface, s, t, "space")
+    first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)  # (k, 3, 2)
+    turns = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.n], axis=1)
+    inverse = np.linalg.pinv(first) @ frames.axes
+    along = np.einsum("nij,nj->ni", inverse, ruling)
+    local = np.einsum("nij,nj->ni", turns, along)
+    local[:, 2] = 0.0
+    way = np.einsum("ni,nij->nj", local, frames.axes)
+    return way / norm(way)[:, None], inverse
+
+
+def _within(patch, s, t):
+    """Tell whether parameters (k,) are within a patch."""
+    return (s >= patch.s[0]) & (s <= patch.s[1]) & (t >= patch.t[0]) & (t <= patch.t[1])

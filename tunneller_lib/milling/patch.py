@@ -1,0 +1,106 @@
+"""A patch of a surface that is to be milled, with the side from which the tool comes."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import NotNegative, Reals, Rule, Sign, Whole, bounded_array, checked, near_points
+from ..envelopes import adapted_frames
+from ..envelopes.adapted import tangent_graph
+from ..envelopes.functions import Function
+from ..envelopes.jet import derivative
+
+
+def _range(name, value):
+    """Return `value` as a pair of floats, the first below the second."""
+    pair = bounded_array(name, value)
+    if pair.shape != (2,) or not pair[0] < pair[1]:
+        raise ValueError(f"{name}: must be two ascending numbers (2,); got shape {pair.shape}.")
+    return tuple(pair.tolist())
+
+
+def _cloud(name, value):
+    """Return `value` as an array (n, 3) of points, however they are laid out."""
+    return near_points(name, value).reshape(-1, 3)
+
+
+# What arguments may be, in this room and above it.
+Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
+Range = Annotated[tuple[float, float], Rule("(2,) float", _range)]
+
+
+@dataclass(frozen=True)
+@checked
+class Patch:
+    """A surface over a rectangle of its parameters.
+
+    Parameters
+    ----------
+    surface : callable
+        Of two variables, for `hyperosculating_cones` with model="space": three coordinates, in m.
+        What it raises itself passes through.
+    s, t : (2,) float
+        Least and greatest parameters.
+    side : {1, -1}
+        1 where the tool comes from the side to which the surface's normal r_s x r_t points.
+
+    Examples
+    --------
+    >>> patch = Patch(lambda s, t: [s, t, s * t], (-1, 1), (-1, 1))
+    >>> patch.mesh(3).shape, patch.saddle(0, 0)
+    ((3, 3, 3), array(True))
+    """
+
+    surface: Function(2)
+    s: Range
+    t: Range
+    side: Sign = 1
+
+    @checked
+    def parameters(self, n: Whole(1, 500), *, margin: NotNegative = 0.0):
+        """Return a grid n by n of parameters.
+
+        Parameters
+        ----------
+        n : int
+            From 1 to 500.
+        margin : float
+            Share of either width that is left free at each border.
+
+        Returns
+        -------
+        s, t : (n, n) float
+            Parameters.
+        """
+        if margin >= 0.5:
+            raise ValueError(f"margin: must be below 0.5; got {margin:g}.")
+        where = np.linspace(margin, 1 - margin, n)
+        (a, b), (c, d) = self.s, self.t
+        # The ends to the bit, for outside the domain a surface may refuse to answer.
+        s = np.clip(a + (b - a) * where, a, b)
+        t = np.clip(c + (d - c) * where, c, d)
+        return np.meshgrid(s, t, indexing="ij")
+
+    @checked
+    def points(self, s: Reals, t: Reals):
+        """Return points (..., 3), in m, at parameters s, t (...)."""
+        s, t = np.broadcast_arrays(s, t)
+        parts = self.surface(s, t)
+        return np.stack([np.broadcast_to(part, s.shape) for part in parts], axis=-1).astype(float)
+
+    @checked
+    def mesh(self, n: Whole(2, 500) = 121):
+        """Return a grid (n, n, 3) of points, in m."""
+        return self.points(*self.parameters(n))
+
+    @checked
+    def saddle(self, s: Reals, t: Reals):
+        """Return whether the surface is a saddle (...) at parameters: K < 0, smooth and defined."""
+        s, t = np.broadcast_arrays(s, t)
+        frames = adapted_frames.unchecked(self.surface, s, t, "space")
+        with np.errstate(all="ignore"):
+            g = tangent_graph(frames, slice(None))
+            K = derivative(g, 2, 0) * derivative(g, 0, 2) - derivative(g, 1, 1) ** 2
+        return (frames.smooth & (K < 0)).reshape(s.shape)

@@ -1,0 +1,220 @@
+"""Positions of a conical mill in third-order contact with a patch, and why others are refused."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Length0, Reals, Whole, checked
+from ..envelopes import hyperosculating_cones
+from .patch import Cloud, Patch
+from .tools import ConicalMill, seen_from
+
+BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
+CLOSER = 3  # rounds in which the deepest point is looked for between those of the mesh
+AROUND = 7  # points each way, two cells wide, in the first of them
+
+FITS = "fits"
+OTHER_SIDE = "on the other side"
+OFF_CUTTING = "off the cutting part"
+GOUGES = "gouges at its contact"
+ENTERS = "enters the surface elsewhere"
+HOLDER = "holder enters the surface"
+OTHERS = "enters a neighbour"
+
+
+@dataclass(frozen=True)
+class Positions:
+    """Positions of a conical mill: arrays with a row a position.
+
+    Parameters
+    ----------
+    index : (k,) int
+        Which of the points, counted through the flattened arrays.
+    s, t : (k,) float
+        Parameters of the contact.
+    contact, normal : (k, 3) float
+        Where the mill touches, in m, and the unit normal that points to its side.
+    tip, axis : (k, 3) float
+        The middle of the mill's lower end, in m, and the unit vector from there to the spindle.
+    distance : (k,) float
+        From the cone's vertex to the contact, in m.
+    enters, holder_enters : (k,) float
+        How deep mill and holder enter the patch, in m: by how much its deepest point is within;
+        infinite where that isn't asked, for a position on the other side or off the cutting part.
+    others_enter : (k,) float
+        How deep mill or holder enter other points, in m, likewise.
+    reason : (k,) str
+        "fits", or the first that speaks against it: "on the other side", "off the cutting part",
+        "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
+        "enters a neighbour".
+    state : (...) str
+        What each point is: as of `Cones`, and "convex" where the surface is no saddle, so that
+        every cone in third-order contact gouges.
+    """
+
+    index: np.ndarray
+    s: np.ndarray
+    t: np.ndarray
+    contact: np.ndarray
+    normal: np.ndarray
+    tip: np.ndarray
+    axis: np.ndarray
+    distance: np.ndarray
+    enters: np.ndarray
+    holder_enters: np.ndarray
+    others_enter: np.ndarray
+    reason: np.ndarray
+    state: np.ndarray
+
+    def __len__(self):
+        return len(self.tip)
+
+    @property
+    def fits(self):
+        """Return which rows (k,) fit."""
+        return self.reason == FITS
+
+
+@checked
+def find_positions(
+    patch: Patch,
+    mill: ConicalMill,
+    s: Reals,
+    t: Reals,
+    *,
+    tolerance: Length0,
+    others: Cloud | None = None,
+    n: Whole(2, 500) = 121,
+):
+    """Return all positions of a conical mill in third-order contact with a patch at points.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    mill : ConicalMill
+        Its size is fixed: a cone fits only if its contact lies on the cutting part.
+    s, t : (...) float
+        Parameters of the points.
+    tolerance : float
+        How deep the mill may enter the patch, in m. The holder may not.
+    others : (n, 3) float, optional
+        Points, in m, that mill and holder must stay off, as of neighbouring blades.
+    n : int
+        The patch is looked at on a mesh n by n, and between its points near the deepest.
+
+    Returns
+    -------
+    positions : Positions
+        Those that fit and those that don't, with the reason.
+
+    Notes
+    -----
+    Envelopes of cones, section 6. The verdict at the contact is that of `hyperosculating_cones`. A
+    position that gouges there by less than the tolerance fits all the same: along an envelope that
+    is known to an error only, the sign of the fourth-order term is noise.
+
+    Examples
+    --------
+    >>> patch = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
+    >>> mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
+    >>> found = find_positions(patch, mill, 0.001, [0.0, 0.002], tolerance=1e-5)
+    >>> len(found), found.state.tolist()
+    (8, ['regular', 'regular'])
+    """
+    s, t = np.broadcast_arrays(s, t)
+    cones = hyperosculating_cones.unchecked(
+        patch.surface, s, t, half_angle=mill.half_angle, model="space"
+    )
+    saddle = patch.saddle(s, t)
+    state = np.where((cones.state == "regular") & ~saddle, "convex", cones.state.astype("<U9"))
+    near, far = mill.rulings
+    side = cones.side == patch.side
+    on = (cones.distance >= near) & (cones.distance <= far)
+    asked = np.flatnonzero(side & on)
+    tip = cones.vertex + mill.below * cones.axis
+    depths = np.full((3, len(cones)), np.inf)
+    depths[:, asked] = depths_of(patch, mill, tip[asked], cones.axis[asked], others, n)
+    own, holder, other = depths
+    # From the last reason to the first.
+    reason = np.full(len(cones), FITS, dtype="<U28")
+    reason[other > 0] = OTHERS
+    reason[holder > 0] = HOLDER
+    reason[own > tolerance] = ENTERS
+    reason[(own > tolerance) & cones.gouges] = GOUGES
+    reason[~on] = OFF_CUTTING
+    reason[~side] = OTHER_SIDE
+    return Positions(
+        cones.index,
+        s.ravel()[cones.index],
+        t.ravel()[cones.index],
+        cones.contact,
+        patch.side * cones.normal,
+        tip,
+        cones.axis,
+        cones.distance,
+        own,
+        holder,
+        other,
+        reason,
+        state,
+    )
+
+
+def depths_of(patch, mill, tip, axis, others, n):
+    """Return how deep mills enter a patch, their holders do, and both enter other points.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    mill : ConicalMill
+        The same for all.
+    tip, axis : (k, 3) float
+        Of the positions.
+    others : (n, 3) float or None
+        Other points, in m.
+    n : int
+        Of the patch's mesh.
+
+    Returns
+    -------
+    depths : (3, k) float
+        In m; 0 where they don't enter.
+    """
+    depths = np.zeros((3, len(tip)))
+    s, t = (part.ravel() for part in patch.parameters(n))
+    mesh = patch.points(s, t)
+    others = np.empty((0, 3)) if others is None else others
+    size = max(1, BLOCK // max(len(mesh), len(others)))
+    for first in range(0, len(tip), size):
+        rows = slice(first, first + size)
+        at = tip[rows], axis[rows]
+        seen = seen_from(mesh, *at)
+        for part, function in enumerate((mill.cutting, mill.holder)):
+            distance = function(*seen)
+            nearest = distance.argmin(axis=1)
+            least = _between(patch, function, *at, s[nearest], t[nearest], n)
+            depths[part, rows] = -np.minimum(least, distance.min(axis=1))
+        if len(others):
+            seen = seen_from(others, *at)
+            least = np.minimum(mill.cutting(*seen), mill.holder(*seen)).min(axis=1)
+            depths[2, rows] = -least
+    return np.maximum(depths, 0.0)
+
+
+def _between(patch, distance, tip, axis, s, t, n):
+    """Return the least distance (k,) near parameters of a mesh (k,), between its points."""
+    steps = [(high - low) / (n - 1) for low, high in (patch.s, patch.t)]
+    offsets = np.linspace(-1, 1, AROUND)
+    across, along = (part.ravel() for part in np.meshgrid(offsets, offsets))
+    row = np.arange(len(s))
+    for _ in range(CLOSER):
+        tried_s = np.clip(s[:, None] + steps[0] * across, *patch.s)
+        tried_t = np.clip(t[:, None] + steps[1] * along, *patch.t)
+        every = distance(*seen_from(patch.points(tried_s, tried_t), tip, axis))
+        best = every.argmin(axis=1)
+        s = tried_s[row, best]
+        t = tried_t[row, best]
+        steps = [step * 2 / (AROUND - 1) for step in steps]
+    return every[row, best]

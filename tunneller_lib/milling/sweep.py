@@ -1,0 +1,267 @@
+"""What a mill leaves that moves along positions: its error, and the width of its strip."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Length, Points, Rule, Whole, checked, directions, near_points
+from ..envelopes import adapted_frames
+from ..envelopes.adapted import tangent_graph
+from ..envelopes.jet import derivative
+from ..exact import norm
+from .chains import Chain
+from .patch import Patch
+from .tools import BallMill, ConicalMill, CylinderMill, seen_from
+
+BLOCK = 1_000_000  # pairs of a place of the mill and a point that are looked at together
+
+
+def _rows(check):
+    def rows(name, value):
+        array = check(name, value)
+        if array.ndim != 2 or len(array) < 4:
+            raise ValueError(f"{name}: must be four or more in rows (k, 3); got {array.shape}.")
+        return array
+
+    return rows
+
+
+# What arguments may be, in this room and above it.
+Tips = Annotated[ArrayLike, Rule("(k, 3) float", _rows(near_points), "m")]
+Axes = Annotated[ArrayLike, Rule("(k, 3) float", _rows(directions))]
+
+
+@checked
+def moved(tip: Tips, axis: Axes, *, between: Whole(1, 100) = 8):
+    """Return a smooth motion through positions, at places between them.
+
+    Parameters
+    ----------
+    tip : (k, 3) float
+        Positions of the tip, in m, four or more.
+    axis : (k, 3) float
+        Directions of the axis.
+    between : int
+        Places from one position to the next.
+
+    Returns
+    -------
+    tip, axis : (m, 3) float
+        At (k - 1) times `between` places and one more: cubic splines over the way of tip and of
+        the point one mean way of the tip higher; axes are unit vectors.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if tip.shape != axis.shape:
+        raise ValueError(f"tip, axis: must be as many; got {tip.shape} and {axis.shape}.")
+    axis = axis / norm(axis)[:, None]
+    chord = norm(np.diff(tip, axis=0))
+    size = chord.mean()
+    length = chord + size * norm(np.diff(axis, axis=0))
+    if not np.all(length > 0):
+        raise ValueError("tip, axis: must differ from one position to the next; got equal ones.")
+    knots = np.append(0.0, np.cumsum(length))
+    index = np.arange(len(tip))
+    fine = np.interp(np.linspace(0, len(tip) - 1, (len(tip) - 1) * between + 1), index, knots)
+    turned = CubicSpline(knots, axis)(fine)
+    return CubicSpline(knots, tip)(fine), turned / norm(turned)[:, None]
+
+
+@checked
+def sweep_error(
+    points: Points,
+    mill: ConicalMill | CylinderMill | BallMill,
+    tip: Tips,
+    axis: Axes,
+    *,
+    between: Whole(1, 100) = 8,
+):
+    """Return how far points are from what a mill sweeps through positions.
+
+    Parameters
+    ----------
+    points : (..., 3) float
+        As of the surface that is wanted, in m.
+    mill : ConicalMill, CylinderMill or BallMill
+        Only its cutting part counts.
+    tip, axis
+        Its positions, as for `moved`.
+    between : int
+        As for `moved`. Between two of these places the least distance is that of a parabola.
+
+    Returns
+    -------
+    error : (...) float
+        In m: above zero what stays on the surface, below zero how deep it is cut.
+
+    Examples
+    --------
+    >>> mill = CylinderMill(0.005, 0.02)
+    >>> tip = np.stack([np.linspace(0, 0.05, 6), np.zeros(6), np.zeros(6)], axis=-1)
+    >>> axis = np.broadcast_to((0.0, 0.0, 1.0), (6, 3))
+    >>> sweep_error([0.025, 0.006, 0.01], mill, tip, axis).round(6)
+    np.float64(0.001)
+    """
+    tip, axis = moved(tip, axis, between=between)
+    flat = points.reshape(-1, 3)
+    error = np.empty(len(flat))
+    size = max(1, BLOCK // len(tip))
+    for first in range(0, len(flat), size):
+        part = slice(first, first + size)
+        every = mill.cutting.unchecked(mill, *seen_from(flat[part], tip, axis))
+        k = every.argmin(axis=0)
+        error[part] = _lowest(every, k)
+    return error.reshape(points.shape[:-1])[()]
+
+
+def _lowest(every, k):
+    """Return the least values (n,) of columns (m, n), by a parabola about their rows k (n,)."""
+    column = np.arange(every.shape[1])
+    least = every[k, column]
+    inner = (k > 0) & (k < len(every) - 1)
+    before = every[np.where(inner, k - 1, k), column]
+    after = every[np.where(inner, k + 1, k), column]
+    bend = before - 2 * least + after
+    slope = (after - before) / 2
+    return least - np.where(bend > 0, slope**2 / (2 * np.where(bend > 0, bend, 1.0)), 0.0)
+
+
+@dataclass(frozen=True)
+class Strip:
+    """What a mill leaves across its way, at each position of a chain.
+
+    Parameters
+    ----------
+    along : (k, m) float
+        Way on the surface from the contact, across the chain, in m.
+    error : (k, m) float
+        As of `sweep_error`, in m; infinite beyond the patch.
+    """
+
+    along: np.ndarray
+    error: np.ndarray
+
+    @checked
+    def widths(self, tolerance: Length):
+        """Return how wide (k,), in m, the error about each contact stays within a tolerance."""
+        middle = self.along.shape[1] // 2
+        good = np.abs(self.error) <= tolerance
+        right = np.logical_and.accumulate(good[:, middle:], axis=1).sum(axis=1) - 1
+        left = np.logical_and.accumulate(good[:, middle::-1], axis=1).sum(axis=1) - 1
+        row = np.arange(len(good))
+        width = self.along[row, middle + right] - self.along[row, middle - left]
+        return np.where(good[:, middle], width, 0.0)
+
+
+@checked
+def strip_across(
+    patch: Patch,
+    mill: ConicalMill | CylinderMill | BallMill,
+    chain: Chain,
+    tip: Tips,
+    axis: Axes,
+    *,
+    reach: Length,
+    m: Whole(1, 500) = 100,
+):
+    """Return what a mill leaves along lines across a chain, at all but its two first and last.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    mill : ConicalMill, CylinderMill or BallMill
+        That moves.
+    chain : Chain
+        Of six contacts or more; the lines run along its characteristics' tangents.
+    tip, axis
+        The mill's positions, as for `moved`: those of the chain or of another mill.
+    reach : float
+        To either side, in m.
+    m : int
+        Points to either side.
+
+    Returns
+    -------
+    strip : Strip
+        Of k - 4 lines; near its ends a chain cuts with less than its envelope.
+    """
+    if len(chain) < 6:
+        raise ValueError(f"chain: must have 6 positions or more; got {len(chain)}.")
+    inner = slice(2, -2)
+    s, t = (part[inner] for part in (chain.s, chain.t))
+    frames = adapted_frames.unchecked(patch.surface, s, t, "space")
+    first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)
+    rate = (np.linalg.pinv(first) @ (frames.axes @ chain.across[inner, :, None]))[..., 0]
+    away = np.linspace(-reach, reach, 2 * m + 1)
+    at_s = s[:, None] + rate[:, :1] * away
+    at_t = t[:, None] + rate[:, 1:] * away
+    beyond = (at_s < patch.s[0]) | (at_s > patch.s[1]) | (at_t < patch.t[0]) | (at_t > patch.t[1])
+    points = patch.points(np.clip(at_s, *patch.s), np.clip(at_t, *patch.t))
+    steps = norm(np.diff(points, axis=1))
+    along = np.concatenate([np.zeros((len(s), 1)), np.cumsum(steps, axis=1)], axis=1)
+    error = sweep_error(points, mill, tip, axis)
+    return Strip(along - along[:, m : m + 1], np.where(beyond, np.inf, error))
+
+
+@checked
+def ball_positions(chain: Chain, mill: BallMill):
+    """Return tips and axes (k, 3) of a ball that touches where a chain does, in m.
+
+    Ours, to compare with: its axis is the chain's.
+    """
+    return chain.contact + mill.radius * (chain.normal - chain.axis), chain.axis
+
+
+@checked
+def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill):
+    """Return tips, in m, and axes of a cylinder that touches with its flank where a chain does.
+
+    Ours, to compare with. Its axis lies in the tangent plane so that the gap to the surface
+    vanishes to second order in one direction, the closest without gouging; of two such axes the one
+    that is nearer to the position before. The contact is amid its length.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    chain : Chain
+        Whose contacts are taken.
+    mill : CylinderMill
+        The cylinder.
+
+    Returns
+    -------
+    tip, axis : (k, 3) float
+        The positions.
+
+    Raises
+    ------
+    ValueError
+        If the cylinder is too thick: it gouges at a contact whatever its axis.
+    """
+    frames = adapted_frames.unchecked(patch.surface, chain.s, chain.t, "space")
+    g = tangent_graph(frames, slice(None))
+    # Heights bend towards the mill where these are above zero.
+    xx, xy, yy = (patch.side * derivative(g, i, 2 - i) for i in (2, 1, 0))
+    determinant = xx * yy - xy * xy
+    # With the unit vector n across the axis: det(S - n n'/R) = 0 is n' adj(S) n = R det(S).
+    mean = (xx + yy) / 2
+    size = np.hypot((yy - xx) / 2, xy)
+    cosine = (mill.radius * determinant - mean) / size
+    if np.any(np.abs(cosine) > 1):
+        raise ValueError(
+            f"mill: must be thin enough to touch without gouging; got the radius {mill.radius:g} m."
+        )
+    middle = np.arctan2(-xy, (yy - xx) / 2)
+    tangent, other = frames.axes[:, 0], frames.axes[:, 1]
+    axis = np.empty_like(tangent)
+    last = chain.axis[0]
+    for k in range(len(chain)):
+        angles = (middle[k] + np.array([1, -1]) * np.arccos(cosine[k])) / 2 + np.pi / 2
+        both = np.cos(angles)[:, None] * tangent[k] + np.sin(angles)[:, None] * other[k]
+        both = np.concatenate([both, -both])
+        last = axis[k] = both[np.argmax(both @ last)]
+    return chain.contact + mill.radius * chain.normal - mill.length / 2 * axis, axis

@@ -1,0 +1,182 @@
+"""Tools that turn about an axis: how far points are from what they cut with and from their holder.
+
+A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
+to the spindle. All that counts of a point is its height above the tip and its distance from the
+axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import HalfAngle, Length, Lengths, checked
+
+
+@dataclass(frozen=True)
+@checked
+class ConicalMill:
+    """A truncated cone that widens upwards, and above it a holder, a cylinder.
+
+    Parameters
+    ----------
+    half_angle : float
+        Between axis and rulings, in rad.
+    tip_radius : float
+        Of the lower end, in m.
+    length : float
+        Of the cutting part, along the axis, in m.
+    holder_radius, holder_length : float
+        Of the cylinder that holds it, in m.
+    """
+
+    half_angle: HalfAngle
+    tip_radius: Length
+    length: Length
+    holder_radius: Length
+    holder_length: Length
+
+    @property
+    def top_radius(self):
+        """Return the radius of the upper end, in m."""
+        return self.tip_radius + self.length * np.tan(self.half_angle)
+
+    @property
+    def below(self):
+        """Return how far the vertex lies below the tip, in m."""
+        return self.tip_radius / np.tan(self.half_angle)
+
+    @property
+    def rulings(self):
+        """Return where the rulings begin and end, as distances from the vertex, in m."""
+        cosine = np.cos(self.half_angle)
+        return self.tip_radius / np.sin(self.half_angle), (self.below + self.length) / cosine
+
+    @checked
+    def cutting(self, height: Lengths, radius: Lengths):
+        """Return how far points are from the cutting part.
+
+        Parameters
+        ----------
+        height, radius : (...) float
+            Above the tip, and from the axis, in m.
+
+        Returns
+        -------
+        distance : (...) float
+            In m, negative within.
+        """
+        return _stub(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
+
+    @checked
+    def holder(self, height: Lengths, radius: Lengths):
+        """Return how far points are from the holder.
+
+        Parameters
+        ----------
+        height, radius : (...) float
+            Above the tip, and from the axis, in m.
+
+        Returns
+        -------
+        distance : (...) float
+            In m, negative within.
+        """
+        top = self.length + self.holder_length
+        return _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
+
+
+@dataclass(frozen=True)
+@checked
+class CylinderMill:
+    """A cylinder that cuts with its flank.
+
+    Parameters
+    ----------
+    radius, length : float
+        In m.
+    """
+
+    radius: Length
+    length: Length
+
+    @checked
+    def cutting(self, height: Lengths, radius: Lengths):
+        """Return how far points are from the cutting part, in m, negative within.
+
+        Parameters
+        ----------
+        height, radius : (...) float
+            Above the tip, and from the axis, in m.
+        """
+        return _stub(height, radius, 0.0, self.radius, self.length, self.radius)
+
+
+@dataclass(frozen=True)
+@checked
+class BallMill:
+    """A ball that cuts: the end of a tool whose shank isn't looked at.
+
+    Parameters
+    ----------
+    radius : float
+        In m.
+    """
+
+    radius: Length
+
+    @checked
+    def cutting(self, height: Lengths, radius: Lengths):
+        """Return how far points are from the ball, in m, negative within.
+
+        Parameters
+        ----------
+        height, radius : (...) float
+            Above the tip, the ball's lowest point, and from the axis, in m.
+        """
+        return np.hypot(height - self.radius, radius) - self.radius
+
+
+def _stub(height, radius, low, first, high, last):
+    """Return the distance (...) to a truncated cone between two heights, with radii there.
+
+    In the half plane of the axis the wall is a segment, the ends are levels.
+    """
+    length = np.hypot(high - low, last - first)
+    c = (high - low) / length
+    s = (last - first) / length
+    up = height - low
+    off = radius - first
+    along = np.clip(up * c + off * s, 0.0, length)
+    wall = np.hypot(up - along * c, off - along * s)
+    ends = [
+        np.hypot(height - level, np.maximum(radius - width, 0.0))
+        for level, width in ((low, first), (high, last))
+    ]
+    inside = (off * c < up * s) & (height > low) & (height < high)
+    nearest = np.minimum(wall, np.minimum(*ends))
+    return np.where(inside, -nearest, nearest)[()]
+
+
+def seen_from(points, tip, axis):
+    """Return heights above tools' tips, and distances from their axes, of points.
+
+    Parameters
+    ----------
+    points : (n, 3) or (k, n, 3) float
+        The same of all tools, or of each its own, in m.
+    tip, axis : (k, 3) float
+        Of the tools: in m, and unit vectors.
+
+    Returns
+    -------
+    height, radius : (k, n) float
+        In m.
+    """
+    # About the points' middle the coordinates are as small as they can be.
+    middle = points.reshape(-1, 3).mean(axis=0)
+    points = points - middle
+    tip = tip - middle
+    height = (points @ axis[:, :, None])[..., 0] - np.sum(axis * tip, axis=-1)[:, None]
+    cross = (points @ tip[:, :, None])[..., 0]
+    square = np.sum(points**2, axis=-1) - 2 * cross + np.sum(tip**2, axis=-1)[:, None]
+    return height, np.sqrt(np.maximum(square - height * height, 0.0))
