@@ -132,9 +132,9 @@ class Job:
     @cached_property
     def made(self):
         """Return the `Machine`, with its `Body` where it has one."""
-        with _said_of("body"):
+        with said_of("body"):
             body = Body(**self.body) if self.body else None
-        with _said_of("machine"):
+        with said_of("machine"):
             return Machine(**self.machine, body=body)
 
     @cached_property
@@ -142,7 +142,7 @@ class Job:
         """Return the `Sizes` of the machine's hydraulics."""
         usual = usual_sizes(self.made)
         own = {name: value for name, value in self.hydraulics.items() if hasattr(usual, name)}
-        with _said_of("hydraulics"):
+        with said_of("hydraulics"):
             for joint in ("lift", "swing"):
                 names = {f"{joint}_{name}": field for name, field in CYLINDERS.items()}
                 changes = {names[k]: v for k, v in self.hydraulics.items() if k in names}
@@ -152,7 +152,7 @@ class Job:
     @cached_property
     def cylinders(self):
         """Return the axes theta and phi, two `Hydraulics`; a refusal says what would do."""
-        with _said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
+        with said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
             return axes_of(self.made, self.sizes)
 
     @cached_property
@@ -163,7 +163,7 @@ class Job:
     @cached_property
     def cut_ground(self):
         """Return the `Ground`, or None where nothing pushes back."""
-        with _said_of("ground"):
+        with said_of("ground"):
             return Ground(**self.ground) if self.ground else None
 
     @cached_property
@@ -175,7 +175,7 @@ class Job:
     def planned(self):
         """Return the `Plan`, or raise ValueError with the reason against it."""
         machine = self.made
-        with _said_of("section"):
+        with said_of("section"):
             section = _shape(self.section)
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
@@ -188,10 +188,10 @@ class Job:
             bounds["ground"] = self.cut_ground
             if self.controller["plant"] in OILY:
                 bounds = {"valve": VALVE, "axes": self.cylinders, **bounds}
-        with _said_of("limits"):
+        with said_of("limits"):
             limits = Limits(**bounds)
         self._check_steady(circuit)
-        with _said_of("plan"):
+        with said_of("plan"):
             return plan(circuit, limits, **self.plan)
 
     def _check_steady(self, circuit):
@@ -225,7 +225,7 @@ class Job:
         tier = about.pop("plant")
         count = about.pop("encoder", self.plan.get("count", 2 * np.pi / 2**16))
         tick = self.plan.get("tick", 5e-3)
-        with _said_of("controller"):
+        with said_of("controller"):
             loops = [Loop(tick=tick, count=count, **about)] * 2
         if tier not in OILY:
             # The first models ask nothing of a cylinder: one full speed for both joints.
@@ -238,7 +238,7 @@ class Job:
     @cached_property
     def error(self):
         """Return the `Pose` that the machine has and doesn't know of, or None."""
-        with _said_of("pose"):
+        with said_of("pose"):
             return Pose(**self.pose) if self.pose else None
 
     @property
@@ -258,7 +258,7 @@ class Job:
         """Return the numbers of rays and the thickness of the modelled ground, in m."""
         about = dict(self.wall)
         shape = about.pop("along"), about.pop("around")
-        with _said_of("wall"):
+        with said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
             return shape, positive("thickness", about.get("thickness", 0.1))
 
@@ -290,30 +290,30 @@ def read_job(path: str | Path):
         If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
         have or lacks one.
     """
-    tables = _parsed(path)
-    _check_leaves(tables)
+    tables = parsed_toml(path)
+    check_leaves(tables)
     known = [field.name for field in fields(Job)]
     for name, table in tables.items():
         if name not in known:
-            raise WrongJob(f"[{_brief(name)}]: is no table of a job{_hint(name, known)}.")
+            raise WrongJob(f"[{brief(name)}]: is no table of a job{hint(name, known)}.")
         if not isinstance(table, dict):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
     for name in ("machine", "section", "limits", "plan", "controller"):
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
     given = {name: tables.get(name, {}) for name in known}
-    controller = _read("controller", given["controller"], CONTROLLER, ("plant", "gain"))
-    _one_of("[controller] plant", controller["plant"], PLANTS)
+    controller = read_table("controller", given["controller"], CONTROLLER, ("plant", "gain"))
+    one_of("[controller] plant", controller["plant"], PLANTS)
     return Job(
-        machine=_read("machine", given["machine"], MACHINE, MACHINE),
+        machine=read_table("machine", given["machine"], MACHINE, MACHINE),
         section=_read_section(given["section"]),
-        limits=_read("limits", given["limits"], LIMITS, ("feed", "acceleration")),
-        plan=_read("plan", given["plan"], PLAN, ("tolerance",)),
+        limits=read_table("limits", given["limits"], LIMITS, ("feed", "acceleration")),
+        plan=read_table("plan", given["plan"], PLAN, ("tolerance",)),
         controller=controller,
-        stance=_read("stance", given["stance"], STANCE),
-        pose=_read("pose", given["pose"], POSE),
-        wall={"along": 200, "around": 360, **_read("wall", given["wall"], WALL)},
-        hydraulics=_read("hydraulics", given["hydraulics"], HYDRAULICS),
+        stance=read_table("stance", given["stance"], STANCE),
+        pose=read_table("pose", given["pose"], POSE),
+        wall={"along": 200, "around": 360, **read_table("wall", given["wall"], WALL)},
+        hydraulics=read_table("hydraulics", given["hydraulics"], HYDRAULICS),
         ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
         body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
     )
@@ -321,12 +321,12 @@ def read_job(path: str | Path):
 
 def _read_if_any(table, given, units, needed):
     """Return what a table says that may be missing, with all that it needs otherwise."""
-    return _read(table, given, units, needed) if given else {}
+    return read_table(table, given, units, needed) if given else {}
 
 
-def _parsed(path):
+def parsed_toml(path):
     """Return what a file says in TOML, or raise WrongJob."""
-    name = _brief(str(path)) or "the file without a name"
+    name = brief(str(path)) or "the file without a name"
     try:
         with open(path, "rb") as file:
             content = file.read(MOST_BYTES + 1)
@@ -345,14 +345,14 @@ def _parsed(path):
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise WrongJob(f"{name}: isn't TOML; {_brief(str(error).rstrip('.'))}.") from None
+        raise WrongJob(f"{name}: isn't TOML; {brief(str(error).rstrip('.'))}.") from None
     except RecursionError:
         raise WrongJob(f"{name}: is nested too deeply for a job.") from None
     except ValueError:  # Python's own limit, of thousands of digits
         raise WrongJob(f"{name}: has a number with too many digits.") from None
 
 
-def _check_leaves(tables):
+def check_leaves(tables):
     """Raise WrongJob for characters that a terminal might obey, and for integers beyond 64 bits.
 
     Whatever a job says may be repeated in a message. Without recursion, for dotted keys nest as
@@ -364,7 +364,7 @@ def _check_leaves(tables):
         if isinstance(value, dict):
             for name in value:
                 if not name.isprintable():
-                    raise WrongJob(f"{_brief(name)}: must be a name of printable characters.")
+                    raise WrongJob(f"{brief(name)}: must be a name of printable characters.")
             # Where it is deep in a table that no job has, the beginning will do.
             left += [(f"{where}.{name}"[:100], inner) for name, inner in value.items()]
         elif isinstance(value, list):
@@ -377,22 +377,39 @@ def _check_leaves(tables):
             raise WrongJob(f"{where[1:]}: must be a number of at most 64 bits.")
 
 
-def _brief(text):
+def brief(text):
     """Return a text for a message, in 200 characters that no terminal obeys."""
     printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:201])
     return printable if len(printable) <= 200 else f"{printable[:197]}..."
 
 
-def _read(table, given, units, needed=()):
-    """Return a table's values by their names, in SI units."""
+def read_table(table, given, units, needed=()):
+    """Return a table's values by their names, in SI units.
+
+    Parameters
+    ----------
+    table : str
+        Its name, for messages.
+    given : dict
+        What it says.
+    units : dict
+        What it may hold: a unit, `TEXT` or `WHOLE` for each name.
+    needed : iterable of str
+        Names that must be there.
+
+    Returns
+    -------
+    values : dict
+        Angles in rad.
+    """
     values = {}
     for name, value in given.items():
         key = name
-        where = f"[{table}] {_brief(name)}"
+        where = f"[{table}] {brief(name)}"
         if name.endswith("_deg") and units.get(name[:-4]) == "rad":
             key = name[:-4]
         if key not in units:
-            raise WrongJob(f"{where}: isn't known{_hint(name, units)}.")
+            raise WrongJob(f"{where}: isn't known{hint(name, units)}.")
         if key in values:
             raise WrongJob(f"[{table}] {key}: is given in radians and in degrees.")
         unit = "degrees" if key != name else units[key]
@@ -415,22 +432,22 @@ def _read_section(given):
     """Return what a section's table says, its pieces as arcs and lines."""
     given = dict(given)
     shape = given.pop("shape", None)
-    _one_of("[section] shape", shape, SHAPES)
+    one_of("[section] shape", shape, SHAPES)
     if shape != "pieces":
         _, units = SHAPES[shape]
-        return {"shape": shape, **_read("section", given, units, units)}
+        return {"shape": shape, **read_table("section", given, units, units)}
     rows = given.pop("pieces", None)
-    _read("section", given, {"pieces": TEXT, "shape": TEXT})
+    read_table("section", given, {"pieces": TEXT, "shape": TEXT})
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise WrongJob("[section] pieces: must be a list of tables, [[section.pieces]].")
     pieces = []
     for number, row in enumerate(map(dict, rows), start=1):
         where = f"section.pieces {number}"
         kind = row.pop("kind", None)
-        _one_of(f"[{where}] kind", kind, PIECES)
+        one_of(f"[{where}] kind", kind, PIECES)
         make, units = PIECES[kind]
-        sizes = _read(where, row, units, units)
-        with _said_of(where):
+        sizes = read_table(where, row, units, units)
+        with said_of(where):
             pieces.append(make(**sizes))
     return {"shape": shape, "pieces": tuple(pieces)}
 
@@ -480,8 +497,8 @@ def _check_unit(where, key, value, unit):
 
 
 @contextmanager
-def _said_of(table, *, remedy=""):
-    """Begin a refusal with the table that it is about, and end it with what would do.
+def said_of(table, *, remedy=""):
+    """Begin a refusal with the `table` that it is about, and end it with a `remedy`.
 
     What is said of the machine's body is about that table, wherever it is found.
     """
@@ -494,14 +511,14 @@ def _said_of(table, *, remedy=""):
         raise ValueError(" ".join(filter(None, (said, remedy)))) from None
 
 
-def _one_of(where, word, words):
+def one_of(where, word, words):
     """Refuse a word that isn't one of those known."""
     if not isinstance(word, str) or word not in words:
         *others, last = (f'"{each}"' for each in words)
         raise WrongJob(f"{where}: must be {', '.join(others)} or {last}; got {shown(word)}.")
 
 
-def _hint(name, known):
+def hint(name, known):
     """Return what a name may have been meant to be, as the end of a sentence."""
     close = get_close_matches(name, known, n=1) or get_close_matches(
         name.removesuffix("_deg"), known, n=1

@@ -5,22 +5,26 @@ points, or as any function of two variables.
 """
 
 from .chains import Chain, trace_chains
+from .coverage import Coverage, cover
+from .motion import moved
 from .nurbs import Nurbs, fit_nurbs
 from .patch import Patch
 from .positions import Positions, find_positions
-from .sweep import Strip, ball_positions, cylinder_positions, moved, strip_across, sweep_error
+from .sweep import Strip, ball_positions, cylinder_positions, strip_across, sweep_error
 from .tools import BallMill, ConicalMill, CylinderMill
 
 __all__ = [
     "BallMill",
     "Chain",
     "ConicalMill",
+    "Coverage",
     "CylinderMill",
     "Nurbs",
     "Patch",
     "Positions",
     "Strip",
     "ball_positions",
+    "cover",
     "cylinder_positions",
     "find_positions",
     "fit_nurbs",

@@ -7,6 +7,7 @@ import numpy as np
 from ..arguments import Length, Length0, Whole, checked
 from ..envelopes import adapted_frames, hyperosculating_cones
 from ..exact import dot, norm
+from .motion import moved
 from .patch import Cloud, Patch
 from .positions import Positions, depths_of
 from .tools import ConicalMill
@@ -15,6 +16,8 @@ MOST_TURN = np.cos(np.radians(15))  # of the axis from one position to the next
 PATCH_ENDS = "the patch ends"
 NO_CONE = "no cone continues"
 NO_FIT = "the next one doesn't fit"
+ON_THE_WAY = "the mill would gouge on its way"
+BETWEEN = 4  # places from one position to the next at which that is looked at
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Chain:
         angle.
     ends : tuple of two str
         Why it ends at its first and at its last position: "the patch ends", "no cone continues",
-        "the next one doesn't fit", or "long enough".
+        "the next one doesn't fit", "the mill would gouge on its way", or "long enough".
     """
 
     s: np.ndarray
@@ -121,10 +124,26 @@ def _fitting(patch, mill, parts, start, ends, tolerance, others, n):
     tip, axis = parts[4:6]
     own, holder, other = depths_of(patch, mill, tip, axis, others, n)
     wrong = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0))
-    first = wrong[wrong < start].max(initial=-1) + 1
-    last = wrong[wrong > start].min(initial=len(tip))
-    ends = NO_FIT if first else ends[0], NO_FIT if last < len(tip) else ends[1]
-    return Chain(*(part[first:last] for part in parts), ends)
+    first = int(wrong[wrong < start].max(initial=-1)) + 1
+    last = int(wrong[wrong > start].min(initial=len(tip)))
+    ends = [NO_FIT if first else ends[0], NO_FIT if last < len(tip) else ends[1]]
+    # Where the axis turns fast, as where two cones fall together, the way between two positions
+    # that fit may gouge. What is cut off changes the smooth way through the rest: it's tried anew.
+    while last - first >= 4:
+        way = moved(tip[first:last], axis[first:last], between=BETWEEN)
+        own, holder, other = depths_of(patch, mill, *way, others, n)
+        wrong = first + np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0)) / BETWEEN
+        if not len(wrong):
+            break
+        before = wrong[wrong <= start]
+        after = wrong[wrong > start]
+        if len(before):
+            first = int(np.floor(before.max())) + 1
+            ends[0] = ON_THE_WAY
+        if len(after):
+            last = int(np.ceil(after.min()))
+            ends[1] = ON_THE_WAY
+    return Chain(*(part[first:last] for part in parts), tuple(ends))
 
 
 def _trace(patch, mill, begin, step, most):

@@ -1,72 +1,21 @@
 """What a mill leaves that moves along positions: its error, and the width of its strip."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Length, Points, Rule, Whole, checked, directions, near_points
+from ..arguments import Length, Points, Whole, checked
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
 from ..exact import norm
 from .chains import Chain
+from .motion import Axes, Tips, motion_through
 from .patch import Patch
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
 
 BLOCK = 1_000_000  # pairs of a place of the mill and a point that are looked at together
-
-
-def _rows(check):
-    def rows(name, value):
-        array = check(name, value)
-        if array.ndim != 2 or len(array) < 4:
-            raise ValueError(f"{name}: must be four or more in rows (k, 3); got {array.shape}.")
-        return array
-
-    return rows
-
-
-# What arguments may be, in this room and above it.
-Tips = Annotated[ArrayLike, Rule("(k, 3) float", _rows(near_points), "m")]
-Axes = Annotated[ArrayLike, Rule("(k, 3) float", _rows(directions))]
-
-
-@checked
-def moved(tip: Tips, axis: Axes, *, between: Whole(1, 100) = 8):
-    """Return a smooth motion through positions, at places between them.
-
-    Parameters
-    ----------
-    tip : (k, 3) float
-        Positions of the tip, in m, four or more.
-    axis : (k, 3) float
-        Directions of the axis.
-    between : int
-        Places from one position to the next.
-
-    Returns
-    -------
-    tip, axis : (m, 3) float
-        At (k - 1) times `between` places and one more: cubic splines over the way of tip and of
-        the point one mean way of the tip higher; axes are unit vectors.
-    """
-    from scipy.interpolate import CubicSpline
-
-    if tip.shape != axis.shape:
-        raise ValueError(f"tip, axis: must be as many; got {tip.shape} and {axis.shape}.")
-    axis = axis / norm(axis)[:, None]
-    chord = norm(np.diff(tip, axis=0))
-    size = chord.mean()
-    length = chord + size * norm(np.diff(axis, axis=0))
-    if not np.all(length > 0):
-        raise ValueError("tip, axis: must differ from one position to the next; got equal ones.")
-    knots = np.append(0.0, np.cumsum(length))
-    index = np.arange(len(tip))
-    fine = np.interp(np.linspace(0, len(tip) - 1, (len(tip) - 1) * between + 1), index, knots)
-    turned = CubicSpline(knots, axis)(fine)
-    return CubicSpline(knots, tip)(fine), turned / norm(turned)[:, None]
+CLOSER = 12  # halvings of the step between places: the least distance is off by its square
 
 
 @checked
@@ -89,7 +38,7 @@ def sweep_error(
     tip, axis
         Its positions, as for `moved`.
     between : int
-        As for `moved`. Between two of these places the least distance is that of a parabola.
+        As for `moved`. About the nearest of these places the least distance is looked for closer.
 
     Returns
     -------
@@ -104,28 +53,40 @@ def sweep_error(
     >>> sweep_error([0.025, 0.006, 0.01], mill, tip, axis).round(6)
     np.float64(0.001)
     """
-    tip, axis = moved(tip, axis, between=between)
+    motion = motion_through(tip, axis)
+    places = np.linspace(0, len(tip) - 1, (len(tip) - 1) * between + 1)
+    tips, axes = motion(places)
     flat = points.reshape(-1, 3)
     error = np.empty(len(flat))
-    size = max(1, BLOCK // len(tip))
+    size = max(1, BLOCK // len(places))
     for first in range(0, len(flat), size):
         part = slice(first, first + size)
-        every = mill.cutting.unchecked(mill, *seen_from(flat[part], tip, axis))
-        k = every.argmin(axis=0)
-        error[part] = _lowest(every, k)
+        every = mill.cutting(*seen_from(flat[part], tips, axes))
+        nearest = places[every.argmin(axis=0)]
+        error[part] = _closer(flat[part], mill, motion, nearest, 1 / between, places[-1])
     return error.reshape(points.shape[:-1])[()]
 
 
-def _lowest(every, k):
-    """Return the least values (n,) of columns (m, n), by a parabola about their rows k (n,)."""
-    column = np.arange(every.shape[1])
-    least = every[k, column]
-    inner = (k > 0) & (k < len(every) - 1)
-    before = every[np.where(inner, k - 1, k), column]
-    after = every[np.where(inner, k + 1, k), column]
-    bend = before - 2 * least + after
-    slope = (after - before) / 2
-    return least - np.where(bend > 0, slope**2 / (2 * np.where(bend > 0, bend, 1.0)), 0.0)
+def _closer(points, mill, motion, where, step, last):
+    """Return the least distances (n,) of points from a moving mill, near places (n,) of its way.
+
+    By halving the step to either side: a parabola through three distances would be off where the
+    nearest part of the mill changes, as at its edges.
+    """
+
+    def distance(where):
+        tip, axis = motion(where)
+        return mill.cutting(*seen_from(points[:, None], tip, axis))[:, 0]
+
+    least = distance(where)
+    for _ in range(CLOSER):
+        step /= 2
+        for sign in (-1, 1):
+            tried = np.clip(where + sign * step, 0, last)
+            there = distance(tried)
+            where = np.where(there < least, tried, where)
+            least = np.minimum(there, least)
+    return least
 
 
 @dataclass(frozen=True)
