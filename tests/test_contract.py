@@ -29,6 +29,8 @@ from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 
+READS = ["notebooks/flank.toml"]
+
 EXAMPLES_AT = Path(__file__).parent / "examples"
 ROOMS = sorted(path.stem for path in EXAMPLES_AT.glob("[a-z]*.py"))
 if not importlib.util.find_spec("IPython"):  # the core's tests do without

@@ -120,6 +120,16 @@ def parser():
         "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )
 
+    flank = command("flank", run_flank, "positions and paths of a conical mill on a surface")
+    flank.add_argument("job", type=Path, help="the TOML file; notebooks/flank.toml is one")
+    flank.add_argument(
+        "--points",
+        type=Path,
+        metavar="FILE.csv",
+        help="measured: x_m, y_m, z_m and unit normals nx, ny, nz",
+    )
+    flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ unless told")
+    flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
     log.add_argument(
         "log",
@@ -283,6 +293,24 @@ def run_animate(options):
     count = options.frames
     every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
     return {"files": [str(pictures.write_picture(out, counted(every, count)))]}
+
+
+def run_flank(options):
+    """Find positions of a mill, chain them, and write them and what they leave."""
+    from .job import flank_text, read_flank, say, summarise_flank, write_flank
+    from .job.atomic_write import check_writable
+
+    folder = options.out or Path("build") / own_name(options.job)
+    job = read_flank(options.job, options.points)
+    check_writable(folder / "paths.csv")
+    found, covered = job.solved(say)
+    numbers = summarise_flank(job, found, covered)
+    if not options.json:
+        tell(flank_text(numbers) + "\n")
+    files = write_flank(job, found, covered, folder, say)
+    for warning in numbers["warnings"]:
+        say(f"warning: {warning}")
+    return {**numbers, "files": files}
 
 
 def run_identify(options):

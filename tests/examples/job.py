@@ -3,7 +3,17 @@
 import tempfile
 from pathlib import Path
 
-from tunneller_lib.job import Job, identify_log, mesh, read_job, summarise
+from tunneller_lib.job import (
+    FlankJob,
+    Job,
+    identify_log,
+    mesh,
+    read_flank,
+    read_job,
+    summarise,
+    summarise_flank,
+)
+from tunneller_lib.milling import Coverage, Positions
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream import Cut, Plan
 from tunneller_lib.removal import DexelGrid
@@ -56,14 +66,30 @@ _job = read_job(_JOB)
 _cut = _job.simulated()
 _circuit = _job.planned.circuit
 
+_FLANK = Path(_FOLDER.name, "flank.toml")
+_text = Path(__file__).parents[2].joinpath("notebooks", "flank.toml").read_text(encoding="utf-8")
+for old, new in {
+    "points = 9": "points = 3",
+    "strips = 12": "strips = 1",
+    "mesh = 121": "mesh = 20",
+}.items():
+    _text = _text.replace(old, new)
+_FLANK.write_text(_text, encoding="utf-8")
+_flank = read_flank(_FLANK)
+_found, _covered = _flank.solved(lambda text: None)
+_flanked = {"job": _flank, "found": _found, "covered": _covered}
+
 INSTANCES = {
     Circuit: _circuit,
+    Coverage: _covered,
     Cut: _cut,
     DexelGrid: _cut.wall,
+    FlankJob: _flank,
     Job: _job,
     mesh.Mesh: mesh.wall_solid(_cut.wall),
     Path: _NEW,
     Plan: _job.planned,
+    Positions: _found,
     Section: Egg(0.5),
 }
 
@@ -80,16 +106,21 @@ _log = "time_s,valve,speed_rad_s\n" + "".join(
 )
 
 CALLS = {
+    "FlankJob.solved": {"say": lambda text: None},
     "identified_text": {"numbers": identify_log(_log)},
     "identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
+    "flank_text": {"numbers": summarise_flank(**_flanked)},
     "mesh.wall_solid": {"wall": _cut.wall},
     "mesh.wall_surface": {"wall": _cut.wall, "circuit": _circuit},
     "atomic_write.write": {"content": "text"},
+    "read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},
     "say": {"text": "done"},
+    "summarise_flank": _flanked,
     "summarise": {"job": _job, "cut": _cut},
     "summary_text": {"numbers": _results["numbers"]},
     "write_all": _results,
+    "write_flank": _flanked | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None},
 }

@@ -4,23 +4,29 @@ Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
 from . import atomic_write, csv_tables, drawing, mesh
+from .flank import FlankJob, flank_text, read_flank, summarise_flank, write_flank
 from .logged import identified_text, identify_log
 from .progress import say
 from .reader import Job, WrongJob, read_job
 from .results import summarise, summary_text, write_all
 
 __all__ = [
+    "FlankJob",
     "Job",
     "WrongJob",
     "atomic_write",
     "csv_tables",
     "drawing",
+    "flank_text",
     "identified_text",
     "identify_log",
     "mesh",
+    "read_flank",
     "read_job",
     "say",
     "summarise",
+    "summarise_flank",
     "summary_text",
     "write_all",
+    "write_flank",
 ]

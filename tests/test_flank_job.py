@@ -1,0 +1,216 @@
+"""`tunneller flank`: from a file to paths, and what is refused, each in a sentence."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tunneller_lib.__main__ import main
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.job.csv_tables import read_csv
+from tunneller_lib.milling import fit_nurbs
+
+READS = ["notebooks/flank.toml"]
+
+ROOT = Path(__file__).resolve().parents[1]
+JOB = ROOT / "notebooks" / "flank.toml"
+RING = BladeRing(0.06, 0.03, 0.05, np.radians(-40), np.radians(70), -0.006, -0.006, 6)
+# Few points and strips: soon done.
+QUICK = {"points = 9": "points = 4", "strips = 12": "strips = 2", "mesh = 121": "mesh = 41"}
+BLADE = JOB.read_text(encoding="utf-8").partition('kind = "blade"')[2].partition("\n[mill]")[0]
+
+
+@pytest.fixture
+def run(tmp_path, capsys):
+    """Return a function that runs a changed job: exit code, both outputs, and the folder."""
+
+    def go(changes=None, *more, surface=None):
+        text = JOB.read_text(encoding="utf-8")
+        if surface:
+            text = text.replace('kind = "blade"' + BLADE, surface)
+        for old, new in (QUICK | (changes or {})).items():
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        job = tmp_path / "job.toml"
+        job.write_text(text, encoding="utf-8")
+        out = tmp_path / "out"
+        code = main(["flank", str(job), "--out", str(out), *map(str, more)])
+        said = capsys.readouterr()
+        return code, said.out, said.err, out
+
+    return go
+
+
+def measured(n=40, low=0.3, high=0.7):
+    """Return points (n * n, 3) and unit normals of a part of the blade."""
+    part = np.linspace(low, high, n)
+    s, t = np.meshgrid(part, part, indexing="ij")
+    points = np.stack(RING.coordinates(s, t), axis=-1)
+    step = 1e-6
+    by_s = np.stack(RING.coordinates(s + step, t), -1) - np.stack(RING.coordinates(s - step, t), -1)
+    by_t = np.stack(RING.coordinates(s, t + step), -1) - np.stack(RING.coordinates(s, t - step), -1)
+    normal = np.cross(by_s, by_t)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    return points.reshape(-1, 3), normal.reshape(-1, 3)
+
+
+def table(path, points, normal):
+    rows = np.concatenate([points, normal], axis=1).tolist()
+    lines = ["x_m,y_m,z_m,nx,ny,nz", *(",".join(map(repr, row)) for row in rows)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+POINTS = 'kind = "points"\ncontact_error = 1e-7\nnormal_error = 1e-5\n'
+
+
+def test_a_job_gives_tables_and_paths_that_agree(run):
+    code, said, _, out = run({}, "--json")
+    assert code == 0
+    numbers = json.loads(said)
+    assert sorted(path.name for path in out.iterdir()) == [
+        "milled.vtp", "paths.apt", "paths.csv", "positions.csv"
+    ]  # fmt: skip
+    _, paths = read_csv((out / "paths.csv").read_text())
+    assert len(paths["chain"]) == sum(chain["positions"] for chain in numbers["chains"]) > 10
+    goto = re.findall(r"^GOTO/(.*)$", (out / "paths.apt").read_text(), re.M)
+    apt = np.array([list(map(float, line.split(","))) for line in goto])
+    tip = np.stack([paths[f"tip_{c}_m"].astype(float) for c in "xyz"], axis=-1)
+    axis = np.stack([paths[f"axis_{c}"].astype(float) for c in "xyz"], axis=-1)
+    np.testing.assert_allclose(apt[:, :3], 1e3 * tip, atol=1e-6)  # mm, six digits
+    np.testing.assert_allclose(apt[:, 3:], axis, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(axis, axis=-1), 1)
+    rows = (out / "positions.csv").read_text().splitlines()[2:]
+    assert sum(row.endswith(",fits") for row in rows) == numbers["positions"]["fits"]
+    assert len(rows) == sum(numbers["positions"].values())
+    assert 0 < numbers["covered"]["1e-05"] <= numbers["covered"]["0.0001"] <= 1
+    assert numbers["gouge_m"] <= 10e-6
+
+
+def test_people_get_lines(run):
+    code, said, _, _ = run()
+    assert code == 0
+    assert re.search(r"positions: fits\n", said)
+    assert re.search(r"% of the patch is left within 10 um", said)
+
+
+def nurbs(count=9, **changes):
+    part = np.linspace(0.2, 0.8, 40)
+    grid = np.stack(RING.coordinates(*np.meshgrid(part, part, indexing="ij")), axis=-1)
+    fit, _ = fit_nurbs(grid, part, part, count=count)
+    rows = ",\n".join(str(row) for row in (1e3 * fit.control).round(9).tolist())
+    values = {"control": f"[{rows}]", "knots_s": fit.knots_s.tolist(),
+              "knots_t": fit.knots_t.tolist(), "unit": '"mm"'} | changes  # fmt: skip
+    return 'kind = "nurbs"\n' + "".join(f"{k} = {v}\n" for k, v in values.items())
+
+
+def test_a_surface_by_knots_in_millimetres_is_milled(run):
+    code, said, err, _ = run(surface=nurbs())
+    assert code == 0, err
+    assert "positions: fits" in said
+
+
+def test_a_surface_of_low_degree_is_warned_of(run):
+    line = np.linspace(-10, 10, 4)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    control = np.stack([x, y, 0.03 * x * y], axis=-1).tolist()
+    knots = [0.0] * 4 + [1.0] * 4
+    surface = nurbs(control=control, knots_s=knots, knots_t=knots)
+    big = {"tip_radius = 0.003": "tip_radius = 0.010", "length = 0.060": "length = 0.300",
+           "holder_radius = 0.012": "holder_radius = 0.030"}  # fmt: skip
+    code, _, err, _ = run(big, surface=surface)
+    assert code == 0, err
+    assert "warning: the surface's degree is below 5" in err
+
+
+def test_measured_points_are_milled(run, tmp_path):
+    points = table(tmp_path / "points.csv", *measured())
+    code, said, err, _ = run({}, "--points", points, surface=POINTS)
+    assert code == 0, err
+    assert "positions: fits" in said
+
+
+def refused(result, code, sentence):
+    got, _, err, folder = result
+    assert got == code, err
+    assert re.search(sentence, err), err
+    assert err.strip().splitlines()[-1].endswith(".")
+    assert not folder.exists()
+
+
+def test_points_with_a_hole_are_refused(run, tmp_path):
+    points, normal = measured()
+    away = np.linalg.norm(points - points.mean(axis=0), axis=-1) > 2.5e-3
+    path = table(tmp_path / "points.csv", points[away], normal[away])
+    refused(run({}, "--points", path, surface=POINTS), 1, "points: must leave no hole; got one")
+
+
+def test_flipped_normals_are_refused(run, tmp_path):
+    points, normal = measured()
+    normal[[100, 700, 701]] *= -1
+    path = table(tmp_path / "points.csv", points, normal)
+    refused(run({}, "--points", path, surface=POINTS), 1, "must point to one side; 3 of 1600")
+
+
+def test_points_noisier_than_said_are_refused(run, tmp_path):
+    points, normal = measured()
+    points += 20e-6 * np.random.default_rng(0).normal(size=points.shape)
+    path = table(tmp_path / "points.csv", points, normal)
+    refused(run({}, "--points", path, surface=POINTS), 1, "no polynomial passes all of them")
+
+
+def test_points_that_are_no_table_are_refused(run, tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("x_m,y_m\n1,2\n", encoding="utf-8")
+    refused(run({}, "--points", path, surface=POINTS), 1, "points: must have the columns x_m, y_m")
+    refused(run({}, surface=POINTS), 2, "needs a table of them, by --points")
+    refused(run({}, "--points", tmp_path / "none.csv", surface=POINTS), 2, "can't be read")
+
+
+def test_a_bowl_is_refused_where_it_is_nowhere_a_saddle(run):
+    line = np.linspace(-10, 10, 6)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    control = np.stack([x, y, 0.03 * (x * x + 0.7 * y * y)], axis=-1).tolist()
+    knots = [0.0] * 6 + [1.0] * 6
+    surface = nurbs(control=control, knots_s=knots, knots_t=knots)
+    refused(run(surface=surface), 1, r"is nowhere a regular saddle .* of 16 points are 16 convex")
+
+
+def test_a_mill_that_is_too_large_is_refused(run):
+    large = {"tip_radius = 0.003": "tip_radius = 0.500"}
+    refused(run(large), 1, r"\[mill\] none of its \d+ positions fits: .* off the cutting part")
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "sentence"),
+    [
+        ({"tolerance = 10e-6": ""}, 2, r"\[paths\] tolerance: is missing \(m\)"),
+        (
+            {"tolerance = 10e-6": "tolerance = -1e-3"},
+            2,
+            r"\[paths\] step, tolerance: must be finite",
+        ),
+        ({"side = 1  ": "side = 2  "}, 2, r"\[paths\] side: must be 1 or -1; got 2"),
+        ({"half_angle_deg = 12": "half_angle_deg = 95"}, 1, r"\[mill\] half_angle: must lie"),
+        ({"hub = 0.060": "hub = 60"}, 2, r"\[surface\] hub: must be at most 50 m; .* in mm"),
+        ({'kind = "blade"': 'kind = "step"'}, 2, r"\[surface\] kind: must be"),
+        ({"blades = 6": "blade = 6"}, 2, "'blades' is meant, perhaps"),
+        ({"[mill]": "[tool]"}, 2, r"\[tool\]: is no table of such a job"),
+    ],
+)
+def test_what_a_job_says_wrongly_is_refused_in_a_sentence(run, changes, code, sentence):
+    refused(run(changes), code, sentence)
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "sentence"),
+    [
+        ({"control": "[[1, 2], [3]]"}, 2, "control: must be finite numbers in lists"),
+        ({"unit": '"inch"'}, 2, r"\[surface\] unit: must be"),
+        ({"knots_s": "[0, 1]"}, 1, r"\[surface\] knots_s: must be 9 and the degree"),
+    ],
+)
+def test_knots_and_points_that_make_no_surface_are_refused(run, changes, code, sentence):
+    refused(run(surface=nurbs(**changes)), code, sentence)
