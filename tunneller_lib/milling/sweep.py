@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Length, Points, Whole, checked
+from ..arguments import Length, Points, Sign, Whole, checked
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
-from ..exact import norm
+from ..exact import dot, norm
 from .chains import Chain
 from .motion import Axes, Tips, motion_through
 from .patch import Patch
@@ -177,12 +177,12 @@ def ball_positions(chain: Chain, mill: BallMill):
 
 
 @checked
-def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill):
+def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sign = 1):
     """Return tips, in m, and axes of a cylinder that touches with its flank where a chain does.
 
     Ours, to compare with. Its axis lies in the tangent plane so that the gap to the surface
-    vanishes to second order in one direction, the closest without gouging; of two such axes the one
-    that is nearer to the position before. The contact is amid its length.
+    vanishes to second order in one direction, the closest without gouging; there are two such axes.
+    The contact is amid its length.
 
     Parameters
     ----------
@@ -192,6 +192,8 @@ def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill):
         Whose contacts are taken.
     mill : CylinderMill
         The cylinder.
+    which : {1, -1}
+        Of the two axes, to either side of a principal direction.
 
     Returns
     -------
@@ -217,12 +219,11 @@ def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill):
             f"mill: must be thin enough to touch without gouging; got the radius {mill.radius:g} m."
         )
     middle = np.arctan2(-xy, (yy - xx) / 2)
-    tangent, other = frames.axes[:, 0], frames.axes[:, 1]
-    axis = np.empty_like(tangent)
-    last = chain.axis[0]
-    for k in range(len(chain)):
-        angles = (middle[k] + np.array([1, -1]) * np.arccos(cosine[k])) / 2 + np.pi / 2
-        both = np.cos(angles)[:, None] * tangent[k] + np.sin(angles)[:, None] * other[k]
-        both = np.concatenate([both, -both])
-        last = axis[k] = both[np.argmax(both @ last)]
+    angle = ((middle + which * np.arccos(cosine)) / 2 + np.pi / 2)[:, None]
+    axis = np.cos(angle) * frames.axes[:, 0] + np.sin(angle) * frames.axes[:, 1]
+    # A line without a direction: it begins as the chain's axis does, and doesn't turn back.
+    turns = dot(axis[1:], axis[:-1])
+    first = np.where(dot(axis[0], chain.axis[0]) < 0, -1.0, 1.0)
+    signs = first * np.cumprod(np.append(1.0, np.where(turns < 0, -1.0, 1.0)))
+    axis = signs[:, None] * axis
     return chain.contact + mill.radius * chain.normal - mill.length / 2 * axis, axis
