@@ -1,4 +1,4 @@
-"""Envelopes of moving cones, section 9: examples 31 to 33.
+"""Envelopes of moving cones, sections 9 and 10: examples 31 to 33, and the outlook.
 
 `printed` is always the form that the document prints. Where it is wrong, a counterexample shows
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
@@ -46,6 +46,15 @@ from tunneller_lib.envelopes.isotropic import (
     surface_points,
 )
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
+from tunneller_lib.milling import (
+    ConicalMill,
+    CylinderMill,
+    Patch,
+    cover,
+    cylinder_positions,
+    find_positions,
+    strip_across,
+)
 
 READS = ["report/ledger/*"]
 
@@ -289,3 +298,25 @@ def test_example33_blades(judge):
     hessian = jet.derivative(2, 0) * jet.derivative(0, 2) - jet.derivative(1, 1) ** 2
     assert np.all(hessian < 0)  # hyperbolic
     assert 0 < np.sum(~cones.gouges) < len(cones.gouges)
+
+
+def test_outlook_positions_begin_paths(judge):
+    """On a substitute: chains from positions in third-order contact, beside a cylinder's."""
+    mm, um = 1e-3, 1e-6
+    blade = Patch(_ring().coordinates, (0, 1), (0, 1))
+    mill = ConicalMill(np.radians(12), 3 * mm, 60 * mm, 12 * mm, 40 * mm)
+    allowed = {"tolerance": 10 * um, "n": 61}
+    found = find_positions(blade, mill, *blade.parameters(5, margin=0.05), **allowed)
+    covered = cover(blade, mill, found, step=1.5 * mm, most=3, **allowed)
+    assert covered.chains and covered.error.min() > -10.5 * um  # on a mesh as coarse as this
+    cylinder = CylinderMill((mill.tip_radius + mill.top_radius) / 2, 30 * mm)
+    wider = []
+    for chain in covered.chains:
+        cone = strip_across(blade, mill, chain, chain.tip, chain.axis, reach=20 * mm)
+        for which in (1, -1):
+            way = cylinder_positions(blade, chain, cylinder, which=which)
+            other = strip_across(blade, cylinder, chain, *way, reach=20 * mm)
+            wider.append(np.median(cone.widths(10 * um)) > np.median(other.widths(10 * um)))
+    served = np.isin(np.arange(found.state.size), found.index[found.fits])
+    judge("cones-outlook", cases={"where one fits": all(wider), "everywhere": served.all()})
+    assert served.any()
