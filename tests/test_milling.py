@@ -249,6 +249,13 @@ def recovered():
     return motion, error, patch, mill, found
 
 
+def test_starts_of_another_mill_are_refused(on_blade):
+    _, found = on_blade
+    other = replace(MILL, half_angle=0.1, tip_radius=0.1)
+    with pytest.raises(ValueError, match="starts: must be positions of this mill on this patch"):
+        trace_chains(BLADE, other, found, step=1 * MM, tolerance=TOLERANCE)
+
+
 def axis_of(motion, v):
     return np.stack(np.broadcast_arrays(*motion(v)[2][0]), axis=-1)
 

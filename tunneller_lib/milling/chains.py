@@ -87,6 +87,11 @@ def trace_chains(
     chains : list of Chain
         One a row of `starts` that fits.
 
+    Raises
+    ------
+    ValueError
+        If a start is no position of this mill on this patch.
+
     Notes
     -----
     The characteristic of a moving cone that agrees with the surface to second order is conjugate to
@@ -113,6 +118,8 @@ def trace_chains(
     for forth, back in zip(*ways, strict=True):
         rows_back, end_back = back
         rows_forth, end_forth = forth
+        if not rows_forth:
+            raise ValueError("starts: must be positions of this mill on this patch; got others.")
         parts = [np.array(column) for column in zip(*rows_back[:0:-1], *rows_forth, strict=True)]
         ends = end_back, end_forth
         chains.append(_fitting(patch, mill, parts, len(rows_back) - 1, ends, tolerance, others, n))
