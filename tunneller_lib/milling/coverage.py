@@ -73,8 +73,8 @@ def cover(
     Returns
     -------
     covered : Coverage
-        A chain begins where the mesh is farthest from what those before it leave, and needs six
-        positions; a position whose contact is left within the tolerance begins none.
+        A chain begins at the position whose contact is farthest from what those before it leave,
+        and needs six positions; one whose contact is left within the tolerance begins none.
     """
     mesh = patch.mesh(n)
     error = np.full(mesh.shape[:2], np.inf)

@@ -181,7 +181,8 @@ def cylinder_positions(patch: Patch, chain: Chain, mill: CylinderMill, *, which:
     """Return tips, in m, and axes of a cylinder that touches with its flank where a chain does.
 
     Ours, to compare with. Its axis lies in the tangent plane so that the gap to the surface
-    vanishes to second order in one direction, the closest without gouging; there are two such axes.
+    vanishes to second order in one direction, and is nowhere negative to that order; there are two
+    such axes.
     The contact is amid its length.
 
     Parameters
