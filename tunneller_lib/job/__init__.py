@@ -4,7 +4,6 @@ Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
 from . import atomic_write, csv_tables, drawing, mesh
-from .flank import FlankJob, flank_text, read_flank, summarise_flank, write_flank
 from .logged import identified_text, identify_log
 from .progress import say
 from .reader import Job, WrongJob, read_job
@@ -30,3 +29,12 @@ __all__ = [
     "write_all",
     "write_flank",
 ]
+
+
+def __getattr__(name):
+    """Return a name of `flank`: the rooms that it needs, and a cut does not, are imported then."""
+    if name in __all__:
+        from . import flank
+
+        return getattr(flank, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
