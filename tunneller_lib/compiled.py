@@ -34,6 +34,11 @@ def expect(seconds):
         _Work.compiled = _numba_loads()
 
 
+def ready():
+    """Tell whether loops are compiled, for who has a faster way without than plain Python."""
+    return _Work.compiled
+
+
 def _numba_loads():
     """Tell whether numba is there and takes this numpy."""
     try:

@@ -6,6 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import compiled
 from ..arguments import (
     Coordinate,
     Length,
@@ -21,9 +22,11 @@ from ..arguments import (
 )
 from ..exact import norm
 from ..surfaces import Box, Frustum, Rod, RoundedDisc
+from . import dexel_loops
 from .grid import Lines, fan, parallel
 
 GROUP = 6  # moves of a path that are cut at once, as long as
+MOVE = 4e-4  # s, about how long one takes with whole arrays
 GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
 
 
@@ -240,6 +243,7 @@ class DexelGrid:
             The volume, in m^3.
         """
         a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
+        compiled.expect(MOVE * len(a))
         windows = self.lines.windows(a, b, radius, self._nearest)
         removed = 0.0
         for here in range(0, len(a), GROUP):
@@ -261,32 +265,79 @@ class DexelGrid:
         middle = (a[0] + b[-1]) / 2
         away = np.linalg.norm(np.concatenate([a, b]) - middle, axis=-1).max()
         about = (radius + away) * (1 + 1e-9)
+        ready = compiled.ready()
+        met = self._moves_one_by_one if ready else self._moves_at_once
+        taken = self._taken_one_by_one if ready else self._taken_at_once
         removed = 0.0
         for rows, columns in self.lines.blocks(window):
-            enter, leave = self.lines.meet_ball(middle, about, rows, columns)
-            low = self.low[:, rows, columns]
-            high = self.high[:, rows, columns]
-            i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
-            i = i + rows.start
-            j = j + columns.start
-            enter, leave = self.lines.meet(a, b, radius, True, i, j[:, None])
-            enter = enter[..., 0]
-            leave = leave[..., 0]
-            # What a move takes from a line nearly always overlaps with what the moves before it
-            # took, as they share a ball. While that holds on every line the moves together take
-            # one interval, which goes at once; one gap anywhere, and the moves go one by one.
-            first = np.minimum.accumulate(enter)
-            last = np.maximum.accumulate(leave)
-            met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
-            apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
-            if np.any(met & apart):
-                cuts = zip(enter, leave, strict=True)
-            else:
-                cuts = [(first[-1], last[-1])]
-            for cut in cuts:
-                for touched in self._met(*cut, i, j):
-                    removed += self._subtract(*touched)
+            place, cuts = met(a, b, radius, middle, about, rows, columns)
+            for enter, leave in cuts:
+                for volume in taken(enter, leave, *place):
+                    removed += volume
         return removed
+
+    def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
+        """Return lines, i and j, of a window that have material in reach, and cuts of them.
+
+        Parameters: moves from a to b (k, 3) of a ball of this radius, the middle and the radius of
+        a ball about them, in m, and the window. A cut is where it enters and leaves these lines.
+        """
+        enter, leave = self.lines.meet_ball(middle, about, rows, columns)
+        low = self.low[:, rows, columns]
+        high = self.high[:, rows, columns]
+        i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
+        i = i + rows.start
+        j = j + columns.start
+        enter, leave = self.lines.meet(a, b, radius, True, i, j[:, None])
+        enter = enter[..., 0]
+        leave = leave[..., 0]
+        # What a move takes from a line nearly always overlaps with what the moves before it
+        # took, as they share a ball. While that holds on every line the moves together take
+        # one interval, which goes at once; one gap anywhere, and the moves go one by one.
+        first = np.minimum.accumulate(enter)
+        last = np.maximum.accumulate(leave)
+        met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
+        apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
+        if np.any(met & apart):
+            return (i, j), zip(enter, leave, strict=True)
+        return (i, j), [(first[-1], last[-1])]
+
+    def _moves_one_by_one(self, a, b, radius, middle, about, rows, columns):
+        """Return the same by a compiled loop."""
+        size = (rows.stop - rows.start) * (columns.stop - columns.start)
+        i, j = np.empty((2, size), dtype=int)
+        enter, leave = np.empty((2, 1 + len(a), size))
+        x, cos, sin, aside, _, _ = self.lines
+        found, apart = compiled.call(
+            dexel_loops.meet_moves, self.low, self.high, (x, cos, sin, aside),
+            (rows.start, rows.stop, columns.start, columns.stop), (*middle.tolist(), float(about)),
+            radius, self.lines.seen(a, b, columns), i, j, enter, leave, **dexel_loops.NUMBERS,
+        )  # fmt: skip
+        cuts = slice(1, None) if apart else slice(1)
+        both = enter[cuts, :found], leave[cuts, :found]
+        return (i[:found], j[:found]), zip(*both, strict=True)
+
+    def _taken_at_once(self, enter, leave, i, j):
+        """Take a cut from lines, and yield the volumes, slot by slot."""
+        for touched in self._met(enter, leave, i, j):
+            yield self._subtract(*touched)
+
+    def _taken_one_by_one(self, enter, leave, i, j):
+        """Do the same by a compiled loop."""
+        taken = np.empty((len(self.low), len(i)))
+        counts = np.empty(len(self.low), dtype=int)
+        split = np.empty((3, len(i)))
+        cell, rays = self.lines[-2:]
+        pieces = compiled.call(
+            dexel_loops.take_cut, self.low, self.high, i, j, enter, leave, cell, rays,
+            taken, counts, split, **dexel_loops.NUMBERS,
+        )  # fmt: skip
+        if pieces:
+            line = split[0, :pieces].astype(int)
+            self._add((i[line], j[line]), *split[1:, :pieces])
+        return [
+            float(np.sum(row[:count])) for row, count in zip(taken, counts, strict=True) if count
+        ]
 
     def _touched_by(self, solid):
         """Yield what `_met` does of the lines that may meet one solid."""

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..elementwise import larger, square_root, where
 from ..surfaces.rod_interval import ball_sweep, flat_interval
 
 BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of the grid
@@ -35,7 +36,7 @@ class Lines(NamedTuple):
 
     def measure(self, low, high):
         """Return what intervals from `low` to `high` stand for, in m^3."""
-        return self.cell * (high - low) * ((high + low) / 2 if self.rays else 1)
+        return measured(low, high, self.cell, self.rays)
 
     def windows(self, a, b, radius, nearest):
         """Return which lines may meet sweeps of balls, as first and past-the-last indices.
@@ -74,12 +75,7 @@ class Lines(NamedTuple):
         half = np.where(beside, np.arcsin(sine), np.pi)
         # Up to the nearest material on these rays there is nothing to cut, so that only the part
         # of the ball beyond counts.
-        inner = np.array(
-            [
-                np.take(nearest, np.arange(first, last), mode="wrap").min(initial=np.inf)
-                for first, last in zip(*self._turn(angle, half), strict=True)
-            ]
-        )
+        inner = _least(nearest, *self._turn(angle, half))
         # Its angle is where the ball's surface is as far from the axis as the material, by the
         # law of cosines; nearer than where the rays touch the ball they stay its bounds.
         chord = inner**2 + off**2 - reach**2
@@ -132,9 +128,34 @@ class Lines(NamedTuple):
         rows, columns : slice, or (i,) and (i, 1) int
             The lines: a window, or some of them. A line that misses gets an empty interval.
         """
+        seen = self.seen(a, b, columns)
+        if round_ends:
+            return swept(self.x[rows, None], self.aside[columns], radius, seen)
+        _, _, _, _, run, rise, length, start = seen
+        s, m = across(self.x[rows, None], self.aside[columns], seen)
+        with np.errstate(all="ignore"):
+            hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
+        return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
+
+    def seen(self, a, b, columns):
+        """Return axes as the lines see them, whatever their plane: what `across` takes.
+
+        Parameters
+        ----------
+        a, b : (..., 3) float
+            Ends of the axes, in m.
+        columns : slice, or (i, 1) int
+            The lines.
+
+        Returns
+        -------
+        x, side, fx, fy, run, rise, length, start : (..., i, j) float
+            Of the end that a line passes first: its x and its way to the right, in m; the unit
+            vector of the axis in the plane across the line; how far the axis goes in that plane and
+            along the line, its length, and where along the line it starts, in m. i or j is 1.
+        """
         cos = self.cos[columns]
         sin = self.sin[columns]
-        aside = self.aside[columns]
         ax, ay, az = np.moveaxis(a, -1, 0)[..., None, None]
         bx, by, bz = np.moveaxis(b, -1, 0)[..., None, None]
         # The axis starts at the end that a line passes first, so that it rises along the line.
@@ -142,27 +163,15 @@ class Lines(NamedTuple):
         sx, sy, sz = (np.where(turned, q, p) for p, q in ((ax, bx), (ay, by), (az, bz)))
         vx, vy, vz = (np.where(turned, p - q, q - p) for p, q in ((ax, bx), (ay, by), (az, bz)))
         # The plane across a line has the coordinates x and, to its right, sin y - cos z.
-        across = sin * vy - cos * vz
+        aside = sin * vy - cos * vz
         rise = cos * vy + sin * vz
-        run = np.hypot(vx, across)
+        run = np.hypot(vx, aside)
         # An axis along the line has no direction in that plane: any will do.
         pace = np.where(run > 0, run, 1)
         fx = np.where(run > 0, vx / pace, 1.0)
-        fy = across / pace
-        qx = self.x[rows, None] - sx
-        qy = aside - (sin * sy - cos * sz)
-        s = qx * fy - fx * qy
-        m = qx * fx + qy * fy
         length = np.linalg.norm(b - a, axis=-1)[..., None, None]
-        if round_ends:
-            length = np.where(length > 0, length, 1.0)  # a ball: its rise is zero, over any length
-            enter, leave, room = ball_sweep(run, rise, length, radius, s, m)
-            hit = room > 0
-        else:
-            with np.errstate(all="ignore"):
-                hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
         start = cos * sy + sin * sz
-        return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
+        return sx, sin * sy - cos * sz, fx, aside / pace, run, rise, length, start
 
     def meet_solid(self, solid, rows, columns):
         """Return `enter` and `leave` (i, j) of the lines of a window against a solid, in m.
@@ -197,12 +206,7 @@ class Lines(NamedTuple):
         """
         cos = self.cos[columns]
         sin = self.sin[columns]
-        aside = self.aside[columns]
-        x, y, z = centre
-        room = radius**2 - (self.x[rows, None] - x) ** 2 - (aside - (sin * y - cos * z)) ** 2
-        half = np.sqrt(np.maximum(room, 0))
-        middle = cos * y + sin * z
-        return middle - half, middle + half
+        return met_ball(self.x[rows, None], self.aside[columns], cos, sin, centre, radius)
 
     def around(self, windows):
         """Return the smallest window (4,) around others (k, 4), as `windows` gives them."""
@@ -217,6 +221,41 @@ class Lines(NamedTuple):
             stop = stop + shift
             stop = np.minimum(stop, start.min() + count)
         return np.array([first.min(), last.max(), start.min(), stop.max()])
+
+
+def measured(low, high, cell, rays):
+    """Return what intervals stand for, in m^3: numbers or arrays, `cell` and `rays` of `Lines`."""
+    return cell * (high - low) * where(rays, (high + low) / 2, 1.0)
+
+
+def met_ball(x, aside, cos, sin, centre, radius):
+    """Return where lines enter and leave a ball; numbers or arrays, as of `Lines.meet_ball`."""
+    cx, cy, cz = centre
+    off = x - cx
+    beside = aside - (sin * cy - cos * cz)
+    half = square_root(larger(radius * radius - off * off - beside * beside, 0.0))
+    middle = cos * cy + sin * cz
+    return middle - half, middle + half
+
+
+def across(x, aside, seen):
+    """Return where lines lie across and along axes, in m, in the plane across the lines.
+
+    Numbers or arrays: the lines' planes x and ways `aside`, in m, and the axes as `Lines.seen`.
+    """
+    sx, side, fx, fy, _, _, _, _ = seen
+    qx = x - sx
+    qy = aside - side
+    return qx * fy - fx * qy, qx * fx + qy * fy
+
+
+def swept(x, aside, radius, seen):
+    """Return where lines enter and leave what balls sweep, in m; parameters as of `across`."""
+    _, _, _, _, run, rise, length, start = seen
+    s, m = across(x, aside, seen)
+    size = where(length > 0, length, 1.0)  # a ball: its rise is zero, over any length
+    enter, leave, room = ball_sweep(run, rise, size, radius, s, m)
+    return where(room > 0, enter + start, np.inf), where(room > 0, leave + start, -np.inf)
 
 
 def parallel(low, high, shape):
@@ -243,3 +282,14 @@ def _middles(low, high, n):
 def _range(values, low, high):
     """Return the first and past-the-last indices of ascending values from low to high."""
     return np.searchsorted(values, low), np.searchsorted(values, high, side="right")
+
+
+def _least(values, first, last):
+    """Return the least of `values` in each range, which may go round; infinite in an empty one."""
+    count = len(values)
+    filled = first < last
+    begin = np.where(filled, first % count, 2 * count)
+    end = np.where(filled, begin + last - first, 2 * count)
+    twice = np.concatenate([values, values, [np.inf]])
+    # Every other answer is of what is between two ranges.
+    return np.minimum.reduceat(twice, np.stack([begin, end], axis=-1).ravel())[::2]

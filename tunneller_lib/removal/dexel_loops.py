@@ -1,0 +1,157 @@
+"""A grid of intervals, line by line, for `compiled.ready`: the same bits as with whole arrays."""
+
+import math
+
+import numpy as np
+
+from .grid import measured, met_ball, swept
+
+
+def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, enter, leave):
+    """Fill in which lines have material in a ball's reach, and where moves within it meet them.
+
+    Parameters
+    ----------
+    low, high : (k, n, m) float
+        The material, in m.
+    lines : tuple of (n,) and three (m,) float
+        x, cos, sin and aside of `Lines`.
+    window : (int, int, int, int)
+        From and to among the planes, from and to among the lines of each.
+    ball : (float, float, float, float)
+        Its centre and its radius, in m.
+    radius : float
+        Of the balls that the moves sweep, in m.
+    seen : tuple of (l, 1, count) float
+        The axes of l moves as `Lines.seen` from these lines.
+    rows, columns : (size,) int
+        Filled with which lines these are.
+    enter, leave : (1 + l, size) float
+        Filled with where each move enters and leaves them, and in row 0 all moves together.
+
+    Returns
+    -------
+    found : int
+        How many lines there are.
+    apart : bool
+        Whether some move takes an interval that doesn't overlap with those before it.
+    """
+    x, cos, sin, aside = lines
+    sx, side, fx, fy, run, rise, length, start = seen
+    top, bottom, left, right = window
+    cx, cy, cz, about = ball
+    found = 0
+    apart = False
+    for i in range(top, bottom):
+        for j in range(left, right):
+            near, far = met_ball(x[i], aside[j], cos[j], sin[j], (cx, cy, cz), about)
+            reached = False
+            for slot in range(len(low)):
+                begins = low[slot, i, j]
+                ends = high[slot, i, j]
+                if near < ends and far > begins and begins < ends:
+                    reached = True
+            if not reached:
+                continue
+            first = np.inf
+            last = -np.inf
+            at = j - left
+            for k in range(len(sx)):
+                axis = (
+                    sx[k, 0, at], side[k, 0, at], fx[k, 0, at], fy[k, 0, at],
+                    run[k, 0, at], rise[k, 0, at], length[k, 0, 0], start[k, 0, at],
+                )  # fmt: skip
+                here, there = swept(x[i], aside[j], radius, axis)
+                if here < there and first < last and (here > last or there < first):
+                    apart = True
+                first = lesser(first, here)
+                last = greater(last, there)
+                enter[1 + k, found] = here
+                leave[1 + k, found] = there
+            enter[0, found] = first
+            leave[0, found] = last
+            rows[found] = i
+            columns[found] = j
+            found += 1
+    return found, apart
+
+
+def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, split):
+    """Take a cut from each of some lines; return how many pieces found no free slot.
+
+    Parameters
+    ----------
+    low, high : (k, n, m) float
+        The material, in m, which changes.
+    rows, columns : (l,) int
+        The lines.
+    enter, leave : (l,) float
+        Where the cut enters and leaves each, in m.
+    cell, rays : float and bool
+        Of `Lines`.
+    taken : (k, l) float
+        Filled with the volumes taken from each slot's intervals, in m^3.
+    counts : (k,) int
+        Filled with how many these are.
+    split : (3, l) float
+        Filled with pieces for which no slot was free: the number of the line, from and to in m.
+    """
+    pieces = 0
+    for slot in range(len(low)):
+        count = 0
+        for line in range(len(rows)):
+            i = rows[line]
+            j = columns[line]
+            first = enter[line]
+            last = leave[line]
+            begins = low[slot, i, j]
+            ends = high[slot, i, j]
+            if not (last > begins and first < ends and first < last and begins < ends):
+                continue
+            taken[slot, count] = measured(greater(begins, first), lesser(ends, last), cell, rays)
+            count += 1
+            # The slot keeps what is before the cut, else what is behind it, else nothing.
+            if first > begins:
+                high[slot, i, j] = first
+            elif last < ends:
+                low[slot, i, j] = last
+            else:
+                low[slot, i, j] = ends
+            if first > begins and last < ends:
+                free = 0
+                while free < len(low) and high[free, i, j] > low[free, i, j]:
+                    free += 1
+                if free < len(low):
+                    low[free, i, j] = last
+                    high[free, i, j] = ends
+                else:
+                    split[0, pieces] = line
+                    split[1, pieces] = last
+                    split[2, pieces] = ends
+                    pieces += 1
+        counts[slot] = count
+    return pieces
+
+
+def chosen(condition, yes, no):
+    """Return `yes` if a condition holds, else `no`."""
+    return yes if condition else no
+
+
+def lesser(a, b):
+    """Return the smaller of two numbers."""
+    return a if a <= b else b
+
+
+def greater(a, b):
+    """Return the larger of two numbers."""
+    return a if a >= b else b
+
+
+def rooted(x):
+    """Return the square root of a number that isn't below zero."""
+    return math.sqrt(x)
+
+
+# What the formulas that arrays share call of `elementwise`, for numbers: none of these is NaN.
+NUMBERS = {"where": chosen, "smaller": lesser, "larger": greater, "square_root": rooted}
