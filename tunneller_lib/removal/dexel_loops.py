@@ -37,43 +37,87 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         Whether some move takes an interval that doesn't overlap with those before it.
     """
     x, cos, sin, aside = lines
-    sx, side, fx, fy, run, rise, length, start = seen
     top, bottom, left, right = window
-    cx, cy, cz, about = ball
+    width = right - left
+    near = np.empty(width)
+    far = np.empty(width)
+    reached = np.empty(width, dtype=np.bool_)
+    firsts = np.empty((len(seen[0]), width))
+    lasts = np.empty((len(seen[0]), width))
     found = 0
     apart = False
     for i in range(top, bottom):
-        for j in range(left, right):
-            near, far = met_ball(x[i], aside[j], cos[j], sin[j], (cx, cy, cz), about)
-            reached = False
-            for slot in range(len(low)):
-                begins = low[slot, i, j]
-                ends = high[slot, i, j]
-                if near < ends and far > begins and begins < ends:
-                    reached = True
-            if not reached:
+        meet_row_with_ball(
+            x[i], aside[left:right], cos[left:right], sin[left:right], ball, near, far
+        )
+        reached[:] = False
+        for slot in range(len(low)):
+            reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
+        begin = 0
+        while begin < width and not reached[begin]:
+            begin += 1
+        end = width
+        while end > begin and not reached[end - 1]:
+            end -= 1
+        if begin == end:
+            continue
+        there = aside[left + begin : left + end]
+        for k in range(len(firsts)):
+            meet_row(x[i], there, radius, seen, k, begin, firsts[k], lasts[k])
+        for j in range(begin, end):
+            if not reached[j]:
                 continue
             first = np.inf
             last = -np.inf
-            at = j - left
-            for k in range(len(sx)):
-                axis = (
-                    sx[k, 0, at], side[k, 0, at], fx[k, 0, at], fy[k, 0, at],
-                    run[k, 0, at], rise[k, 0, at], length[k, 0, 0], start[k, 0, at],
-                )  # fmt: skip
-                here, there = swept(x[i], aside[j], radius, axis)
-                if here < there and first < last and (here > last or there < first):
+            for k in range(len(firsts)):
+                enters = firsts[k, j]
+                leaves = lasts[k, j]
+                if enters < leaves and first < last and (enters > last or leaves < first):
                     apart = True
-                first = lesser(first, here)
-                last = greater(last, there)
-                enter[1 + k, found] = here
-                leave[1 + k, found] = there
+                first = lesser(first, enters)
+                last = greater(last, leaves)
+                enter[1 + k, found] = enters
+                leave[1 + k, found] = leaves
             enter[0, found] = first
             leave[0, found] = last
             rows[found] = i
-            columns[found] = j
+            columns[found] = left + j
             found += 1
     return found, apart
+
+
+# Each a loop without branches over lines side by side: the compiler takes several at once.
+
+
+def meet_row_with_ball(x, aside, cos, sin, ball, near, far):
+    """Fill in where the lines of a row enter and leave a ball, its centre and radius in m."""
+    cx, cy, cz, radius = ball
+    for j in range(len(near)):
+        near[j], far[j] = met_ball(x, aside[j], cos[j], sin[j], (cx, cy, cz), radius)
+
+
+def reach_row(low, high, near, far, reached):
+    """Note which intervals of a row reach between two places, all in m."""
+    for j in range(len(near)):
+        reached[j] |= (near[j] < high[j]) & (far[j] > low[j]) & (low[j] < high[j])
+
+
+def meet_row(x, aside, radius, seen, k, begin, enter, leave):
+    """Fill in where the lines of a row, from `begin` on, enter and leave what move k sweeps."""
+    length = seen[6][k, 0, 0]
+    sx, side, fx, fy, run, rise, _, start = seen
+    sx = sx[k, 0, begin:]
+    side = side[k, 0, begin:]
+    fx = fx[k, 0, begin:]
+    fy = fy[k, 0, begin:]
+    run = run[k, 0, begin:]
+    rise = rise[k, 0, begin:]
+    start = start[k, 0, begin:]
+    enter = enter[begin:]
+    leave = leave[begin:]
+    for j in range(len(aside)):
+        axis = (sx[j], side[j], fx[j], fy[j], run[j], rise[j], length, start[j])
+        enter[j], leave[j] = swept(x, aside[j], radius, axis)
 
 
 def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, split):
