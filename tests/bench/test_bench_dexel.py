@@ -1,5 +1,7 @@
 """How fast a grid of intervals is cut: a circuit of ticks, and balls against a mesh library.
 
+The circuit is cut in C, too, to the same bits, as a bound: bounds/dexel.c, without fast-math.
+
 manifold3d subtracts balls from a block as meshes, called by its own interface. Which side is the
 faster depends on what is asked of both, so that each ratio names its criterion: the same error of
 the volume, by meshes of the ball's volume, or surfaces that are as far from the true ball, the mesh
@@ -7,10 +9,15 @@ by the sagitta of its sides and the grid by that between neighbouring lines. Of 
 has the volume with any number of sides; of sixty that overlap it hasn't.
 """
 
+import ctypes
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
+from tunneller_lib import compiled
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
@@ -18,7 +25,11 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
 TICKS = 10_000
 
 
-def test_circuit_of_ticks_on_rays(benchmark, say):
+FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()
+
+
+def circuit_of_ticks():
+    """Return a wall of 400 x 720 rays about the egg, and the centres of a circuit of ticks."""
     egg = Egg(0.5)
     angle = (np.arange(720) + 0.5) * np.pi / 360
     low, high = np.zeros(720), np.full(720, 1.5)
@@ -29,13 +40,59 @@ def test_circuit_of_ticks_on_rays(benchmark, say):
     s = np.linspace(0, egg.offset(REFERENCE_MACHINE.offset).perimeter, TICKS + 1)
     circuit = cutting_circuit(REFERENCE_MACHINE, egg)
     _, centres = circuit.arm(circuit.position(s))
+    return DexelGrid.radial(0.3, 1.2, low, low + 0.1, (400, 720)), centres
 
-    def cut():
-        tunnel = DexelGrid.radial(0.3, 1.2, low, low + 0.1, (400, 720))
-        return tunnel.cut_path(centres, REFERENCE_MACHINE.cutter_radius)
 
-    assert benchmark.pedantic(cut, rounds=1) > 0
-    say("10 000 capsules on 400 x 720 rays, s", best_times(cut, rounds=3)[0])
+@pytest.fixture
+def bound(tmp_path):
+    """Return `cut_path` in C, of the arrays of a grid."""
+    library = tmp_path / "dexel.so"
+    source = Path(__file__).parent / "bounds/dexel.c"
+    subprocess.run(["gcc", *FLAGS, source, "-o", library, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).cut_path
+    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    whole, number = ctypes.c_long, ctypes.c_double
+    function.argtypes = [array, whole, number, *[whole] * 3, *[array] * 6, number]
+    function.restype = number
+
+    def cut_path(grid, centres, radius):
+        lines = grid.lines
+        return function(
+            centres, len(centres) - 1, radius, *grid.low.shape[1:], len(grid.low), grid.low,
+            grid.high, lines.x, lines.cos, lines.sin, grid._nearest, lines.cell,
+        )  # fmt: skip
+
+    return cut_path
+
+
+@pytest.mark.parametrize("way", ["whole arrays", "compiled"])
+@pytest.mark.parametrize("count", [1, 1000, TICKS])
+def test_circuit_of_ticks_against_c(benchmark, say, bound, monkeypatch, count, way):
+    if way == "compiled":
+        pytest.importorskip("numba")
+    # No amount of work changes the way meanwhile.
+    monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
+    monkeypatch.setattr(compiled._Work, "expected", -np.inf)
+    tunnel, centres = circuit_of_ticks()
+    centres = np.ascontiguousarray(centres[: count + 1])
+    radius = REFERENCE_MACHINE.cutter_radius
+    # Both cut as many copies, made before the clock runs.
+    rounds = 5 if count < TICKS else 2
+    grids = [tunnel.copy() for _ in range(2 * rounds)]
+    ours, theirs = iter(grids[:rounds]), iter(grids[rounds:])
+    removed = benchmark.pedantic(tunnel.copy().cut_path, (centres, radius), rounds=1)
+    mine, limit = best_times(
+        lambda: next(ours).cut_path(centres, radius),
+        lambda: bound(next(theirs), centres, radius),
+        rounds=rounds,
+    )
+    for grid in grids[rounds:]:
+        np.testing.assert_array_equal(grid.low, grids[0].low)
+        np.testing.assert_array_equal(grid.high, grids[0].high)
+    assert 0 < removed == pytest.approx(bound(tunnel, centres, radius), rel=1e-12)
+    about = f"{count} capsules on 400 x 720 rays, {way}"
+    say(f"{about}, us a capsule", 1e6 * mine / count)
+    say(f"{about}, time over that of C, all intervals the same to the last bit", mine / limit)
 
 
 SPACING = 2 / 120  # of the grid's lines

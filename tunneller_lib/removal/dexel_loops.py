@@ -1,4 +1,6 @@
-"""A grid of intervals, line by line, for `compiled.ready`: the same bits as with whole arrays."""
+"""A grid of intervals, line by line: for `compiled.call` where loops are `compiled.ready`.
+
+The formulas are those that `grid` has for whole arrays, so that every bit is the same."""
 
 import math
 
