@@ -1,5 +1,6 @@
 """Whether a machine can do a planned cut: what it has, and needs, of torque, gain, oil, stroke."""
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -61,7 +62,7 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     for joint, name in enumerate(JOINTS):
         one, control = plant[joint], loop[joint]
         axis = one.axis
-        limit = gain_limit(one, control, at[:, joint])
+        limit = _known_limit(one, control, tuple(at[:, joint].tolist()))
         least = float(np.min(axis.natural_frequency(at[:, joint])))
         ratio = axis.damping / (2 * axis.inertia * least)
         lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
@@ -140,6 +141,12 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
                    f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do")
         )  # fmt: skip
     return found
+
+
+@functools.lru_cache(8)
+def _known_limit(plant, loop, angles):
+    """Return `gain_limit`, which a job asks for before it is planned and once more afterwards."""
+    return gain_limit(plant, loop, angles)
 
 
 def _torques(axis, angle, torque):
