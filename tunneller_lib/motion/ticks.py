@@ -212,7 +212,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     done = asked = 0
     while done < ticks:
         rows = push(done, states[asked : done + 1, [0, 5]]).rows if callable(push) else every
-        rows = np.array(rows[: ticks - done])
+        rows = np.array(rows[: ticks - done], order="C")  # in one order, for one compiled form
         asked = done
         done += len(rows)
         state = tuple(map(tuple, states[asked].reshape(3, 5).tolist()))

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -10,12 +11,13 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
+from ..compiled import expect
 from ..motion import Arm, Push, Track, follow
 from ..motion.stability import stable_gains
 from ..motion.tasks import Task, hand_over
 from ..motion.ticks import expect_run
 from ..removal import DexelGrid, Ground
-from ..removal.dexel import Shape
+from ..removal.dexel import MOVE, Shape
 from .both_axes import Loops, Plants, check_ticks
 from .face import BESIDE, EVERY, Face
 from .planning import Plan, Run
@@ -289,12 +291,17 @@ def expected_seconds(
             noted,
             _Teller(plan, None).cut_to,
         )
+        # Compiles what it will need: a cut of a copy, and one tick, by which nothing is cut yet.
+        face.wall.copy().cut_path(plan.centres(plan.setvalues[:2]), face.radius)
+        follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=copy(face).push)
         return axes, max(probed(face.push) - axes, 0.0)
     centres = plan.centres(plan.setvalues)
     reach = plan.circuit.machine.cutter_radius
     wall = intact_wall(plan.circuit, *_ends(centres, reach), shape, thickness=thickness)
     chunks = [centres[a : a + CHUNK + 1] for a in range(0, len(centres) - 1, CHUNK)]
     some = chunks[:: max(len(chunks) // PROBED, 1)]
+    expect(MOVE * len(slopes))
+    wall.copy().cut_path(centres[:2], reach)  # compiled, if it will be
     begun = time.perf_counter()
     for chunk in some:
         wall.cut_path(chunk, reach)
