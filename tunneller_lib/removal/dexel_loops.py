@@ -1,6 +1,7 @@
 """A grid of intervals, line by line: for `compiled.call` where loops are `compiled.ready`.
 
-The formulas are those that `grid` has for whole arrays, so that every bit is the same."""
+The formulas are those that `grid` has for whole arrays, so that every bit is the same.
+"""
 
 import math
 
@@ -49,12 +50,12 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     found = 0
     apart = False
     for i in range(top, bottom):
-        meet_row_with_ball(
+        _meet_row_with_ball(
             x[i], aside[left:right], cos[left:right], sin[left:right], ball, near, far
         )
         reached[:] = False
         for slot in range(len(low)):
-            reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
+            _reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
         begin = 0
         while begin < width and not reached[begin]:
             begin += 1
@@ -65,7 +66,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
             continue
         there = aside[left + begin : left + end]
         for k in range(len(firsts)):
-            meet_row(x[i], there, radius, seen, k, begin, firsts[k], lasts[k])
+            _meet_row(x[i], there, radius, seen, k, begin, firsts[k], lasts[k])
         for j in range(begin, end):
             if not reached[j]:
                 continue
@@ -91,20 +92,20 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
 # Each a loop without branches over lines side by side: the compiler takes several at once.
 
 
-def meet_row_with_ball(x, aside, cos, sin, ball, near, far):
+def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
     """Fill in where the lines of a row enter and leave a ball, its centre and radius in m."""
     cx, cy, cz, radius = ball
     for j in range(len(near)):
         near[j], far[j] = met_ball(x, aside[j], cos[j], sin[j], (cx, cy, cz), radius)
 
 
-def reach_row(low, high, near, far, reached):
+def _reach_row(low, high, near, far, reached):
     """Note which intervals of a row reach between two places, all in m."""
     for j in range(len(near)):
         reached[j] |= (near[j] < high[j]) & (far[j] > low[j]) & (low[j] < high[j])
 
 
-def meet_row(x, aside, radius, seen, k, begin, enter, leave):
+def _meet_row(x, aside, radius, seen, k, begin, enter, leave):
     """Fill in where the lines of a row, from `begin` on, enter and leave what move k sweeps."""
     length = seen[6][k, 0, 0]
     sx, side, fx, fy, run, rise, _, start = seen

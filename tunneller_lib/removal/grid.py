@@ -224,12 +224,16 @@ class Lines(NamedTuple):
 
 
 def measured(low, high, cell, rays):
-    """Return what intervals stand for, in m^3: numbers or arrays, `cell` and `rays` of `Lines`."""
+    """Return what intervals from `low` to `high` stand for; `cell` and `rays` as of `Lines`."""
     return cell * (high - low) * where(rays, (high + low) / 2, 1.0)
 
 
 def met_ball(x, aside, cos, sin, centre, radius):
-    """Return where lines enter and leave a ball; numbers or arrays, as of `Lines.meet_ball`."""
+    """Return where lines enter and leave a ball of a centre (x, y, z) and a radius, in m.
+
+    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. Both are in the middle where a line
+    misses.
+    """
     cx, cy, cz = centre
     off = x - cx
     beside = aside - (sin * cy - cos * cz)
@@ -250,7 +254,11 @@ def across(x, aside, seen):
 
 
 def swept(x, aside, radius, seen):
-    """Return where lines enter and leave what balls sweep, in m; parameters as of `across`."""
+    """Return where lines enter and leave what balls of a radius sweep, in m.
+
+    Numbers or arrays: x and `aside` of `Lines`, in m, and the axes as `seen` by them. A line
+    that misses gets inf and -inf.
+    """
     _, _, _, _, run, rise, length, start = seen
     s, m = across(x, aside, seen)
     size = where(length > 0, length, 1.0)  # a ball: its rise is zero, over any length
