@@ -122,7 +122,7 @@ GRIDS = {
     "block": lambda: DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (40, 50)),
     "wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (40, 60)),
     "fine wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (400, 720)),  # more than one block
-    "wall with gaps": lambda: DexelGrid.radial(-1, 1, 0.3, np.linspace(0.3, 0.9, 60), (40, 60)),
+    "wall with gaps": lambda: DexelGrid.radial(-1, 1, 0.3, np.linspace(0.9, 0.3, 60), (40, 60)),
 }
 TURNING = np.linspace(0, 7, 40)
 PATHS = {
