@@ -191,9 +191,9 @@ def fit_surface(
     Envelopes of cones, Example 32, which doesn't say how it fits. The least degree is taken to
     which no higher one adds more than noise would, and two more, so that what the polynomial leaves
     out is less than its errors. Where the highest leaves more than noise, as near an edge of
-    regression, half of the points is left out, and once more: the outer half, or those on one side
-    of a line through the middle in one of eight directions: the first half that a polynomial can
-    follow, or, if none, a half of the one that it follows best.
+    regression, the outer half of the points is left out, and once more. Where that won't do, those
+    on one side of a line through the middle are, in one of eight directions: the first half that a
+    polynomial can follow is kept, or, if none, a half of the one that it follows best.
 
     Examples
     --------
@@ -209,26 +209,35 @@ def fit_surface(
     if len(contact) < FEWEST:
         raise ValueError(f"contact: must be at least {FEWEST} points; got {len(contact)}.")
     fewest = max(FEWEST, len(contact) // SHARE)
-    found = _fitted(contact, n, contact_error, normal_error)
-    while not found.fits and len(contact) >= 2 * fewest:
-        tried = []
-        for half in _halves(found.place):
-            fit = _fitted(contact[half], n[half], contact_error, normal_error)
-            tried.append((fit.misfit, half, fit))
-            if fit.fits:
-                return fit
-        _, half, found = min(tried, key=lambda one: one[0])
-        contact, n = contact[half], n[half]
+    for halves in (_inner_half, _halves):  # first the middle, which is farthest from all edges
+        kept = contact, n
+        found = _fitted(*kept, contact_error, normal_error)
+        while not found.fits and len(kept[0]) >= 2 * fewest:
+            tried = []
+            for half in halves(found.place):
+                part = kept[0][half], kept[1][half]
+                tried.append((_fitted(*part, contact_error, normal_error), part))
+                if tried[-1][0].fits:
+                    break
+            found, kept = min(tried, key=lambda one: one[0].misfit)
+        if found.fits:
+            break
     return found
+
+
+def _inner_half(place):
+    """Yield which of some places (n, 2) are in the inner half."""
+    away = np.sum(((place - place.mean(axis=0)) / np.ptp(place, axis=0)) ** 2, axis=-1)
+    yield away <= np.median(away)
 
 
 def _halves(place):
     """Yield which of some places (n, 2) are in the inner half, then which on a side of a line."""
+    yield from _inner_half(place)
     place = (place - place.mean(axis=0)) / np.ptp(place, axis=0)
-    ways = [np.sum(place**2, axis=-1)]
-    ways += [place @ [np.cos(side), np.sin(side)] for side in SIDES]
-    for way in ways:
-        yield way <= np.median(way)
+    for side in SIDES:
+        along = place @ [np.cos(side), np.sin(side)]
+        yield along <= np.median(along)
 
 
 def _fitted(contact, n, contact_error, normal_error):
