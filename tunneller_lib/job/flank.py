@@ -86,11 +86,12 @@ class FlankJob:
 
     @property
     def others(self):
-        """Return points (n, 3) of neighbours, in m, or None: a blade has two."""
+        """Return points (n, 3) of neighbours, in m, or None: a blade has two, and the hub."""
         if self.surface["kind"] != "blade":
             return None
         ring = BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
-        return np.concatenate([ring.mesh(61, k).reshape(-1, 3) for k in (1, -1)])
+        grids = ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121)
+        return np.concatenate([grid.reshape(-1, 3) for grid in grids])
 
     @checked
     def solved(self, say: Callable[[str], object]):
