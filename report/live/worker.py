@@ -62,7 +62,7 @@ for name, content in stand_ins.items():
 
 from matplotlib.mathtext import MathTextParser  # noqa: E402 - after what stands in for IPython
 
-from tunneller_lib.reporting import record  # noqa: E402
+from tunneller_lib.reporting import record  # noqa: E402 - likewise
 
 record.MATHTEXT = MathTextParser("agg")  # as Pyodide's matplotlib 3.10 wants it; ours is 3.11
 

@@ -69,7 +69,7 @@ def bound(tmp_path):
 @pytest.mark.parametrize("count", [1, 1000, TICKS])
 def test_circuit_of_ticks_against_c(benchmark, say, bound, monkeypatch, count, way):
     if way == "compiled":
-        pytest.importorskip("numba")
+        pytest.importorskip("numba", reason="what is compiled is timed")
     # No amount of work changes the way meanwhile.
     monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
     monkeypatch.setattr(compiled._Work, "expected", -np.inf)

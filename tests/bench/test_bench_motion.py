@@ -75,7 +75,7 @@ def test_line_against_plain_loops_and_linspace(benchmark, say, moves):
 @pytest.fixture
 def at_once(monkeypatch):
     """Compile from the first loop on."""
-    pytest.importorskip("numba")
+    pytest.importorskip("numba", reason="what is compiled is timed")
     monkeypatch.setattr(compiled._Work, "compiled", True)
 
 
