@@ -1,9 +1,10 @@
 """Test what the working tree's changes can reach: `make check`.
 
-A changed module reaches the tests and notebooks that import it, directly or through others; one
-whose code means the same as before reaches its own doctests only. Another changed file reaches the
-tests that say that they read it, in a list `READS`, and the notebooks that name it. Changes count
-against the last commit, or against the one that is named: `make check SINCE=main`.
+A changed module reaches the tests and notebooks that import it, directly or through others, and
+its own doctests. A changed file, or module, reaches the tests that say that they read it, in a list
+`READS`, and a file the notebooks that name it. Where only docstrings of a module changed nothing is
+reached through imports; where only comments or form did, nothing at all but the linter. Changes
+count against the last commit, or against the one that is named: `make check SINCE=main`.
 """
 
 import ast
@@ -38,15 +39,34 @@ def changed(since):
     return set(known.splitlines()) | set(new.splitlines())
 
 
-def means_the_same(name, since):
-    """Tell whether a module's code means what it meant at a commit."""
-    before = git("show", f"{since}:{name}")
-    if before is None or not (ROOT / name).exists():
-        return False
-    try:
-        return meaning(before) == meaning((ROOT / name).read_text(encoding="utf-8"))
-    except SyntaxError:
-        return False
+def since_then(what, names, since):
+    """Return the names of the modules of which something is not what it was at a commit.
+
+    Parameters
+    ----------
+    what : function
+        It makes something of a source text: its `meaning`, or all of it but comments.
+    names : set of str
+        Of modules, from the checkout's folder.
+    since : str
+        The commit.
+    """
+
+    def differs(name):
+        before = git("show", f"{since}:{name}")
+        if before is None or not (ROOT / name).exists():
+            return True
+        try:
+            return what(before) != what((ROOT / name).read_text(encoding="utf-8"))
+        except SyntaxError:
+            return True
+
+    return {name for name in names if differs(name)}
+
+
+def without_comments(text):
+    """Return a source text as it is parsed, docstrings included."""
+    return ast.dump(ast.parse(text))
 
 
 def reads(test):
@@ -70,7 +90,9 @@ def reached(names, since="HEAD"):
     if names & set(GROUND):
         return ["notebooks", "tests", "tunneller_lib"]
     python = {name for name in names if name.endswith(".py")}
-    code_changed = {name for name in python if not means_the_same(name, since)}
+    said = since_then(without_comments, python, since)
+    names = names - python | said
+    python, code_changed = said, since_then(meaning, said, since)
 
     def reaches(text, *inside):  # imports are followed only if there is something to meet
         files = needed(text, ROOT, inside) if code_changed else ()

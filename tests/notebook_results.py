@@ -13,6 +13,7 @@ from queue import Empty
 from tempfile import TemporaryDirectory
 
 import pytest
+from _pytest.runner import runtestprotocol
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
@@ -22,10 +23,28 @@ from report.sources import is_run, notebook_sources, records
 from report.state import State
 
 
-@pytest.fixture(autouse=True)
-def _elsewhere(monkeypatch, tmp_path_factory):
+@pytest.fixture(autouse=True, scope="session")
+def _elsewhere(tmp_path_factory):
     """No test, and no doctest, records anything in the checkout."""
-    monkeypatch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
+        yield
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item, nextitem):
+    """Run a test in a worker, which tells of it once: that it was set up says nothing more.
+
+    Of ten thousand tests each message takes the two processes' time.
+    """
+    if not hasattr(item.config, "workerinput"):
+        return None
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    for report in runtestprotocol(item, log=False, nextitem=nextitem):
+        if report.when == "call" or not report.passed:
+            item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
 
 
 @functools.cache

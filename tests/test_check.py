@@ -11,8 +11,8 @@ READS = ["notebooks/*", "report/numbers/*", "tests/references/*", "environment.t
 
 @pytest.fixture
 def reached(monkeypatch):
-    def asked(*names, same=False):
-        monkeypatch.setattr(check, "means_the_same", lambda name, since: same)
+    def asked(*names, before=None):
+        monkeypatch.setattr(check, "git", lambda *command: before)
         return check.reached(set(names))
 
     return asked
@@ -30,9 +30,24 @@ def test_leaf_reaches_its_tests_its_doctests_and_its_notebook(reached):
     assert [n for n in found if n.startswith("notebooks")] == ["notebooks/08_cone.ipynb"]
 
 
-def test_comment_reaches_the_doctests_alone(reached):
-    name = "tunneller_lib/surfaces/torus.py"
-    assert [n for n in reached(name, same=True) if n.startswith(("tunn", "note"))] == [name]
+TORUS = "tunneller_lib/surfaces/torus.py"
+
+
+def test_comment_reaches_nothing(reached):
+    text = (check.ROOT / TORUS).read_text()
+    assert "# " in text
+    assert reached(TORUS, before="# once\n\n" + text.replace("# ", "# not ")) == []
+
+
+def test_docstring_reaches_the_doctests_and_what_reads_the_text_alone(reached):
+    text = (check.ROOT / TORUS).read_text()
+    found = reached(TORUS, before=text.replace('"""', '"""Once: ', 1))
+    expected = [f"tests/test_{name}.py" for name in ("layout", "live", "site", "wheel")]
+    assert found == [*expected, TORUS]
+
+
+def test_code_that_was_no_python_reaches_all_that_imports_it(reached):
+    assert reached(TORUS, before="def") == reached(TORUS) != []
 
 
 def test_notebook_and_its_data_reach_it(reached):
