@@ -25,6 +25,7 @@ from tunneller_lib.reporting.cone_scene import (
     plane_fans_picture,
 )
 from tunneller_lib.reporting.six_cones_scene import (
+    cones_at_contact_picture,
     contact_scene,
     double_cones_picture,
     noisy_cones_picture,
@@ -155,6 +156,14 @@ def test_six_rulings_are_green_but_for_two_black_ones():
     picture = six_rulings_picture(SHEET, cyclide, PLACE, ANGLE)
     assert share(picture, "generator") > 0.05 and share(picture, "cone") > 1e-3
     assert dark(picture) > 1e-3
+
+
+def test_each_cone_at_a_contact_has_a_picture_with_its_piece_and_its_contact():
+    picture = cones_at_contact_picture(SHEET, CONES)
+    rows = -(-len(CONES) // 3)
+    for row in np.array_split(picture, rows):
+        for place in np.array_split(row, 3, axis=1)[: len(CONES)]:
+            assert share(place, "cone") > 0.02 and share(place, "error") > 1e-4
 
 
 def test_noisy_cones_are_blue_upon_the_exact_ones():

@@ -68,6 +68,40 @@ def _leaf(cones, k, size):
 
 
 @checked
+def cones_at_contact_picture(sheet: Grid, cones: Cones):
+    """Return a picture of each cone on a surface, three a row, from the side of its tool.
+
+    Parameters
+    ----------
+    sheet : (n, m, 3) float
+        Of the surface about the contact, in m.
+    cones : Cones
+        At one contact.
+
+    Returns
+    -------
+    picture : (n, m, 3) uint8
+    """
+    size = np.ptp(sheet, axis=(0, 1)).max()
+    spread = np.linspace(-0.9, 0.9, 181)  # rad round the axis, from the contact
+    surface = scene.surface(sheet)
+    aslant = (0.9 * (sheet[-1, 0] - sheet[0, 0]) - 0.5 * (sheet[0, -1] - sheet[0, 0])) / size
+    pictures = []
+    for k, side in enumerate(cones.side):
+        touched = plane_azimuth(cones.axis[k], cones.half_angle, side * cones.normal[k])
+        rulings = cone_rulings(cones.axis[k], cones.half_angle, touched + spread)
+        along = cones.distance[k] + 3 / 8 * size * np.linspace(-1, 1, 3)
+        piece = scene.surface(cones.vertex[k] + along[:, None, None] * rulings)
+        plotter = scene.empty()
+        plotter.add_mesh(surface, color=COLOURS["design surface"])
+        plotter.add_mesh(piece, color=COLOURS["cone"], opacity=0.6)
+        plotter.add_mesh(scene.ball(cones.contact[k], size / 45), color=COLOURS["error"])
+        up = side * cones.normal[k]
+        pictures.append(scene.shoot(plotter, direction=aslant + up, up=up, zoom=1.0))
+    return scene.rows(pictures, 3)
+
+
+@checked
 def six_rulings_picture(sheet: Grid, f: Function(2), place: Centre, half_angle: HalfAngle):
     """Return pictures of all rulings at a contact, and of one of the generators there.
 
