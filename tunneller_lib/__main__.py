@@ -12,7 +12,7 @@ from pathlib import Path
 from . import __version__
 
 # Whatever isn't in Python itself is imported by the command that needs it: --help needs nothing,
-# and what is missing, or an interrupt meanwhile, is told in a sentence.
+# and what is missing, or an interrupt meanwhile, is said in a sentence.
 
 ABOUT = """plan, simulate and show cuts of a tunnelling robot
 
@@ -111,11 +111,11 @@ def parser():
             "--out",
             type=path_with(out),
             metavar=f"FILE{out}" if out else "FOLDER",
-            help="under build/ unless told",
+            help="under build/ by default",
         )
         added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
-    film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 unless told")
+    film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 by default")
     film.add_argument(
         "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )
@@ -128,7 +128,7 @@ def parser():
         metavar="FILE.csv",
         help="measured: x_m, y_m, z_m and unit normals nx, ny, nz",
     )
-    flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ unless told")
+    flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
     flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
     log.add_argument(
@@ -149,7 +149,7 @@ def parser():
     )
     added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
     added.add_argument(
-        "--jobs", type=between(1, 10_000), help="local processes, one a core unless told"
+        "--jobs", type=between(1, 10_000), help="local processes, one a core by default"
     )
     return whole
 

@@ -69,7 +69,7 @@ TOO_MUCH = {
 MOST_RAYS = 100_000  # each way; memory bounds both together
 PLANTS = "T0", "T1", "T2", "T3"
 OILY = "T2", "T3"  # those that ask for cylinders
-VALVE = 0.8  # of the open valve, what a plan in ground asks for unless told otherwise
+VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
 HYDRAULIC_REMEDY = (
     "The cylinders' sizes are those of [hydraulics]: lift_ and swing_ frame_pivot, arm_pivot, "
@@ -264,7 +264,7 @@ class Job:
 
     @checked
     def simulated(self, say: Callable[[str], object] | None = None):
-        """Return the `Cut`, or raise ValueError with the reason; `say` is told how far it is."""
+        """Return the `Cut`, or raise ValueError with the reason; `say` is called with the progress."""
         shape, thickness = self._rays
         return simulate(
             self.planned,

@@ -120,7 +120,7 @@ class Compressible:
     def rest(self, position: Angle, load: Torque | None = None):
         """Return the state at rest at a position, in rad: pressures that sum to the supply.
 
-        They hold a `load` in N m that resists positive motion; the axis' own unless told.
+        They hold a `load` in N m that resists positive motion; the axis' own by default.
         """
         axis = self.axis
         check_stroke(position, axis.low, axis.high, "position")

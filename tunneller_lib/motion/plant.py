@@ -17,7 +17,7 @@ from .quantities import ComplexFrequencies, Quantity, Tick
 class LinearTicks(NamedTuple):
     """A linear plant from tick to tick: each row of `rows` makes one number of the next state.
 
-    It is held against the state and, last, the command. Such plants have no stroke.
+    Each row is multiplied by the state and, last, the command. Such plants have no stroke.
     """
 
     low: float

@@ -1,7 +1,7 @@
 """The slow task for other controllers: waypoints of a corrected chord, in Structured Text and C99.
 
 It needs the two ends of a chord alone, for a controller that gets its knots as it goes. That of a
-job (`tunneller_lib.job`) is told beforehand where on each chord its setpoints are.
+job (`tunneller_lib.job`) gets a table of where on each chord its setpoints are.
 
 Both programs come from one description, a list of statements: (variable, expression) assigns,
 ("IF", condition, then, otherwise) branches, ("FOR", first, last, body) counts i upwards and

@@ -29,7 +29,7 @@ class ChordLaw:
     ----------
     p, q : (..., 2) float
         Joint positions (theta, phi) of the ends P and Q, in rad; they broadcast. The sizes of the
-        torus don't matter: both ends are told by their normals.
+        torus don't matter: the normals at both ends are enough.
 
     Notes
     -----

@@ -164,7 +164,7 @@ def simulate(
     arm : Arm, optional
         The masses on both joints, for two `Compressible` plants; see `follow`.
     ground : Ground, optional
-        What pushes back on two `Compressible` plants while they cut; nothing unless told.
+        What pushes back on two `Compressible` plants while they cut; nothing by default.
     say : function, optional
         Told after each lap how far the cutting is.
 
@@ -327,7 +327,7 @@ def carve(
     position : (n, 2) float
         Joint positions at every tick of all laps, or of one that all repeat, in rad.
     pose, shape, thickness, say
-        As for `simulate`: a `Pose`, the numbers of rays, in m, told after each lap.
+        As for `simulate`: a `Pose`, the numbers of rays, in m, called after each lap.
 
     Returns
     -------

@@ -9,7 +9,7 @@ from .wall import intact_wall
 
 EVERY = 8  # ticks after which the wall is cut and the ground in the cutter's way is known again
 BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
-STILL = 1e-6  # m, a way on which no ground in the way can be told
+STILL = 1e-6  # m, too short a way to find ground on it
 
 
 class Face:

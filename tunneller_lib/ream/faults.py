@@ -66,7 +66,7 @@ class Fault:
 
     @property
     def measured(self):
-        """Return what `closed` is to be held against, in m."""
+        """Return what `closed` is compared with, in m."""
         return self.rms if self.measure == "rms" else max(self.over, self.under)
 
 

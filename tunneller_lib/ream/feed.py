@@ -123,7 +123,7 @@ class Limits:
         ground : (m,) float
             Ground removed by each metre of a move, in m^2.
         slopes : (m + 1, 2) float, optional
-            First derivatives of the positions by the length of way, in rad/m; unless told the way
+            First derivatives of the positions by the length of way, in rad/m; without them the way
             is straight and limits of the joints are left out.
         bends, twists : (m + 1, 2) float, optional
             Their second and third derivatives, in rad/m^2 and rad/m^3; needed with `slopes`.
@@ -200,7 +200,7 @@ class Limits:
             told.
         pushed : (m + 1, 2) float, optional
             Levers of the ground's force at both joints, in m: what torque resists positive motion
-            at the ends of the moves, in N m, by a newton against the feed. None pushes unless told.
+            at the ends of the moves, in N m, by a newton against the feed. None pushes by default.
 
         Returns
         -------

@@ -57,14 +57,14 @@ class LoadedLaps:
 
 @checked
 def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm, *, laps: LoadedLaps | None = None):
-    """Return the `Fault` of an arm that both joints share, of which the controller knows a part.
+    """Return the `Fault` of an arm that both joints share; the controller models a part of it.
 
     Parameters
     ----------
     plan : Plan
         What is to be done.
     plant : Compressible or a pair of them
-        The axes, whose static inverse knows their own weight.
+        The axes, whose static inverse has their own weight.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral and dead band.
     arm : Arm

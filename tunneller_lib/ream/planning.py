@@ -232,7 +232,7 @@ def plan(
     path : {"tangent spheres", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots: the paper's, or the one next to a geodesic.
     blend : float, optional
-        By how much the rounded corners may miss their knots, in m; half the tolerance unless told.
+        By how much the rounded corners may miss their knots, in m; half the tolerance by default.
     clearance : float
         Between cutter and intact ground where it enters and where it leaves, in m.
 

@@ -116,7 +116,7 @@ def route_through(
         Arc lengths of the knots along the offset section, in m.
     way : function, optional
         (p, q, n) -> (..., n, 2): positions at equal arcs from knot to knot; tangent-sphere paths
-        unless told.
+        by default.
     blend : float
         By how much a rounded corner may miss its knot, in m; 0 leaves all corners sharp. Two
         corners share the way between them.

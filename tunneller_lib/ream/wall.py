@@ -32,7 +32,7 @@ def intact_wall(
     thickness : float
         Of the modelled ground, in m, along the rays.
     memory : float, optional
-        Bytes that it may take; half of the computer's unless told.
+        Bytes that it may take; half of the computer's by default.
 
     Returns
     -------

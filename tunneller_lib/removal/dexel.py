@@ -74,7 +74,7 @@ class DexelGrid:
         Where the material begins and ends on each line, in m; nothing where low >= high. They
         broadcast to (n, m).
     memory : float, optional
-        Bytes that its intervals may take while they grow; half of the computer's unless told.
+        Bytes that its intervals may take while they grow; half of the computer's by default.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class DexelGrid:
         shape : (int, int)
             Number of lines along x and along y, each in the middle of its cell.
         memory : float, optional
-            Bytes that it may take; half of the computer's unless told.
+            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -166,7 +166,7 @@ class DexelGrid:
         shape : (int, int)
             n places along x times m angles from y (left) over z (up), each in its cell's middle.
         memory : float, optional
-            Bytes that it may take; half of the computer's unless told.
+            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -261,7 +261,7 @@ class DexelGrid:
         """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
         # Most lines of the window were cut as far as this by earlier moves. One ball about all
         # these moves, larger by more than its rounding, tells which lines have material in reach,
-        # and only those are held against the moves one by one.
+        # and only those are compared with the moves one by one.
         middle = (a[0] + b[-1]) / 2
         away = np.linalg.norm(np.concatenate([a, b]) - middle, axis=-1).max()
         about = (radius + away) * (1 + 1e-9)

@@ -111,7 +111,7 @@ def ending(record: Record, words: str = ""):
         Of the notebook.
     words : str
         The finding in Markdown, with the names of recorded numbers in braces; the sentence of
-        ``contents.toml`` unless told.
+        ``contents.toml`` by default.
 
     Returns
     -------

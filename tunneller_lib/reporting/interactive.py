@@ -42,7 +42,7 @@ def sliders(draw: Callable, *, alt: str = "", **ranges: object):
     -------
     first : matplotlib.figure.Figure or pyvista.Plotter
         What was drawn with the start values, a scene closed where it isn't shown to be turned.
-        A run without a screen is told by ``PYVISTA_JUPYTER_BACKEND=static``.
+        ``PYVISTA_JUPYTER_BACKEND=static`` marks a run without a screen.
 
     Raises
     ------

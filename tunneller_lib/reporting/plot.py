@@ -96,7 +96,7 @@ def draw_section(ax: Axes, section: Section, **line: object):
     section : Section
         The closed curve, in m.
     **line
-        Passed on to ``Axes.plot``; the tunnel's colour unless told otherwise.
+        Passed on to ``Axes.plot``; the tunnel's colour by default.
 
     Returns
     -------

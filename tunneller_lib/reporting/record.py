@@ -26,7 +26,7 @@ from .number_format import cell, decimals_of, exponent, number, significant, ste
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
-CLOSE = 1e-6  # relative difference below which no order is told
+CLOSE = 1e-6  # relative difference below which no order is recorded
 MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
 PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
 
@@ -108,7 +108,7 @@ class Record:
 
     @checked
     def order(self, name: Line, first: object, second: object):
-        """Record which of two numbers is the lesser, so that words can be held against it.
+        """Record which of two numbers is the lesser, so that words can be compared with it.
 
         Parameters
         ----------

@@ -43,7 +43,7 @@ def compute_blocks(
         Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
         them. Without it the local cores work. The same blocks give the same bits.
     jobs : int, optional
-        Number of local processes, at most 10 000; as many as there are cores unless told.
+        Number of local processes, at most 10 000; as many as there are cores by default.
 
     Returns
     -------

@@ -185,7 +185,7 @@ def cut_scene(
     cut : Cut
         A simulated or carved cut.
     tick : int, optional
-        Of the whole run; the last unless told.
+        Of the whole run; the last by default.
     wall : DexelGrid, optional
         What stands at this tick, where it is known already: one of `stages`.
     limit : float

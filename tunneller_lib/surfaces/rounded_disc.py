@@ -293,7 +293,7 @@ def _guessed(line, size):
 def _halved(before, low, high, looks, fine):
     """Return up to which place `before`, a function of places from `low` to `high`, holds.
 
-    It is told to a length that is `fine`. Places that are looked at first may spare most of the
+    It is found to a length that is `fine`. Places that are looked at first may spare most of the
     halvings.
     """
     for look in looks:
