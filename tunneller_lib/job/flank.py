@@ -95,7 +95,7 @@ class FlankJob:
 
     @checked
     def solved(self, say: Callable[[str], object]):
-        """Return `Positions` and `Coverage`, or raise ValueError; `say` is called with the progress."""
+        """Return `Positions` and `Coverage`, or raise ValueError; `say` gets the progress."""
         about = {"tolerance": self.paths["tolerance"], "others": self.others,
                  "n": self.paths["mesh"]}  # fmt: skip
         s, t = self.patch.parameters(self.paths["points"], margin=0.05)

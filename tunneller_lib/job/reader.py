@@ -264,7 +264,7 @@ class Job:
 
     @checked
     def simulated(self, say: Callable[[str], object] | None = None):
-        """Return the `Cut`, or raise ValueError with the reason; `say` is called with the progress."""
+        """Return the `Cut`, or raise ValueError with the reason; `say` gets the progress."""
         shape, thickness = self._rays
         return simulate(
             self.planned,

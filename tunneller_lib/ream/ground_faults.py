@@ -57,7 +57,7 @@ class LoadedLaps:
 
 @checked
 def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm, *, laps: LoadedLaps | None = None):
-    """Return the `Fault` of an arm that both joints share; the controller models a part of it.
+    """Return the `Fault` of an arm that both joints share; the controller models a part.
 
     Parameters
     ----------
