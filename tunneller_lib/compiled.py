@@ -10,7 +10,9 @@ import functools
 import importlib
 import inspect
 import math
+from collections import defaultdict
 from types import FunctionType
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,21 +24,24 @@ class _Work:
 
     expected = 0.0
     compiled = False
+    of_kind: ClassVar = defaultdict(float)
 
 
-def expect(seconds):
+def expect(seconds, kind=None):
     """Say that loops follow that take about so many `seconds` in plain Python.
 
-    Once all that was expected is `LONG` loops are compiled from then on, if numba is there.
+    Once all that was expected is `LONG` loops are compiled from then on, if numba is there. Loops
+    of a `kind`, which the compiler takes long for, wait until so much of their own was expected.
     """
     _Work.expected += seconds
+    _Work.of_kind[kind] += seconds
     if _Work.expected > LONG and not _Work.compiled:
         _Work.compiled = _numba_loads()
 
 
-def ready():
-    """Tell whether loops are compiled, for who has a faster way without than plain Python."""
-    return _Work.compiled
+def ready(kind=None):
+    """Tell whether loops, of a kind, are compiled: for who has other ways than plain Python."""
+    return _Work.compiled and (kind is None or _Work.of_kind[kind] > LONG)
 
 
 def _numba_loads():

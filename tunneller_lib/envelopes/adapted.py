@@ -18,7 +18,7 @@ from .triples import cross_product
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
 FLAT = 1e-6
 _NOISE = 1e-12
-_MOST = 1e90  # of a jet's coefficients, whose third powers and their sums are sound floats
+MOST = 1e90  # of a jet's coefficients, whose third powers and their sums are sound floats
 
 _normal = normal.unchecked
 _contact_point = contact_point.unchecked
@@ -165,7 +165,7 @@ def isotropic_jet(frames, where):
 
 def sound(f):
     """Return where (n,) a jet's coefficients are numbers that can be reckoned with."""
-    return np.abs(f.c).max(axis=0) <= _MOST
+    return np.abs(f.c).max(axis=0) <= MOST
 
 
 @checked

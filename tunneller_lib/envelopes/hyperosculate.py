@@ -1,20 +1,28 @@
 """All cones of revolution in third-order contact with a surface (Envelopes, section 5)."""
 
+import math
 from dataclasses import dataclass
 from operator import index
 from typing import Literal
 
 import numpy as np
 
+from .. import compiled
 from ..arguments import HalfAngle, Reals, checked
-from .adapted import FLAT, adapted_frames, isotropic_jet, sound
+from . import cone_loops
+from .adapted import FLAT, MOST
 from .circle_roots import real_zeros
 from .cone_pose import ConePose, TouchingCone
 from .forms import derivative_along, frobenius
-from .functions import Function
-from .jet import Jet, derivative
+from .functions import Function, as_jet, coordinates, one_number
+from .graph_forms import NOISE
+from .jet import jet_variables
 
 BLOCK = 1000  # points at a time, whose jets fit the cache
+FEW = 12  # points that plain Python has done before numpy begins
+# s that compiled loops save at each of many points, and of few: a fifth of them, since compiling
+# takes five times as long as that of other loops.
+EACH_OF_MANY, EACH_OF_FEW = 4e-6, 6e-5
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
 
 
@@ -152,74 +160,99 @@ def hyperosculating_cones(
     s, t = np.broadcast_arrays(s, t)
     flat_s = s.ravel()
     flat_t = t.ravel()
+    compiled.expect(s.size * (EACH_OF_FEW if s.size <= FEW else EACH_OF_MANY), "cones")
+    rho = 0.5 / math.tan(half_angle)
     parts = []
     for first in range(0, max(s.size, 1), BLOCK):
         block = slice(first, first + BLOCK)
-        parts.append(_of_block(surface, flat_s[block], flat_t[block], first, half_angle, model))
-    *rows, count, state = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
+        parts.append(_found(surface, flat_s[block], flat_t[block], rho, model))
+    found = map(np.concatenate, zip(*parts, strict=True))
+    return _cones(half_angle, rho, model, s.shape, *found)
 
 
-def _of_block(surface, s, t, first, half_angle, model):
-    """Return the fields of `Cones` but the angle, for points counted from `first`."""
-    found = adapted_frames.unchecked(surface, s, t, model)
+def _found(surface, s, t, rho, model):
+    """Return what is known of points (n,), and of up to six cones at each.
+
+    Returns
+    -------
+    defined : (n,) bool
+        Whether the surface's derivatives are numbers.
+    points : (n, 17) float
+        As of `cone_loops.cones_in_space`.
+    cones : (n, 6, 5) float
+        As of `cone_loops.cones_in_space`.
+    """
+    variables = jet_variables.unchecked(s, t)
+    ready = compiled.ready("cones")
+    with np.errstate(all="ignore"):
+        answer = surface(*variables)
+        if model == "space":
+            three = coordinates("surface", answer, variables[0])
+            given = [as_jet(one, variables[0]).c for one in three]
+            formula = cone_loops.cones_in_space
+            loop = cone_loops.fill_space
+        else:
+            given = [s, t, as_jet(one_number("surface", answer, variables[0]), variables[0]).c]
+            formula = cone_loops.cones_in_the_model
+            loop = cone_loops.fill_model
+        finite = [np.isfinite(one) if one.ndim == 1 else np.isfinite(one).all(0) for one in given]
+        defined = np.all(finite, axis=0)
+        if s.size > FEW and not ready:
+            points, cones = formula(*given, rho)
+            points = np.stack(np.broadcast_arrays(*points), axis=-1)
+            return defined, points, np.stack([np.stack(one, axis=-1) for one in cones], axis=1)
+    points = np.empty((s.size, 17))
+    cones = np.empty((s.size, 6, 5))
+    rows = [np.array(one.T, order="C") for one in given]
+    call = compiled.call if ready else compiled.call_plain
+    call(loop, *rows, rho, points, cones, **cone_loops.NUMBERS)
+    return defined, points, cones
+
+
+def _cones(half_angle, rho, model, shape, defined, points, cones):
+    """Return `Cones` of points of a shape by what `_found` knows of them."""
+    contact, first, second, normal, rest = np.split(points, (3, 6, 9, 12), axis=1)
+    known, curvature, determinant, bend, size = rest.T
     # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
     # planes of a graph always turn: there it is points of contact that stand still, K infinite.
-    flat = found.curvature <= FLAT
-    state = np.where(flat, "flat" if model == "space" else "singular", "regular")
-    # A point that isn't smooth has no curvature to speak of, so this verdict goes before.
-    state = np.where(found.smooth, state, "outside").astype("<U11")
-    where = np.flatnonzero(state == "regular")
-    f = isotropic_jet(found, where)
-    # What is too great for products of three derivatives counts as not defined, too.
-    within = sound(f)
-    if not within.all():
-        state[where[~within]] = "outside"
-        where = where[within]
-        f = Jet(f.c[:, within])
-    rho = 0.5 / np.tan(half_angle)
-    angle, multiplicity = third_order(f, rho)
-    count = np.zeros(s.size, dtype=int)
-    count[where] = np.isfinite(angle).sum(axis=-1)
+    flat = curvature <= FLAT
+    state = np.where(flat, "flat" if model == "space" else "singular", "regular").astype("<U11")
+    # What is too great for products of three derivatives counts as not defined, too. A point that
+    # isn't smooth has no curvature to speak of, so this verdict goes before.
+    smooth = defined & (known > NOISE) & np.isfinite(contact).all(axis=1)
+    state[~(smooth & (flat | (size <= MOST)))] = "outside"
+    e_c, e_s, multiplicity, fee, order4 = np.moveaxis(cones, -1, 0)
+    regular = state == "regular"
+    there = (multiplicity > 0) & regular[:, None]
+    count = there.sum(axis=-1)
     # The cubic's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
-    state[where[count[where] == 0]] = "spherical"
-    # From here on a row is a cone: `point` counts within f, `row` within that point's zeros.
-    point, row = np.nonzero(np.isfinite(angle))
-    fee, order4 = (values[point, row] for values in order_four(f, angle, rho))
-    hessian = derivative(f, 2, 0) * derivative(f, 0, 2) - derivative(f, 1, 1) ** 2
-    K = hessian[point]  # its sign is that of the Gaussian curvature
+    state[regular & (count == 0)] = "spherical"
+    # From here on a row is a cone: `point` is its point's, `row` its place among that one's.
+    point, row = np.nonzero(there)
+    c, s = e_c[point, row], e_s[point, row]
+    by_angle = np.lexsort((np.arctan2(s, c), point))
+    point, row, c, s = point[by_angle], row[by_angle], c[by_angle, None], s[by_angle, None]
+    fee, order4 = fee[point, row], order4[point, row]
     # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
-    near = np.abs(fee) <= 1e-12 * frobenius(f, 2)[point]
+    near = np.abs(fee) <= 1e-12 * bend[point]
     side = np.where(near, 0, np.sign(fee)).astype(int)
-    tangent, other, normal = np.moveaxis(found.axes[where[point]], 1, 0)
-    e = angle[point, row, None]
-    w = np.cos(e) * other - np.sin(e) * tangent  # e turned by a right angle: the ruling's line
-    contact = found.contact[where[point]]
+    normal = normal[point]
+    contact = contact[point]
+    w = c * second[point] - s * first[point]  # e turned by a right angle: the ruling's line
     vertex = contact - (rho * fee)[:, None] * w
     # This axis belongs to a cone on the normal's side, with the vertex behind along w; on the other
     # side both turn. A vertex in the contact has no side: it keeps the first.
-    lean = np.cos(half_angle) * w + np.sin(half_angle) * normal
+    lean = math.cos(half_angle) * w + math.sin(half_angle) * normal
     axis = np.where(side < 0, -1, 1)[:, None] * lean
     # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
     # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
     # and order 4 tells whether it enters there.
-    gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
+    gouges = (determinant[point] >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
-    return (
-        first + where[point],
-        contact,
-        normal,
-        vertex,
-        axis,
-        side,
-        np.abs(rho * fee),
-        order4,
-        gouges,
-        undecided,
-        multiplicity[point, row],
-        count,
-        state,
-    )
+    return Cones(
+        half_angle, point, contact, normal, vertex, axis, side, np.abs(rho * fee), order4, gouges,
+        undecided, multiplicity[point, row].astype(int), count.reshape(shape), state.reshape(shape),
+    )  # fmt: skip
 
 
 def third_order(f, rho):

@@ -1,0 +1,95 @@
+"""Forms in two variables h and k, of degree 1 to 4: arithmetic on numbers or arrays.
+
+A form of degree d is the tuple of its coefficients of h^d, h^(d-1) k, ... to k^d: numbers, or
+arrays with one value a point. Each function says the degrees of what it takes, so that loops of
+plain numbers can be compiled (`compiled`).
+"""
+
+
+def product11(p, q):
+    """Return the product of two forms of degree 1."""
+    return (p[0] * q[0], p[0] * q[1] + p[1] * q[0], p[1] * q[1])
+
+
+def plus12(z, p, q):
+    """Return z + p q, of degrees 3, 1 and 2."""
+    return (
+        z[0] + p[0] * q[0],
+        z[1] + (p[0] * q[1] + p[1] * q[0]),
+        z[2] + (p[0] * q[2] + p[1] * q[1]),
+        z[3] + p[1] * q[2],
+    )
+
+
+def plus13(z, p, q):
+    """Return z + p q, of degrees 4, 1 and 3."""
+    return (
+        z[0] + p[0] * q[0],
+        z[1] + (p[0] * q[1] + p[1] * q[0]),
+        z[2] + (p[0] * q[2] + p[1] * q[1]),
+        z[3] + (p[0] * q[3] + p[1] * q[2]),
+        z[4] + p[1] * q[3],
+    )
+
+
+def plus22(z, p, q):
+    """Return z + p q, of degrees 4, 2 and 2."""
+    return (
+        z[0] + p[0] * q[0],
+        z[1] + (p[0] * q[1] + p[1] * q[0]),
+        z[2] + (p[0] * q[2] + p[1] * q[1] + p[2] * q[0]),
+        z[3] + (p[1] * q[2] + p[2] * q[1]),
+        z[4] + p[2] * q[2],
+    )
+
+
+def plus(p, b, q):
+    """Return p + b q of degree 2, with a number b."""
+    return (p[0] + b * q[0], p[1] + b * q[1], p[2] + b * q[2])
+
+
+def sum1(a, p, b, q):
+    """Return a p + b q of degree 1, with numbers a and b."""
+    return (a * p[0] + b * q[0], a * p[1] + b * q[1])
+
+
+def sum2(a, p, b, q):
+    """Return a p + b q of degree 2, with numbers a and b."""
+    return (a * p[0] + b * q[0], a * p[1] + b * q[1], a * p[2] + b * q[2])
+
+
+def sum3(a, p, b, q):
+    """Return a p + b q of degree 3, with numbers a and b."""
+    return (a * p[0] + b * q[0], a * p[1] + b * q[1], a * p[2] + b * q[2], a * p[3] + b * q[3])
+
+
+def replaced2(p, squares):
+    """Return a form of degree 2 with other forms put for the variables, by their products.
+
+    Parameters
+    ----------
+    p : tuple of three (...) float
+        The form.
+    squares : tuple of three forms of degree 2
+        H^2, H K and K^2, where the forms H and K are put for h and k.
+    """
+    return plus(sum2(p[0], squares[0], p[1], squares[1]), p[2], squares[2])
+
+
+def replaced3(p, h, k, squares):
+    """Return a form of degree 3 with the forms h and k put for the variables.
+
+    The `squares` are as for `replaced2`.
+    """
+    none = 0.0 * p[0]
+    first = plus12((none, none, none, none), sum1(p[0], h, p[1], k), squares[0])
+    return plus12(first, sum1(p[2], h, p[3], k), squares[2])
+
+
+def replaced4(p, squares):
+    """Return what `replaced2` does, of a form of degree 4."""
+    none = 0.0 * p[0]
+    first = plus(sum2(p[0], squares[0], p[1], squares[1]), p[2], squares[2])
+    second = sum2(p[3], squares[1], p[4], squares[2])
+    whole = plus22((none, none, none, none, none), first, squares[0])
+    return plus22(whole, second, squares[2])

@@ -1,0 +1,178 @@
+"""All cones in contact of order 3 with a surface at a point: numbers or arrays, and loops of them.
+
+The loops fill rows point by point, for `compiled.call`; with arrays the formulas take all points
+at once. Every bit is the same.
+"""
+
+import math
+
+from ..compiled import root
+from ..elementwise import where
+from .cone_directions import circle_zeros
+from .graph_forms import model_forms, space_forms
+
+VANISHES = 1e-12  # of its terms, below which the form of contact is 0 in every direction
+
+
+def cones_in_space(x, y, z, rho):
+    """Return a point of a surface and its cones.
+
+    Parameters
+    ----------
+    x, y, z : sequences of 15 (...) float
+        The Taylor coefficients of its coordinates, in the order of `Jet`, in m.
+    rho : float
+        cot(half_angle)/2.
+
+    Returns
+    -------
+    point : tuple of 17 (...) float
+        The contact, in m; two unit tangents and the normal; the sine of the angle between the
+        tangents along the variables; |K|/|II|^2; of the graph's Hessian the determinant, which has
+        the sign of K, and the Frobenius norm; the sum of all sizes of coefficients of its forms.
+    cones : tuple of six tuples of five (...) float
+        For each direction e of a cone its two components along the tangents; how many cones fall
+        together there, 0 where there is none; f_ee, in m; and the residual of Eq. 12, -1 to 1.
+    """
+    frame, known, curvature, forms = space_forms(x, y, z)
+    return _together((x[0], y[0], z[0]), frame, known, curvature, forms, rho)
+
+
+def cones_in_the_model(x, y, f, rho):
+    """Return what `cones_in_space` does, of a graph in the isotropic model.
+
+    Parameters
+    ----------
+    x, y : (...) float
+        The place in the model.
+    f : sequence of 15 (...) float
+        The graph's Taylor coefficients, in the order of `Jet`, in m.
+    rho : float
+        cot(half_angle)/2.
+    """
+    contact, frame, curvature, forms = model_forms(x, y, f)
+    return _together(contact, frame, 1.0, curvature, forms, rho)
+
+
+def fill_space(x, y, z, rho, points, cones):
+    """Fill rows (n, 17) of points and (n, 6, 5) of cones by coefficients (n, 15)."""
+    for i in range(len(points)):
+        point, found = cones_in_space(x[i], y[i], z[i], rho)
+        _fill(points[i], cones[i], point, found)
+
+
+def fill_model(x, y, f, rho, points, cones):
+    """Fill the same rows by places (n,) of the model and coefficients (n, 15) of the graph."""
+    for i in range(len(points)):
+        point, found = cones_in_the_model(x[i], y[i], f[i], rho)
+        _fill(points[i], cones[i], point, found)
+
+
+def _fill(row, rows, point, cones):
+    for k in range(17):
+        row[k] = point[k]
+    for j in range(6):
+        for k in range(5):
+            rows[j][k] = cones[j][k]
+
+
+def _together(contact, frame, known, curvature, forms, rho):
+    f2, f3, f4 = forms
+    first, second, third = frame
+    cubic = (6 * rho * f3[0], 6 * rho * f3[1], 6 * rho * f3[2], 6 * rho * f3[3])
+    across = (3 * f2[1], 6 * (f2[2] - f2[0]), -3 * f2[1])  # 3 f_ew
+    whole = rho * _norm3(f3)
+    bend = _norm2(f2)
+    two = 3 * bend
+    directions, multiplicity, greatest = circle_zeros(cubic, across)
+    vanishes = greatest <= VANISHES * (whole + two)
+    floor = 1e-3 * (rho * rho * _norm4(f4) + 6 * whole + two)
+    size = abs(f2[0]) + abs(f2[1]) + abs(f2[2])
+    size = size + abs(f3[0]) + abs(f3[1]) + abs(f3[2]) + abs(f3[3])
+    size = size + abs(f4[0]) + abs(f4[1]) + abs(f4[2]) + abs(f4[3]) + abs(f4[4])
+    point = (
+        contact[0], contact[1], contact[2],
+        first[0], first[1], first[2], second[0], second[1], second[2], third[0], third[1], third[2],
+        known, curvature, 4 * f2[0] * f2[2] - f2[1] * f2[1], bend, size,
+    )  # fmt: skip
+    return point, (
+        _cone(forms, rho, floor, directions[0], where(vanishes, 0.0, multiplicity[0])),
+        _cone(forms, rho, floor, directions[1], where(vanishes, 0.0, multiplicity[1])),
+        _cone(forms, rho, floor, directions[2], where(vanishes, 0.0, multiplicity[2])),
+        _cone(forms, rho, floor, directions[3], where(vanishes, 0.0, multiplicity[3])),
+        _cone(forms, rho, floor, directions[4], where(vanishes, 0.0, multiplicity[4])),
+        _cone(forms, rho, floor, directions[5], where(vanishes, 0.0, multiplicity[5])),
+    )
+
+
+def _cone(forms, rho, floor, direction, multiplicity):
+    c, s = direction
+    fee, residual = order_four_along(forms, rho, floor, c, s)
+    return c, s, multiplicity, fee, residual
+
+
+def order_four_along(forms, rho, floor, c, s):
+    """Return f_ee and the residual of Eq. 12 over the sum of its terms, for e = (c, s).
+
+    Parameters
+    ----------
+    forms : tuple of three forms
+        Of degree 2 to 4, in m.
+    rho, floor : (...) float
+        cot(half_angle)/2, and the least that the sum of the terms is counted as.
+    c, s : (...) float
+        The direction.
+    """
+    f2, f3, f4 = forms
+    fee = 2 * ((f2[0] * c + f2[1] * s) * c + f2[2] * s * s)
+    fww = 2 * ((f2[0] * s - f2[1] * c) * s + f2[2] * c * c)
+    # Along w = (-s, c) the form of degree 3 changes by its gradient.
+    by_c = (3 * f3[0] * c + 2 * f3[1] * s) * c + f3[2] * s * s
+    by_s = (f3[1] * c + 2 * f3[2] * s) * c + 3 * f3[3] * s * s
+    feew = 2 * (c * by_s - s * by_c)
+    feeee = 24 * ((((f4[0] * c + f4[1] * s) * c + f4[2] * s * s) * c + f4[3] * s * s * s) * c
+                  + f4[4] * s * s * s * s)  # fmt: skip
+    four = rho * rho * feeee
+    three = 6 * rho * feew
+    two = 3 * (fww - fee)
+    total = abs(four) + abs(three) + abs(two)
+    total = where(total > floor, total, floor)
+    return fee, (four + three + two) / (total + (total == 0))
+
+
+def _norm2(f2):
+    """Return the Frobenius norm of second derivatives."""
+    return root(4 * f2[0] * f2[0] + 2 * f2[1] * f2[1] + 4 * f2[2] * f2[2])
+
+
+def _norm3(f3):
+    """Return the Frobenius norm of third derivatives."""
+    ends = 36 * (f3[0] * f3[0] + f3[3] * f3[3])
+    return root(ends + 12 * (f3[1] * f3[1] + f3[2] * f3[2]))
+
+
+def _norm4(f4):
+    """Return the Frobenius norm of fourth derivatives."""
+    ends = 576 * (f4[0] * f4[0] + f4[4] * f4[4])
+    return root(ends + 144 * (f4[1] * f4[1] + f4[3] * f4[3]) + 96 * f4[2] * f4[2])
+
+
+# ---- what arrays share with `elementwise`, for numbers -----------------------------------------
+
+
+def chosen(condition, yes, no):
+    """Return `yes` if a condition holds, else `no`."""
+    return yes if condition else no
+
+
+def holds(condition):
+    """Return whether a condition holds."""
+    return condition
+
+
+def quotient(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    return a / b if b else a * math.copysign(math.inf, b)
+
+
+NUMBERS = {"where": chosen, "some": holds, "ratio": quotient}
