@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+from collections import Counter
+from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
 
@@ -10,6 +12,10 @@ import numpy as np
 import pytest
 
 from tunneller_lib import compiled
+from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.families import cyclide
+from tunneller_lib.envelopes.pseudo import pseudo_envelope
 from tunneller_lib.motion import (
     Compressible,
     Integrator,
@@ -32,6 +38,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
 AXES = axes_of(REFERENCE_MACHINE, SIZES)
 OILY = [Compressible(axis) for axis in AXES]
+RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
 T = 5e-3
 RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 300))), np.linspace(0.3, 0.1, 300)], axis=-1)
 PLANTS = {
@@ -210,6 +217,43 @@ def test_axis_that_leaves_its_stroke_says_the_same_both_ways(both_ways):
     assert plain == fast
 
 
+CONES = {
+    "space": (RING.coordinates, "space"),
+    "graph": (cyclide, "isotropic"),
+    "double cones": (pseudo_envelope(np.radians(20)), "isotropic"),
+    "plane": (lambda s, t: [s, t, s + t], "space"),
+    "half undefined": (lambda x, y: np.log(x - 0.3) * y, "isotropic"),
+}
+
+
+@pytest.mark.parametrize("name", CONES)
+def test_cones_have_the_same_bits_one_by_one_at_once_and_compiled(name, both_ways, monkeypatch):
+    surface, model = CONES[name]
+    s, t = np.random.default_rng(5).uniform(0.1, 0.5, (2, 40))
+    monkeypatch.setattr(hyperosculate, "FEW", 39)
+    monkeypatch.setattr(compiled._Work, "of_kind", {"cones": np.inf})
+    jets = [Jet(variable.c.copy()) for variable in jet_variables(s, t)]
+    answer = surface(*jets)  # numpy may give another last bit to fewer points
+
+    def found(part):
+        of_part = (
+            [Jet(c.c[:, part]) for c in answer] if model == "space" else Jet(answer.c[:, part])
+        )
+        cones = hyperosculating_cones(
+            lambda s, t: of_part, s[part], t[part], half_angle=0.3, model=model
+        )
+        return [np.asarray(getattr(cones, field.name)) for field in fields(cones)]
+
+    every = slice(None)
+    at_once, fast = both_ways(lambda: found(every))
+    one_by_one = [found(slice(k, k + 1)) for k in range(40)]
+    for k, (field, one, other) in enumerate(zip(fields(Cones), at_once, fast, strict=True)):
+        np.testing.assert_array_equal(one, other, err_msg=field.name)
+        if field.name not in ("half_angle", "index"):
+            parts = [part[k] for part in one_by_one]
+            np.testing.assert_array_equal(one, np.concatenate(parts), err_msg=field.name)
+
+
 def child(code, **variables):
     return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
                           capture_output=True, env=os.environ | variables).stdout  # fmt: skip
@@ -243,6 +287,10 @@ def test_compiler_is_loaded_where_the_work_is_long(monkeypatch):
 
 FUSED = """
 from tunneller_lib import compiled
+from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.families import cyclide
+from tunneller_lib.envelopes.pseudo import pseudo_envelope
 compiled._Work.compiled = True
 import numpy as np
 from tunneller_lib.motion import Lag, Loop, follow
@@ -255,6 +303,16 @@ texts = [one.inspect_asm(key) for one in gc.get_objects()
          for key in one.signatures]
 print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for text in texts))
 """
+
+
+def test_loops_of_a_kind_wait_for_work_of_their_own(monkeypatch):
+    monkeypatch.setattr(compiled._Work, "compiled", True)
+    monkeypatch.setattr(compiled._Work, "of_kind", Counter())
+    compiled.expect(2 * compiled.LONG)
+    compiled.expect(0.9 * compiled.LONG, "cones")
+    assert compiled.ready() and not compiled.ready("cones")
+    compiled.expect(0.2 * compiled.LONG, "cones")
+    assert compiled.ready("cones")
 
 
 def test_no_product_is_fused_with_a_sum(tmp_path):

@@ -8,10 +8,14 @@ from mpmath import mp
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.blade import cone_distance
 from tunneller_lib.envelopes.circle_roots import real_zeros
+from tunneller_lib.envelopes.cone_directions import FAR, circle_zeros
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import cyclide, moving_cone
+from tunneller_lib.envelopes.functions import as_jet
+from tunneller_lib.envelopes.graph_forms import model_forms, space_forms
 from tunneller_lib.envelopes.hyperosculate import order_four
 from tunneller_lib.envelopes.isotropic import contact_point, surface_points
 from tunneller_lib.envelopes.jet import jet_variables
@@ -331,6 +335,77 @@ def test_points_must_be_finite(s, t, message):
 def test_surface_must_fit_the_model(surface, model, message):
     with pytest.raises(ValueError, match=message):
         hyperosculating_cones(surface, 0.3, 0.4, half_angle=0.3, model=model)
+
+
+# ---- the core, against ways of its own ---------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["space", "isotropic"])
+def test_forms_in_the_adapted_frame_are_those_of_the_jets(model):
+    """`adapted` composes and inverts jets, to any order; the core goes degree by degree."""
+    surface = GENERAL["quartic graph"] if model == "space" else GRAPHS["waves"]
+    frames = adapted_frames(surface, *GRID, model)
+    f = isotropic_jet(frames, slice(None))
+    answer = surface(*jet_variables(*GRID))
+    if model == "space":
+        axes, _, curvature, forms = space_forms(*(as_jet(one, answer[2]).c for one in answer))
+    else:
+        contact, axes, curvature, forms = model_forms(*GRID, answer.c)
+        np.testing.assert_allclose(np.stack(contact, axis=-1), frames.contact, atol=1e-14)
+    np.testing.assert_allclose(np.moveaxis(axes, -1, 0), frames.axes, atol=1e-14)
+    np.testing.assert_allclose(curvature, frames.curvature, atol=1e-14)
+    for form, rows in zip(forms, (slice(3, 6), slice(6, 10), slice(10, 15)), strict=True):
+        np.testing.assert_allclose(form, f.c[rows], rtol=0, atol=1e-11 * np.abs(f.c).max())
+
+
+def sum_of_forms(zeros, size=1.0):
+    """Return forms of degree 3 and 2, for `circle_zeros`, whose sum has these six zeros."""
+
+    def product(a):
+        return size * np.prod([np.sin((a - z) / 2) for z in zeros], axis=0)
+
+    a = 2 * np.pi * np.arange(7) / 7
+    waves = np.fft.fft(product(a)) / 7
+    # cos 3a, sin 3a, cos a, sin a by c and s; what is left, cos 2a, sin 2a and a number, is even.
+    (x3, y3), (x1, y1), (x2, y2) = ((2 * waves[k].real, -2 * waves[k].imag) for k in (3, 1, 2))
+    cubic = (x3 + x1, 3 * y3 + y1, x1 - 3 * x3, y1 - y3)
+    square = (waves[0].real + x2, 2 * y2, waves[0].real - x2)
+    return tuple(map(float, cubic)), tuple(map(float, square))
+
+
+@given(st.lists(st.floats(-3.1, 3.1), min_size=6, max_size=6), st.floats(1e-9, 1e9))
+def test_circle_zeros_finds_given_zeros(zeros, size):
+    zeros = np.sort(zeros)
+    if np.min(np.append(np.diff(zeros), 2 * np.pi - np.ptp(zeros))) < 0.05:
+        return
+    directions, multiplicity, _ = circle_zeros(*sum_of_forms(zeros, size))
+    found = np.sort([np.arctan2(s, c) for c, s in directions])
+    np.testing.assert_allclose(found, zeros, atol=1e-8)
+    assert multiplicity == (1, 1, 1, 1, 1, 1)
+
+
+@pytest.mark.parametrize(("zeros", "expected"), [
+    ([0.5, 0.5, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
+    ([0.5, 0.5 + 1e-6, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
+    ([0.5 + 1e-6j, 0.5 - 1e-6j, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
+    ([0.5, 0.5 + 1e-4, 1, 2, -2, -1], [1, 1, 1, 1, 1, 1]),
+    ([0.5 + 1e-4j, 0.5 - 1e-4j, 1, 2, -2, -1], [1, 1, 1, 1]),
+    ([np.pi, np.pi, 1, 2, -2, -1], [1, 1, 1, 1, 2]),
+    ([0.5, 0.5, 0.5, 2, -2, -1], [1, 1, 1, 3]),
+    ([0.5, 0.5, 2, 2, -2, -2], [2, 2, 2]),
+    ([0, np.pi, 1j, -1j, np.pi + 1j, np.pi - 1j], [1, 1]),  # odd, as are all its derivatives
+])  # fmt: skip
+def test_circle_zeros_counts_multiple_zeros(zeros, expected):
+    _, multiplicity, _ = circle_zeros(*sum_of_forms(np.array(zeros)))
+    assert sorted(m for m in multiplicity if m) == expected
+
+
+def test_no_zero_lies_beyond_the_range_that_is_searched():
+    """The greatest of seven samples bounds the sum, and Bernstein's theorem its slope."""
+    a = np.linspace(0, 2 * np.pi, 10_001)
+    kernels = [sum(np.cos(k * (a - 2 * np.pi * j / 7)) for k in range(-3, 4)) / 7 for j in range(7)]
+    most = np.abs(kernels).sum(axis=0).max()
+    assert 1 / np.tan(1 / (3 * most) / 2) < FAR
 
 
 # ---- zeros on the circle ----------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """All cones in contact of order 3 with a surface at a point: numbers or arrays, and loops of them.
 
-The loops fill rows point by point, for `compiled.call`; with arrays the formulas take all points
-at once. Every bit is the same.
+The loops go from point to point, for `compiled.call`; with arrays the formulas take all points at
+once. Every bit is the same.
 """
 
 import math
@@ -12,34 +12,30 @@ from .cone_directions import circle_zeros
 from .graph_forms import model_forms, space_forms
 
 VANISHES = 1e-12  # of its terms, below which the form of contact is 0 in every direction
+SHAPE = 26  # numbers that `shape_in_space` returns
 
 
-def cones_in_space(x, y, z, rho):
-    """Return a point of a surface and its cones.
+def shape_in_space(x, y, z):
+    """Return a point of a surface, its frame and its forms.
 
     Parameters
     ----------
     x, y, z : sequences of 15 (...) float
         The Taylor coefficients of its coordinates, in the order of `Jet`, in m.
-    rho : float
-        cot(half_angle)/2.
 
     Returns
     -------
-    point : tuple of 17 (...) float
+    shape : tuple of 26 (...) float
         The contact, in m; two unit tangents and the normal; the sine of the angle between the
-        tangents along the variables; |K|/|II|^2; of the graph's Hessian the determinant, which has
-        the sign of K, and the Frobenius norm; the sum of all sizes of coefficients of its forms.
-    cones : tuple of six tuples of five (...) float
-        For each direction e of a cone its two components along the tangents; how many cones fall
-        together there, 0 where there is none; f_ee, in m; and the residual of Eq. 12, -1 to 1.
+        tangents along the variables; |K|/|II|^2; and the coefficients of the graph's forms of
+        degree 2, 3 and 4, in m.
     """
     frame, known, curvature, forms = space_forms(x, y, z)
-    return _together((x[0], y[0], z[0]), frame, known, curvature, forms, rho)
+    return _in_a_row((x[0], y[0], z[0]), frame, known, curvature, forms)
 
 
-def cones_in_the_model(x, y, f, rho):
-    """Return what `cones_in_space` does, of a graph in the isotropic model.
+def shape_in_the_model(x, y, f):
+    """Return what `shape_in_space` does, of a graph in the isotropic model.
 
     Parameters
     ----------
@@ -47,55 +43,46 @@ def cones_in_the_model(x, y, f, rho):
         The place in the model.
     f : sequence of 15 (...) float
         The graph's Taylor coefficients, in the order of `Jet`, in m.
-    rho : float
-        cot(half_angle)/2.
     """
     contact, frame, curvature, forms = model_forms(x, y, f)
-    return _together(contact, frame, 1.0, curvature, forms, rho)
+    return _in_a_row(contact, frame, 1.0, curvature, forms)
 
 
-def fill_space(x, y, z, rho, points, cones):
-    """Fill rows (n, 17) of points and (n, 6, 5) of cones by coefficients (n, 15)."""
-    for i in range(len(points)):
-        point, found = cones_in_space(x[i], y[i], z[i], rho)
-        _fill(points[i], cones[i], point, found)
-
-
-def fill_model(x, y, f, rho, points, cones):
-    """Fill the same rows by places (n,) of the model and coefficients (n, 15) of the graph."""
-    for i in range(len(points)):
-        point, found = cones_in_the_model(x[i], y[i], f[i], rho)
-        _fill(points[i], cones[i], point, found)
-
-
-def _fill(row, rows, point, cones):
-    for k in range(17):
-        row[k] = point[k]
-    for j in range(6):
-        for k in range(5):
-            rows[j][k] = cones[j][k]
-
-
-def _together(contact, frame, known, curvature, forms, rho):
-    f2, f3, f4 = forms
+def _in_a_row(contact, frame, known, curvature, forms):
     first, second, third = frame
+    f2, f3, f4 = forms
+    return (*contact, *first, *second, *third, known, curvature, *f2, *f3, *f4)
+
+
+def cones_of(shape, rho):
+    """Return the cones at a point.
+
+    Parameters
+    ----------
+    shape : sequence of 26 (...) float
+        As of `shape_in_space`.
+    rho : float
+        cot(half_angle)/2.
+
+    Returns
+    -------
+    cones : tuple of six tuples of five (...) float
+        For each direction e of a cone its two components along the tangents; how many cones fall
+        together there, 0 where there is none; f_ee, in m; and the residual of Eq. 12, -1 to 1.
+    """
+    f2 = (shape[14], shape[15], shape[16])
+    f3 = (shape[17], shape[18], shape[19], shape[20])
+    f4 = (shape[21], shape[22], shape[23], shape[24], shape[25])
     cubic = (6 * rho * f3[0], 6 * rho * f3[1], 6 * rho * f3[2], 6 * rho * f3[3])
     across = (3 * f2[1], 6 * (f2[2] - f2[0]), -3 * f2[1])  # 3 f_ew
-    whole = rho * _norm3(f3)
-    bend = _norm2(f2)
-    two = 3 * bend
+    three = rho * _norm3(f3)
+    two = 3 * norm2(f2)
     directions, multiplicity, greatest = circle_zeros(cubic, across)
-    vanishes = greatest <= VANISHES * (whole + two)
-    floor = 1e-3 * (rho * rho * _norm4(f4) + 6 * whole + two)
-    size = abs(f2[0]) + abs(f2[1]) + abs(f2[2])
-    size = size + abs(f3[0]) + abs(f3[1]) + abs(f3[2]) + abs(f3[3])
-    size = size + abs(f4[0]) + abs(f4[1]) + abs(f4[2]) + abs(f4[3]) + abs(f4[4])
-    point = (
-        contact[0], contact[1], contact[2],
-        first[0], first[1], first[2], second[0], second[1], second[2], third[0], third[1], third[2],
-        known, curvature, 4 * f2[0] * f2[2] - f2[1] * f2[1], bend, size,
-    )  # fmt: skip
-    return point, (
+    vanishes = greatest <= VANISHES * (three + two)
+    # All terms may vanish together: then rounding is compared with the forms as a whole.
+    floor = 1e-3 * (rho * rho * _norm4(f4) + 6 * three + two)
+    forms = (f2, f3, f4)
+    return (
         _cone(forms, rho, floor, directions[0], where(vanishes, 0.0, multiplicity[0])),
         _cone(forms, rho, floor, directions[1], where(vanishes, 0.0, multiplicity[1])),
         _cone(forms, rho, floor, directions[2], where(vanishes, 0.0, multiplicity[2])),
@@ -103,6 +90,27 @@ def _together(contact, frame, known, curvature, forms, rho):
         _cone(forms, rho, floor, directions[4], where(vanishes, 0.0, multiplicity[4])),
         _cone(forms, rho, floor, directions[5], where(vanishes, 0.0, multiplicity[5])),
     )
+
+
+def fill_space(x, y, z, shapes):
+    """Fill rows (n, 26) of `shape_in_space` by coefficients (n, 15)."""
+    for i in range(len(shapes)):
+        shapes[i][:] = shape_in_space(x[i], y[i], z[i])
+
+
+def fill_model(x, y, f, shapes):
+    """Fill the same rows by places (n,) of the model and coefficients (n, 15) of the graph."""
+    for i in range(len(shapes)):
+        shapes[i][:] = shape_in_the_model(x[i], y[i], f[i])
+
+
+def fill_cones(shapes, rho, cones):
+    """Fill rows (n, 6, 5) of `cones_of` by rows (n, 26) of shapes."""
+    for i in range(len(shapes)):
+        found = cones_of(shapes[i], rho)
+        for j in range(6):
+            for k in range(5):
+                cones[i][j][k] = found[j][k]
 
 
 def _cone(forms, rho, floor, direction, multiplicity):
@@ -140,7 +148,7 @@ def order_four_along(forms, rho, floor, c, s):
     return fee, (four + three + two) / (total + (total == 0))
 
 
-def _norm2(f2):
+def norm2(f2):
     """Return the Frobenius norm of second derivatives."""
     return root(4 * f2[0] * f2[0] + 2 * f2[1] * f2[1] + 4 * f2[2] * f2[2])
 

@@ -177,42 +177,45 @@ def _found(surface, s, t, rho, model):
     -------
     defined : (n,) bool
         Whether the surface's derivatives are numbers.
-    points : (n, 17) float
-        As of `cone_loops.cones_in_space`.
+    shapes : (n, 26) float
+        As of `cone_loops.shape_in_space`.
     cones : (n, 6, 5) float
-        As of `cone_loops.cones_in_space`.
+        As of `cone_loops.cones_of`.
     """
     variables = jet_variables.unchecked(s, t)
+    few = s.size <= FEW
     ready = compiled.ready("cones")
     with np.errstate(all="ignore"):
         answer = surface(*variables)
         if model == "space":
             three = coordinates("surface", answer, variables[0])
             given = [as_jet(one, variables[0]).c for one in three]
-            formula = cone_loops.cones_in_space
-            loop = cone_loops.fill_space
+            formula, loop = cone_loops.shape_in_space, cone_loops.fill_space
         else:
             given = [s, t, as_jet(one_number("surface", answer, variables[0]), variables[0]).c]
-            formula = cone_loops.cones_in_the_model
-            loop = cone_loops.fill_model
+            formula, loop = cone_loops.shape_in_the_model, cone_loops.fill_model
         finite = [np.isfinite(one) if one.ndim == 1 else np.isfinite(one).all(0) for one in given]
         defined = np.all(finite, axis=0)
-        if s.size > FEW and not ready:
-            points, cones = formula(*given, rho)
-            points = np.stack(np.broadcast_arrays(*points), axis=-1)
-            return defined, points, np.stack([np.stack(one, axis=-1) for one in cones], axis=1)
-    points = np.empty((s.size, 17))
+        if few:
+            shapes = np.empty((s.size, cone_loops.SHAPE))
+            rows = [np.array(one.T, order="C") for one in given]
+            compiled.call_plain(loop, *rows, shapes, **cone_loops.NUMBERS)
+        else:
+            shapes = np.stack(np.broadcast_arrays(*formula(*given)), axis=-1)
+        if not few and not ready:
+            cones = cone_loops.cones_of(shapes.T, rho)
+            return defined, shapes, np.stack([np.stack(one, axis=-1) for one in cones], axis=1)
     cones = np.empty((s.size, 6, 5))
-    rows = [np.array(one.T, order="C") for one in given]
     call = compiled.call if ready else compiled.call_plain
-    call(loop, *rows, rho, points, cones, **cone_loops.NUMBERS)
-    return defined, points, cones
+    call(cone_loops.fill_cones, shapes, rho, cones, **cone_loops.NUMBERS)
+    return defined, shapes, cones
 
 
-def _cones(half_angle, rho, model, shape, defined, points, cones):
+def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     """Return `Cones` of points of a shape by what `_found` knows of them."""
-    contact, first, second, normal, rest = np.split(points, (3, 6, 9, 12), axis=1)
-    known, curvature, determinant, bend, size = rest.T
+    contact, first, second, normal, rest = np.split(shapes, (3, 6, 9, 12), axis=1)
+    known, curvature, *forms = rest.T
+    f2 = forms[:3]
     # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
     # planes of a graph always turn: there it is points of contact that stand still, K infinite.
     flat = curvature <= FLAT
@@ -220,7 +223,7 @@ def _cones(half_angle, rho, model, shape, defined, points, cones):
     # What is too great for products of three derivatives counts as not defined, too. A point that
     # isn't smooth has no curvature to speak of, so this verdict goes before.
     smooth = defined & (known > NOISE) & np.isfinite(contact).all(axis=1)
-    state[~(smooth & (flat | (size <= MOST)))] = "outside"
+    state[~(smooth & (flat | (np.abs(rest[:, 2:]).max(axis=1) <= MOST)))] = "outside"
     e_c, e_s, multiplicity, fee, order4 = np.moveaxis(cones, -1, 0)
     regular = state == "regular"
     there = (multiplicity > 0) & regular[:, None]
@@ -234,7 +237,7 @@ def _cones(half_angle, rho, model, shape, defined, points, cones):
     point, row, c, s = point[by_angle], row[by_angle], c[by_angle, None], s[by_angle, None]
     fee, order4 = fee[point, row], order4[point, row]
     # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
-    near = np.abs(fee) <= 1e-12 * bend[point]
+    near = np.abs(fee) <= 1e-12 * cone_loops.norm2(f2)[point]
     side = np.where(near, 0, np.sign(fee)).astype(int)
     normal = normal[point]
     contact = contact[point]
@@ -247,7 +250,8 @@ def _cones(half_angle, rho, model, shape, defined, points, cones):
     # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
     # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
     # and order 4 tells whether it enters there.
-    gouges = (determinant[point] >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
+    K = (4 * f2[0] * f2[2] - f2[1] * f2[1])[point]  # its sign is that of the Gaussian curvature
+    gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
     return Cones(
         half_angle, point, contact, normal, vertex, axis, side, np.abs(rho * fee), order4, gouges,
@@ -288,7 +292,7 @@ def order_four(f, angle, rho):
         In adapted frames, at n points.
     angle : (n, m) float
         Direction angles of e, in rad; NaN gives NaN.
-    rho : float or (n, m) float
+    rho : float
         cot(half_angle)/2.
 
     Returns
@@ -298,14 +302,9 @@ def order_four(f, angle, rho):
     residual : (n, m) float
         Eq. 12, from -1 to 1.
     """
-    fee = derivative_along(f, angle, 2)
-    terms = [
-        rho**2 * derivative_along(f, angle, 4),
-        6 * rho * derivative_along(f, angle, 2, 1),
-        3 * (derivative_along(f, angle, 0, 2) - fee),
-    ]
-    total = sum(np.abs(term) for term in terms)
     # All terms may vanish together: then rounding is compared with the jet as a whole.
     whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
-    floor = np.maximum(total, 1e-3 * whole[:, None])
-    return fee, sum(terms) / (floor + (floor == 0))
+    forms = [f.c[first:last, :, None] for first, last in ((3, 6), (6, 10), (10, 15))]
+    return cone_loops.order_four_along(
+        forms, rho, 1e-3 * whole[:, None], np.cos(angle), np.sin(angle)
+    )
