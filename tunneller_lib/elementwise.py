@@ -67,3 +67,47 @@ def scaled(x, power):
 def some(condition):
     """Return whether a condition holds anywhere."""
     return condition.any() if isinstance(condition, np.ndarray) else condition
+
+
+# ---- the same of numbers alone, for loops that may be compiled -------------
+
+
+def chosen(condition, yes, no):
+    """Return `yes` if a condition holds, else `no`."""
+    return yes if condition else no
+
+
+def lesser(a, b):
+    """Return the smaller of two numbers, none NaN."""
+    return a if a <= b else b
+
+
+def greater(a, b):
+    """Return the larger of two numbers, none NaN."""
+    return a if a >= b else b
+
+
+def rooted(x):
+    """Return the square root of a number that isn't below zero."""
+    return math.sqrt(x)
+
+
+def quotient(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    return a / b if b else a * math.copysign(math.inf, b)
+
+
+def holds(condition):
+    """Return whether a condition holds."""
+    return condition
+
+
+# What `compiled.call` puts in their place.
+NUMBERS = {
+    "where": chosen,
+    "smaller": lesser,
+    "larger": greater,
+    "square_root": rooted,
+    "ratio": quotient,
+    "some": holds,
+}

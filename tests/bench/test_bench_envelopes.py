@@ -14,6 +14,7 @@ import pytest
 from tests.bench.conftest import best_times
 from tests.bench.test_bench_dexel import FLAGS
 from tunneller_lib import compiled
+from tunneller_lib.elementwise import NUMBERS
 from tunneller_lib.envelopes import (
     cone_directions,
     cone_loops,
@@ -80,7 +81,7 @@ def test_compiled_core_against_c(benchmark, say, tmp_path, way):
 
     def ours():
         if way == "compiled":
-            compiled.call(cone_loops.fill_cones, shapes, rho, mine, **cone_loops.NUMBERS)
+            compiled.call(cone_loops.fill_cones, shapes, rho, mine, **NUMBERS)
         else:
             with np.errstate(all="ignore"):
                 mine[:] = np.moveaxis(np.array(cone_loops.cones_of(shapes.T, rho)), -1, 0)

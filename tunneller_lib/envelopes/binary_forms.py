@@ -64,22 +64,17 @@ def sum3(a, p, b, q):
 
 
 def replaced2(p, squares):
-    """Return a form of degree 2 with other forms put for the variables, by their products.
+    """Return a form p of degree 2 with other forms put for h and k, given these forms' `squares`.
 
-    Parameters
-    ----------
-    p : tuple of three (...) float
-        The form.
-    squares : tuple of three forms of degree 2
-        H^2, H K and K^2, where the forms H and K are put for h and k.
+    Those are the products of the first by itself, of both, and of the second by itself.
     """
     return plus(sum2(p[0], squares[0], p[1], squares[1]), p[2], squares[2])
 
 
 def replaced3(p, h, k, squares):
-    """Return a form of degree 3 with the forms h and k put for the variables.
+    """Return a form p of degree 3 with forms h and k put for its variables.
 
-    The `squares` are as for `replaced2`.
+    Their `squares` are as for `replaced2`.
     """
     none = 0.0 * p[0]
     first = plus12((none, none, none, none), sum1(p[0], h, p[1], k), squares[0])
@@ -87,7 +82,7 @@ def replaced3(p, h, k, squares):
 
 
 def replaced4(p, squares):
-    """Return what `replaced2` does, of a form of degree 4."""
+    """Return what `replaced2` does, of a form p of degree 4."""
     none = 0.0 * p[0]
     first = plus(sum2(p[0], squares[0], p[1], squares[1]), p[2], squares[2])
     second = sum2(p[3], squares[1], p[4], squares[2])

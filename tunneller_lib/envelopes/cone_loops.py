@@ -4,8 +4,6 @@ The loops go from point to point, for `compiled.call`; with arrays the formulas 
 once. Every bit is the same.
 """
 
-import math
-
 from ..compiled import root
 from ..elementwise import where
 from .cone_directions import circle_zeros
@@ -93,19 +91,47 @@ def cones_of(shape, rho):
 
 
 def fill_space(x, y, z, shapes):
-    """Fill rows (n, 26) of `shape_in_space` by coefficients (n, 15)."""
+    """Fill rows with what `shape_in_space` returns of points.
+
+    Parameters
+    ----------
+    x, y, z : (n, 15) float
+        The Taylor coefficients, in m.
+    shapes : (n, 26) float
+        To be filled.
+    """
     for i in range(len(shapes)):
         shapes[i][:] = shape_in_space(x[i], y[i], z[i])
 
 
 def fill_model(x, y, f, shapes):
-    """Fill the same rows by places (n,) of the model and coefficients (n, 15) of the graph."""
+    """Fill rows with what `shape_in_the_model` returns of points.
+
+    Parameters
+    ----------
+    x, y : (n,) float
+        Places of the model.
+    f : (n, 15) float
+        The graph's Taylor coefficients, in m.
+    shapes : (n, 26) float
+        To be filled.
+    """
     for i in range(len(shapes)):
         shapes[i][:] = shape_in_the_model(x[i], y[i], f[i])
 
 
 def fill_cones(shapes, rho, cones):
-    """Fill rows (n, 6, 5) of `cones_of` by rows (n, 26) of shapes."""
+    """Fill rows with what `cones_of` returns of points.
+
+    Parameters
+    ----------
+    shapes : (n, 26) float
+        As of `shape_in_space`.
+    rho : float
+        cot(half_angle)/2.
+    cones : (n, 6, 5) float
+        To be filled.
+    """
     for i in range(len(shapes)):
         found = cones_of(shapes[i], rho)
         for j in range(6):
@@ -163,24 +189,3 @@ def _norm4(f4):
     """Return the Frobenius norm of fourth derivatives."""
     ends = 576 * (f4[0] * f4[0] + f4[4] * f4[4])
     return root(ends + 144 * (f4[1] * f4[1] + f4[3] * f4[3]) + 96 * f4[2] * f4[2])
-
-
-# ---- what arrays share with `elementwise`, for numbers -----------------------------------------
-
-
-def chosen(condition, yes, no):
-    """Return `yes` if a condition holds, else `no`."""
-    return yes if condition else no
-
-
-def holds(condition):
-    """Return whether a condition holds."""
-    return condition
-
-
-def quotient(a, b):
-    """Return a / b, which is infinite or not a number where b is zero."""
-    return a / b if b else a * math.copysign(math.inf, b)
-
-
-NUMBERS = {"where": chosen, "some": holds, "ratio": quotient}

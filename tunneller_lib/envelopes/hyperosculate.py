@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import compiled
 from ..arguments import HalfAngle, Reals, checked
+from ..elementwise import NUMBERS
 from . import cone_loops
 from .adapted import FLAT, MOST
 from .circle_roots import real_zeros
@@ -199,7 +200,7 @@ def _found(surface, s, t, rho, model):
         if few:
             shapes = np.empty((s.size, cone_loops.SHAPE))
             rows = [np.array(one.T, order="C") for one in given]
-            compiled.call_plain(loop, *rows, shapes, **cone_loops.NUMBERS)
+            compiled.call_plain(loop, *rows, shapes, **NUMBERS)
         else:
             shapes = np.stack(np.broadcast_arrays(*formula(*given)), axis=-1)
         if not few and not ready:
@@ -207,7 +208,7 @@ def _found(surface, s, t, rho, model):
             return defined, shapes, np.stack([np.stack(one, axis=-1) for one in cones], axis=1)
     cones = np.empty((s.size, 6, 5))
     call = compiled.call if ready else compiled.call_plain
-    call(cone_loops.fill_cones, shapes, rho, cones, **cone_loops.NUMBERS)
+    call(cone_loops.fill_cones, shapes, rho, cones, **NUMBERS)
     return defined, shapes, cones
 
 

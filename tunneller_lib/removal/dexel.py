@@ -20,6 +20,7 @@ from ..arguments import (
     shown,
     whole,
 )
+from ..elementwise import NUMBERS
 from ..exact import norm
 from ..surfaces import Box, Frustum, Rod, RoundedDisc
 from . import dexel_loops
@@ -311,7 +312,7 @@ class DexelGrid:
         found, apart = compiled.call(
             dexel_loops.meet_moves, self.low, self.high, (x, cos, sin, aside),
             (rows.start, rows.stop, columns.start, columns.stop), (*middle.tolist(), float(about)),
-            radius, self.lines.seen(a, b, columns), i, j, enter, leave, **dexel_loops.NUMBERS,
+            radius, self.lines.seen(a, b, columns), i, j, enter, leave, **NUMBERS,
         )  # fmt: skip
         cuts = slice(1, None) if apart else slice(1)
         both = enter[cuts, :found], leave[cuts, :found]
@@ -330,7 +331,7 @@ class DexelGrid:
         cell, rays = self.lines[-2:]
         pieces = compiled.call(
             dexel_loops.take_cut, self.low, self.high, i, j, enter, leave, cell, rays,
-            taken, counts, split, **dexel_loops.NUMBERS,
+            taken, counts, split, **NUMBERS,
         )  # fmt: skip
         if pieces:
             line = split[0, :pieces].astype(int)

@@ -3,10 +3,9 @@
 The formulas are those that `grid` has for whole arrays, so that every bit is the same.
 """
 
-import math
-
 import numpy as np
 
+from ..elementwise import greater, lesser
 from .grid import measured, met_ball, swept
 
 
@@ -178,27 +177,3 @@ def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, 
                     pieces += 1
         counts[slot] = count
     return pieces
-
-
-def chosen(condition, yes, no):
-    """Return `yes` if a condition holds, else `no`."""
-    return yes if condition else no
-
-
-def lesser(a, b):
-    """Return the smaller of two numbers."""
-    return a if a <= b else b
-
-
-def greater(a, b):
-    """Return the larger of two numbers."""
-    return a if a >= b else b
-
-
-def rooted(x):
-    """Return the square root of a number that isn't below zero."""
-    return math.sqrt(x)
-
-
-# What the formulas that arrays share call of `elementwise`, for numbers: none of these is NaN.
-NUMBERS = {"where": chosen, "smaller": lesser, "larger": greater, "square_root": rooted}
