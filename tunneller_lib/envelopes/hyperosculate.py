@@ -215,8 +215,7 @@ def _found(surface, s, t, rho, model):
 def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     """Return `Cones` of points of a shape by what `_found` knows of them."""
     contact, first, second, normal, rest = np.split(shapes, (3, 6, 9, 12), axis=1)
-    known, curvature, *forms = rest.T
-    f2 = forms[:3]
+    known, curvature = rest.T[:2]
     # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
     # planes of a graph always turn: there it is points of contact that stand still, K infinite.
     flat = curvature <= FLAT
@@ -237,8 +236,9 @@ def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     by_angle = np.lexsort((np.arctan2(s, c), point))
     point, row, c, s = point[by_angle], row[by_angle], c[by_angle, None], s[by_angle, None]
     fee, order4 = fee[point, row], order4[point, row]
+    f2 = rest.T[2:5, point]
     # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
-    near = np.abs(fee) <= 1e-12 * cone_loops.norm2(f2)[point]
+    near = np.abs(fee) <= 1e-12 * cone_loops.norm2(f2)
     side = np.where(near, 0, np.sign(fee)).astype(int)
     normal = normal[point]
     contact = contact[point]
@@ -251,7 +251,7 @@ def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
     # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
     # and order 4 tells whether it enters there.
-    K = (4 * f2[0] * f2[2] - f2[1] * f2[1])[point]  # its sign is that of the Gaussian curvature
+    K = 4 * f2[0] * f2[2] - f2[1] * f2[1]  # its sign is that of the Gaussian curvature
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
     return Cones(
