@@ -166,9 +166,10 @@ def hyperosculating_cones(
     parts = []
     for first in range(0, max(s.size, 1), BLOCK):
         block = slice(first, first + BLOCK)
-        parts.append(_found(surface, flat_s[block], flat_t[block], rho, model))
-    found = map(np.concatenate, zip(*parts, strict=True))
-    return _cones(half_angle, rho, model, s.shape, *found)
+        found = _found(surface, flat_s[block], flat_t[block], rho, model)
+        parts.append(_fields(half_angle, rho, model, first, *found))
+    *rows, count, state = map(np.concatenate, zip(*parts, strict=True))
+    return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
 
 
 def _found(surface, s, t, rho, model):
@@ -212,9 +213,9 @@ def _found(surface, s, t, rho, model):
     return defined, shapes, cones
 
 
-def _cones(half_angle, rho, model, shape, defined, shapes, cones):
-    """Return `Cones` of points of a shape by what `_found` knows of them."""
-    contact, first, second, normal, rest = np.split(shapes, (3, 6, 9, 12), axis=1)
+def _fields(half_angle, rho, model, first, defined, shapes, cones):
+    """Return the fields of `Cones` but the angle, by what `_found` knows of points from `first`."""
+    contact, tangent, other, normal, rest = np.split(shapes, (3, 6, 9, 12), axis=1)
     known, curvature = rest.T[:2]
     # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
     # planes of a graph always turn: there it is points of contact that stand still, K infinite.
@@ -242,7 +243,7 @@ def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     side = np.where(near, 0, np.sign(fee)).astype(int)
     normal = normal[point]
     contact = contact[point]
-    w = c * second[point] - s * first[point]  # e turned by a right angle: the ruling's line
+    w = c * other[point] - s * tangent[point]  # e turned by a right angle: the ruling's line
     vertex = contact - (rho * fee)[:, None] * w
     # This axis belongs to a cone on the normal's side, with the vertex behind along w; on the other
     # side both turn. A vertex in the contact has no side: it keeps the first.
@@ -254,9 +255,9 @@ def _cones(half_angle, rho, model, shape, defined, shapes, cones):
     K = 4 * f2[0] * f2[2] - f2[1] * f2[1]  # its sign is that of the Gaussian curvature
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
-    return Cones(
-        half_angle, point, contact, normal, vertex, axis, side, np.abs(rho * fee), order4, gouges,
-        undecided, multiplicity[point, row].astype(int), count.reshape(shape), state.reshape(shape),
+    return (
+        first + point, contact, normal, vertex, axis, side, np.abs(rho * fee), order4, gouges,
+        undecided, multiplicity[point, row].astype(int), count, state,
     )  # fmt: skip
 
 
