@@ -244,14 +244,16 @@ def test_cones_have_the_same_bits_one_by_one_at_once_and_compiled(name, both_way
         )
         return [np.asarray(getattr(cones, field.name)) for field in fields(cones)]
 
-    every = slice(None)
-    at_once, fast = both_ways(lambda: found(every))
-    one_by_one = [found(slice(k, k + 1)) for k in range(40)]
-    for k, (field, one, other) in enumerate(zip(fields(Cones), at_once, fast, strict=True)):
-        np.testing.assert_array_equal(one, other, err_msg=field.name)
-        if field.name not in ("half_angle", "index"):
-            parts = [part[k] for part in one_by_one]
-            np.testing.assert_array_equal(one, np.concatenate(parts), err_msg=field.name)
+    def at_once_and_one_by_one():
+        return found(slice(None)), [found(slice(k, k + 1)) for k in range(40)]
+
+    plain, fast = both_ways(at_once_and_one_by_one)
+    for k, field in enumerate(fields(Cones)):
+        for whole, parts in (plain, fast):
+            np.testing.assert_array_equal(whole[k], plain[0][k], err_msg=field.name)
+            if field.name not in ("half_angle", "index"):
+                joined = np.concatenate([part[k] for part in parts])
+                np.testing.assert_array_equal(joined, plain[0][k], err_msg=field.name)
 
 
 def child(code, **variables):
@@ -287,10 +289,6 @@ def test_compiler_is_loaded_where_the_work_is_long(monkeypatch):
 
 FUSED = """
 from tunneller_lib import compiled
-from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_cones, jet_variables
-from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.envelopes.families import cyclide
-from tunneller_lib.envelopes.pseudo import pseudo_envelope
 compiled._Work.compiled = True
 import numpy as np
 from tunneller_lib.motion import Lag, Loop, follow
