@@ -6,33 +6,39 @@ it nor pass it closely. The careful way, with twice the digits where they cancel
 one of a hundred thousand lines that come from anywhere, and any number of those that don't.
 
 Both are written once, `elementwise`: one line takes them in Python's own floats, many in rows of
-x, y and z, over which numpy runs fastest.
+x, y and z, over which numpy runs fastest. Where loops are `compiled`, both take a loop over lines.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, square_root, where
-from .vectors import differences, scalar_products, vector_products
+from .. import compiled
+from ..elementwise import larger, put_back, ratio, smaller, square_root, where, without
+from . import line_loops
+from .vectors import differences, scalar_products, vector_products, vectors_without
 
 BLOCK = 16384  # lines treated at once
 PAIRS = 8192  # the same of lines with shapes of their own
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
 FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
+# About how long lines take without a compiler, in s: one by one, in rows, with shapes of their own.
+PLAIN_CALL, PLAIN_LINE, PLAIN_PAIR = 1e-5, 4e-7, 2e-6
 
 
-def meet_in_blocks(quick, careful, start, point, direction):
+def meet_in_blocks(quick, careful, shape, point, direction):
     """Return where lines enter and leave one shape.
 
     Parameters
     ----------
-    quick : callable
-        Of points from `start`, in m, and directions, as `vectors`; returns `enter`, `leave` and
-        where they are `sure`.
-    careful : callable
-        Of points and directions; returns `enter` and `leave`.
-    start : (3,) float
-        A point of the shape, in m, three floats.
+    quick : function
+        Of the shape, points from its start, in m, and directions, as `vectors`; returns `enter`,
+        `leave` and where they are `sure`.
+    careful : function
+        Of the shape, points and directions; returns `enter` and `leave`.
+    shape : NamedTuple
+        Numbers and vectors of the shape; its `start`, in m, is one of its points.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
 
@@ -42,30 +48,61 @@ def meet_in_blocks(quick, careful, start, point, direction):
         In lengths of the direction; ``inf`` and ``-inf`` for a miss.
     """
     if point.ndim == 1 == direction.ndim:
-        p, u = point.tolist(), direction.tolist()
-        enter, leave, sure = quick(differences(p, start), u)
-        if not sure:
-            enter, leave = careful(p, u)
+        compiled.expect(PLAIN_CALL)
+        enter, leave = _meet_one(quick, careful, shape, point.tolist(), direction.tolist())
         return np.float64(enter), np.float64(leave)
-    shape = np.broadcast_shapes(point.shape, direction.shape)
-    rows = np.broadcast_to(point, shape).reshape(-1, 3)
-    one = direction.size == 3
-    u = direction.ravel().tolist() if one else None
-    turns = None if one else np.broadcast_to(direction, shape).reshape(-1, 3)
-    found = np.empty((2, len(rows)))
+    lines = np.broadcast_shapes(point.shape, direction.shape)
+    found = np.empty((2, *lines[:-1]))
+    ends = found.reshape(2, -1)
+    compiled.expect(PLAIN_LINE * ends.shape[1])
+    meet = _meet_compiled if compiled.ready() else _meet_rows
+    meet(quick, careful, shape, _rows(point, lines), _rows(direction, lines), ends)
+    return found[0], found[1]
+
+
+def _rows(vectors, shape):
+    """Return vectors as rows (n, 3) of lines of such a shape, or as one row for all."""
+    if vectors.size == 3:
+        return vectors.reshape(1, 3)
+    return np.broadcast_to(vectors, shape).reshape(-1, 3)
+
+
+def _meet_one(quick, careful, shape, p, u):
+    """Return `enter` and `leave` of one line, by three floats each of point and direction."""
+    if compiled.ready():
+        ways = {"quick": quick, "careful": careful}
+        return compiled.call(
+            line_loops.meet_line, shape, tuple(p), tuple(u), **ways, **line_loops.NUMBERS
+        )
+    enter, leave, sure = quick(shape, differences(p, shape.start), u)
+    return (enter, leave) if sure else careful(shape, p, u)
+
+
+def _meet_compiled(quick, careful, shape, points, directions, ends):
+    """Fill in `enter` and `leave` of lines, the two rows of `ends`, by a compiled loop."""
+    rows = np.ascontiguousarray(points), np.ascontiguousarray(directions), *ends
+    ways = {"quick": quick, "careful": careful}
+    compiled.call(line_loops.meet_lines, shape, *rows, **ways, **line_loops.NUMBERS)
+
+
+def _meet_rows(quick, careful, shape, points, directions, ends):
+    """Fill in the same by whole rows."""
+    points = np.broadcast_to(points, (ends.shape[1], 3))
+    start = np.array(shape.start)[:, None]
+    one = directions[0].tolist() if len(directions) == 1 else None
     with np.errstate(all="ignore"):
-        for first in range(0, len(rows), BLOCK):
+        for first in range(0, ends.shape[1], BLOCK):
             block = slice(first, first + BLOCK)
-            p = rows[block]
-            u = u if one else turns[block].T.copy()
-            q = np.subtract(p.T, np.array(start)[:, None], order="C")
-            enter, leave, sure = quick(q, u)
+            p = points[block]
+            u = one or directions[block].T.copy()
+            q = np.subtract(p.T, start, order="C")
+            enter, leave, sure = quick(shape, q, u)
             rest = np.flatnonzero(~sure)
             if len(rest):
-                enter[rest], leave[rest] = careful(p[rest].T.copy(), u if one else u[:, rest])
-            found[:, block] = enter, leave
-    enter, leave = found.reshape(2, *shape[:-1])
-    return enter, leave
+                enter[rest], leave[rest] = careful(
+                    shape, p[rest].T.copy(), u if one else u[:, rest]
+                )
+            ends[:, block] = enter, leave
 
 
 def meet_one_by_one(careful, vectors, numbers):
@@ -105,87 +142,109 @@ def well_shaped(*sizes):
     return least > CLOSE * most and least > 1 / RANGE and most < RANGE
 
 
-def unsure(q, u):
-    """Return that nothing is sure: the quick way of a shape that isn't `well_shaped`."""
-    del u
-    x = q[0]
-    return (
-        (x, x, False) if isinstance(x, float) else (*np.empty((2, len(x))), np.zeros(len(x), bool))
-    )
+def unsure(_shape, q, _u):
+    """Return any numbers, of which none is sure: for a shape that isn't `well_shaped`."""
+    return q[0], q[1], q[0] != q[0]
 
 
-def about_an_axis(v, radius, inside, q, u):
-    """Return `enter`, `leave` and `sure` of lines against a shape about an axis.
+class Passing(NamedTuple):
+    """Lines past an axis v: points q from its start, directions u, n = u x v, and products."""
+
+    q: tuple
+    u: tuple
+    n: tuple
+    nn: np.ndarray
+    aside: np.ndarray  # q n
+    uu: np.ndarray
+    size: np.ndarray  # q^2 u^2 v^2
+    beside: np.ndarray  # which pass beside the endless wall, by more than rounding makes of it
+
+
+def past_an_axis(shape, q, u):
+    """Return lines as `Passing` the axis of a shape.
 
     Parameters
     ----------
-    v : (3,) float
-        The axis from its start on, in m, three floats.
-    radius : float
-        The widest of the shape, in m.
-    inside : callable
-        Of a `Nearest`: returns `enter`, `leave` and `sure`.
+    shape : NamedTuple
+        Its `axis` goes on from its `start`, and `radius` is its widest, in m.
     q, u : vectors
-        The lines' points from the axis' start, in m, and their directions.
+        The lines' points from the start, in m, and their directions.
     """
-    n = vector_products(u, v)
+    n = vector_products(u, shape.axis)
     nn, aside = scalar_products(n, n), scalar_products(q, n)
-    uu, size = scalar_products(u, u), scalar_products(q, q)
-    size = size * (uu * scalar_products(v, v))
-    # Most lines pass beside the endless wall, by more than what rounding makes of it.
-    beside = aside * aside > (1 + 10 * CLOSE) * radius * radius * nn + 1e-23 * size
-    if beside is True:
-        return np.inf, -np.inf, True
-    if beside is False:
-        return _met(inside, Nearest(v, radius, q, u, n, nn, aside, uu, size))
-    enter = np.full(beside.shape, np.inf)
-    leave = np.full(beside.shape, -np.inf)
-    near = np.flatnonzero(~beside)
-    if len(near):
-
-        def picked(part):
-            return part[near] if isinstance(part, np.ndarray) else part
-
-        triples = [[picked(part) for part in vector] for vector in (q, u, n)]
-        take = [*triples, *map(picked, (nn, aside, uu, size))]
-        enter[near], leave[near], beside[near] = _met(inside, Nearest(v, radius, *take))
-    return enter, leave, beside
+    uu = scalar_products(u, u)
+    size = scalar_products(q, q) * (uu * scalar_products(shape.axis, shape.axis))
+    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn
+    return Passing(q, u, n, nn, aside, uu, size, aside * aside > wide + 1e-23 * size)
 
 
-def _met(inside, lines):
-    """Return `enter`, `leave` and `sure` of lines that pass an endless wall inside."""
-    first, last, certain = inside(lines)
+def all_beside(passing):
+    """Return `enter`, `leave` and `sure` of lines that all pass beside a shape."""
+    beside = passing.beside
+    return where(beside, np.inf, np.inf), where(beside, -np.inf, -np.inf), beside
+
+
+def with_those_beside(passing, lines, ends):
+    """Return `enter`, `leave` and `sure` of lines, by the `ends` of those not beside a shape.
+
+    `lines` are those, as `nearest`, and their `ends` are `enter`, `leave` and `sure`.
+    """
+    first, last, clear = ends
     hit = first <= last
-    return where(hit, first, np.inf), where(hit, last, -np.inf), certain & lines.sound
+    beside = passing.beside
+    return (
+        put_back(where(hit, first, np.inf), beside, np.inf),
+        put_back(where(hit, last, -np.inf), beside, -np.inf),
+        put_back(clear & lines.sound, beside, True),
+    )
 
 
-class Nearest:
+class Nearest(NamedTuple):
     """Lines where they are nearest to an axis v.
 
     `middle` is the line's parameter there, `share` the axis's; `room` is radius^2 less the
     squared distance, times nn; `half` is the parameter from the middle to an endless wall.
     """
 
-    def __init__(self, v, radius, q, u, n, nn, aside, uu, size):
-        self.radius, self.nn, self.uu = radius, nn, uu
-        self.vv = scalar_products(v, v)
-        self.qv, self.uv = scalar_products(q, v), scalar_products(u, v)
-        self.middle = ratio(-scalar_products(vector_products(q, v), n), nn)
-        self.aside2 = ratio(aside * aside, nn)
-        self.room = radius * radius * nn - aside * aside
-        self.half = ratio(square_root(self.room * self.vv), nn)
-        # Where the line's given point is near and its angle to the axis not small, and no tangent.
-        enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
-        enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
-        self.sound = enough & (self.room > CLOSE * radius * radius * nn)
+    nn: np.ndarray
+    uu: np.ndarray
+    vv: np.ndarray
+    qv: np.ndarray
+    uv: np.ndarray
+    middle: np.ndarray
+    share: np.ndarray
+    aside2: np.ndarray
+    room: np.ndarray
+    half: np.ndarray
+    sound: np.ndarray
 
-    @property
-    def share(self):
-        """Return the share of the axis that is nearest to each line."""
-        return (self.qv + self.uv * self.middle) / self.vv
 
-    def planes(self):
-        """Return where lines enter and leave the slab between the axis' ends, and where sure."""
-        at_start, at_end = ratio(-self.qv, self.uv), ratio(self.vv - self.qv, self.uv)
-        steep = self.uv * self.uv > CLOSE * CLOSE * self.uu * self.vv
-        return smaller(at_start, at_end), larger(at_start, at_end), steep
+def nearest(shape, passing):
+    """Return those lines that don't pass beside a shape, where they are `Nearest` to its axis."""
+    # Most lines pass beside the shape; formulas for the rest alone.
+    beside = passing.beside
+    q, u, n = (
+        vectors_without(passing.q, beside),
+        vectors_without(passing.u, beside),
+        vectors_without(passing.n, beside),
+    )
+    nn, aside = without(passing.nn, beside), without(passing.aside, beside)
+    uu, size = without(passing.uu, beside), without(passing.size, beside)
+    v, radius = shape.axis, shape.radius
+    vv, qv, uv = scalar_products(v, v), scalar_products(q, v), scalar_products(u, v)
+    middle = ratio(-scalar_products(vector_products(q, v), n), nn)
+    room = radius * radius * nn - aside * aside
+    half = ratio(square_root(room * vv), nn)
+    # Where the line's given point is near and its angle to the axis not small, and no tangent.
+    enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
+    enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
+    sound = enough & (room > CLOSE * radius * radius * nn)
+    share, aside2 = (qv + uv * middle) / vv, ratio(aside * aside, nn)
+    return Nearest(nn, uu, vv, qv, uv, middle, share, aside2, room, half, sound)
+
+
+def between_planes(lines):
+    """Return where lines enter and leave the slab between an axis' ends, and where it's sure."""
+    at_start, at_end = ratio(-lines.qv, lines.uv), ratio(lines.vv - lines.qv, lines.uv)
+    steep = lines.uv * lines.uv > CLOSE * CLOSE * lines.uu * lines.vv
+    return smaller(at_start, at_end), larger(at_start, at_end), steep

@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,16 @@ from ..elementwise import larger, ratio, scaled, smaller, some, square_root, whe
 from ..exact import accurate_products
 from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
 from .rod_interval import GUARD, nearest_offset
-from .vectors import lengths, near_one, scalar_products, shares, unit_and_speed
+from .vectors import (
+    differences,
+    either,
+    lengths,
+    near_one,
+    products_with_each,
+    scalar_products,
+    shares,
+    unit_and_speed,
+)
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
 
@@ -52,18 +62,31 @@ def meet_boxes(
 
 def _meet_edges(corner, x, y, z, p, u):
     """Return `enter` and `leave` of lines against boxes, all as vectors."""
-    return _meet(corner, *_faces(x, y, z), p, u)
+    return _carefully(_numbers(corner, *_faces(x, y, z)), p, u)
 
 
-def _meet(corner, normals, wide, p, u):
-    """Return `enter` and `leave` of lines against boxes with such faces."""
+class _Numbers(NamedTuple):
+    """A box in numbers: a corner, unit normals of its faces, half its widths, its diagonal."""
+
+    start: tuple
+    normals: tuple
+    half: tuple
+    size: float
+
+
+def _numbers(corner, normals, wide):
+    """Return a box with such faces in numbers."""
+    return _Numbers(corner, normals, shares(wide, 2), lengths(wide))
+
+
+def _carefully(shape, p, u):
+    """Return `enter` and `leave` of lines against a box."""
     along, speed = unit_and_speed(u)
-    q, shift = nearest_offset(corner, along, speed, p, u)
+    q, shift = nearest_offset(shape.start, along, speed, p, u)
     # Across each pair of faces: where the line is, from the middle, and how fast it goes.
-    half = [w / 2 for w in wide]
-    at = [scalar_products(normal, q) - h for normal, h in zip(normals, half, strict=True)]
-    pace = [scalar_products(normal, along) for normal in normals]
-    hit, enter, leave = box_interval(half, lengths(wide), at, pace)
+    at = differences(products_with_each(shape.normals, q), shape.half)
+    pace = products_with_each(shape.normals, along)
+    hit, enter, leave = box_interval(shape.half, shape.size, at, pace)
     enter = where(hit, shift + enter / speed, np.inf)
     return enter, where(hit, shift + leave / speed, -np.inf)
 
@@ -89,33 +112,52 @@ def box_interval(half, size, at, pace):
         In m; meaningless where the line misses.
     """
     guard = GUARD * size
-    at = [where(v < 0, -x, x) for x, v in zip(at, pace, strict=True)]
-    pace = [abs(v) for v in pace]
-    # A line that runs level with two faces, within the guard over the whole box, stays between.
-    level = [v * size <= guard for v in pace]
-    pace = [where(flat, 0.0, v) for flat, v in zip(level, pace, strict=True)]
+    x = _across(guard, half[0], size, at[0], pace[0])
+    y = _across(guard, half[1], size, at[1], pace[1])
+    z = _across(guard, half[2], size, at[2], pace[2])
     # By how much the faces must move outwards until the line meets both of two slabs at once:
     # seen along the line, its distance from a side of the box's shadow.
-    short = -np.inf
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        both = pace[i] + pace[j]
-        gap = abs(at[i] * pace[j] - at[j] * pace[i]) - half[i] * pace[j] - half[j] * pace[i]
-        short = larger(short, where(both > 0, ratio(gap, both), -np.inf))
+    short = larger(larger(_short(x, y), _short(y, z)), _short(z, x))
     # A touch is one of the box that is just so much larger.
-    half = [h + larger(short, 0.0) for h in half]
-    slabs = []
-    for h, x, v, flat in zip(half, at, pace, level, strict=True):
-        first, last = ratio(-h - x, v), ratio(h - x, v)
-        slabs.append((v, where(flat, -np.inf, first), where(flat, np.inf, last)))
-    enter = larger(larger(slabs[0][1], slabs[1][1]), slabs[2][1])
-    leave = smaller(smaller(slabs[0][2], slabs[1][2]), slabs[2][2])
+    more = larger(short, 0.0)
+    x, y, z = _slab(x, more), _slab(y, more), _slab(z, more)
+    enter = larger(larger(x[1], y[1]), z[1])
+    leave = smaller(smaller(x[2], y[2]), z[2])
     # Rounding may part its two ends: then the point of the slabs, last that of the steepest faces,
     # which place it best.
     touch = enter
-    for _, first, last in _by_pace(*slabs):
+    for _, first, last in _by_pace(x, y, z):
         touch = within(touch, first, last)
     crossed = leave < enter
     return short <= guard, where(crossed, touch, enter), where(crossed, touch, leave)
+
+
+def _across(guard, half, size, at, pace):
+    """Return half the width between two faces, and place and pace of lines towards the second.
+
+    A line that runs level with them, within the guard over the whole box, has no pace: it stays
+    between.
+    """
+    at, pace = where(pace < 0, -at, at), abs(pace)
+    return half, at, where(pace * size <= guard, 0.0, pace)
+
+
+def _short(one, other):
+    """Return how far lines pass beside the corners between two pairs of faces."""
+    half, at, pace = one
+    other_half, other_at, other_pace = other
+    both = pace + other_pace
+    gap = abs(at * other_pace - other_at * pace) - half * other_pace - other_half * pace
+    return where(both > 0, ratio(gap, both), -np.inf)
+
+
+def _slab(across, more):
+    """Return the pace of lines across two faces moved apart, and where they are between these."""
+    half, at, pace = across
+    half = half + more
+    level = pace == 0
+    first, last = ratio(-half - at, pace), ratio(half - at, pace)
+    return pace, where(level, -np.inf, first), where(level, np.inf, last)
 
 
 def _by_pace(one, other, third):
@@ -128,17 +170,17 @@ def _by_pace(one, other, third):
 
 def _in_order(one, other):
     swap = one[0] > other[0]
-    pairs = list(zip(one, other, strict=True))
-    return [where(swap, b, a) for a, b in pairs], [where(swap, a, b) for a, b in pairs]
+    return either(swap, other, one), either(swap, one, other)
 
 
-def _quickly(normals, half, size, q, u):
+def _quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines from the corner."""
-    reach = FAR * size
-    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= reach * reach
+    size, far = shape.size, FAR * shape.size
+    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= far * far
     speed = square_root(scalar_products(u, u))
     sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
-    for normal, wide in zip(normals, half, strict=True):
+    for i in range(3):
+        normal, wide = shape.normals[i], shape.half[i]
         at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)
         middle, reach = ratio(-at, pace), ratio(wide, abs(pace))
         level = abs(pace) <= CLOSE * speed
@@ -182,15 +224,15 @@ def _faces(x, y, z):
         normal = shares(normal, lengths(normal))
         width = scalar_products(normal, edge)
         # Outwards from the corner, whichever hand the edges are of.
-        normals.append([where(width < 0, -part, part) for part in normal])
+        normals.append(tuple(where(width < 0, -part, part) for part in normal))
         wide.append(scaled(abs(width), power))
-    return normals, wide
+    return tuple(normals), tuple(wide)
 
 
 @functools.lru_cache
-def _faces_of(x, y, z):
-    """Return the same of one box, whose edges are tuples: it often meets many lines one by one."""
-    return _faces(x, y, z)
+def _numbers_of(corner, x, y, z):
+    """Return one box, whose edges are tuples, in numbers: it often meets many lines one by one."""
+    return _numbers(corner, *_faces(x, y, z))
 
 
 @dataclass(frozen=True)
@@ -260,15 +302,6 @@ class Box:
         >>> float(enter), float(leave)
         (4.0, 9.0)
         """
-        normals, wide = _faces_of(self.x, self.y, self.z)
-        half, size = [w / 2 for w in wide], lengths(wide)
-
-        def careful(p, u):
-            return _meet(self.corner, normals, wide, p, u)
-
-        def quick(q, u):
-            return _quickly(normals, half, size, q, u)
-
-        if not well_shaped(*wide):
-            quick = unsure
-        return meet_in_blocks(quick, careful, self.corner, point, direction)
+        shape = _numbers_of(self.corner, self.x, self.y, self.z)
+        quick = _quickly if well_shaped(*shape.half) else unsure
+        return meet_in_blocks(quick, _carefully, shape, point, direction)

@@ -1,13 +1,25 @@
 """A truncated cone against lines, to which Line and finite cylinder expects to be extended."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, smaller, square_root, where, within
+from ..elementwise import every, larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
+from .blocks import (
+    CLOSE,
+    all_beside,
+    between_planes,
+    meet_in_blocks,
+    meet_one_by_one,
+    nearest,
+    past_an_axis,
+    unsure,
+    well_shaped,
+    with_those_beside,
+)
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
 from .vectors import differences, lengths
 
@@ -136,35 +148,49 @@ class Frustum:
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        a, b = self.a, self.b
-        v = differences(b, a)
-        length = lengths(v)
-        radius, gain = max(self.radius_a, self.radius_b), self.radius_b - self.radius_a
-
-        def careful(p, u):
-            return _meet(a, b, p, u, self.radius_a, self.radius_b)
-
-        def quick(q, u):
-            return about_an_axis(v, radius, inside, q, u)
-
-        def inside(lines):
-            return _inside_frustum(lines, self.radius_a, gain)
-
+        shape = _Numbers(
+            self.a, self.b, differences(self.b, self.a), max(self.radius_a, self.radius_b),
+            self.radius_a, self.radius_b,
+        )  # fmt: skip
+        length, gain = lengths(shape.axis), self.radius_b - self.radius_a
         # A wall within 27 degrees of the discs is left to the careful way, too.
-        if not well_shaped(length, radius) or abs(gain) > 2 * length:
-            quick = unsure
-        return meet_in_blocks(quick, careful, a, point, direction)
+        plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length
+        return meet_in_blocks(_quickly if plain else unsure, _carefully, shape, point, direction)
 
 
-def _inside_frustum(lines, start_radius, gain):
+class _Numbers(NamedTuple):
+    """A frustum in numbers: its axis' ends and the vector between, the wider radius, and both."""
+
+    start: tuple
+    end: tuple
+    axis: tuple
+    radius: float
+    start_radius: float
+    end_radius: float
+
+
+def _carefully(shape, p, u):
+    return _meet(shape.start, shape.end, p, u, shape.start_radius, shape.end_radius)
+
+
+def _quickly(shape, q, u):
+    passing = past_an_axis(shape, q, u)
+    if every(passing.beside):
+        return all_beside(passing)
+    lines = nearest(shape, passing)
+    return with_those_beside(passing, lines, _inside_frustum(shape, lines))
+
+
+def _inside_frustum(shape, lines):
     """Return where lines enter and leave a frustum, and where that is sure.
 
     From its point nearest to the axis a line is at t: there the wall's radius is w + grow t, and
     the squared distance from the axis aside^2 + across t^2.
     """
+    gain = shape.end_radius - shape.start_radius
     across, grow = lines.nn / lines.vv, gain * lines.uv / lines.vv
-    w = start_radius + gain * lines.share
-    first, last, steep = lines.planes()
+    w = shape.start_radius + gain * lines.share
+    first, last, steep = between_planes(lines)
     # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
     A, B, C = across - grow * grow, w * grow, lines.aside2 - w * w
     square = w * w * across - A * lines.aside2
@@ -181,7 +207,7 @@ def _inside_frustum(lines, start_radius, gain):
     # Shallower lines may meet the wall's other half alone, beyond the tip, or no wall.
     beyond = (A > 0) & ((w < 0) | (square < 0))
     clear = abs(leave - enter) > CLOSE * (last - first)
-    clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * lines.radius)
+    clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * shape.radius)
     clear = clear & (abs(square) > CLOSE * (w * w) * across)
     return where(beyond, np.inf, enter), where(beyond, -np.inf, leave), steep & clear
 

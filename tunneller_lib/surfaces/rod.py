@@ -1,14 +1,25 @@
 """A finite cylinder, flat or round at its ends, against lines: Line and finite cylinder."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, smaller, square_root, where, within
+from ..elementwise import every, larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
-from .blocks import CLOSE, about_an_axis, meet_in_blocks, meet_one_by_one, unsure, well_shaped
+from .blocks import (
+    CLOSE,
+    all_beside,
+    between_planes,
+    meet_in_blocks,
+    meet_one_by_one,
+    nearest,
+    past_an_axis,
+    unsure,
+    well_shaped,
+    with_those_beside,
+)
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 from .vectors import differences, lengths
 
@@ -72,18 +83,30 @@ def check_rods(a, b, radius):
 
 def _meet_flat(a, b, p, u, radius):
     """Return `enter` and `leave` of lines against flat rods, vectors and numbers."""
-    return _meet(frame(a, b, u), flat_interval, radius, p, u)
+    return _meet_seen(frame(a, b, u), p, u, radius)
 
 
 def _meet_capsules(a, b, p, u, radius):
     """Return the same of capsules."""
-    return _meet(frame(a, b, u), round_interval, radius, p, u)
+    return _meet_seen_round(frame(a, b, u), p, u, radius)
 
 
-def _meet(axis, interval, radius, p, u):
-    """Return `enter` and `leave` of lines p along u, which see the axis so."""
+def _meet_seen(axis, p, u, radius):
+    """Return `enter` and `leave` of lines p along u, which see a flat rod's axis so."""
     s, m, z, shift = nearest_point(axis, p, u)
-    hit, enter, leave = interval(axis.run, axis.rise, axis.length, radius, s, m)
+    interval = flat_interval(axis.run, axis.rise, axis.length, radius, s, m)
+    return _along_lines(axis, z, shift, *interval)
+
+
+def _meet_seen_round(axis, p, u, radius):
+    """Return the same of capsules."""
+    s, m, z, shift = nearest_point(axis, p, u)
+    interval = round_interval(axis.run, axis.rise, axis.length, radius, s, m)
+    return _along_lines(axis, z, shift, *interval)
+
+
+def _along_lines(axis, z, shift, hit, enter, leave):
+    """Return `enter` and `leave` as parameters of lines that see an axis so."""
     enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
     return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
 
@@ -202,25 +225,15 @@ class Rod:
             self._meet_parallel(axis, rows[block], u, firsts[block], lasts[block])
         return enter, leave
 
-    @property
-    def _interval(self):
-        return round_interval if self.ends == "round" else flat_interval
-
     def _meet_any(self, point, direction):
         """Return `enter` and `leave` of lines of any directions (..., 3)."""
-        a, b, radius = self.a, self.b, self.radius
-        v = differences(b, a)
-        inside = _inside_capsule if self.ends == "round" else _inside_rod
-
-        def careful(p, u):
-            return _meet(frame(a, b, u), self._interval, radius, p, u)
-
-        def quick(q, u):
-            return about_an_axis(v, radius, inside, q, u)
-
-        if not well_shaped(lengths(v), radius):
+        shape = _Numbers(self.a, self.b, differences(self.b, self.a), self.radius)
+        flat = self.ends == "flat"
+        careful = _flat_carefully if flat else _round_carefully
+        quick = _flat_quickly if flat else _round_quickly
+        if not well_shaped(lengths(shape.axis), shape.radius):
             quick = unsure
-        return meet_in_blocks(quick, careful, a, point, direction)
+        return meet_in_blocks(quick, careful, shape, point, direction)
 
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
@@ -284,31 +297,69 @@ class Rod:
 
     def _carefully(self, axis, p, u):
         """Return `enter` and `leave` of lines p (n, 3) of one direction."""
+        meet = _meet_seen_round if self.ends == "round" else _meet_seen
         with np.errstate(all="ignore"):
-            return _meet(axis, self._interval, self.radius, p.T.copy(), u)
+            return meet(axis, p.T.copy(), u, self.radius)
+
+
+class _Numbers(NamedTuple):
+    """A rod in numbers: the ends of its axis, the vector from one to the other, the radius."""
+
+    start: tuple
+    end: tuple
+    axis: tuple
+    radius: float
+
+
+def _flat_carefully(shape, p, u):
+    return _meet_flat(shape.start, shape.end, p, u, shape.radius)
+
+
+def _round_carefully(shape, p, u):
+    return _meet_capsules(shape.start, shape.end, p, u, shape.radius)
+
+
+def _flat_quickly(shape, q, u):
+    passing = past_an_axis(shape, q, u)
+    if every(passing.beside):
+        return all_beside(passing)
+    lines = nearest(shape, passing)
+    return with_those_beside(passing, lines, _inside_rod(lines))
+
+
+def _round_quickly(shape, q, u):
+    passing = past_an_axis(shape, q, u)
+    if every(passing.beside):
+        return all_beside(passing)
+    lines = nearest(shape, passing)
+    return with_those_beside(passing, lines, _inside_capsule(lines, shape.radius))
 
 
 def _inside_rod(lines):
     """Return where lines enter and leave a rod, and where that is sure."""
-    first, last, steep = lines.planes()
+    first, last, steep = between_planes(lines)
     enter = larger(first, lines.middle - lines.half)
     leave = smaller(last, lines.middle + lines.half)
     clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
     return enter, leave, steep & clear
 
 
-def _inside_capsule(lines):
+def _inside_capsule(lines, radius):
     """Return where lines enter and leave a capsule, by the balls on which they do."""
+    enter, enters = _end_on_ball(lines, radius, -1.0)
+    leave, leaves = _end_on_ball(lines, radius, 1.0)
+    return enter, leave, enters & leaves
+
+
+def _end_on_ball(lines, radius, sign):
+    """Return where lines enter (-1) or leave (1) that ball of a capsule, and where it's sure."""
     share, step = lines.share, lines.half * (lines.uv / lines.vv)
-    ends, clear = [], True
-    for sign in (-1, 1):
-        beside = within(share + sign * step, 0.0, 1.0) - share
-        room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
-        room = ratio(room, lines.nn)
-        end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
-        clear = clear & (abs(room) > CLOSE * lines.radius * lines.radius)
-        ends.append(where(room > 0, end, -sign * np.inf))
-    return *ends, clear
+    beside = within(share + sign * step, 0.0, 1.0) - share
+    room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
+    room = ratio(room, lines.nn)
+    end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
+    clear = abs(room) > CLOSE * radius * radius
+    return where(room > 0, end, -sign * np.inf), clear
 
 
 def _along(p, start, unit):

@@ -6,7 +6,16 @@ import numpy as np
 
 from ..elementwise import larger, ratio, scaled, smaller, square_root, where, within
 from ..exact import accurate_products, two_product, two_sum
-from .vectors import differences, lengths, near_one, scalar_products, shares, sums, vector_products
+from .vectors import (
+    differences,
+    either,
+    lengths,
+    near_one,
+    scalar_products,
+    shares,
+    sums,
+    vector_products,
+)
 
 # Bound of the rounding here, in parts of the rod's size as the line sees it: s and m are sums of
 # three products of numbers that carry at most six roundings each.
@@ -36,8 +45,8 @@ def frame(a, b, direction):
     """Return the `Frame` of axes from a to b for directions, none zero: vectors of three."""
     u, power = near_one(direction)
     turned = scalar_products(differences(b, a), u) < 0
-    start = tuple(where(turned, last, first) for first, last in zip(a, b, strict=True))
-    end = tuple(where(turned, first, last) for first, last in zip(a, b, strict=True))
+    start = either(turned, b, a)
+    end = either(turned, a, b)
     v, v_low = differences_and_rests(end, start)
     size, length = lengths(u), lengths(v)
     # Nearly parallel vectors: their product to its last digits, with what b - a has rounded off.
@@ -53,8 +62,10 @@ def frame(a, b, direction):
 
 def differences_and_rests(a, b):
     """Return the differences of vectors, and exactly what rounding lost."""
-    parts = [two_sum(first, -second) for first, second in zip(a, b, strict=True)]
-    return zip(*parts, strict=True)
+    x, x_low = two_sum(a[0], -b[0])
+    y, y_low = two_sum(a[1], -b[1])
+    z, z_low = two_sum(a[2], -b[2])
+    return (x, y, z), (x_low, y_low, z_low)
 
 
 def nearest_offset(start, along, speed, p, direction):
@@ -68,14 +79,19 @@ def nearest_offset(start, along, speed, p, direction):
     # The way back from a point 1e16 sizes away is off by a size: once more, from nearby.
     for _ in range(2):
         shift = -scalar_products(q, along) / speed
-        moved = []
-        for here, rest, way in zip(q, low, direction, strict=True):
-            step, step_rest = two_product(shift, way)
-            there, rounded = two_sum(here, step)
-            moved.append(two_sum(there, rounded + (step_rest + rest)))
-        q, low = zip(*moved, strict=True)
+        x, x_low = _moved(q[0], low[0], shift, direction[0])
+        y, y_low = _moved(q[1], low[1], shift, direction[1])
+        z, z_low = _moved(q[2], low[2], shift, direction[2])
+        q, low = (x, y, z), (x_low, y_low, z_low)
         total = total + shift
     return q, total
+
+
+def _moved(here, rest, shift, way):
+    """Return a coordinate and its rest moved by shift * way."""
+    step, step_rest = two_product(shift, way)
+    there, rounded = two_sum(here, step)
+    return two_sum(there, rounded + (step_rest + rest))
 
 
 def nearest_point(axis, p, direction):

@@ -1,6 +1,7 @@
 """A disc with a ball about each of its points: the end of a bull-nose cutter."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -141,171 +142,185 @@ class RoundedDisc:
         >>> float(enter), float(leave)
         (5.0, 13.0)
         """
-        unit, _ = unit_and_speed(self.axis)
-
-        def careful(p, u):
-            return _meet(self.centre, unit, p, u, self.radius, self.corner)
-
-        def quick(q, u):
-            return _quickly(unit, self.radius, self.corner, q, u)
-
-        if not well_shaped(self.radius + self.corner):
-            quick = unsure
-        return meet_in_blocks(quick, careful, self.centre, point, direction)
+        shape = _Numbers(self.centre, unit_and_speed(self.axis)[0], self.radius, self.corner)
+        quick = _quickly if well_shaped(self.radius + self.corner) else unsure
+        return meet_in_blocks(quick, _carefully, shape, point, direction)
 
 
-class _Passing:
+class _Numbers(NamedTuple):
+    """A rounded disc in numbers: its centre, a unit vector along its axis, its radii."""
+
+    start: tuple
+    unit: tuple
+    radius: float
+    corner: float
+
+
+class _Line(NamedTuple):
     """Lines past discs, by how high they are and how far from the axis; in m.
 
     `height` and `rise` are those of the given points and of the directions; the squared distance
     from the axis is square + 2 turn t + flat t^2.
     """
 
-    def __init__(self, radius, q, along, unit):
-        self.radius = radius
-        self.height, self.rise = scalar_products(q, unit), scalar_products(along, unit)
-        q_flat = differences(q, multiples(self.height, unit))
-        along_flat = differences(along, multiples(self.rise, unit))
-        self.square, self.turn = (
-            scalar_products(q_flat, q_flat),
-            scalar_products(q_flat, along_flat),
-        )
-        self.flat = scalar_products(along_flat, along_flat)
-
-    def at(self, t):
-        """Return the distance from the disc, and half of what its square grows by with t."""
-        place = self._place(t)
-        _, beside, height = place
-        return square_root(beside * beside + height * height), self._growth(t, place)
-
-    def distance(self, t):
-        """Return the distance from the disc."""
-        return square_root(self.square_of_distance(t))
-
-    def square_of_distance(self, t):
-        """Return its square."""
-        _, beside, height = self._place(t)
-        return beside * beside + height * height
-
-    def growth(self, t):
-        """Return half of what its square grows by with t."""
-        return self._growth(t, self._place(t))
-
-    def bend(self, t):
-        """Return how the growth changes with t."""
-        rho, *_ = self._place(t)
-        area = self.square * self.flat - self.turn * self.turn
-        beside = self.flat - ratio(self.radius * area, rho * rho * rho)
-        return self.rise * self.rise + where(rho > self.radius, beside, 0.0)
-
-    def _place(self, t):
-        """Return how far from the axis, beside the disc and above it a line is."""
-        rho = square_root(larger(self.square + t * (2 * self.turn + t * self.flat), 0.0))
-        return rho, larger(rho - self.radius, 0.0), self.height + t * self.rise
-
-    def _growth(self, t, place):
-        rho, beside, height = place
-        outwards = (self.turn + t * self.flat) / where(rho > 0, rho, 1.0)
-        return beside * outwards + height * self.rise
+    radius: float
+    corner: float
+    height: np.ndarray
+    rise: np.ndarray
+    square: np.ndarray
+    turn: np.ndarray
+    flat: np.ndarray
 
 
-def _quickly(unit, radius, corner, q, u):
+def _line(shape, q, along):
+    """Return lines by points from the centre of a disc and by unit vectors along them."""
+    height, rise = scalar_products(q, shape.unit), scalar_products(along, shape.unit)
+    q = differences(q, multiples(height, shape.unit))
+    along = differences(along, multiples(rise, shape.unit))
+    square, turn = scalar_products(q, q), scalar_products(q, along)
+    flat = scalar_products(along, along)
+    return _Line(shape.radius, shape.corner, height, rise, square, turn, flat)
+
+
+def _place(line, t):
+    """Return how far from the axis, beside the disc and above it a line is."""
+    rho = square_root(larger(line.square + t * (2 * line.turn + t * line.flat), 0.0))
+    return rho, larger(rho - line.radius, 0.0), line.height + t * line.rise
+
+
+def _square(line, t):
+    """Return the square of the distance from the disc."""
+    _, beside, height = _place(line, t)
+    return beside * beside + height * height
+
+
+def _growth(line, t):
+    """Return half of what that square grows by with t."""
+    return _growth_at(line, t, _place(line, t))
+
+
+def _growth_at(line, t, place):
+    rho, beside, height = place
+    outwards = (line.turn + t * line.flat) / where(rho > 0, rho, 1.0)
+    return beside * outwards + height * line.rise
+
+
+def _bend(line, t):
+    """Return how the growth changes with t."""
+    rho, _, _ = _place(line, t)
+    area = line.square * line.flat - line.turn * line.turn
+    beside = line.flat - ratio(line.radius * area, rho * rho * rho)
+    return line.rise * line.rise + where(rho > line.radius, beside, 0.0)
+
+
+def _quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines from the centre."""
-    size, uu, qq = radius + corner, scalar_products(u, u), scalar_products(q, q)
+    size = shape.radius + shape.corner
+    uu, qq = scalar_products(u, u), scalar_products(q, q)
     near = (qq <= FAR * FAR * size * size) & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
     speed = square_root(uu)
     along = shares(u, speed)
     shift = -scalar_products(q, along)
     q = sums(q, multiples(shift, along))
-    line = _Passing(radius, q, along, unit)
+    line = _line(shape, q, along)
     # The solid is in a ball about its centre, outside of which the search begins.
     reach = square_root(larger(size * size - scalar_products(q, q), 0.0))
-    start, started = _stepped(line, corner, -reach, 1, GUARD / 4 * size)
-    end, ended = _stepped(line, corner, reach, -1, GUARD / 4 * size)
+    start, started = _stepped(line, -reach, 1, GUARD / 4 * size)
+    end, ended = _stepped(line, reach, -1, GUARD / 4 * size)
     # Up to the one and from the other on the distance is too great: passing, they prove a miss.
     missed = start - end > CLOSE * size
     enter = where(missed, np.inf, (shift + start) / speed)
     return enter, where(missed, -np.inf, (shift + end) / speed), near & (missed | started & ended)
 
 
-def _stepped(line, corner, t, sign, guard):
+def _stepped(line, t, sign, guard):
     """Return where lines that go on from t, or back, come as near as `corner`, and if they do."""
     for _ in range(10):  # Newton's steps; a line that needs more nearly touches
-        distance, grow = line.at(t)
+        place = _place(line, t)
+        _, beside, height = place
+        distance, grow = square_root(beside * beside + height * height), _growth_at(line, t, place)
         # Tangents of a convex function are below it, so that their zeros are never beyond its own.
-        outside = (distance - corner > guard) & (sign * grow < 0)
+        outside = (distance - line.corner > guard) & (sign * grow < 0)
         if not some(outside):
             break
-        t = where(outside, t - ratio((distance - corner) * distance, grow), t)
-    return t, abs(line.distance(t) - corner) <= 2 * guard
+        t = where(outside, t - ratio((distance - line.corner) * distance, grow), t)
+    return t, abs(square_root(_square(line, t)) - line.corner) <= 2 * guard
 
 
 def _meet_discs(centre, axis, p, u, radius, corner):
     """Return `enter` and `leave` of lines against rounded discs, vectors and numbers."""
-    return _meet(centre, unit_and_speed(axis)[0], p, u, radius, corner)
+    return _carefully(_Numbers(centre, unit_and_speed(axis)[0], radius, corner), p, u)
 
 
-def _meet(centre, unit, p, u, radius, corner):
-    """Return the same of discs with unit axes."""
+def _carefully(shape, p, u):
+    """Return `enter` and `leave` of lines against a rounded disc."""
     along, speed = unit_and_speed(u)
-    q, shift = nearest_offset(centre, along, speed, p, u)
-    hit, start, end = _interval(radius, corner, _Passing(radius, q, along, unit))
+    q, shift = nearest_offset(shape.start, along, speed, p, u)
+    hit, start, end = _interval(_line(shape, q, along))
     enter = where(hit, shift + start / speed, np.inf)
     return enter, where(hit, shift + end / speed, -np.inf)
 
 
-def _interval(radius, corner, line):
+def _interval(line):
     """Return which lines meet rounded discs, and where they enter and leave, in m."""
-    size = radius + corner
-
-    def nears(t):
-        return line.growth(t) < 0
-
-    def outside(t):
-        return line.square_of_distance(t) > corner * corner
-
+    size = line.radius + line.corner
     # The solid is in a ball about its centre, so that a line meets it on this way or not at all.
     fine = FINE * size
     guess = _guessed(line, size)
-    looks = [guess + sign * share * size for share in SHARES for sign in (-1, 1)]
-    nearest = _halved(nears, -2 * size, 2 * size, looks, fine)
-    least = line.distance(nearest)
-    touch = least > corner
+    wide, close = SHARES[0] * size, SHARES[1] * size
+    looks = (guess - wide, guess + wide, guess - close, guess + close)
+    nearest = _halved(line, True, -2 * size, 2 * size, looks, fine)
+    least = square_root(_square(line, nearest))
+    touch = least > line.corner
     if touch is True:
         start = end = nearest
     else:
-        first, last = ([side * nearest - chord * size for chord in CHORDS] for side in (1, -1))
-        start = _halved(outside, -2 * size, nearest, first, fine)
-        end = -_halved(lambda t: outside(-t), -2 * size, -nearest, last, fine)
+        wide, close = CHORDS[0] * size, CHORDS[1] * size
+        looks = (nearest - wide, nearest - close)
+        start = _halved(line, False, -2 * size, nearest, looks, fine)
+        looks = (-nearest - wide, -nearest - close)
+        end = -_halved(_reversed(line), False, -2 * size, -nearest, looks, fine)
     # A touch within the guard is one of the solid that is just so much larger.
     start, end = where(touch, nearest, start), where(touch, nearest, end)
-    return (least <= corner + GUARD * size) & (size > 0), start, end
+    return (least <= line.corner + GUARD * size) & (size > 0), start, end
 
 
 def _guessed(line, size):
     """Return about where lines are nearest to discs, by Newton, if it comes near at all."""
     t = 0.0
     for _ in range(GUESSES):
-        t = within(t - ratio(line.growth(t), line.bend(t)), -size, size)
+        t = within(t - ratio(_growth(line, t), _bend(line, t)), -size, size)
     return where(t == t, t, 0.0)
 
 
-def _halved(before, low, high, looks, fine):
-    """Return up to which place `before`, a function of places from `low` to `high`, holds.
+def _reversed(line):
+    """Return lines that go the other way."""
+    radius, corner, height, rise, square, turn, flat = line
+    return _Line(radius, corner, height, -rise, square, -turn, flat)
 
-    It is found to a length that is `fine`. Places that are looked at first may spare most of the
-    halvings.
+
+def _before(line, nears, t):
+    """Return whether lines still come nearer to the disc at t, or are still outside."""
+    if nears:
+        return _growth(line, t) < 0
+    return _square(line, t) > line.corner * line.corner
+
+
+def _halved(line, nears, low, high, looks, fine):
+    """Return where lines begin to go away from the disc, if they must be `nears`, or to be inside.
+
+    The place is between `low` and `high`, to a length that is `fine`. Places that are looked at
+    first may spare most of the halvings.
     """
     for look in looks:
         look = within(look, low, high)
-        more = before(look)
+        more = _before(line, nears, look)
         low, high = where(more, look, low), where(more, high, look)
-    while some(apart := high - low > fine):
+    apart = high - low > fine
+    while some(apart):
         middle = (low + high) / 2
-        more = before(middle)
         # A line that is done stays as it is, however many others aren't.
-        low, high = (
-            where(apart, where(more, middle, low), low),
-            where(apart, where(more, high, middle), high),
-        )
+        more = _before(line, nears, middle) & apart
+        low, high = where(more, middle, low), where(apart ^ more, middle, high)
+        apart = high - low > fine
     return high

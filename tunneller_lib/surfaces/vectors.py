@@ -1,6 +1,6 @@
 """Vectors as three numbers, of one line, or as three rows, of many."""
 
-from ..elementwise import larger, power_above, scaled, square_root
+from ..elementwise import larger, power_above, scaled, square_root, where, without
 
 
 def scalar_products(a, b):
@@ -11,6 +11,15 @@ def scalar_products(a, b):
 def vector_products(a, b):
     """Return the components of vector products."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def products_with_each(vectors, v):
+    """Return the scalar products of three vectors with a fourth."""
+    return (
+        scalar_products(vectors[0], v),
+        scalar_products(vectors[1], v),
+        scalar_products(vectors[2], v),
+    )
 
 
 def lengths(v):
@@ -36,6 +45,20 @@ def multiples(factor, v):
 def shares(v, parts):
     """Return vectors divided by numbers, none zero."""
     return v[0] / parts, v[1] / parts, v[2] / parts
+
+
+def either(condition, yes, no):
+    """Return the vectors `yes` where a condition holds, else `no`."""
+    return (
+        where(condition, yes[0], no[0]),
+        where(condition, yes[1], no[1]),
+        where(condition, yes[2], no[2]),
+    )
+
+
+def vectors_without(v, condition):
+    """Return those vectors for which a condition doesn't hold."""
+    return without(v[0], condition), without(v[1], condition), without(v[2], condition)
 
 
 def near_one(v):

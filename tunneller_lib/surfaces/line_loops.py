@@ -1,0 +1,114 @@
+"""Lines one after the other, for `compiled.call`, by the formulas that rows of lines have."""
+
+import math
+
+from .vectors import differences
+
+
+def quick(shape, q, u):
+    """Stand in for the quick way of a shape, see `blocks`: `enter`, `leave` and if it's `sure`.
+
+    Parameters: a point from the shape's start, in m, and a direction, three floats each.
+    """
+    raise NotImplementedError
+
+
+def careful(shape, p, u):
+    """Stand in for the careful way of a shape, whose point p is where it is."""
+    raise NotImplementedError
+
+
+def meet_line(shape, p, u):
+    """Return where a line enters and leaves a shape.
+
+    Parameters
+    ----------
+    shape : NamedTuple
+        Its `start`, in m, is one of its points.
+    p, u : (float, float, float)
+        A point of the line, in m, and its direction.
+    """
+    enter, leave, sure = quick(shape, differences(p, shape.start), u)
+    if not sure:
+        enter, leave = careful(shape, p, u)
+    return enter, leave
+
+
+def meet_lines(shape, points, directions, enter, leave):
+    """Fill in where lines enter and leave one shape.
+
+    Parameters
+    ----------
+    shape : NamedTuple
+        As of `meet_line`.
+    points, directions : (n, 3) or (1, 3) float
+        Points of the lines, in m, and their directions; one may be the same for all.
+    enter, leave : (n,) float
+        To be filled.
+    """
+    for i in range(len(enter)):
+        k = i if len(points) > 1 else 0
+        p = (points[k][0], points[k][1], points[k][2])
+        k = i if len(directions) > 1 else 0
+        u = (directions[k][0], directions[k][1], directions[k][2])
+        enter[i], leave[i] = meet_line(shape, p, u)
+
+
+# What the formulas call of `elementwise`, for numbers: numba finds no type at run time.
+
+
+def chosen(condition, yes, no):
+    """Return `yes` if a condition holds, else `no`."""
+    return yes if condition else no
+
+
+def lesser(a, b):
+    """Return the smaller of two numbers, or not a number if one is none."""
+    return a if a <= b or a != a else b
+
+
+def greater(a, b):
+    """Return the larger of two numbers, or not a number if one is none."""
+    return a if a >= b or a != a else b
+
+
+def rooted(x):
+    """Return the square root, not a number of what is below zero."""
+    return math.sqrt(x) if x >= 0 else math.nan
+
+
+def quotient(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    return a / b if b != 0 else a * math.copysign(math.inf, b)
+
+
+def exponent(x):
+    """Return the power of two next above a size."""
+    return math.frexp(x)[1]
+
+
+def shifted(x, power):
+    """Return x times a power of two."""
+    return math.ldexp(x, power)
+
+
+def itself(condition):
+    """Return a condition, which holds for one line or not."""
+    return condition
+
+
+def kept(x, condition):
+    """Return a number of one line, of which a condition doesn't hold."""
+    return x
+
+
+def kept_too(x, condition, value):
+    """Return the same again."""
+    return x
+
+
+NUMBERS = {
+    "where": chosen, "smaller": lesser, "larger": greater, "square_root": rooted,
+    "ratio": quotient, "power_above": exponent, "scaled": shifted, "some": itself,
+    "every": itself, "without": kept, "put_back": kept_too,
+}  # fmt: skip
