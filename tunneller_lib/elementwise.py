@@ -69,25 +69,6 @@ def some(condition):
     return condition.any() if isinstance(condition, np.ndarray) else condition
 
 
-def every(condition):
-    """Return whether a condition holds everywhere."""
-    return condition.all() if isinstance(condition, np.ndarray) else condition
-
-
-def without(x, condition):
-    """Return those of some numbers for which a condition doesn't hold; a number for all stays."""
-    return x[~condition] if isinstance(x, np.ndarray) else x
-
-
-def put_back(x, condition, value):
-    """Return numbers again from those `without` a condition, and a value where it holds."""
-    if not isinstance(condition, np.ndarray):
-        return value if condition else x
-    numbers = np.full(condition.shape, value)
-    numbers[~condition] = x
-    return numbers
-
-
 # ---- the same of numbers alone, for loops that may be compiled -------------
 
 

@@ -14,15 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import compiled
-from ..elementwise import larger, put_back, ratio, smaller, square_root, where, without
+from ..elementwise import larger, ratio, smaller, square_root, where
 from . import line_loops
-from .vectors import differences, scalar_products, vector_products, vectors_without
+from .vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
 PAIRS = 8192  # the same of lines with shapes of their own
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
 FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
+MISSED = np.inf, -np.inf, True  # what the quick way says of a line beside a shape
 # About how long lines take without a compiler, in s: one by one, in rows, with shapes of their own.
 PLAIN_CALL, PLAIN_LINE, PLAIN_PAIR = 1e-5, 4e-7, 2e-6
 
@@ -71,9 +72,7 @@ def _meet_one(quick, careful, shape, p, u):
     """Return `enter` and `leave` of one line, by three floats each of point and direction."""
     if compiled.ready():
         ways = {"quick": quick, "careful": careful}
-        return compiled.call(
-            line_loops.meet_line, shape, tuple(p), tuple(u), **ways, **line_loops.NUMBERS
-        )
+        return compiled.call(line_loops.meet_line, shape, tuple(p), tuple(u), **ways, **ONE_LINE)
     enter, leave, sure = quick(shape, differences(p, shape.start), u)
     return (enter, leave) if sure else careful(shape, p, u)
 
@@ -82,7 +81,7 @@ def _meet_compiled(quick, careful, shape, points, directions, ends):
     """Fill in `enter` and `leave` of lines, the two rows of `ends`, by a compiled loop."""
     rows = np.ascontiguousarray(points), np.ascontiguousarray(directions), *ends
     ways = {"quick": quick, "careful": careful}
-    compiled.call(line_loops.meet_lines, shape, *rows, **ways, **line_loops.NUMBERS)
+    compiled.call(line_loops.meet_lines, shape, *rows, **ways, **ONE_LINE)
 
 
 def _meet_rows(quick, careful, shape, points, directions, ends):
@@ -178,31 +177,57 @@ def past_an_axis(shape, q, u):
     return Passing(q, u, n, nn, aside, uu, size, aside * aside > wide + 1e-23 * size)
 
 
-def all_beside(passing):
-    """Return `enter`, `leave` and `sure` of lines that all pass beside a shape."""
-    beside = passing.beside
-    return where(beside, np.inf, np.inf), where(beside, -np.inf, -np.inf), beside
+def not_beside(passing):
+    """Return of lines `Passing` an axis those that don't pass beside its wall."""
+    if not isinstance(passing.beside, np.ndarray):
+        return passing
+    near = np.flatnonzero(~passing.beside)
+    return Passing(*(_picked(part, near) for part in passing))
 
 
-def with_those_beside(passing, lines, ends):
-    """Return `enter`, `leave` and `sure` of lines, by the `ends` of those not beside a shape.
+def _picked(part, places):
+    """Return a number for all lines, or those of a row or of three rows at some places."""
+    if isinstance(part, np.ndarray):
+        return part[..., places]
+    return [_picked(row, places) for row in part] if isinstance(part, (list, tuple)) else part
 
-    `lines` are those, as `nearest`, and their `ends` are `enter`, `leave` and `sure`.
-    """
-    first, last, clear = ends
-    hit = first <= last
-    beside = passing.beside
-    return (
-        put_back(where(hit, first, np.inf), beside, np.inf),
-        put_back(where(hit, last, -np.inf), beside, -np.inf),
-        put_back(clear & lines.sound, beside, True),
-    )
+
+def with_those_beside(beside, enter, leave, sure):
+    """Return where lines enter and leave, and where it's sure, from those that aren't `beside`."""
+    hit = enter <= leave
+    enter, leave = where(hit, enter, np.inf), where(hit, leave, -np.inf)
+    return put_back(beside, enter, leave, sure)
+
+
+def put_back(beside, enter, leave, sure):
+    """Return the same of all lines; those beside are missed for sure."""
+    if not isinstance(beside, np.ndarray):
+        return enter, leave, sure
+    near = np.flatnonzero(~beside)
+    found = np.full(beside.shape, np.inf), np.full(beside.shape, -np.inf), beside.copy()
+    for all_lines, those in zip(found, (enter, leave, sure), strict=True):
+        all_lines[near] = those
+    return found
+
+
+def _the_same(passing):
+    """Return one line, which passes near an axis."""
+    return passing
+
+
+def _ends(beside, enter, leave, sure):
+    """Return the ends of one line, which isn't beside."""
+    return enter, leave, sure
+
+
+# What the formulas call for one line, with or without a compiler, and compiled.
+ONE_LINE = {**line_loops.NUMBERS, "not_beside": _the_same, "put_back": _ends}
 
 
 class Nearest(NamedTuple):
     """Lines where they are nearest to an axis v.
 
-    `middle` is the line's parameter there, `share` the axis's; `room` is radius^2 less the
+    `middle` is the line's parameter there; `room` is radius^2 less the
     squared distance, times nn; `half` is the parameter from the middle to an endless wall.
     """
 
@@ -212,24 +237,15 @@ class Nearest(NamedTuple):
     qv: np.ndarray
     uv: np.ndarray
     middle: np.ndarray
-    share: np.ndarray
-    aside2: np.ndarray
+    aside: np.ndarray
     room: np.ndarray
     half: np.ndarray
     sound: np.ndarray
 
 
 def nearest(shape, passing):
-    """Return those lines that don't pass beside a shape, where they are `Nearest` to its axis."""
-    # Most lines pass beside the shape; formulas for the rest alone.
-    beside = passing.beside
-    q, u, n = (
-        vectors_without(passing.q, beside),
-        vectors_without(passing.u, beside),
-        vectors_without(passing.n, beside),
-    )
-    nn, aside = without(passing.nn, beside), without(passing.aside, beside)
-    uu, size = without(passing.uu, beside), without(passing.size, beside)
+    """Return lines where they are `Nearest` to the axis of a shape."""
+    q, u, n, nn, aside, uu, size, _ = passing
     v, radius = shape.axis, shape.radius
     vv, qv, uv = scalar_products(v, v), scalar_products(q, v), scalar_products(u, v)
     middle = ratio(-scalar_products(vector_products(q, v), n), nn)
@@ -239,8 +255,12 @@ def nearest(shape, passing):
     enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
     enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
     sound = enough & (room > CLOSE * radius * radius * nn)
-    share, aside2 = (qv + uv * middle) / vv, ratio(aside * aside, nn)
-    return Nearest(nn, uu, vv, qv, uv, middle, share, aside2, room, half, sound)
+    return Nearest(nn, uu, vv, qv, uv, middle, aside, room, half, sound)
+
+
+def share_of_axis(lines):
+    """Return which share of the axis, from its start, is nearest to lines."""
+    return (lines.qv + lines.uv * lines.middle) / lines.vv
 
 
 def between_planes(lines):

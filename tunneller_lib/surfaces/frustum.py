@@ -6,16 +6,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import every, larger, ratio, smaller, square_root, where, within
+from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
 from .blocks import (
     CLOSE,
-    all_beside,
+    MISSED,
     between_planes,
     meet_in_blocks,
     meet_one_by_one,
     nearest,
+    not_beside,
     past_an_axis,
+    share_of_axis,
     unsure,
     well_shaped,
     with_those_beside,
@@ -175,10 +177,10 @@ def _carefully(shape, p, u):
 
 def _quickly(shape, q, u):
     passing = past_an_axis(shape, q, u)
-    if every(passing.beside):
-        return all_beside(passing)
-    lines = nearest(shape, passing)
-    return with_those_beside(passing, lines, _inside_frustum(shape, lines))
+    if passing.beside is True:
+        return MISSED
+    lines = nearest(shape, not_beside(passing))
+    return with_those_beside(passing.beside, *_inside_frustum(shape, lines))
 
 
 def _inside_frustum(shape, lines):
@@ -188,12 +190,13 @@ def _inside_frustum(shape, lines):
     the squared distance from the axis aside^2 + across t^2.
     """
     gain = shape.end_radius - shape.start_radius
+    aside2 = ratio(lines.aside * lines.aside, lines.nn)
     across, grow = lines.nn / lines.vv, gain * lines.uv / lines.vv
-    w = shape.start_radius + gain * lines.share
+    w = shape.start_radius + gain * share_of_axis(lines)
     first, last, steep = between_planes(lines)
     # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
-    A, B, C = across - grow * grow, w * grow, lines.aside2 - w * w
-    square = w * w * across - A * lines.aside2
+    A, B, C = across - grow * grow, w * grow, aside2 - w * w
+    square = w * w * across - A * aside2
     half = square_root(square)
     sum_of_both = B + where(B < 0, -half, half)
     one, other = ratio(sum_of_both, A), ratio(C, sum_of_both)
@@ -209,7 +212,7 @@ def _inside_frustum(shape, lines):
     clear = abs(leave - enter) > CLOSE * (last - first)
     clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * shape.radius)
     clear = clear & (abs(square) > CLOSE * (w * w) * across)
-    return where(beyond, np.inf, enter), where(beyond, -np.inf, leave), steep & clear
+    return where(beyond, np.inf, enter), where(beyond, -np.inf, leave), steep & clear & lines.sound
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):

@@ -97,18 +97,7 @@ def itself(condition):
     return condition
 
 
-def kept(x, condition):
-    """Return a number of one line, of which a condition doesn't hold."""
-    return x
-
-
-def kept_too(x, condition, value):
-    """Return the same again."""
-    return x
-
-
 NUMBERS = {
     "where": chosen, "smaller": lesser, "larger": greater, "square_root": rooted,
     "ratio": quotient, "power_above": exponent, "scaled": shifted, "some": itself,
-    "every": itself, "without": kept, "put_back": kept_too,
 }  # fmt: skip

@@ -6,16 +6,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import every, larger, ratio, smaller, square_root, where, within
+from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..exact import cross, dot, norm
 from .blocks import (
     CLOSE,
-    all_beside,
+    MISSED,
     between_planes,
     meet_in_blocks,
     meet_one_by_one,
     nearest,
+    not_beside,
     past_an_axis,
+    share_of_axis,
     unsure,
     well_shaped,
     with_those_beside,
@@ -321,18 +323,18 @@ def _round_carefully(shape, p, u):
 
 def _flat_quickly(shape, q, u):
     passing = past_an_axis(shape, q, u)
-    if every(passing.beside):
-        return all_beside(passing)
-    lines = nearest(shape, passing)
-    return with_those_beside(passing, lines, _inside_rod(lines))
+    if passing.beside is True:
+        return MISSED
+    lines = nearest(shape, not_beside(passing))
+    return with_those_beside(passing.beside, *_inside_rod(lines))
 
 
 def _round_quickly(shape, q, u):
     passing = past_an_axis(shape, q, u)
-    if every(passing.beside):
-        return all_beside(passing)
-    lines = nearest(shape, passing)
-    return with_those_beside(passing, lines, _inside_capsule(lines, shape.radius))
+    if passing.beside is True:
+        return MISSED
+    lines = nearest(shape, not_beside(passing))
+    return with_those_beside(passing.beside, *_inside_capsule(lines, shape.radius))
 
 
 def _inside_rod(lines):
@@ -341,19 +343,19 @@ def _inside_rod(lines):
     enter = larger(first, lines.middle - lines.half)
     leave = smaller(last, lines.middle + lines.half)
     clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
-    return enter, leave, steep & clear
+    return enter, leave, steep & clear & lines.sound
 
 
 def _inside_capsule(lines, radius):
     """Return where lines enter and leave a capsule, by the balls on which they do."""
     enter, enters = _end_on_ball(lines, radius, -1.0)
     leave, leaves = _end_on_ball(lines, radius, 1.0)
-    return enter, leave, enters & leaves
+    return enter, leave, enters & leaves & lines.sound
 
 
 def _end_on_ball(lines, radius, sign):
     """Return where lines enter (-1) or leave (1) that ball of a capsule, and where it's sure."""
-    share, step = lines.share, lines.half * (lines.uv / lines.vv)
+    share, step = share_of_axis(lines), lines.half * (lines.uv / lines.vv)
     beside = within(share + sign * step, 0.0, 1.0) - share
     room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
     room = ratio(room, lines.nn)

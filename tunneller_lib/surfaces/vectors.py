@@ -1,6 +1,6 @@
 """Vectors as three numbers, of one line, or as three rows, of many."""
 
-from ..elementwise import larger, power_above, scaled, square_root, where, without
+from ..elementwise import larger, power_above, scaled, square_root, where
 
 
 def scalar_products(a, b):
@@ -54,11 +54,6 @@ def either(condition, yes, no):
         where(condition, yes[1], no[1]),
         where(condition, yes[2], no[2]),
     )
-
-
-def vectors_without(v, condition):
-    """Return those vectors for which a condition doesn't hold."""
-    return without(v[0], condition), without(v[1], condition), without(v[2], condition)
 
 
 def near_one(v):
