@@ -11,6 +11,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from tests.hard_lines import FAMILIES, KINDS
+from tests.test_exact_kernel import shape_of
 from tunneller_lib import compiled
 from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
@@ -185,6 +187,50 @@ def test_pieces_without_a_slot_are_the_same_both_ways(both_ways):
     assert removed == removed_fast
     np.testing.assert_array_equal(plain.low, fast.low)
     np.testing.assert_array_equal(plain.high, fast.high)
+
+
+def of_all_families(kind, n):
+    """Return shapes, points and directions of all kinds of hard lines."""
+    rng = np.random.default_rng(12)
+    drawn = [family(kind, rng, n) for family in FAMILIES]
+    return [np.concatenate(parts) for parts in zip(*drawn, strict=True)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lines_have_the_same_bits_both_ways(kind, both_ways):
+    shapes, points, directions = of_all_families(kind, 3 if kind == "rounded" else 12)
+
+    def run():
+        solids = [shape_of(kind, row) for row in shapes]
+        lines = list(zip(solids, points, directions, strict=True))
+        # Each with its own line alone, with all lines, with one direction or one point for all.
+        return [
+            [solid.meet_line(p, u) for solid, p, u in lines],
+            [solid.meet_line(points, directions) for solid in solids[::7]],
+            [solid.meet_line(p[None], directions) for solid, p, _ in lines[::7]],
+            [solid.meet_line(points[:, None], u[None, None]) for solid, _, u in lines[::7]],
+        ]
+
+    plain, fast = both_ways(run)
+    for one, other in zip(plain, fast, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
+
+
+def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways):
+    solid = shape_of("rod", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
+    rng = np.random.default_rng(13)
+    points, directions = rng.normal(size=(2, 3, 40, 3))
+
+    def run():
+        return [
+            solid.meet_line(points[:, :0], directions[0, 0]),
+            solid.meet_line(points[..., ::-1], directions.transpose(0, 1, 2)[:, ::2].repeat(2, 1)),
+        ]
+
+    plain, fast = both_ways(run)
+    assert np.shape(fast[0]) == (2, 3, 0)
+    np.testing.assert_array_equal(plain[1], fast[1])
 
 
 def test_chunks_of_a_push_are_one_run(both_ways):

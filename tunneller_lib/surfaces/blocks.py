@@ -9,6 +9,7 @@ Both are written once, `elementwise`: one line takes them in Python's own floats
 x, y and z, over which numpy runs fastest. Where loops are `compiled`, both take a loop over lines.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ MISSED = np.inf, -np.inf, True  # what the quick way says of a line beside a sha
 PLAIN_CALL, PLAIN_LINE, PLAIN_PAIR = 1e-5, 4e-7, 2e-6
 
 
-def meet_in_blocks(quick, careful, shape, point, direction):
+def meet_in_blocks(quick, careful, shape, plain, point, direction):
     """Return where lines enter and leave one shape.
 
     Parameters
@@ -40,6 +41,8 @@ def meet_in_blocks(quick, careful, shape, point, direction):
         Of the shape, points and directions; returns `enter` and `leave`.
     shape : NamedTuple
         Numbers and vectors of the shape; its `start`, in m, is one of its points.
+    plain : bool
+        Whether the quick way may decide, see `well_shaped`.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
 
@@ -48,43 +51,37 @@ def meet_in_blocks(quick, careful, shape, point, direction):
     enter, leave : (...) float
         In lengths of the direction; ``inf`` and ``-inf`` for a miss.
     """
-    if point.ndim == 1 == direction.ndim:
-        compiled.expect(PLAIN_CALL)
-        enter, leave = _meet_one(quick, careful, shape, point.tolist(), direction.tolist())
+    lines = np.broadcast_shapes(point.shape, direction.shape)[:-1]
+    compiled.expect(PLAIN_LINE * math.prod(lines) if lines else PLAIN_CALL)
+    if not lines and not compiled.ready():
+        p, u, sure = point.tolist(), direction.tolist(), False
+        if plain:
+            enter, leave, sure = quick(shape, differences(p, shape.start), u)
+        if not sure:
+            enter, leave = careful(shape, p, u)
         return np.float64(enter), np.float64(leave)
-    lines = np.broadcast_shapes(point.shape, direction.shape)
-    found = np.empty((2, *lines[:-1]))
-    ends = found.reshape(2, -1)
-    compiled.expect(PLAIN_LINE * ends.shape[1])
+    found = np.empty((2, *lines))
     meet = _meet_compiled if compiled.ready() else _meet_rows
-    meet(quick, careful, shape, _rows(point, lines), _rows(direction, lines), ends)
+    rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
+    meet(quick, careful, shape, plain, *rows)
     return found[0], found[1]
 
 
-def _rows(vectors, shape):
-    """Return vectors as rows (n, 3) of lines of such a shape, or as one row for all."""
+def _rows(vectors, lines):
+    """Return vectors as rows (n, 3) of so many lines, or as one row for all."""
     if vectors.size == 3:
         return vectors.reshape(1, 3)
-    return np.broadcast_to(vectors, shape).reshape(-1, 3)
+    return np.broadcast_to(vectors, (*lines, 3)).reshape(-1, 3)
 
 
-def _meet_one(quick, careful, shape, p, u):
-    """Return `enter` and `leave` of one line, by three floats each of point and direction."""
-    if compiled.ready():
-        ways = {"quick": quick, "careful": careful}
-        return compiled.call(line_loops.meet_line, shape, tuple(p), tuple(u), **ways, **ONE_LINE)
-    enter, leave, sure = quick(shape, differences(p, shape.start), u)
-    return (enter, leave) if sure else careful(shape, p, u)
-
-
-def _meet_compiled(quick, careful, shape, points, directions, ends):
+def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
     """Fill in `enter` and `leave` of lines, the two rows of `ends`, by a compiled loop."""
-    rows = np.ascontiguousarray(points), np.ascontiguousarray(directions), *ends
+    rows = np.ascontiguousarray(points), np.ascontiguousarray(directions), ends[0], ends[1]
     ways = {"quick": quick, "careful": careful}
-    compiled.call(line_loops.meet_lines, shape, *rows, **ways, **ONE_LINE)
+    compiled.call(line_loops.meet_lines, shape, plain, *rows, **ways, **ONE_LINE)
 
 
-def _meet_rows(quick, careful, shape, points, directions, ends):
+def _meet_rows(quick, careful, shape, plain, points, directions, ends):
     """Fill in the same by whole rows."""
     points = np.broadcast_to(points, (ends.shape[1], 3))
     start = np.array(shape.start)[:, None]
@@ -94,13 +91,14 @@ def _meet_rows(quick, careful, shape, points, directions, ends):
             block = slice(first, first + BLOCK)
             p = points[block]
             u = one or directions[block].T.copy()
-            q = np.subtract(p.T, start, order="C")
-            enter, leave, sure = quick(shape, q, u)
+            if not plain:
+                ends[:, block] = careful(shape, p.T.copy(), u)
+                continue
+            enter, leave, sure = quick(shape, np.subtract(p.T, start, order="C"), u)
             rest = np.flatnonzero(~sure)
             if len(rest):
-                enter[rest], leave[rest] = careful(
-                    shape, p[rest].T.copy(), u if one else u[:, rest]
-                )
+                some = u if one else u[:, rest]
+                enter[rest], leave[rest] = careful(shape, p[rest].T.copy(), some)
             ends[:, block] = enter, leave
 
 
@@ -139,11 +137,6 @@ def well_shaped(*sizes):
     """Return whether a shape's sizes, in m, let the quick way decide: no needle, no wafer."""
     least, most = min(sizes), max(sizes)
     return least > CLOSE * most and least > 1 / RANGE and most < RANGE
-
-
-def unsure(_shape, q, _u):
-    """Return any numbers, of which none is sure: for a shape that isn't `well_shaped`."""
-    return q[0], q[1], q[0] != q[0]
 
 
 class Passing(NamedTuple):

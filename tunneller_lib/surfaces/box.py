@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import Directions, Point, Points, checked, sizes
 from ..elementwise import larger, ratio, scaled, smaller, some, square_root, where, within
 from ..exact import accurate_products
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
 from .rod_interval import GUARD, nearest_offset
 from .vectors import (
     differences,
@@ -303,5 +303,5 @@ class Box:
         (4.0, 9.0)
         """
         shape = _numbers_of(self.corner, self.x, self.y, self.z)
-        quick = _quickly if well_shaped(*shape.half) else unsure
-        return meet_in_blocks(quick, _carefully, shape, point, direction)
+        plain = well_shaped(*shape.half)
+        return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)

@@ -18,7 +18,6 @@ from .blocks import (
     not_beside,
     past_an_axis,
     share_of_axis,
-    unsure,
     well_shaped,
     with_those_beside,
 )
@@ -157,7 +156,7 @@ class Frustum:
         length, gain = lengths(shape.axis), self.radius_b - self.radius_a
         # A wall within 27 degrees of the discs is left to the careful way, too.
         plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length
-        return meet_in_blocks(_quickly if plain else unsure, _carefully, shape, point, direction)
+        return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)
 
 
 class _Numbers(NamedTuple):

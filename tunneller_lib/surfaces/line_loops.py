@@ -18,29 +18,15 @@ def careful(shape, p, u):
     raise NotImplementedError
 
 
-def meet_line(shape, p, u):
-    """Return where a line enters and leaves a shape.
-
-    Parameters
-    ----------
-    shape : NamedTuple
-        Its `start`, in m, is one of its points.
-    p, u : (float, float, float)
-        A point of the line, in m, and its direction.
-    """
-    enter, leave, sure = quick(shape, differences(p, shape.start), u)
-    if not sure:
-        enter, leave = careful(shape, p, u)
-    return enter, leave
-
-
-def meet_lines(shape, points, directions, enter, leave):
+def meet_lines(shape, plain, points, directions, enter, leave):
     """Fill in where lines enter and leave one shape.
 
     Parameters
     ----------
     shape : NamedTuple
-        As of `meet_line`.
+        Its `start`, in m, is one of its points.
+    plain : bool
+        Whether the quick way may decide.
     points, directions : (n, 3) or (1, 3) float
         Points of the lines, in m, and their directions; one may be the same for all.
     enter, leave : (n,) float
@@ -51,7 +37,13 @@ def meet_lines(shape, points, directions, enter, leave):
         p = (points[k][0], points[k][1], points[k][2])
         k = i if len(directions) > 1 else 0
         u = (directions[k][0], directions[k][1], directions[k][2])
-        enter[i], leave[i] = meet_line(shape, p, u)
+        sure = False
+        if plain:
+            first, last, sure = quick(shape, differences(p, shape.start), u)
+        if not sure:
+            first, last = careful(shape, p, u)
+        enter[i] = first
+        leave[i] = last
 
 
 # What the formulas call of `elementwise`, for numbers: numba finds no type at run time.

@@ -18,7 +18,6 @@ from .blocks import (
     not_beside,
     past_an_axis,
     share_of_axis,
-    unsure,
     well_shaped,
     with_those_beside,
 )
@@ -233,9 +232,8 @@ class Rod:
         flat = self.ends == "flat"
         careful = _flat_carefully if flat else _round_carefully
         quick = _flat_quickly if flat else _round_quickly
-        if not well_shaped(lengths(shape.axis), shape.radius):
-            quick = unsure
-        return meet_in_blocks(quick, careful, shape, point, direction)
+        plain = well_shaped(lengths(shape.axis), shape.radius)
+        return meet_in_blocks(quick, careful, shape, plain, point, direction)
 
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""

@@ -8,7 +8,7 @@ import numpy as np
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
 from ..elementwise import larger, ratio, some, square_root, where, within
 from ..exact import dot, norm
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, unsure, well_shaped
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
 from .rod_interval import GUARD, nearest_offset
 from .vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
 
@@ -143,8 +143,8 @@ class RoundedDisc:
         (5.0, 13.0)
         """
         shape = _Numbers(self.centre, unit_and_speed(self.axis)[0], self.radius, self.corner)
-        quick = _quickly if well_shaped(self.radius + self.corner) else unsure
-        return meet_in_blocks(quick, _carefully, shape, point, direction)
+        plain = well_shaped(self.radius + self.corner)
+        return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)
 
 
 class _Numbers(NamedTuple):
