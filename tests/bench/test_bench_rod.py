@@ -4,13 +4,21 @@ Lines over the square about a leaning rod, along z or each of its own direction.
 the best of several rounds in which both sides take turns. The meshes have 64 sides: pyvista (VTK)
 answers line by line; embree, called by its own interface, is asked for the entry alone, in single
 precision, where the library finds entry and exit in double; open3d finds both, in single precision.
+
+The same lines are met in C, too, as a bound: bounds/rod.c and frustum.c, without fast-math, do the
+quick formulas alone and check nothing. What they are sure of must have the library's bits.
 """
+
+import ctypes
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 import pyvista
 
 from tests.bench.conftest import best_times
+from tunneller_lib import compiled
 from tunneller_lib.replica.rod_methods import METHODS
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
@@ -105,10 +113,68 @@ def test_entries_against_embree(installed, benchmark, say, what):
     say(f"{what}, embree's error of the entry, median / m", error, "embreex")
 
 
+@pytest.fixture
+def either_way(way, monkeypatch):
+    """Have lines met by whole rows, or by compiled loops, whatever is met meanwhile."""
+    if way == "compiled":
+        pytest.importorskip("numba", reason="what is compiled is timed")
+    monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
+    monkeypatch.setattr(compiled._Work, "expected", -np.inf)
+
+
+FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()
+
+
+def bound(folder, name, shape, radii):
+    """Return a function of points and directions: the answers of a program in C."""
+    library = folder / f"{name}.so"
+    source = Path(__file__).parent / f"bounds/{name}.c"
+    subprocess.run(["gcc", *FLAGS, source, "-o", library, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).meet_lines
+    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    marks = np.ctypeslib.ndpointer(np.int8)
+    function.argtypes = [ctypes.c_long, *[array] * 7, marks]
+    sizes = np.array(shape.a), np.array(shape.b), np.array(radii, dtype=float)
+
+    def meet(points, directions):
+        enter, leave = np.empty((2, len(points)))
+        sure = np.empty(len(points), dtype=np.int8)
+        function(len(points), *sizes, points, directions, enter, leave, sure)
+        return enter, leave, sure
+
+    return meet
+
+
+@pytest.mark.parametrize("way", ["whole rows", "compiled"])
+@pytest.mark.parametrize("name", ["rod", "frustum"])
+@pytest.mark.parametrize("count", [1, 1000, 1_000_000])
+def test_any_lines_against_c(benchmark, say, either_way, tmp_path, name, count, way):
+    shape = ROD if name == "rod" else Frustum(ROD.a, ROD.b, 25, 10)
+    meet = bound(tmp_path, name, shape, [25, 25 if name == "rod" else 10])
+    points, directions = np.resize(POINTS, (count, 3)), np.resize(SLANTED, (count, 3))
+    few = max(1000 // count, 1)  # of calls that are timed together
+    benchmark.pedantic(shape.meet_line, (points, directions), rounds=1)
+    ours, limit = best_times(
+        lambda: [shape.meet_line(points, directions) for _ in range(few)],
+        lambda: [meet(points, directions) for _ in range(few)],
+        rounds=7,
+    )
+    enter, leave, sure = meet(points, directions)
+    decided = sure == 1
+    assert np.mean(decided) > 0.999
+    np.testing.assert_array_equal(
+        np.array(shape.meet_line(points, directions))[:, decided], [enter[decided], leave[decided]]
+    )
+    about = f"{count} lines against a {name}, {way}"
+    say(f"{about}, ns a line", 1e9 * ours / few / count)
+    say(f"{about}, time over that of C, all sure answers the same to the last bit", ours / limit)
+
+
 @pytest.mark.parametrize("package", ["open3d"])
+@pytest.mark.parametrize("way", ["whole rows", "compiled"])
 @pytest.mark.parametrize("end", [25, 10], ids=["rod", "frustum"])
 @pytest.mark.parametrize("points", [POINTS, CLOSE], ids=["all about", "close"])
-def test_any_lines_against_open3d(installed, benchmark, say, points, end):
+def test_any_lines_against_open3d(installed, benchmark, say, either_way, points, end, way):
     # Both find where each line enters and leaves, with one thread: in double precision against the
     # exact shape, and in single precision against 64 sides, by open3d's own call for all hits.
     shape = ROD if end == 25 else Frustum(ROD.a, ROD.b, 25, end)
@@ -121,11 +187,11 @@ def test_any_lines_against_open3d(installed, benchmark, say, points, end):
     ours, theirs = best_times(
         lambda: shape.meet_line(points, SLANTED), lambda: scene.list_intersections(rays), rounds=7
     )
-    say("any lines, entry and exit in double over open3d's all hits in single, time",
+    say(f"any lines, {way}, entry and exit in double over open3d's all hits in single, time",
         ours / theirs, "open3d")  # fmt: skip
     met = np.isfinite(shape.meet_line(points, SLANTED)[0])
     assert np.mean(met == (scene.count_intersections(rays).numpy() > 0)) > 0.99
-    assert ours <= 2 * theirs
+    assert ours <= (1 if way == "compiled" else 2) * theirs
 
 
 def test_parallel_lines_against_vtk(benchmark, say):
@@ -155,12 +221,14 @@ DIRECTIONS = {
 }
 
 
-@pytest.mark.parametrize("way", DIRECTIONS)
+@pytest.mark.parametrize("way", ["plain", "compiled"])
+@pytest.mark.parametrize("line", DIRECTIONS)
 @pytest.mark.parametrize("name", SOLIDS)
-def test_one_line_at_a_time(benchmark, say, name, way):
-    point, direction = np.array([6.0, 4.0, -3.0]), np.array(DIRECTIONS[way])
+def test_one_line_at_a_time(benchmark, say, either_way, name, line, way):
+    point, direction = np.array([6.0, 4.0, -3.0]), np.array(DIRECTIONS[line])
     meet_line = SOLIDS[name].meet_line
     benchmark.pedantic(meet_line, (point, direction), rounds=3)
     (many,) = best_times(lambda: [meet_line(point, direction) for _ in range(50)], rounds=31)
-    say(f"{name}, {way} line: one call with its checks / us", many / 50 * 1e6)
-    assert many / 50 < (60e-6 if way == "any" else 120e-6)  # the rest may take the careful way
+    say(f"{name}, {line} line, {way}: one call with its checks / us", many / 50 * 1e6)
+    plain = 60e-6 if line == "any" else 120e-6  # the rest may take the careful way
+    assert many / 50 < (30e-6 if way == "compiled" else plain)

@@ -1,7 +1,8 @@
 """A model of the machine in space, its parts posed by the two joint angles (Fig. 1).
 
 A substitute for the document's photograph: the joints' places are the torus' radii and the
-machine's own sizes, every other shape (frame, tandem cylinders, picks) is the study's invention.
+machine's own sizes, as are box and holder where it has a body; every other shape (frame, tandem
+cylinders, picks) is the study's invention.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ BODY = {"color": COLOURS["machine"], **SOLID}
 DARK = {"color": COLOURS["cutter"], **SOLID}
 OIL = {"color": COLOURS["tangent sphere"], **SOLID}
 STEEL = {"color": "#B8BFC6", **SOLID}
+CASE = {"color": COLOURS["machine"], "opacity": 0.35}  # joints and cylinders show through it
 THIN = {"color": COLOURS["chord"]}
 
 
@@ -28,7 +30,7 @@ def machine_model(machine: Machine, theta: Angle, phi: Angle):
     Parameters
     ----------
     machine : Machine
-        Its sizes.
+        Its sizes; the box of its `body`, if it has one, takes the place of the drawn frame.
     theta, phi : float
         Joint angles in rad.
 
@@ -42,15 +44,8 @@ def machine_model(machine: Machine, theta: Angle, phi: Angle):
     ball = machine.cutter_radius
     t = 0.13 * R  # thickness of the limbs
     frame, crank, arm, tip = _joints(machine, theta, phi)
-    beams = [
-        _box((-1.5 * R, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, -2.1 * t)) for y in (-1.5 * t, t)
-    ]
-    forks = [
-        _box((-0.6 * t, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, 0.6 * t)) for y in (-1.5 * t, t)
-    ]
     parts = [
-        (frame(pyvista.merge(beams + forks)), BODY),
-        (frame(_box((-1.5 * R, -0.85 * R), (-1.5 * t, 1.5 * t), (-2.1 * t, 0.9 * t))), BODY),
+        *_base(machine, t),
         (frame(_rod((0, -1.8 * t, 0), (0, 1.8 * t, 0), 0.35 * t)), DARK),
         (crank(_box((-0.45 * t, 0.45 * t), (-0.8 * t, 0.8 * t), (-2.5 * t, 0.6 * t))), STEEL),
         (crank(_box((0, r), (-0.8 * t, 0.8 * t), (-0.6 * t, 0.6 * t))), STEEL),
@@ -60,12 +55,29 @@ def machine_model(machine: Machine, theta: Angle, phi: Angle):
         (tip(pyvista.Sphere(radius=0.9 * ball, theta_resolution=48, phi_resolution=48)), DARK),
         (tip(_picks(ball)), STEEL),
     ]
+    if machine.body is not None and machine.body.has_holder:
+        holder = machine.body.holder
+        parts.append((tip(_rod(holder.a, holder.b, holder.radius)), STEEL))
     # The base cylinder turns the bell crank by its lower leg; the tandem pair swings the arm.
     parts += _cylinder(frame.place((-0.85 * R, 0, -1.9 * t)), crank.place((0, 0, -2.2 * t)), t)
     for side in (-t, t):
         foot = crank.place((-0.2 * t, 0.95 * side, 0))
         parts += _cylinder(foot, arm.place((0.44 * R, 0.95 * side, 0)), 0.7 * t)
     return parts
+
+
+def _base(machine, t):
+    """Return what doesn't move, with limbs t thick: the forks, and beams, or the body's box."""
+    sides = -1.5 * t, t
+    forks = [_box((-0.6 * t, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, 0.6 * t)) for y in sides]
+    if machine.body is not None:
+        body = machine.body
+        box = _box((-body.length, 0), (-body.width / 2, body.width / 2), (body.low, body.high))
+        return [(pyvista.merge(forks), BODY), (box, CASE)]
+    back = -1.5 * machine.R
+    beams = [_box((back, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, -2.1 * t)) for y in sides]
+    block = _box((back, -0.85 * machine.R), (-1.5 * t, 1.5 * t), (-2.1 * t, 0.9 * t))
+    return [(pyvista.merge(beams + forks), BODY), (block, BODY)]
 
 
 @checked
