@@ -25,8 +25,8 @@ CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
 FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
 MISSED = np.inf, -np.inf, True  # what the quick way says of a line beside a shape
-# About how long lines take without a compiler, in s: one by one, in rows, with shapes of their own.
-PLAIN_CALL, PLAIN_LINE, PLAIN_PAIR = 1e-5, 4e-7, 2e-6
+# About how long lines take at most without a compiler, in s: one alone, and each of many.
+PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
 def meet_in_blocks(quick, careful, shape, plain, point, direction):
@@ -52,14 +52,16 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
         In lengths of the direction; ``inf`` and ``-inf`` for a miss.
     """
     lines = np.broadcast_shapes(point.shape, direction.shape)[:-1]
-    compiled.expect(PLAIN_LINE * math.prod(lines) if lines else PLAIN_CALL)
-    if not lines and not compiled.ready():
-        p, u, sure = point.tolist(), direction.tolist(), False
+    one = point.size == 3 == direction.size
+    compiled.expect(PLAIN_CALL if one else PLAIN_LINE * math.prod(lines))
+    if one and not compiled.ready():
+        p, u, sure = point.ravel().tolist(), direction.ravel().tolist(), False
         if plain:
             enter, leave, sure = quick(shape, differences(p, shape.start), u)
         if not sure:
             enter, leave = careful(shape, p, u)
-        return np.float64(enter), np.float64(leave)
+        found = np.reshape([enter, leave], (2, *lines))
+        return found[0], found[1]
     found = np.empty((2, *lines))
     meet = _meet_compiled if compiled.ready() else _meet_rows
     rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
