@@ -188,14 +188,17 @@ def _picked(part, places):
 
 
 def with_those_beside(beside, enter, leave, sure):
-    """Return where lines enter and leave, and where it's sure, from those that aren't `beside`."""
+    """Return the ends of all lines from those of lines that aren't `beside` a shape.
+
+    The ends are `enter`, `leave` and where they are `sure`.
+    """
     hit = enter <= leave
     enter, leave = where(hit, enter, np.inf), where(hit, leave, -np.inf)
     return put_back(beside, enter, leave, sure)
 
 
 def put_back(beside, enter, leave, sure):
-    """Return the same of all lines; those beside are missed for sure."""
+    """Return `enter`, `leave` and `sure` of all lines; those `beside` are missed for sure."""
     if not isinstance(beside, np.ndarray):
         return enter, leave, sure
     near = np.flatnonzero(~beside)
@@ -238,7 +241,7 @@ class Nearest(NamedTuple):
     sound: np.ndarray
 
 
-def nearest(shape, passing):
+def nearest_to_axis(shape, passing):
     """Return lines where they are `Nearest` to the axis of a shape."""
     q, u, n, nn, aside, uu, size, _ = passing
     v, radius = shape.axis, shape.radius

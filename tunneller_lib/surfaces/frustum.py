@@ -14,7 +14,7 @@ from .blocks import (
     between_planes,
     meet_in_blocks,
     meet_one_by_one,
-    nearest,
+    nearest_to_axis,
     not_beside,
     past_an_axis,
     share_of_axis,
@@ -178,7 +178,7 @@ def _quickly(shape, q, u):
     passing = past_an_axis(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest(shape, not_beside(passing))
+    lines = nearest_to_axis(shape, not_beside(passing))
     return with_those_beside(passing.beside, *_inside_frustum(shape, lines))
 
 

@@ -46,35 +46,36 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         leave[i] = last
 
 
-# What the formulas call of `elementwise`, for numbers: numba finds no type at run time.
+# What the formulas call of `elementwise`, for numbers: numba finds no type at run time. Numbers
+# may be none here, as beside a shape, where `dexel_loops` has none of these.
 
 
-def chosen(condition, yes, no):
+def if_so(condition, yes, no):
     """Return `yes` if a condition holds, else `no`."""
     return yes if condition else no
 
 
-def lesser(a, b):
+def least_of(a, b):
     """Return the smaller of two numbers, or not a number if one is none."""
     return a if a <= b or a != a else b
 
 
-def greater(a, b):
+def most_of(a, b):
     """Return the larger of two numbers, or not a number if one is none."""
     return a if a >= b or a != a else b
 
 
-def rooted(x):
+def root_or_none(x):
     """Return the square root, not a number of what is below zero."""
     return math.sqrt(x) if x >= 0 else math.nan
 
 
-def quotient(a, b):
+def quotient_or_none(a, b):
     """Return a / b, which is infinite or not a number where b is zero."""
     return a / b if b != 0 else a * math.copysign(math.inf, b)
 
 
-def exponent(x):
+def power_of(x):
     """Return the power of two next above a size."""
     return math.frexp(x)[1]
 
@@ -90,6 +91,6 @@ def itself(condition):
 
 
 NUMBERS = {
-    "where": chosen, "smaller": lesser, "larger": greater, "square_root": rooted,
-    "ratio": quotient, "power_above": exponent, "scaled": shifted, "some": itself,
+    "where": if_so, "smaller": least_of, "larger": most_of, "square_root": root_or_none,
+    "ratio": quotient_or_none, "power_above": power_of, "scaled": shifted, "some": itself,
 }  # fmt: skip
