@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
@@ -34,7 +34,7 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import REFERENCE_MACHINE
+from tunneller_lib.surfaces import REFERENCE_MACHINE, blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
@@ -197,7 +197,8 @@ def of_all_families(kind, n):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_lines_have_the_same_bits_both_ways(kind, both_ways):
+def test_lines_have_the_same_bits_both_ways(kind, both_ways, monkeypatch):
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
     shapes, points, directions = of_all_families(kind, 3 if kind == "rounded" else 12)
 
     def run():
@@ -217,7 +218,8 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
 
 
-def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways):
+def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways, monkeypatch):
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
     solid = shape_of("rod", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
     rng = np.random.default_rng(13)
     points, directions = rng.normal(size=(2, 3, 40, 3))
@@ -231,6 +233,19 @@ def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways):
     plain, fast = both_ways(run)
     assert np.shape(fast[0]) == (2, 3, 0)
     np.testing.assert_array_equal(plain[1], fast[1])
+
+
+def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
+    monkeypatch.setattr(compiled._Work, "compiled", True)
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
+    loops = []
+    monkeypatch.setattr(compiled, "call", lambda function, *rest, **parts: loops.append(function))
+    rod, ball = (shape_of(kind, np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7])) for kind in KINDS[:2])
+    many = np.broadcast_to((0.0, 0.0, 1.0), (int(0.4 * compiled.LONG / blocks.PLAIN_LINE), 3))
+    for expected in (0, 0, 1, 2):
+        rod.meet_line(many[0], many)
+        ball.meet_line(many[0], many[0])  # few: they stay as they are
+        assert len(loops) == expected
 
 
 def test_chunks_of_a_push_are_one_run(both_ways):

@@ -10,6 +10,7 @@ import functools
 import importlib
 import inspect
 import math
+import sys
 from collections import defaultdict
 from types import FunctionType
 from typing import ClassVar
@@ -46,6 +47,11 @@ def ready(kind=None):
 
 def _numba_loads():
     """Tell whether numba is there and takes this numpy."""
+    return _imported(sys.modules.get("numba", "not yet asked for"))
+
+
+@functools.cache  # who has none would look for it again at every short call
+def _imported(_found):
     try:
         importlib.import_module("numba")
     except ImportError:

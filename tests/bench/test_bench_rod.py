@@ -11,6 +11,7 @@ quick formulas alone and check nothing. What they are sure of must have the libr
 
 import ctypes
 import subprocess
+from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -120,6 +121,7 @@ def either_way(way, monkeypatch):
         pytest.importorskip("numba", reason="what is compiled is timed")
     monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
     monkeypatch.setattr(compiled._Work, "expected", -np.inf)
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
 
 
 FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()

@@ -53,8 +53,9 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
     """
     lines = np.broadcast_shapes(point.shape, direction.shape)[:-1]
     one = point.size == 3 == direction.size
-    compiled.expect(PLAIN_CALL if one else PLAIN_LINE * math.prod(lines))
-    if one and not compiled.ready():
+    compiled.expect(PLAIN_CALL if one else PLAIN_LINE * math.prod(lines), careful)
+    ready = compiled.ready(careful)
+    if one and not ready:
         p, u, sure = point.ravel().tolist(), direction.ravel().tolist(), False
         if plain:
             enter, leave, sure = quick(shape, differences(p, shape.start), u)
@@ -63,7 +64,7 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
         found = np.reshape([enter, leave], (2, *lines))
         return found[0], found[1]
     found = np.empty((2, *lines))
-    meet = _meet_compiled if compiled.ready() else _meet_rows
+    meet = _meet_compiled if ready else _meet_rows
     rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
     meet(quick, careful, shape, plain, *rows)
     return found[0], found[1]
@@ -218,7 +219,7 @@ def _ends(beside, enter, leave, sure):
     return enter, leave, sure
 
 
-# What the formulas call for one line, with or without a compiler, and compiled.
+# What the formulas call in a compiled loop, which has one line at a time.
 ONE_LINE = {**line_loops.NUMBERS, "not_beside": _the_same, "put_back": _ends}
 
 
