@@ -62,11 +62,12 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
         if not sure:
             enter, leave = careful(shape, p, u)
         found = np.reshape([enter, leave], (2, *lines))
-        return found[0], found[1]
-    found = np.empty((2, *lines))
-    meet = _meet_compiled if ready else _meet_rows
-    rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
-    meet(quick, careful, shape, plain, *rows)
+    else:
+        found = np.empty((2, *lines))
+        meet = _meet_compiled if ready else _meet_rows
+        rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
+        meet(quick, careful, shape, plain, *rows)
+    found += 0.0  # which of two zeros is the greater numpy says in another way than Python
     return found[0], found[1]
 
 

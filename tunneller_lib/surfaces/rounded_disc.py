@@ -307,7 +307,7 @@ def _before(line, nears, t):
 
 
 def _halved(line, nears, low, high, looks, fine):
-    """Return where lines begin to go away from the disc, if they must be `nears`, or to be inside.
+    """Return up to where lines come nearer to the disc, if it is asked for `nears`, or are outside.
 
     The place is between `low` and `high`, to a length that is `fine`. Places that are looked at
     first may spare most of the halvings.
