@@ -10,13 +10,18 @@ from tunneller_lib.milling import (
     Nurbs,
     Patch,
     Positions,
+    TiltingTable,
     cover,
     find_positions,
+    find_scallops,
+    plan_tour,
     strip_across,
     trace_chains,
 )
 from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.scallops import Scallops
 from tunneller_lib.milling.sweep import Strip
+from tunneller_lib.milling.tour import Tour
 
 
 def saddle(s, t):
@@ -36,17 +41,25 @@ LOOK = {"tolerance": 1e-4, "n": 11}
 STARTS = find_positions(PATCH, MILL, 0.003, 0.001, **LOOK)
 CHAIN = trace_chains(PATCH, MILL, STARTS, step=1e-3, **LOOK)[0]
 WAY = {"mill": MILL, "tip": CHAIN.tip, "axis": CHAIN.axis}
+COVERED = cover(PATCH, MILL, STARTS, step=1e-3, most=1, **LOOK)
+TABLE = {"pivot": (0, 0, -0.1), "up": (0, 0, 1), "x": (-1, 1), "y": (-1, 1), "z": (-1, 1),
+         "tilt": (-2, 2), "turn": (-7, 7), "most_turn": 0.5}  # fmt: skip
+MACHINE = TiltingTable(**TABLE)
+TOUR = {"chains": COVERED.chains, "machine": MACHINE, "clearance": 0.01} | LOOK
 
 INSTANCES = {
     BallMill: BallMill(0.005),
     Chain: CHAIN,
     ConicalMill: MILL,
-    Coverage: cover(PATCH, MILL, STARTS, step=1e-3, most=1, **LOOK),
+    Coverage: COVERED,
     CylinderMill: CylinderMill(0.005, 0.02),
     Nurbs: Nurbs(**SURFACE),
     Patch: PATCH,
     Positions: STARTS,
+    Scallops: find_scallops(PATCH, MILL, COVERED),
     Strip: strip_across(PATCH, MILL, CHAIN, CHAIN.tip, CHAIN.axis, reach=0.005, m=5),
+    TiltingTable: MACHINE,
+    Tour: plan_tour(PATCH, MILL, **TOUR),
 }
 
 CALLS = {
@@ -54,9 +67,15 @@ CALLS = {
     "Nurbs": SURFACE,
     "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},
     "cover": {"found": STARTS, "step": 1e-3, "most": 1} | LOOK,
+    "TiltingTable": TABLE,
+    "TiltingTable.beyond": {"values": [[0.0, 0.0, 0.0, 0.1, 0.2]]},
+    "TiltingTable.positions": {"values": [[0.0, 0.0, 0.0, 0.1, 0.2]]},
+    "TiltingTable.values": {"tip": CHAIN.tip, "axis": CHAIN.axis},
     "find_positions": {"s": 0.003, "t": 0.001} | LOOK,
+    "find_scallops": {"mill": MILL, "covered": COVERED},
     "fit_nurbs": {"points": GRID, "s": np.arange(9.0), "t": np.arange(9.0), "count": 6},
     "moved": {"tip": CHAIN.tip, "axis": CHAIN.axis},
+    "plan_tour": TOUR,
     "strip_across": WAY | {"reach": 0.005, "m": 5},
     "sweep_error": WAY | {"between": 2},
     "trace_chains": {"step": 1e-3, "most": 3} | LOOK,

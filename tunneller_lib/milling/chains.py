@@ -7,6 +7,7 @@ import numpy as np
 from ..arguments import Length, Length0, Whole, checked
 from ..envelopes import adapted_frames, hyperosculating_cones
 from ..exact import dot, norm
+from .five_axes import TiltingTable, stretch
 from .motion import moved
 from .patch import Cloud, Patch
 from .positions import Positions, depths_of
@@ -17,6 +18,7 @@ PATCH_ENDS = "the patch ends"
 NO_CONE = "no cone continues"
 NO_FIT = "the next one doesn't fit"
 ON_THE_WAY = "the mill would gouge on its way"
+NO_AXES = "the machine's axes end"
 BETWEEN = 4  # places from one position to the next at which that is looked at
 
 
@@ -37,7 +39,8 @@ class Chain:
         angle.
     ends : tuple of two str
         Why it ends at its first and at its last position: "the patch ends", "no cone continues",
-        "the next one doesn't fit", "the mill would gouge on its way", or "long enough".
+        "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end", or
+        "long enough".
     """
 
     s: np.ndarray
@@ -62,6 +65,7 @@ def trace_chains(
     step: Length,
     tolerance: Length0,
     others: Cloud | None = None,
+    machine: TiltingTable | None = None,
     most: Whole(2, 1000) = 100,
     n: Whole(2, 500) = 121,
 ):
@@ -77,6 +81,9 @@ def trace_chains(
         From contact to contact, in m.
     tolerance, others
         As for `find_positions`: where a position doesn't fit the chain ends.
+    machine : TiltingTable, optional
+        A chain ends where an axis of the machine does, or would turn too far in a step; it may have
+        no position then.
     most : int
         Positions to either side of the start.
     n : int
@@ -122,11 +129,12 @@ def trace_chains(
             raise ValueError("starts: must be positions of this mill on this patch; got others.")
         parts = [np.array(column) for column in zip(*rows_back[:0:-1], *rows_forth, strict=True)]
         ends = end_back, end_forth
-        chains.append(_fitting(patch, mill, parts, len(rows_back) - 1, ends, tolerance, others, n))
+        about = tolerance, others, machine, n
+        chains.append(_fitting(patch, mill, parts, len(rows_back) - 1, ends, *about))
     return chains
 
 
-def _fitting(patch, mill, parts, start, ends, tolerance, others, n):
+def _fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
     """Return the `Chain` of the positions next to each other, about the start, that fit."""
     tip, axis = parts[4:6]
     own, holder, other = depths_of(patch, mill, tip, axis, others, n)
@@ -134,6 +142,14 @@ def _fitting(patch, mill, parts, start, ends, tolerance, others, n):
     first = int(wrong[wrong < start].max(initial=-1)) + 1
     last = int(wrong[wrong > start].min(initial=len(tip)))
     ends = [NO_FIT if first else ends[0], NO_FIT if last < len(tip) else ends[1]]
+    if machine is not None:
+        here = stretch(machine, tip[first:last], axis[first:last], start - first)
+        reached = first + here[0], first + here[1]
+        ends = [
+            NO_AXES if a != b else end
+            for a, b, end in zip((first, last), reached, ends, strict=True)
+        ]
+        first, last = reached
     # Where the axis turns fast, as where two cones fall together, the way between two positions
     # that fit may gouge. What is cut off changes the smooth way through the rest: it's tried anew.
     while last - first >= 4:

@@ -8,6 +8,7 @@ import numpy as np
 from ..arguments import Length, Length0, NotNegative, Whole, checked
 from ..exact import norm
 from .chains import trace_chains
+from .five_axes import TiltingTable
 from .patch import Cloud, Patch
 from .positions import Positions
 from .sweep import sweep_error
@@ -49,6 +50,7 @@ def cover(
     step: Length,
     tolerance: Length0,
     others: Cloud | None = None,
+    machine: TiltingTable | None = None,
     most: Whole(1, 100) = 12,
     n: Whole(2, 500) = 121,
     say: Callable[[str], object] | None = None,
@@ -61,7 +63,7 @@ def cover(
         As for `find_positions`.
     found : Positions
         Chains begin at those that fit.
-    step, tolerance, others
+    step, tolerance, others, machine
         As for `trace_chains`.
     most : int
         Chains at most, 1 to 100.
@@ -84,7 +86,13 @@ def cover(
     while len(chains) < most and np.any(left > tolerance):
         row = int(np.argmax(left))
         alone = np.where(np.arange(len(found)) == row, found.reason, "")
-        options = {"step": step, "tolerance": tolerance, "others": others, "n": n}
+        options = {
+            "step": step,
+            "tolerance": tolerance,
+            "others": others,
+            "machine": machine,
+            "n": n,
+        }
         [chain] = trace_chains(patch, mill, replace(found, reason=alone), **options)
         left[row] = -np.inf
         if len(chain) < FEWEST:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arguments import Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
+from .five_axes import TiltingTable
 from .patch import Cloud, Patch
 from .tools import ConicalMill, seen_from
 
@@ -20,6 +21,7 @@ GOUGES = "gouges at its contact"
 ENTERS = "enters the surface elsewhere"
 HOLDER = "holder enters the surface"
 OTHERS = "enters a neighbour"
+BEYOND = "beyond the machine's axes"
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Positions:
     reason : (k,) str
         "fits", or the first that speaks against it: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
-        "enters a neighbour".
+        "enters a neighbour", "beyond the machine's axes".
     state : (...) str
         What each point is: as of `Cones`, and "convex" where the surface is no saddle, so that
         every cone in third-order contact gouges.
@@ -84,6 +86,7 @@ def find_positions(
     *,
     tolerance: Length0,
     others: Cloud | None = None,
+    machine: TiltingTable | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return all positions of a conical mill in third-order contact with a patch at points.
@@ -100,6 +103,8 @@ def find_positions(
         How deep the mill may enter the patch, in m. The holder may not.
     others : (n, 3) float, optional
         Points, in m, that mill and holder must stay off, as of neighbouring blades.
+    machine : TiltingTable, optional
+        Whose axes must reach a position.
     n : int
         The patch is looked at on a mesh n by n, and between its points near the deepest.
 
@@ -138,6 +143,8 @@ def find_positions(
     own, holder, other = depths
     # From the last reason to the first.
     reason = np.full(len(cones), FITS, dtype="<U28")
+    if machine is not None and len(cones):
+        reason[~machine.reaches(tip, cones.axis)] = BEYOND
     reason[other > 0] = OTHERS
     reason[holder > 0] = HOLDER
     reason[own > tolerance] = ENTERS

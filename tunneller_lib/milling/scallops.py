@@ -1,0 +1,120 @@
+"""Scallops: what neighbouring strips of a coverage leave between them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import Whole, checked
+from ..exact import dot, norm
+from .chains import Chain
+from .coverage import Coverage
+from .patch import Patch
+from .sweep import sweep_error
+from .tools import BallMill, ConicalMill, CylinderMill
+
+
+@dataclass(frozen=True)
+class Scallops:
+    """What strips leave on lines from contacts of one to contacts of the next: a row a line.
+
+    Parameters
+    ----------
+    chain, position : (k,) int
+        Where the line begins, counted from 0.
+    neighbour, opposite : (k,) int
+        Where it ends: the chain, and the position on it.
+    apart : (k,) float
+        How long it is on the surface, in m.
+    height : (k,) float
+        The most that all strips together leave on it, in m.
+    """
+
+    chain: np.ndarray
+    position: np.ndarray
+    neighbour: np.ndarray
+    opposite: np.ndarray
+    apart: np.ndarray
+    height: np.ndarray
+
+    def __len__(self):
+        return len(self.height)
+
+
+@checked
+def find_scallops(
+    patch: Patch,
+    mill: ConicalMill | CylinderMill | BallMill,
+    covered: Coverage,
+    *,
+    m: Whole(2, 500) = 60,
+):
+    """Return the scallops between the strips of a coverage.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    mill : ConicalMill, CylinderMill or BallMill
+        That goes along the chains.
+    covered : Coverage
+        Chains with the positions of this mill.
+    m : int
+        Points at which a line is looked at.
+
+    Returns
+    -------
+    scallops : Scallops
+        From each contact, to either side, a line goes to the nearest contact of another chain that
+        lies more across than along. It is straight in the patch's parameters. The first and the
+        last two positions of a chain begin none, for there a chain cuts with less than its
+        envelope, nor are they ends; each pair of contacts has one line.
+    """
+    inner = [_inner(chain) for chain in covered.chains]
+    ends = _pairs(inner)
+    if not len(ends):
+        nothing = np.empty(0, dtype=int)
+        return Scallops(nothing, nothing, nothing, nothing, np.empty(0), np.empty(0))
+    chain, position, neighbour, opposite = ends.T
+    s, t = (
+        np.linspace(
+            _take(inner, chain, position, k), _take(inner, neighbour, opposite, k), m, axis=1
+        )
+        for k in (2, 3)
+    )
+    points = patch.points(s, t)
+    error = np.full(points.shape[:2], np.inf)
+    for one in covered.chains:
+        error = np.minimum(error, sweep_error(points, mill, one.tip, one.axis))
+    apart = norm(np.diff(points, axis=1)).sum(axis=1)
+    return Scallops(chain, position + 2, neighbour, opposite + 2, apart, error.max(axis=1))
+
+
+def _inner(chain: Chain):
+    """Return contacts, ways across, s and t of all but a chain's two first and last positions."""
+    inner = slice(2, -2)
+    return chain.contact[inner], chain.across[inner], chain.s[inner], chain.t[inner]
+
+
+def _take(inner, chain, position, part):
+    """Return one part of `_inner`, by numbers of chains and of positions (k,)."""
+    return np.array([inner[c][part][p] for c, p in zip(chain, position, strict=True)])
+
+
+def _pairs(inner):
+    """Return rows (chain, position, neighbour, opposite) (k, 4), each pair of contacts once."""
+    contacts = np.concatenate([part[0] for part in inner])
+    count = [len(part[0]) for part in inner]
+    owner = np.repeat(np.arange(len(inner)), count)
+    place = np.concatenate([np.arange(n) for n in count])
+    across = np.concatenate([part[1] for part in inner])
+    away = contacts - contacts[:, None]
+    distance = norm(away)
+    sideways = dot(away, across[:, None])
+    found = set()
+    for side in (1, -1):
+        beside = (owner != owner[:, None]) & (side * sideways > np.sqrt(0.5) * distance)
+        nearest = np.where(beside, distance, np.inf).argmin(axis=1)
+        for k in np.flatnonzero(beside.any(axis=1)):
+            found.add(tuple(sorted((int(k), int(nearest[k])))))
+    rows = [(owner[a], place[a], owner[b], place[b]) for a, b in sorted(found)]
+    return np.array(rows, dtype=int).reshape(-1, 4)
