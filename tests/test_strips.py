@@ -1,12 +1,23 @@
-"""What neighbouring strips leave between them."""
+"""What neighbouring strips leave between them, and strips of cones that touch twice."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tunneller_lib.milling import BallMill, Coverage, Patch, find_scallops
+from tunneller_lib.milling import (
+    BallMill,
+    ConicalMill,
+    Coverage,
+    Patch,
+    find_positions,
+    find_scallops,
+    strip_across,
+    touch_twice,
+    trace_chains,
+)
 from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.tools import seen_from
 
 MM = 1e-3
 PLANE = Patch(lambda s, t: [s, t, 0 * s], (-0.02, 0.02), (-0.02, 0.02))
@@ -58,3 +69,61 @@ def test_chains_one_behind_the_other_have_no_scallops_between_them():
     away = np.array([0.03, 0, 0])
     behind = replace(one, contact=one.contact + away, tip=one.tip + away)
     assert len(find_scallops(PLANE, BALL, covering(one, behind))) == 0
+
+
+SADDLE = Patch(lambda s, t: [s, t, 30 * s * t + 200 * s**3], (-0.01, 0.01), (-0.01, 0.01))
+MILL = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
+
+
+@pytest.fixture(scope="module")
+def chain():
+    look = {"tolerance": 1e-7, "n": 41}
+    starts = find_positions(SADDLE, MILL, 0.001, 0.0, **look)
+    chains = trace_chains(SADDLE, MILL, starts, step=5e-4, most=6, **look)
+    return max(chains, key=len)
+
+
+def test_a_cone_touches_where_it_says_and_lies_in_both_tangent_planes(chain):
+    twice = touch_twice(SADDLE, MILL, chain, apart=4 * MM)
+    assert twice.found.all()
+    distance = MILL.cutting(*seen_from(twice.contact, twice.tip, twice.axis))
+    assert np.abs(distance).max() < 1e-15
+    step = 1e-6  # the distances of points beside a contact fall with the square of the step
+    for ds, dt in ((step, 0), (-step, 0), (0, step), (0, -step)):
+        beside = SADDLE.points(twice.s + ds, twice.t + dt)
+        off = MILL.cutting(*seen_from(beside, twice.tip, twice.axis))
+        assert np.abs(off).max() < 100 * step**2
+    np.testing.assert_allclose(
+        np.linalg.norm(twice.contact[:, 0] - twice.contact[:, 1], axis=-1), 4 * MM, rtol=5e-3
+    )
+
+
+def test_as_contacts_fall_together_the_cone_is_that_in_third_order_contact(chain):
+    turns = []
+    for apart in (4 * MM, 2 * MM, 1 * MM):
+        twice = touch_twice(SADDLE, MILL, chain, apart=apart)
+        turns.append(np.linalg.norm(twice.axis - chain.axis, axis=-1).max())
+    assert 3.5 < turns[0] / turns[1] < 4.5 and 3.5 < turns[1] / turns[2] < 4.5
+
+
+def test_twice_touching_strips_are_wider_by_the_root_of_two_at_best(chain):
+    """The tolerance is what the cone leaves amid its contacts, found by trying distances apart."""
+    tolerance = 0.05e-6
+    single = strip_across(SADDLE, MILL, chain, chain.tip, chain.axis, reach=6 * MM, m=400)
+    before = np.median(single.widths(tolerance))
+    ratios = []
+    for apart in np.linspace(0.3, 1.3, 21) * before:
+        twice = touch_twice(SADDLE, MILL, chain, apart=apart)
+        assert twice.found.all() and twice.enters.max() < 1e-9
+        strip = strip_across(SADDLE, MILL, chain, twice.tip, twice.axis, reach=6 * MM, m=400)
+        ratios.append(np.median(strip.widths(tolerance)) / before)
+    assert max(ratios) == pytest.approx(np.sqrt(2), abs=0.06)
+    # To fourth order the best distance apart is the width of the single strip, 2 (tolerance/c)^1/4.
+    assert np.linspace(0.3, 1.3, 21)[np.argmax(ratios)] == pytest.approx(1, abs=0.11)
+
+
+def test_where_a_contact_would_be_beyond_the_patch_the_row_is_the_chains(chain):
+    twice = touch_twice(SADDLE, MILL, chain, apart=50 * MM)
+    assert not twice.found.any()
+    np.testing.assert_array_equal(twice.tip, chain.tip)
+    np.testing.assert_array_equal(twice.axis, chain.axis)

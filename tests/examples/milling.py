@@ -16,11 +16,13 @@ from tunneller_lib.milling import (
     find_scallops,
     plan_tour,
     strip_across,
+    touch_twice,
     trace_chains,
 )
 from tunneller_lib.milling.chains import Chain
 from tunneller_lib.milling.scallops import Scallops
 from tunneller_lib.milling.sweep import Strip
+from tunneller_lib.milling.tangency import TwoContacts
 from tunneller_lib.milling.tour import Tour
 
 
@@ -59,6 +61,7 @@ INSTANCES = {
     Scallops: find_scallops(PATCH, MILL, COVERED),
     Strip: strip_across(PATCH, MILL, CHAIN, CHAIN.tip, CHAIN.axis, reach=0.005, m=5),
     TiltingTable: MACHINE,
+    TwoContacts: touch_twice(PATCH, MILL, CHAIN, apart=1e-3, n=11),
     Tour: plan_tour(PATCH, MILL, **TOUR),
 }
 
@@ -78,5 +81,6 @@ CALLS = {
     "plan_tour": TOUR,
     "strip_across": WAY | {"reach": 0.005, "m": 5},
     "sweep_error": WAY | {"between": 2},
+    "touch_twice": {"chain": CHAIN, "apart": 1e-3, "n": 11},
     "trace_chains": {"step": 1e-3, "most": 3} | LOOK,
 }

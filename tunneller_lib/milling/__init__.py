@@ -13,6 +13,7 @@ from .patch import Patch
 from .positions import Positions, find_positions
 from .scallops import Scallops, find_scallops
 from .sweep import Strip, ball_positions, cylinder_positions, strip_across, sweep_error
+from .tangency import TwoContacts, touch_twice
 from .tools import BallMill, ConicalMill, CylinderMill
 from .tour import Tour, plan_tour
 
@@ -29,6 +30,7 @@ __all__ = [
     "Strip",
     "TiltingTable",
     "Tour",
+    "TwoContacts",
     "ball_positions",
     "cover",
     "cylinder_positions",
@@ -39,5 +41,6 @@ __all__ = [
     "plan_tour",
     "strip_across",
     "sweep_error",
+    "touch_twice",
     "trace_chains",
 ]
