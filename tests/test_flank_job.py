@@ -1,5 +1,6 @@
 """`tunneller flank`: from a file to paths, and what is refused, each in a sentence."""
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -9,8 +10,10 @@ import pytest
 
 from tunneller_lib.__main__ import main
 from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.job import read_flank
 from tunneller_lib.job.csv_tables import read_csv
-from tunneller_lib.milling import fit_nurbs
+from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl
+from tunneller_lib.milling import fit_nurbs, sweep_error
 
 READS = ["notebooks/flank.toml"]
 
@@ -66,27 +69,92 @@ def table(path, points, normal):
 POINTS = 'kind = "points"\ncontact_error = 1e-7\nnormal_error = 1e-5\n'
 
 
+def columns_of(path):
+    """Return the columns, as texts, of a table below a line of comment."""
+    names, *rows = csv.reader(path.read_text().splitlines()[1:])
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
 def test_a_job_gives_tables_and_paths_that_agree(run):
     code, said, _, out = run({}, "--json")
     assert code == 0
     numbers = json.loads(said)
     assert sorted(path.name for path in out.iterdir()) == [
-        "milled.vtp", "paths.apt", "paths.csv", "positions.csv"
+        "axes.csv", "milled.ply", "milled.stl", "milled.vtp", "paths.apt", "paths.csv",
+        "positions.csv",
     ]  # fmt: skip
     _, paths = read_csv((out / "paths.csv").read_text())
     assert len(paths["chain"]) == sum(chain["positions"] for chain in numbers["chains"]) > 10
-    goto = re.findall(r"^GOTO/(.*)$", (out / "paths.apt").read_text(), re.M)
+    cuts = re.findall(r"^\$\$ CUT.*\n((?:GOTO.*\n)+)", (out / "paths.apt").read_text(), re.M)
+    goto = re.findall(r"^GOTO/(.*)$", "".join(cuts), re.M)
     apt = np.array([list(map(float, line.split(","))) for line in goto])
     tip = np.stack([paths[f"tip_{c}_m"].astype(float) for c in "xyz"], axis=-1)
     axis = np.stack([paths[f"axis_{c}"].astype(float) for c in "xyz"], axis=-1)
     np.testing.assert_allclose(apt[:, :3], 1e3 * tip, atol=1e-6)  # mm, six digits
     np.testing.assert_allclose(apt[:, 3:], axis, atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(axis, axis=-1), 1)
+    axes = columns_of(out / "axes.csv")
+    cut = axes["motion"] == "cut"
+    np.testing.assert_allclose(axes["tip_x_m"][cut].astype(float), tip[:, 0], atol=1e-15)
+    assert np.array_equal(axes["chain"][cut].astype(float), paths["chain"])
     rows = (out / "positions.csv").read_text().splitlines()[2:]
     assert sum(row.endswith(",fits") for row in rows) == numbers["positions"]["fits"]
     assert len(rows) == sum(numbers["positions"].values())
     assert 0 < numbers["covered"]["1e-05"] <= numbers["covered"]["0.0001"] <= 1
     assert numbers["gouge_m"] <= 10e-6
+
+
+def test_only_traverses_are_rapid(run):
+    code, _, _, out = run()
+    assert code == 0
+    text = (out / "paths.apt").read_text()
+    parts = re.split(r"^\$\$ (\w+), CHAIN \d+$", text, flags=re.M)[1:]
+    for kind, lines in zip(parts[::2], parts[1::2], strict=True):
+        assert lines.count("RAPID\n") == (lines.count("GOTO/") if kind == "TRAVERSE" else 0)
+    assert parts[::2] == ["APPROACH", "CUT", "RETRACT", "TRAVERSE", "APPROACH", "CUT", "RETRACT"]
+
+
+def test_without_a_machine_no_way_between_chains_is_planned(run):
+    text = JOB.read_text(encoding="utf-8")
+    code, _, _, out = run({text[text.index("[machine]") :]: ""})
+    assert code == 0
+    assert not (out / "axes.csv").exists()
+    assert "THE WAY TO IT AND FROM IT IS NOT PLANNED" in (out / "paths.apt").read_text()
+
+
+def test_a_machine_limits_the_positions(run):
+    flat = {"tilt_max_deg = 120": "tilt_max_deg = 95", "tilt_min_deg = -30": "tilt_min_deg = 85"}
+    code, said, err, out = run(flat)
+    assert code == 0, err
+    assert "positions: beyond the machine's axes" in said
+    axes = columns_of(out / "axes.csv")
+    tilt = axes["A_deg"].astype(float)
+    assert tilt.min() >= 85 and tilt.max() <= 95
+
+
+def test_the_milled_surface_is_what_the_mill_sweeps(run):
+    """Where little is left, points of both files lie on the swept mill; else the stock stands."""
+    code, _, _, out = run()
+    assert code == 0
+    read = read_stl((out / "milled.stl").read_bytes())
+    _, paths = read_csv((out / "paths.csv").read_text())
+    columns = [[paths[f"{of}_{c}{unit}"].astype(float) for c in "xyz"]
+               for of, unit in (("tip", "_m"), ("axis", ""))]  # fmt: skip
+    mill = read_flank(JOB).tool
+    error = np.full(len(read.points), np.inf)
+    for chain in np.unique(paths["chain"]):
+        tip, axis = (np.stack(part, axis=-1)[paths["chain"] == chain] for part in columns)
+        error = np.minimum(error, sweep_error(read.points, mill, tip, axis))
+    head, _, body = (out / "milled.ply").read_bytes().partition(b"end_header\n")
+    count = int(re.search(rb"element vertex (\d+)", head)[1])
+    points = np.frombuffer(body, PLY_POINT, count)
+    near = np.abs(points["value"]) < 50
+    assert near.sum() > 100
+    off = [np.abs(error[np.linalg.norm(read.points - p, axis=-1).argmin()])
+           for p in points["place"][near][::10]]  # fmt: skip
+    assert max(off) < 2e-6
+    assert points["value"].max() == pytest.approx(1000)  # the stock, in um
+    assert (points["colour"][points["value"] == points["value"].max()] == (255, 0, 0)).all()
 
 
 def test_people_get_lines(run):
@@ -132,6 +200,39 @@ def test_measured_points_are_milled(run, tmp_path):
     assert "positions: fits" in said
 
 
+def test_a_mesh_of_triangles_is_milled(run, tmp_path):
+    n = 60
+    points, _ = measured(n)
+    corners = np.arange(n * n).reshape(n, n)
+    a, b, c, d = corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]
+    faces = [np.stack(one, axis=-1).reshape(-1, 3) for one in ((a, b, c), (a, c, d))]
+    path = tmp_path / "part.STL"
+    path.write_bytes(stl(Mesh(points, np.concatenate(faces))))
+    errors = POINTS.replace("1e-5", "3e-3")  # normals amid triangles
+    code, said, err, _ = run({}, "--points", path, surface=errors)
+    assert code == 0, err
+    assert "positions: fits" in said
+    assert re.search(r"are the greatest standard errors of the surface's points", said)
+
+
+def test_a_mesh_that_is_none_is_refused(run, tmp_path):
+    path = tmp_path / "part.stl"
+    path.write_bytes(b"solid nothing\nendsolid\n")
+    refused(run({}, "--points", path, surface=POINTS), 1, "content: must be an STL file")
+
+
+def test_a_ball_is_refused_as_umbilic(run):
+    """A quarter of a ball's strip, by the fifth degree of its angles: umbilic everywhere."""
+    part = np.linspace(-0.3, 0.3, 40)
+    u, v = np.meshgrid(part, part, indexing="ij")
+    grid = 0.02 * np.stack([np.cos(v) * np.sin(u), np.sin(v), np.cos(v) * np.cos(u)], axis=-1)
+    fit, _ = fit_nurbs(grid, part, part, count=14, degree=7)
+    rows = ",\n".join(str(row) for row in (1e3 * fit.control).tolist())
+    surface = nurbs(control=f"[{rows}]", knots_s=fit.knots_s.tolist(),
+                    knots_t=fit.knots_t.tolist())  # fmt: skip
+    refused(run(surface=surface), 1, r"is nowhere a regular saddle .* (umbilic|convex)")
+
+
 def refused(result, code, sentence):
     got, _, err, folder = result
     assert got == code, err
@@ -165,7 +266,7 @@ def test_points_that_are_no_table_are_refused(run, tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("x_m,y_m\n1,2\n", encoding="utf-8")
     refused(run({}, "--points", path, surface=POINTS), 1, "points: must have the columns x_m, y_m")
-    refused(run({}, surface=POINTS), 2, "needs a table of them, by --points")
+    refused(run({}, surface=POINTS), 2, "needs a file of them, by --points")
     refused(run({}, "--points", tmp_path / "none.csv", surface=POINTS), 2, "can't be read")
 
 
@@ -190,7 +291,7 @@ def test_a_mill_that_is_too_large_is_refused(run):
         (
             {"tolerance = 10e-6": "tolerance = -1e-3"},
             2,
-            r"\[paths\] step, tolerance: must be finite",
+            r"\[paths\] step, stock, tolerance: must be finite",
         ),
         ({"side = 1  ": "side = 2  "}, 2, r"\[paths\] side: must be 1 or -1; got 2"),
         ({"half_angle_deg = 12": "half_angle_deg = 95"}, 1, r"\[mill\] half_angle: must lie"),

@@ -12,6 +12,7 @@ from tunneller_lib.envelopes import fit_surface, recognise_measured
 from tunneller_lib.envelopes.families import channel, cubic, cyclide
 from tunneller_lib.envelopes.fit import tilted
 from tunneller_lib.envelopes.isotropic import normal, surface_points
+from tunneller_lib.envelopes.jet import jet_variables
 from tunneller_lib.envelopes.measured import CHANCES, drawn, point_of
 from tunneller_lib.envelopes.rough import RUNS
 
@@ -47,6 +48,22 @@ def test_a_fit_passes_exact_points_and_has_their_normals(scale):
     step = 1e-5 * scale
     slope = [np.stack(fit.surface(*(place + d).T), -1) - there for d in ([step, 0], [0, step])]
     assert max(np.abs(np.sum(s * normals, axis=-1)).max() for s in slope) < 1e-4 * step
+
+
+def test_errors_of_jets_are_those_of_coefficients_drawn_at_random():
+    """Spread of 2000 draws in place of the covariance's square root; in metres and millimetres."""
+    for scale in (1.0, 1e-3):
+        contact, n = patch(400)
+        errors = {"contact_error": 1e-4 * scale, "normal_error": 1e-3}
+        fit = fit_surface(scale * contact, n, **errors)
+        x, y = fit.reach * np.array([[0.0, 0.3, -0.5], [0.1, -0.4, 0.6]])
+        said = fit.jet_errors(x, y)
+        rng = np.random.default_rng(3)
+        seen = []
+        for c in drawn(fit, rng, 2000):
+            r = point_of(fit, *jet_variables(x, y), c)
+            seen.append(sum(part.c * axis for part, axis in zip(r, fit.axes[2], strict=True)))
+        np.testing.assert_allclose(np.std(seen, axis=0), said, rtol=0.1)
 
 
 def test_covariance_says_how_far_fits_of_other_noise_are_apart():

@@ -125,8 +125,8 @@ def parser():
     flank.add_argument(
         "--points",
         type=Path,
-        metavar="FILE.csv",
-        help="measured: x_m, y_m, z_m and unit normals nx, ny, nz",
+        metavar="FILE",
+        help="measured: CSV with x_m, y_m, z_m and unit normals nx, ny, nz, or triangles as STL",
     )
     flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
     flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
@@ -303,11 +303,11 @@ def run_flank(options):
     folder = options.out or Path("build") / own_name(options.job)
     job = read_flank(options.job, options.points)
     check_writable(folder / "paths.csv")
-    found, covered = job.solved(say)
-    numbers = summarise_flank(job, found, covered)
+    result = job.solved(say)
+    numbers = summarise_flank(job, result)
     if not options.json:
         tell(flank_text(numbers) + "\n")
-    files = write_flank(job, found, covered, folder, say)
+    files = write_flank(job, result, folder, say)
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
     return {**numbers, "files": files}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from tunneller_lib.job import (
     FlankJob,
+    FlankResult,
     Job,
     identify_log,
     mesh,
@@ -13,7 +14,6 @@ from tunneller_lib.job import (
     summarise,
     summarise_flank,
 )
-from tunneller_lib.milling import Coverage, Positions
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream import Cut, Plan
 from tunneller_lib.removal import DexelGrid
@@ -76,20 +76,19 @@ for old, new in {
     _text = _text.replace(old, new)
 _FLANK.write_text(_text, encoding="utf-8")
 _flank = read_flank(_FLANK)
-_found, _covered = _flank.solved(lambda text: None)
-_flanked = {"job": _flank, "found": _found, "covered": _covered}
+_solved = _flank.solved(lambda text: None)
+_flanked = {"job": _flank, "result": _solved}
 
 INSTANCES = {
     Circuit: _circuit,
-    Coverage: _covered,
     Cut: _cut,
     DexelGrid: _cut.wall,
     FlankJob: _flank,
+    FlankResult: _solved,
     Job: _job,
     mesh.Mesh: mesh.wall_solid(_cut.wall),
     Path: _NEW,
     Plan: _job.planned,
-    Positions: _found,
     Section: Egg(0.5),
 }
 

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import HalfAngle, Length0, NotNegative, Points, checked
+from ..arguments import HalfAngle, Length0, NotNegative, Points, Reals, checked
 from ..exact import norm
 from .adapted import adapted_frames, frames_by
 from .fit import mean_frame
@@ -102,6 +102,31 @@ class Fit:
                     f"the patch's; got {np.max(size):g}."
                 )
         return point_of(self, x, y, self.c)
+
+    @checked
+    def jet_errors(self, x: Reals, y: Reals):
+        """Return standard errors of the Taylor coefficients of z(x, y), from the covariance.
+
+        Parameters
+        ----------
+        x, y : (...) float
+            Places in the frame, in m.
+
+        Returns
+        -------
+        errors : (15, ...) float
+            Of h^i k^j as a `Jet` has them, in m^(1 - i - j).
+        """
+        x, y = np.broadcast_arrays(x, y)
+        turned = np.linalg.solve(self.root, np.eye(len(self.c)))  # its columns' squares add up
+        across, along = (
+            _chebyshev(part / self.reach, self.degree)
+            for part in jet_variables(x.ravel(), y.ravel())
+        )
+        like = 0 * across[1]
+        basis = [(like + across[i] * along[j]).c for i, j in _orders(self.degree)]
+        errors = norm(np.einsum("pcn,pq->cnq", np.array(basis), turned))
+        return errors.reshape(len(errors), *x.shape)
 
 
 def point_of(fit, x, y, c):

@@ -11,6 +11,7 @@ from .results import summarise, summary_text, write_all
 
 __all__ = [
     "FlankJob",
+    "FlankResult",
     "Job",
     "WrongJob",
     "atomic_write",
@@ -32,9 +33,9 @@ __all__ = [
 
 
 def __getattr__(name):
-    """Return a name of `flank`: the rooms that it needs, and a cut does not, are imported then."""
+    """Return a name of flank milling: the rooms that it needs, and a cut does not, come then."""
     if name in __all__:
-        from . import flank
+        from . import flank, flank_files
 
-        return getattr(flank, name)
+        return getattr(flank if hasattr(flank, name) else flank_files, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
