@@ -129,6 +129,15 @@ def parser():
         help="measured: CSV with x_m, y_m, z_m and unit normals nx, ny, nz, or triangles as STL",
     )
     flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
+    flank.add_argument(
+        "--scene", action="store_true", help="also write scene.html: mill and surface, to turn"
+    )
+    flank.add_argument(
+        "--animate",
+        type=between(2, 600),
+        metavar="PICTURES",
+        help="also write way.gif, an animation of so many pictures",
+    )
     flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
     log.add_argument(
@@ -300,6 +309,12 @@ def run_flank(options):
     from .job import flank_text, read_flank, say, summarise_flank, write_flank
     from .job.atomic_write import check_writable
 
+    if options.scene:
+        import_module("trame")  # else first asked for when the page is written, after all else
+    if options.scene or options.animate:
+        from .reporting import flank_scene, pictures, scene
+
+        scene.empty().close()  # raises where nothing can be drawn
     folder = options.out or Path("build") / own_name(options.job)
     job = read_flank(options.job, options.points)
     check_writable(folder / "paths.csv")
@@ -308,6 +323,14 @@ def run_flank(options):
     if not options.json:
         tell(flank_text(numbers) + "\n")
     files = write_flank(job, result, folder, say)
+    if options.scene:
+        say("drawing the scene ...")
+        plotter = flank_scene.flank_scene(job, result)
+        files.append(str(pictures.write_picture(folder / "scene.html", plotter)))
+    if options.animate:
+        every = flank_scene.flank_pictures(job, result, options.animate)
+        every = counted(every, options.animate)
+        files.append(str(pictures.write_picture(folder / "way.gif", every)))
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
     return {**numbers, "files": files}

@@ -152,14 +152,20 @@ class FlankJob:
                 about["most_turn"],
             )
 
+    @cached_property
+    def neighbours(self):
+        """Return grids (n, n, 3) of points of neighbours, in m: a blade has two, and the hub."""
+        if self.surface["kind"] != "blade":
+            return []
+        ring = BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
+        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121)]
+
     @property
     def others(self):
-        """Return points (n, 3) of neighbours, in m, or None: a blade has two, and the hub."""
-        if self.surface["kind"] != "blade":
+        """Return points (n, 3) of all neighbours, in m, or None where there is none."""
+        if not self.neighbours:
             return None
-        ring = BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
-        grids = ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121)
-        return np.concatenate([grid.reshape(-1, 3) for grid in grids])
+        return np.concatenate([grid.reshape(-1, 3) for grid in self.neighbours])
 
     @checked
     def solved(self, say: Callable[[str], object]):

@@ -21,6 +21,7 @@ __all__ = [
     "ending",
     "envelope_plot",
     "figure",
+    "flank_scene",
     "geodesic_plot",
     "groove_plot",
     "in_words",

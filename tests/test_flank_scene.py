@@ -1,0 +1,92 @@
+"""Scene and animation of a mill on its way, and what is left on the surface by then."""
+
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+import pyvista
+
+from tunneller_lib.__main__ import main
+from tunneller_lib.job import read_flank
+from tunneller_lib.milling import sweep_error
+from tunneller_lib.reporting import flank_scene
+
+READS = ["notebooks/flank.toml"]
+
+JOB = Path(__file__).resolve().parents[1] / "notebooks" / "flank.toml"
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("flank") / "job.toml"
+    path.write_text(quick(), encoding="utf-8")
+    job = read_flank(path)
+    return job, job.solved(lambda text: None)
+
+
+def quick():
+    """Return the text of the study's job, with few points and a coarse mesh."""
+    text = JOB.read_text(encoding="utf-8")
+    for old, new in {"points = 9": "points = 4", "mesh = 121": "mesh = 41"}.items():
+        text = text.replace(old, new)
+    return text
+
+
+def drawn(plotter, name):
+    """Return the mesh of a name that a scene shows."""
+    mapper = plotter.actors[name].mapper
+    mapper.Update()
+    return pyvista.wrap(mapper.GetInput())
+
+
+def left(plotter):
+    """Return what the surface of a scene says is left at its points, in m, and these."""
+    mesh = drawn(plotter, "surface")
+    return 1e-6 * mesh[flank_scene.SCALAR], mesh.points
+
+
+def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
+    job, result = solved
+    plotter = flank_scene.flank_scene(job, result)
+    error, points = left(plotter)
+    mills = [sweep_error(points, job.tool, c.tip, c.axis) for c in result.covered.chains]
+    wanted = np.minimum(np.min(mills, axis=0), job.paths["stock"])
+    np.testing.assert_allclose(error, wanted, atol=1e-7)  # points of a scene have single precision
+    plotter.close()
+
+
+def test_before_the_first_cut_the_stock_stands(solved):
+    job, result = solved
+    assert result.tour.kind[0] == "approach"
+    plotter = flank_scene.flank_scene(job, result, 0)
+    error, _ = left(plotter)
+    assert np.all(error == job.paths["stock"])
+    tip = drawn(plotter, "mill").points.mean(axis=0)
+    middle = result.tour.tip[0] + job.tool.length / 2 * result.tour.axis[0]
+    np.testing.assert_allclose(tip, middle, atol=1e-3 * job.tool.length)
+    plotter.close()
+
+
+def test_a_place_beyond_the_way_is_refused(solved):
+    job, result = solved
+    with pytest.raises(ValueError, match="place: must be below"):
+        flank_scene.flank_scene(job, result, len(result.tour))
+
+
+def test_pictures_change_as_the_mill_goes_on(solved):
+    job, result = solved
+    pictures = list(flank_scene.flank_pictures(job, result, 3, width=200))
+    assert [picture.shape for picture in pictures] == [(150, 200, 3)] * 3
+    assert np.any(pictures[0] != pictures[1]) and np.any(pictures[1] != pictures[2])
+
+
+def test_the_command_writes_scene_and_animation(tmp_path, capsys):
+    job = tmp_path / "job.toml"
+    job.write_text(quick(), encoding="utf-8")
+    out = tmp_path / "out"
+    assert main(["flank", str(job), "--out", str(out), "--scene", "--animate", "2"]) == 0
+    assert str(out / "way.gif") in capsys.readouterr().out
+    assert PIL.Image.open(out / "way.gif").n_frames == 2
+    page = (out / "scene.html").read_text(encoding="utf-8")
+    assert "A conical mill on the surface" in page
