@@ -87,6 +87,7 @@ def test_the_command_writes_scene_and_animation(tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["flank", str(job), "--out", str(out), "--scene", "--animate", "2"]) == 0
     assert str(out / "way.gif") in capsys.readouterr().out
-    assert PIL.Image.open(out / "way.gif").n_frames == 2
+    with PIL.Image.open(out / "way.gif") as film:
+        assert film.n_frames == 2
     page = (out / "scene.html").read_text(encoding="utf-8")
     assert "A conical mill on the surface" in page

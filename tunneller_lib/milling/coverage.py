@@ -15,6 +15,8 @@ from .sweep import sweep_error
 from .tools import ConicalMill
 
 FEWEST = 6  # positions of a chain that is kept
+LEAST = 0.01  # of the patch's area, that a chain must add
+TRIED = 6  # starts a round, of which the one is taken whose strip adds most
 
 
 @dataclass(frozen=True)
@@ -75,35 +77,65 @@ def cover(
     Returns
     -------
     covered : Coverage
-        A chain begins at the position whose contact is farthest from what those before it leave,
-        and needs six positions; one whose contact is left within the tolerance begins none.
+        In each round six positions that are far from each other begin a chain, of those whose
+        contact isn't left within the tolerance yet. The chain is kept that brings most area within
+        the tolerance; it needs six positions, and a hundredth of the patch.
     """
     mesh = patch.mesh(n)
+    area = areas(mesh)
+    options = {"step": step, "tolerance": tolerance, "others": others, "machine": machine, "n": n}
     error = np.full(mesh.shape[:2], np.inf)
-    left = np.full(len(found), np.inf)
-    left[~found.fits] = -np.inf
+    left = np.where(found.fits, np.inf, -np.inf)
+    strips = {}  # by the row of the start: the chain, and what it leaves alone
     chains = []
     while len(chains) < most and np.any(left > tolerance):
-        row = int(np.argmax(left))
-        alone = np.where(np.arange(len(found)) == row, found.reason, "")
-        options = {
-            "step": step,
-            "tolerance": tolerance,
-            "others": others,
-            "machine": machine,
-            "n": n,
-        }
-        [chain] = trace_chains(patch, mill, replace(found, reason=alone), **options)
-        left[row] = -np.inf
-        if len(chain) < FEWEST:
+        tried = _spread(found.contact, np.flatnonzero(left > tolerance))
+        new = [row for row in tried if row not in strips]
+        if new:
+            reason = np.where(np.isin(np.arange(len(found)), new), found.reason, "")
+            for row, chain in zip(
+                sorted(new),
+                trace_chains(patch, mill, replace(found, reason=reason), **options),
+                strict=True,
+            ):
+                alone = None
+                if len(chain) >= FEWEST:
+                    alone = sweep_error(mesh, mill, chain.tip, chain.axis)
+                strips[row] = chain, alone
+        gains = {row: _gain(error, strips[row][1], area, tolerance) for row in tried}
+        best = max(gains, key=gains.get)
+        if gains[best] < LEAST * area.sum():
+            left[tried] = -np.inf
             continue
+        chain, alone = strips[best]
         chains.append(chain)
-        error = np.minimum(error, sweep_error(mesh, mill, chain.tip, chain.axis))
+        error = np.minimum(error, alone)
+        left[best] = -np.inf
         at = sweep_error(found.contact, mill, chain.tip, chain.axis)
         left = np.minimum(left, np.abs(at))
         if say:
             say(f"chain {len(chains)}: {len(chain)} positions; {chain.ends[0]}, {chain.ends[1]}")
-    return Coverage(chains, error, areas(mesh))
+    return Coverage(chains, error, area)
+
+
+def _spread(contact, rows):
+    """Return some of these rows whose contacts (n, 3) are far from each other."""
+    away = norm(contact[rows] - contact[rows].mean(axis=0))
+    taken = [int(np.argmin(away))]
+    away = norm(contact[rows] - contact[rows[taken[0]]])
+    away[taken] = -1.0
+    while len(taken) < min(TRIED, len(rows)):
+        taken.append(int(np.argmax(away)))
+        away = np.minimum(away, norm(contact[rows] - contact[rows[taken[-1]]]))
+        away[taken] = -1.0
+    return rows[taken].tolist()
+
+
+def _gain(error, alone, area, tolerance):
+    """Return the area that one more strip, what it leaves alone, brings within a tolerance."""
+    if alone is None:
+        return 0.0
+    return float(area[(np.abs(error) > tolerance) & (np.abs(alone) <= tolerance)].sum())
 
 
 def areas(mesh):
