@@ -298,6 +298,17 @@ def test_a_mill_that_is_too_large_is_refused(run):
         ({"hub = 0.060": "hub = 60"}, 2, r"\[surface\] hub: must be at most 50 m; .* in mm"),
         ({'kind = "blade"': 'kind = "step"'}, 2, r"\[surface\] kind: must be"),
         ({"blades = 6": "blade = 6"}, 2, "'blades' is meant, perhaps"),
+        ({"clearance = 0.010": ""}, 2, r"\[machine\] clearance: is missing \(m\)"),
+        ({"clearance = 0.010": "clearance = 0"}, 2, r"\[machine\] clearance: must be a finite"),
+        ({"up_x = 1": "up_x = 0"}, 1, r"\[machine\] up: must"),
+        ({"tilt_max_deg = 120": "tilt_max_deg = -40"}, 1, r"\[machine\] tilt: must be two ascend"),
+        ({"z_max = 0.4": "z_max = 0.05"}, 1, r"machine: z must reach .* mm, where the table moves"),
+        (
+            {"tilt_max_deg = 120": "tilt_max_deg = -20"},
+            1,
+            r"\[mill\] none of its \d+ positions fits: .* beyond the machine's axes",
+        ),
+        ({"stock = 1e-3": "stock = 0"}, 2, r"\[paths\] step, stock, tolerance: must be finite"),
         ({"[mill]": "[tool]"}, 2, r"\[tool\]: is no table of such a job"),
     ],
 )

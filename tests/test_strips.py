@@ -10,9 +10,11 @@ from tunneller_lib.milling import (
     ConicalMill,
     Coverage,
     Patch,
+    cover,
     find_positions,
     find_scallops,
     strip_across,
+    sweep_error,
     touch_twice,
     trace_chains,
 )
@@ -127,3 +129,22 @@ def test_where_a_contact_would_be_beyond_the_patch_the_row_is_the_chains(chain):
     assert not twice.found.any()
     np.testing.assert_array_equal(twice.tip, chain.tip)
     np.testing.assert_array_equal(twice.axis, chain.axis)
+
+
+def test_a_coverage_takes_the_chain_that_adds_most_and_none_that_adds_little():
+    look = {"tolerance": 1e-7, "n": 31}
+    starts = find_positions(SADDLE, MILL, *SADDLE.parameters(2, margin=0.2), **look)
+    covered = cover(SADDLE, MILL, starts, step=1 * MM, **look)
+    mesh = SADDLE.mesh(31)
+    chains = trace_chains(SADDLE, MILL, starts, step=1 * MM, **look)
+    assert 1 < len(chains) <= 6  # all are tried in the first round
+    alone = [sweep_error(mesh, MILL, chain.tip, chain.axis) for chain in chains if len(chain) > 5]
+    best = max(replace(covered, error=error).share(1e-7) for error in alone)
+    error = np.full(mesh.shape[:2], np.inf)
+    shares = [0.0]
+    for chain in covered.chains:
+        error = np.minimum(error, sweep_error(mesh, MILL, chain.tip, chain.axis))
+        shares.append(replace(covered, error=error).share(1e-7))
+    assert shares[1] == pytest.approx(best)
+    assert np.diff(shares).min() >= 0.01
+    np.testing.assert_array_equal(error, covered.error)
