@@ -15,7 +15,19 @@ from matplotlib import colormaps
 from tunneller_lib.job.atomic_write import replacement, write
 from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
-from tunneller_lib.job.mesh import MM, SCALAR, STL, stl, vtp, wall_solid, wall_surface
+from tunneller_lib.job.mesh import (
+    MM,
+    SCALAR,
+    STL,
+    Mesh,
+    ply,
+    read_stl,
+    stl,
+    vertex_normals,
+    vtp,
+    wall_solid,
+    wall_surface,
+)
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan, standing
@@ -152,6 +164,51 @@ def test_stl_has_outward_unit_normals(cut):
     first = faces["corners"][0] / MM
     across = np.cross(first[1] - first[0], first[2] - first[0])
     assert np.dot(across, faces["normal"][0]) > 0
+
+
+def test_stl_is_read_as_it_was_written(cut, tmp_path):
+    """Binary by ourselves, as text by VTK; points are joined where corners are the same."""
+    solid = wall_solid(cut.wall)
+    ours = read_stl(stl(solid))
+    pyvista.PolyData.from_regular_faces(MM * solid.points, solid.faces).save(
+        tmp_path / "text.stl", binary=False
+    )
+    for read, digits in ((ours, 1e-7), (read_stl((tmp_path / "text.stl").read_bytes()), 1e-5)):
+        assert len(read.points) == len(np.unique(solid.points, axis=0))
+        size = np.abs(solid.points).max()
+        corners = solid.points[solid.faces]
+        np.testing.assert_allclose(read.points[read.faces], corners, atol=digits * size)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"solid\nendsolid", b"solid\nvertex 1 2 3\n", b"solid\n" + 3 * b"vertex 1 2 --3\n",
+     b"\0" * 83, stl(Mesh(np.full((3, 3), np.nan), np.array([[0, 1, 2]])))],
+)  # fmt: skip
+def test_what_is_no_stl_is_refused(content):
+    with pytest.raises(ValueError, match=r"content: must .*\.$"):
+        read_stl(content)
+
+
+def test_normals_at_corners_are_those_of_a_ball():
+    ball = pyvista.Icosphere(radius=0.3, center=(1.0, 2.0, 3.0), nsub=4)
+    mesh = Mesh(np.array(ball.points, dtype=float), ball.regular_faces)
+    outwards = (mesh.points - [1.0, 2.0, 3.0]) / 0.3
+    np.testing.assert_allclose(vertex_normals(mesh), outwards, atol=2e-3)
+
+
+def test_ply_comes_back_with_values_and_colours(tmp_path):
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    mesh = Mesh(points, faces, {"left": np.array([0.0, 2.0, -2.0, 0.5])})
+    read = pyvista.read(write(tmp_path / "m.ply", ply(mesh, "left", 1.0)))
+    np.testing.assert_array_equal(read.points, points)
+    np.testing.assert_array_equal(read.regular_faces, faces)
+    colours = read["RGB"]
+    np.testing.assert_array_equal(colours[:3], [[255, 255, 255], [255, 0, 0], [0, 0, 255]])
+    assert colours[3, 0] == 255 and 120 < colours[3, 1] == colours[3, 2] < 135
+    with pytest.raises(ValueError, match="mesh: must be of triangles and have the value 'none'"):
+        ply(mesh, "none", 1.0)
 
 
 def test_vtp_comes_back_with_its_errors(cut, tmp_path):

@@ -3,6 +3,8 @@
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 from tunneller_lib.job import (
     FlankJob,
     FlankResult,
@@ -79,6 +81,8 @@ _flank = read_flank(_FLANK)
 _solved = _flank.solved(lambda text: None)
 _flanked = {"job": _flank, "result": _solved}
 
+_MESH = mesh.Mesh(np.eye(3), np.array([[0, 1, 2]]), {"left": np.arange(3.0)})
+
 INSTANCES = {
     Circuit: _circuit,
     Cut: _cut,
@@ -111,6 +115,8 @@ CALLS = {
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
     "flank_text": {"numbers": summarise_flank(**_flanked)},
+    "mesh.ply": {"mesh": _MESH, "name": "left"},
+    "mesh.read_stl": {"content": mesh.stl(_MESH)},
     "mesh.wall_solid": {"wall": _cut.wall},
     "mesh.wall_surface": {"wall": _cut.wall, "circuit": _circuit},
     "atomic_write.write": {"content": "text"},
