@@ -243,6 +243,11 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     machine = None
     if "machine" in tables:
         machine = read_table("machine", tables["machine"], MACHINE, MACHINE)
+        if not 0 < machine["clearance"] < np.inf:
+            raise WrongJob(
+                "[machine] clearance: must be a finite length above zero; "
+                f"got {machine['clearance']:g}."
+            )
     return FlankJob(surface, mill, paths, machine, measured)
 
 

@@ -1,8 +1,9 @@
 """Tools that turn about an axis: how far points are from what they cut with and from their holder.
 
 A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
-to the spindle. All that counts of a point is its height above the tip and its distance from the
-axis.
+to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
+from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
+of the tool, in m, negative within.
 """
 
 from dataclasses import dataclass
@@ -53,34 +54,12 @@ class ConicalMill:
 
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
-        """Return how far points are from the cutting part.
-
-        Parameters
-        ----------
-        height, radius : (...) float
-            Above the tip, and from the axis, in m.
-
-        Returns
-        -------
-        distance : (...) float
-            In m, negative within.
-        """
+        """Return how far points are from the cutting part, in m, negative within."""
         return _stub(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
 
     @checked
     def holder(self, height: Lengths, radius: Lengths):
-        """Return how far points are from the holder.
-
-        Parameters
-        ----------
-        height, radius : (...) float
-            Above the tip, and from the axis, in m.
-
-        Returns
-        -------
-        distance : (...) float
-            In m, negative within.
-        """
+        """Return how far points are from the holder, in m, negative within."""
         top = self.length + self.holder_length
         return _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
 
@@ -101,13 +80,7 @@ class CylinderMill:
 
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
-        """Return how far points are from the cutting part, in m, negative within.
-
-        Parameters
-        ----------
-        height, radius : (...) float
-            Above the tip, and from the axis, in m.
-        """
+        """Return how far points are from the cutting part, in m, negative within."""
         return _stub(height, radius, 0.0, self.radius, self.length, self.radius)
 
 
@@ -126,13 +99,7 @@ class BallMill:
 
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
-        """Return how far points are from the ball, in m, negative within.
-
-        Parameters
-        ----------
-        height, radius : (...) float
-            Above the tip, the ball's lowest point, and from the axis, in m.
-        """
+        """Return how far points are from the ball, in m, negative within; the tip is its lowest."""
         return np.hypot(height - self.radius, radius) - self.radius
 
 
