@@ -48,7 +48,7 @@ def left(plotter):
 
 def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
     job, result = solved
-    plotter = flank_scene.flank_scene(job, result)
+    plotter = flank_scene.mill_scene(job, result)
     error, points = left(plotter)
     mills = [sweep_error(points, job.tool, c.tip, c.axis) for c in result.covered.chains]
     wanted = np.minimum(np.min(mills, axis=0), job.paths["stock"])
@@ -59,7 +59,7 @@ def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
 def test_before_the_first_cut_the_stock_stands(solved):
     job, result = solved
     assert result.tour.kind[0] == "approach"
-    plotter = flank_scene.flank_scene(job, result, 0)
+    plotter = flank_scene.mill_scene(job, result, 0)
     error, _ = left(plotter)
     assert np.all(error == job.paths["stock"])
     tip = drawn(plotter, "mill").points.mean(axis=0)
@@ -71,12 +71,12 @@ def test_before_the_first_cut_the_stock_stands(solved):
 def test_a_place_beyond_the_way_is_refused(solved):
     job, result = solved
     with pytest.raises(ValueError, match="place: must be below"):
-        flank_scene.flank_scene(job, result, len(result.tour))
+        flank_scene.mill_scene(job, result, len(result.tour))
 
 
 def test_pictures_change_as_the_mill_goes_on(solved):
     job, result = solved
-    pictures = list(flank_scene.flank_pictures(job, result, 3, width=200))
+    pictures = list(flank_scene.mill_pictures(job, result, 3, width=200))
     assert [picture.shape for picture in pictures] == [(150, 200, 3)] * 3
     assert np.any(pictures[0] != pictures[1]) and np.any(pictures[1] != pictures[2])
 

@@ -325,10 +325,10 @@ def run_flank(options):
     files = write_flank(job, result, folder, say)
     if options.scene:
         say("drawing the scene ...")
-        plotter = flank_scene.flank_scene(job, result)
+        plotter = flank_scene.mill_scene(job, result)
         files.append(str(pictures.write_picture(folder / "scene.html", plotter)))
     if options.animate:
-        every = flank_scene.flank_pictures(job, result, options.animate)
+        every = flank_scene.mill_pictures(job, result, options.animate)
         every = counted(every, options.animate)
         files.append(str(pictures.write_picture(folder / "way.gif", every)))
     for warning in numbers["warnings"]:

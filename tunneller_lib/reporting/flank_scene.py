@@ -18,7 +18,7 @@ COARSE = 81  # points of the surface each way
 
 
 @checked
-def flank_scene(
+def mill_scene(
     job: FlankJob,
     result: FlankResult,
     place: Whole(0, 10**7) | None = None,
@@ -59,7 +59,7 @@ def flank_scene(
 
 
 @checked
-def flank_pictures(
+def mill_pictures(
     job: FlankJob,
     result: FlankResult,
     count: Whole(2, 10_000),
@@ -72,13 +72,13 @@ def flank_pictures(
     Parameters
     ----------
     job, result
-        As for `flank_scene`.
+        As for `mill_scene`.
     count : int
         How many, at least 2.
     width : int
         In pixels, at most that of a scene; the height is 3/4 of it.
     limit : float
-        As for `flank_scene`.
+        As for `mill_scene`.
 
     Yields
     ------
