@@ -378,3 +378,12 @@ def test_no_product_is_fused_with_a_sum(tmp_path):
     pytest.importorskip("numba")
     # An empty folder of its own, so that it is compiled here.
     assert child(FUSED, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["1", "True", "0"]
+
+
+def test_other_compiler_runs_what_numba_does_not(monkeypatch):
+    for name, value in (("compiled", False), ("other", None)):
+        monkeypatch.setattr(compiled._Work, name, value)
+    asked = []
+    compiled.replace_plain(lambda *given, **parts: asked.append((given, parts)))
+    compiled.call(weights, 1, 2, part=len)
+    assert asked == [((weights, 1, 2), {"part": len})]

@@ -26,6 +26,15 @@ class _Work:
     expected = 0.0
     compiled = False
     of_kind: ClassVar = defaultdict(float)
+    other = None
+
+
+def replace_plain(other):
+    """Let `other` run functions where numba doesn't: it is called as `call` is.
+
+    For places that have another compiler, as a web page has.
+    """
+    _Work.other = other
 
 
 def expect(seconds, kind=None):
@@ -73,7 +82,7 @@ def call(function, *arguments, **parts):
     """
     if _Work.compiled:
         return _compiled(function, *parts.items())(*arguments)
-    return call_plain(function, *arguments, **parts)
+    return (_Work.other or call_plain)(function, *arguments, **parts)
 
 
 def call_plain(function, *arguments, **parts):

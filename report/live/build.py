@@ -72,7 +72,8 @@ class LivePages:
                     )
         files = dict(self.kept)
         tables = [n for n in (ROOT / "notebooks").glob("*.csv") if self.reads(n.name)]
-        files["study.zip"] = library([ROOT / "notebooks" / "contents.toml", *tables])
+        more = [ROOT / "notebooks" / "contents.toml", HERE / "javascript.py"]
+        files["study.zip"] = library([*more, *tables])
         files |= {name: (HERE / name).read_bytes() for name in OWN}
         files["lock"] = lock(self.kept).encode()
         for name, content in files.items():

@@ -26,6 +26,19 @@ function answerFrom(files) {
   };
 }
 
+// What Python has translated, as a function: a script, run at once.
+const runNow = self.importScripts.bind(self);
+self.compiled = (script) => {
+  const address = URL.createObjectURL(new Blob([`self.latest = (() => {\n"use strict";\n${script}})();`]));
+  runNow(address);
+  URL.revokeObjectURL(address);
+  return self.latest;
+};
+
+// Rows of a table that lies in one piece.
+self.rowsOf = (flat, width) =>
+  Array.from({ length: flat.length / width }, (_, row) => flat.subarray(row * width, (row + 1) * width));
+
 // Pyodide takes a Worker for a module's, as it wants it, where this fails; it has nothing to load.
 self.importScripts = () => {
   throw new TypeError("nothing is loaded here");

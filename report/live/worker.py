@@ -6,6 +6,7 @@ page has neither, so what it asks for stands below and tells the page.
 
 import os
 import sys
+from functools import cache, lru_cache
 from types import ModuleType
 
 os.environ["MPLBACKEND"] = "agg"
@@ -60,11 +61,64 @@ for name, content in stand_ins.items():
     sys.modules[name] = ModuleType(name)
     vars(sys.modules[name]).update(content)
 
-from matplotlib.mathtext import MathTextParser  # noqa: E402 - after what stands in for IPython
+# ruff: noqa: E402 - after what stands in for IPython
+import js
+import numpy as np
+from matplotlib.mathtext import MathTextParser
+from pyodide.ffi import to_js
 
-from tunneller_lib.reporting import record  # noqa: E402 - likewise
+from report.live.javascript import Untranslated, script
+from tunneller_lib import compiled
+from tunneller_lib.reporting import record
 
 record.MATHTEXT = MathTextParser("agg")  # as Pyodide's matplotlib 3.10 wants it; ours is 3.11
+
+
+@cache
+def translated(function, *parts):
+    """Return a function of the library as the browser's own, or None."""
+    try:
+        return js.compiled(script(function, **dict(parts)))
+    except Untranslated:
+        return None
+
+
+def run_in_browser(function, *arguments, **parts):
+    """Do what `compiled.call` does."""
+    run = translated(function, *parts.items())
+    if run is None:
+        return compiled.call_plain(function, *arguments, **parts)
+    given = [handed(one) for one in arguments]
+    answer = run(*(rows for rows, _ in given))
+    for array, (_, flat) in zip(arguments, given, strict=True):
+        if flat is not None and array.dtype == float and array.flags.writeable:
+            flat.assign_to(array)
+    return answer
+
+
+def handed(one):
+    """Return an argument for the browser, and the flat numbers of an array, else None."""
+    if not isinstance(one, np.ndarray):
+        return named(one) if isinstance(one, tuple) else one, None
+    flat = to_js(one.astype(float).ravel())
+    return (js.rowsOf(flat, one.shape[1]) if one.ndim == 2 else flat), flat
+
+
+@lru_cache(64)
+def named(numbers):
+    """Return a tuple for the browser, one whose fields have names as an object of these."""
+    return to_js(fields(numbers), dict_converter=js.Object.fromEntries)
+
+
+def fields(numbers):
+    if not isinstance(numbers, tuple):
+        return numbers
+    if hasattr(numbers, "_asdict"):
+        return {name: fields(value) for name, value in numbers._asdict().items()}
+    return [fields(value) for value in numbers]
+
+
+compiled.replace_plain(run_in_browser)
 
 
 class Drawing:

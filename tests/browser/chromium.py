@@ -12,6 +12,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import PIL.Image
+import psutil
 import websocket
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -61,6 +62,12 @@ class Browser:
         self.socket.close()
         self.process.terminate()
         self.process.wait()
+
+    def processor_seconds(self):
+        """Return the time that processors worked for the browser so far, in s."""
+        own = psutil.Process(self.process.pid)
+        times = [one.cpu_times() for one in (own, *own.children(recursive=True))]
+        return sum(one.user + one.system for one in times)
 
     def send(self, method, **params):
         """Return the answer to a command; what happened meanwhile is noted."""

@@ -408,8 +408,10 @@ class _Teller:
         self.said = now
         lap, within = divmod(done - 1, self.ticks)
         part = f", {100 * (within + 1) // self.ticks} % of it" if done % self.ticks else ""
-        left = (now - self.begun) * (self.ticks * self.laps - done) / done
-        to_go = f"; about {left:.0f} s to go" if left >= 1 else ""
+        every = self.ticks * self.laps
+        left = (now - self.begun) * (every - done) / done
+        # What begins once, as compilers do, is most of the first hundredth.
+        to_go = f"; about {left:.0f} s to go" if left >= 1 and 100 * done >= every else ""
         self.say(f"cutting: lap {lap + 1} of {self.laps}{part}{to_go}")
 
 
