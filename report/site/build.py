@@ -2,6 +2,8 @@
 
 import re
 import shutil
+import unicodedata
+from html import escape
 from pathlib import Path
 
 import jinja2
@@ -10,8 +12,9 @@ from pygments.formatters import HtmlFormatter
 
 from report.site import policy
 from report.site.chapter import Chapter, page_name, title
+from report.site.front import front_page
 from report.site.library import Reference, modules, room
-from report.site.markup import plain
+from report.site.markup import attribute, plain
 from report.site.paper import captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
@@ -29,8 +32,12 @@ PAGES = jinja2.Environment(
     loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True, autoescape=True
 )
 EMPTY_HEAD = re.compile(r"<th\b([^>]*)>\s*</th>")
+ONLY_MATH = re.compile(r"<(a|th)\b([^>]*)>\s*(<math\b(?:(?!</math>).)*</math>)\s*</\1>", re.S)
+INLINE_MATH = re.compile(r'<math(?![^>]*display="block")\b.*?</math>', re.S)
+LONG = 25  # letters of a formula
+HEADING = re.compile(r'(<h[2-4][^>]*\bid="([^"]+)"[^>]*>)(.*?)(</h[2-4]>)', re.S)
 PLACES = [
-    ("Chapters", "index.html"),
+    ("Chapters", "chapters/00_index.html"),
     ("Report", "report.html"),
     ("Supplement", "supplement.html"),
     ("Library", "library/index.html"),
@@ -55,8 +62,10 @@ class Site:
         """
         root = "../" * address.count("/")
         body = EMPTY_HEAD.sub(r"<td\1></td>", body)  # a head that says nothing is none
+        body = ONLY_MATH.sub(named_by_its_letters, INLINE_MATH.sub(in_a_box, body))
         html = PAGES.get_template("page.html").render(
-            root=root, title=plain(title), body=body, style=style, kind=kind,
+            root=root, title=plain(title), description=described(body), style=style, kind=kind,
+            body=HEADING.sub(with_permalink, body),
             policy=policy.content_policy(style, runs=self.live is not None),
             places=[*PLACES, *(self.live.places if self.live else ())],
             live=self.live,
@@ -90,6 +99,7 @@ def build(folder, chosen=None, live=None):
     add_report(site, "report", report_page("report"), chosen)
     supplement = report_page("supplement")
     add_report(site, "supplement", supplement, chosen)
+    add_front(site, chosen)
     add_chapters(site, chosen, captions(supplement[1]))
     add_proofs(site)
     add_library(site)
@@ -102,9 +112,58 @@ def build(folder, chosen=None, live=None):
     site.write("search-index.js", script(site.found))
 
 
+def in_a_box(match):
+    """Return a formula in a line; no browser breaks it: a long one scrolls on a narrow screen."""
+    return f'<span class="wide">{match[0]}</span>' if len(plain(match[0])) > LONG else match[0]
+
+
+def named_by_its_letters(match):
+    """Return a link or head that is a formula alone, with its letters for programs that read out.
+
+    For a link they are its name. A head has text; else it counts as empty.
+    """
+    tag, attributes, math = match.groups()
+    letters = unicodedata.normalize("NFKD", plain(math))
+    if tag == "a":
+        return f'<a{attributes} aria-label="{attribute(letters)}">{math}</a>'
+    hidden = math.replace("<math", '<math aria-hidden="true"', 1)
+    return f'<th{attributes}>{hidden}<span class="heard">{escape(letters)}</span></th>'
+
+
+def described(body):
+    """Return the first sentences of a page, for lists of what was found elsewhere."""
+    said = (plain(text) for text in re.findall(r"<p(?:\s[^>]*)?>(.*?)</p>", body, re.S))
+    long = next((text for text in said if len(text) > 60), "")
+    return long if len(long) < 200 else f"{long[:200].rpartition(' ')[0]} …"
+
+
+def with_permalink(match):
+    """Return a heading with a link to itself behind it."""
+    begin, name, text, end = match.groups()
+    said = attribute(f"Link to {plain(text)}")
+    return f'{begin}{text}<a class="permalink" href="#{name}" aria-label="{said}">#</a>{end}'
+
+
 def colours(name):
     """Return the rules of code in one of Pygments' styles."""
     return HtmlFormatter(cssclass="code", style=name).get_style_defs(".code")
+
+
+def add_front(site, chosen):
+    """Write the first page, and its small pictures."""
+    essays = [notebook for notebook in chosen if notebook.stem.startswith("6")]
+    play = page_name((essays or chosen)[0])
+    tool = "planner.html" if site.live else "library/index.html"
+    moved = "pictures to move and " if site.live else ""
+    doors = [
+        ("Read", "report.html", "the article: what was claimed, and what came out"),
+        ("Play", play, f"essays and chapters, with {moved}scenes to turn"),
+        ("Build", tool, "your own cut, with the library and its command"),
+    ]
+    body, pictures = front_page(chosen, doors)
+    site.page("index.html", "The open tunneller study", body, kind="front")
+    for address, content in pictures.items():
+        site.write(address, content)
 
 
 def add_chapters(site, chosen, figure_captions):
@@ -120,16 +179,19 @@ def add_chapters(site, chosen, figure_captions):
             [name(path) for path in scenes], set_tables, figure_captions, site.live,
         )  # fmt: skip
         body = chapter.html()
-        contents = [entry(titles[page], root + page, here=page == here) for page in order]
         at = order.index(here)
+        contents = [entry(titles[page], root + page, here=page == here) for page in order]
+        headings = [(name, plain(text)) for _, name, text, _ in HEADING.findall(body)]
+        within = [entry(text, f"#{name}", level=3) for name, text in headings]
+        contents[at + 1 : at + 1] = within
         near = {
             side: entry(titles[order[i]], root + order[i])
             for side, i in (("before", at - 1), ("after", at + 1))
             if 0 <= i < len(order)
         }
         site.page(
-            here, title(notebook), body, kind="chapter", here="index.html",
-            contents=contents, contents_name="Chapters", **near,
+            here, title(notebook), body, kind="chapter", here="chapters/00_index.html",
+            contents=contents, contents_name="Chapters", file=notebook.name, **near,
         )  # fmt: skip
         site.write(f"notebooks/{notebook.name}", to_run(notebook))  # the PDF leads there
         for file, content in chapter.pictures.items():

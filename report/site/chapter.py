@@ -8,7 +8,7 @@ from html import escape
 import nbformat
 
 from report.site.markup import attribute, code, formula, markdown, plain
-from report.sources import INDEX, records
+from report.sources import records
 
 
 def title(notebook):
@@ -18,7 +18,7 @@ def title(notebook):
 
 def page_name(notebook):
     """Return the page of a notebook, from the site's root."""
-    return "index.html" if notebook.stem == INDEX else f"chapters/{notebook.stem}.html"
+    return f"chapters/{notebook.stem}.html"
 
 
 class Chapter:

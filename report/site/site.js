@@ -27,13 +27,30 @@ if (shown) {
 }
 
 // ---- boxes that scroll are reached by keyboard
-const wide = new ResizeObserver((entries) => {
-  for (const { target } of entries) {
-    if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
-    else target.removeAttribute("tabindex");
-  }
-});
-for (const box of document.querySelectorAll("main pre, main table, math[display=block]")) wide.observe(box);
+function reach(box) {
+  const scrolls = box.scrollWidth > box.clientWidth;
+  if (scrolls) box.tabIndex = 0;
+  else box.removeAttribute("tabindex");
+  box.classList.toggle("scrolls", scrolls);
+}
+const wide = new ResizeObserver((entries) => entries.forEach(({ target }) => reach(target)));
+for (const box of document.querySelectorAll("main pre, main table, main .wide, math[display=block]")) {
+  reach(box);
+  wide.observe(box);
+}
+
+// ---- the first page's machine: it stands still where motion isn't wanted
+const moving = document.getElementById("moving");
+if (moving) {
+  const button = document.getElementById("still");
+  const stop = (still) => {
+    if (still) moving.pauseAnimations();
+    else moving.unpauseAnimations();
+    button.setAttribute("aria-pressed", still);
+  };
+  stop(matchMedia("(prefers-reduced-motion: reduce)").matches);
+  button.addEventListener("click", () => stop(!moving.animationsPaused()));
+}
 
 // ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
 const field = document.getElementById("search");
@@ -164,27 +181,77 @@ document.addEventListener("click", (event) => {
 
 // ---- scenes: one viewer for all, and a script with the data of each
 const how =
-  "Drag or press the arrow keys to turn, wheel or + and − to come nearer or go back, " +
-  "shift and drag to move";
-// In degrees.
-const steps = { ArrowLeft: [6, 0], ArrowRight: [-6, 0], ArrowUp: [0, -6], ArrowDown: [0, 6] };
-const nearer = { "+": 1.1, "=": 1.1, "-": 1 / 1.1, "−": 1 / 1.1 };
+  "Drag or press the arrow keys to turn, + and − to come nearer or go back. " +
+  "The wheel scrolls the page, with Ctrl it brings the scene nearer.";
+// What a key does: degrees across and up, and how many times nearer.
+const steps = {
+  ArrowLeft: [6, 0, 1], ArrowRight: [-6, 0, 1], ArrowUp: [0, -6, 1], ArrowDown: [0, 6, 1],
+  "+": [0, 0, 1.1], "=": [0, 0, 1.1], "-": [0, 0, 1 / 1.1], "−": [0, 0, 1 / 1.1],
+};
+const buttons = [
+  ["Turn left", "←", "ArrowLeft"], ["Turn right", "→", "ArrowRight"], ["Turn up", "↑", "ArrowUp"],
+  ["Turn down", "↓", "ArrowDown"], ["Nearer", "+", "+"], ["Farther", "−", "-"],
+];
+// Degrees that a pixel of a drag turns.
+const pixel = 0.4;
 
-// What a key does to a scene's cameras; whether it does anything.
-function steer(view, key) {
-  if (!(key in steps || key in nearer)) return false;
+function steer(view, [across, up, nearer]) {
   for (const renderer of view.getRenderers()) {
     const camera = renderer.getActiveCamera();
-    const [across, up] = steps[key] || [0, 0];
     camera.azimuth(across);
     camera.elevation(up);
     camera.orthogonalizeViewUp();
-    camera.dolly(nearer[key] || 1);
+    camera.dolly(nearer);
     renderer.resetCameraClippingRange();
     renderer.updateLightsGeometryToFollowCamera();
   }
   view.render();
-  return true;
+}
+
+// Drawing may be slow: what the hand does meanwhile is added up, and drawn at once. The viewer's own
+// hands get none of it, for they lose what comes while it draws, and take the wheel from the page.
+function take(stage, view) {
+  let [across, up, nearer, due] = [0, 0, 1, false];
+  const move = () => {
+    if (due) return;
+    due = true;
+    setTimeout(() => {
+      due = false;
+      const all = [across, up, nearer];
+      [across, up, nearer] = [0, 0, 1];
+      steer(view, all);
+    });
+  };
+  const hands = {
+    pointerdown: (event) => stage.setPointerCapture(event.pointerId),
+    pointermove: (event) => {
+      if (!event.buttons) return;
+      across -= pixel * event.movementX;
+      up += pixel * event.movementY;
+      move();
+    },
+    wheel: (event) => {
+      if (!event.ctrlKey) return;
+      event.preventDefault();
+      nearer *= event.deltaY < 0 ? 1.1 : 1 / 1.1;
+      move();
+    },
+  };
+  for (const kind of ["pointerdown", "pointermove", "pointerup", "wheel", "mousedown", "mousemove", "touchstart", "touchmove"]) {
+    const act = (event) => (event.stopPropagation(), hands[kind]?.(event));
+    stage.addEventListener(kind, act, { capture: true, passive: kind !== "wheel" });
+  }
+  stage.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || !(event.key in steps)) return;
+    steer(view, steps[event.key]);
+    event.preventDefault();
+  });
+}
+
+// The picture that a scene is of: as many stand in a cell as scenes, in their order.
+function stillOf(box) {
+  const scenes = [...box.parentElement.querySelectorAll(".scene")];
+  return [...box.parentElement.querySelectorAll("figure")].slice(-scenes.length)[scenes.indexOf(box)];
 }
 
 function show(box) {
@@ -195,15 +262,21 @@ function show(box) {
   stage.setAttribute("aria-label", `${box.dataset.said}. ${how}`);
   const told = document.createElement("p");
   told.textContent = how;
-  box.replaceChildren(stage, told);
+  const still = stillOf(box)?.querySelector("a, img");
+  if (still) still.replaceWith(stage);
+  const bar = document.createElement("p");
+  box.replaceChildren(...(still ? [] : [stage]), bar, told);
   window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
   // The viewer leaves its latest there.
   const view = window.renderWindow;
   for (const inner of stage.querySelectorAll("[tabindex]")) inner.tabIndex = -1;
-  stage.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (steer(view, event.key)) event.preventDefault();
-  });
+  take(stage, view);
+  for (const [name, sign, key] of buttons) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: sign });
+    button.setAttribute("aria-label", `${name}: ${box.dataset.said}`);
+    button.addEventListener("click", () => steer(view, steps[key]));
+    bar.append(button, " ");
+  }
   stage.focus({ preventScroll: true });
 }
 

@@ -41,8 +41,8 @@ def test_scene_is_turned(browser, page):
     browser.requests.clear()
     browser.open(page.as_uri())
     browser.run("document.querySelector('.scene button').click()")
-    browser.until("!!document.querySelector('.scene canvas')")
-    stage = "document.querySelector('.scene .stage')"
+    browser.until("!!document.querySelector('.stage canvas')")
+    stage = "document.querySelector('.stage')"
     wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
     time.sleep(1)
     before = browser.picture(stage)
