@@ -7,9 +7,11 @@ from html import unescape
 from itertools import pairwise
 
 import nbformat
+import numpy as np
 import pytest
 
 from report.site import build as pages
+from report.site import front
 from report.site.build import build
 from report.site.chapter import Chapter, page_name, title
 from report.site.library import Reference, inline, modules
@@ -20,6 +22,7 @@ from report.site.policy import digest
 from report.site.scenes import viewer_style
 from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
+from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 READS = [
     "report/*",
@@ -129,6 +132,47 @@ def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
 def test_index_says_what_moves_on_pages(site):
     assert "which make lab opens" in plain(page(site, "00"))
     assert "which make lab opens" not in plain(page(site, "02"))
+
+
+def test_first_page_moves_and_leads_to_every_chapter(site):
+    text = (site / "index.html").read_text()
+    assert text.count("<animate ") == 3 and 'id="still"' in text
+    for notebook in SOME[1:]:
+        card = f'<a href="{page_name(notebook)}"><img src="thumbnails/{notebook.stem}.webp"'
+        assert card in text and (site / f"thumbnails/{notebook.stem}.webp").stat().st_size < 30e3
+    doors = re.findall(r'<a class="door" href="([^"]+)"><b>(\w+)', text)
+    assert [word for _, word in doors] == ["Read", "Play", "Build"]
+
+
+def test_moving_machine_follows_the_circuit_on_its_arm():
+    drawing = front.moving_machine()
+    places = re.search(r'<polyline class="arm".*?values="([^"]+)"', drawing)[1].split(";")
+    arms = np.array([[p.split(",") for p in place.split()] for place in places], dtype=float)
+    assert arms.shape == (front.PLACES, 3, 2)
+    assert np.ptp(arms[:, 0], axis=0).max() == 0  # it stands
+    assert np.linalg.norm(arms[0, 2] - arms[-1, 2]) < 1  # it closes
+    longest = np.linalg.norm(arms[:, 2] - arms[:, 1], axis=1).max()
+    assert longest <= front.SCALE * REFERENCE_MACHINE.R + 0.2
+
+
+def test_headings_have_links_to_themselves_and_contents_beside(site):
+    text = page(site, "02")
+    for name in re.findall(r'<h2 id="([^"]+)"', text):
+        assert f'<a class="permalink" href="#{name}"' in text
+        assert re.search(rf'<li class="level3"><a href="#{name}"', text)
+    assert '<a href="../notebooks/02_torus.ipynb" download>' in text
+    assert re.search(r'<meta name="description" content="You will see[^"]{40,210}">', text)
+
+
+def test_heads_of_letters_alone_are_read_out(site):
+    [head] = set(re.findall(r"<th><math aria-hidden.*?</th>", page(site, "08")))
+    assert '<span class="heard">u</span>' in head
+
+
+def test_scenes_stand_below_their_pictures(site):
+    for path in (site / "chapters").glob("*.html"):
+        cells = re.split(r'(?=<div class="cell")', path.read_text())
+        assert all("<figure>" in cell for cell in cells if 'class="scene"' in cell), path.name
 
 
 def test_library_has_every_public_name(site):

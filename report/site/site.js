@@ -40,16 +40,16 @@ for (const box of document.querySelectorAll("main pre, main table, main .wide, m
 }
 
 // ---- the first page's machine: it stands still where motion isn't wanted
-const moving = document.getElementById("moving");
-if (moving) {
+const machine = document.getElementById("moving");
+if (machine) {
   const button = document.getElementById("still");
   const stop = (still) => {
-    if (still) moving.pauseAnimations();
-    else moving.unpauseAnimations();
+    if (still) machine.pauseAnimations();
+    else machine.unpauseAnimations();
     button.setAttribute("aria-pressed", still);
   };
   stop(matchMedia("(prefers-reduced-motion: reduce)").matches);
-  button.addEventListener("click", () => stop(!moving.animationsPaused()));
+  button.addEventListener("click", () => stop(!machine.animationsPaused()));
 }
 
 // ---- search: index.words[word] = numbers of sections, index.sections[n] = [title, address, text]
@@ -248,10 +248,10 @@ function take(stage, view) {
   });
 }
 
-// The picture that a scene is of: as many stand in a cell as scenes, in their order.
+// The picture that a scene is of, where its cell has as many pictures as scenes.
 function stillOf(box) {
-  const scenes = [...box.parentElement.querySelectorAll(".scene")];
-  return [...box.parentElement.querySelectorAll("figure")].slice(-scenes.length)[scenes.indexOf(box)];
+  const [scenes, stills] = [".scene", "figure"].map((kind) => [...box.parentElement.querySelectorAll(kind)]);
+  return scenes.length === stills.length ? stills[scenes.indexOf(box)] : null;
 }
 
 function show(box) {

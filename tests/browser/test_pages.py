@@ -51,6 +51,37 @@ def test_scene_is_turned(browser, page):
     assert browser.errors == [] and elsewhere(browser) == []
 
 
+def test_scene_stands_in_its_pictures_place_and_leaves_the_wheel_to_the_page(browser):
+    page = next(page for page in WITH_SCENES if page.stem == "02_torus")
+    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=900, deviceScaleFactor=1,
+                 mobile=True)  # fmt: skip
+    browser.open(page.as_uri())
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('figure > .stage canvas')")
+    box = browser.run("document.querySelector('.stage').getBoundingClientRect().toJSON()")
+    assert box["left"] >= 0 and box["right"] <= 390
+    turned = "document.querySelector('.stage canvas').dispatchEvent(new WheelEvent('wheel', {}))"
+    for keys, left in (("", True), ("ctrlKey: true, ", False)):
+        event = f"{{{keys}deltaY: 100, bubbles: true, cancelable: true}}"
+        assert browser.run(turned.replace("{}", event)) is left
+    names = "[...document.querySelectorAll('.scene p button')].map((b) => b.ariaLabel)"
+    assert len(set(browser.run(names))) == 6
+    browser.send("Emulation.clearDeviceMetricsOverride")
+    assert browser.errors == []
+
+
+def test_first_page_s_machine_moves_until_it_is_stopped(browser):
+    browser.open((SITE / "index.html").as_uri())
+    place = "document.querySelector('.cutter').cx.animVal.value"
+    first = browser.run(place)
+    browser.until(f"{place} !== {first}")
+    browser.run("document.getElementById('still').click()")
+    stopped = browser.run(place)
+    time.sleep(0.5)
+    assert browser.run(place) == stopped
+    assert browser.run("document.getElementById('still').ariaPressed") == "true"
+
+
 def test_scene_is_turned_by_keyboard(browser):
     browser.open(WITH_SCENES[0].as_uri())
     browser.run("document.querySelector('.scene button').click()")

@@ -188,7 +188,7 @@ def _keep(plotter, folder):
     for actor in plotter.actors.values():
         if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
             actor.mapper.dataset = _light(actor.mapper.dataset)
-    cell = get_ipython().execution_count
+    cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
     before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
     folder.mkdir(parents=True, exist_ok=True)
     plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
