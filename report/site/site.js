@@ -39,6 +39,12 @@ for (const box of document.querySelectorAll("main pre, main table, main .wide, m
   wide.observe(box);
 }
 
+// ---- what a document prints: shown while a hand rests on the equation, or by a click beside it
+for (const printed of document.querySelectorAll("details.printed")) {
+  const open = (event) => event.pointerType === "mouse" && (printed.open = event.type === "pointerenter");
+  for (const kind of ["pointerenter", "pointerleave"]) printed.parentElement.addEventListener(kind, open);
+}
+
 // ---- the first page's machine: it stands still where motion isn't wanted
 const machine = document.getElementById("moving");
 if (machine) {

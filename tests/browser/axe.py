@@ -14,6 +14,7 @@ SHA512 = (
     "1477dafa598d8d065f273d6af302aa203c02e83131707b7fa648cd41bd3d6b73"
     "4f8c22a0dab86ee6a6f64b8afbe804b214d36db85a2826965edfb3a0b9d546b5"
 )
+SLOW = 400  # s, for the supplement on a busy machine
 KEPT = ROOT / "build" / "axe" / "axe-core.tgz"
 
 
@@ -53,6 +54,7 @@ def violations(browser, script, rules=None):
     rules : list of str, optional
         To try alone these.
     """
+    browser.socket.settimeout(SLOW)
     chosen = "" if rules is None else f"{{ runOnly: {rules!r} }}"
     browser.run(f"{script}; true")
     # What the page does to boxes that scroll it does when they are drawn.
