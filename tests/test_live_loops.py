@@ -124,6 +124,21 @@ def test_both_joints_run_in_javascript_as_in_python(shared):
     assert np.all(states[1:, 10] > 0)
 
 
+MARGIN = np.radians(2)
+ENDLESS = math.inf
+SWITCH = True
+
+
+def with_constants(x):
+    """Use numbers of a module: numpy's, none that ends, a truth."""
+    return x + MARGIN if SWITCH and x < ENDLESS else -1.5
+
+
+@pytest.mark.skipif(NODE is None, reason="node isn't installed")
+def test_constants_of_a_module_are_kept():
+    assert_same(with_constants, [0.25], [])
+
+
 def with_list(numbers):
     """Make a list, which numba takes."""
     return [2 * number for number in numbers]

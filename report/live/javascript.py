@@ -7,6 +7,7 @@ statement by statement, in the same order. Sums, products, quotients and roots h
 
 import ast
 import inspect
+import json
 import textwrap
 from types import FunctionType, ModuleType
 
@@ -147,10 +148,8 @@ class _Writer:
     def value(self, node):
         """Return an expression."""
         match node:
-            case ast.Constant(value=bool() as value):
-                return str(value).lower()
             case ast.Constant(value=int() | float() as value):
-                return repr(value)
+                return json.dumps(value)
             case ast.Name(id=name):
                 return self.name(name)
             case ast.Attribute(value=ast.Name(id="math"), attr=name) if name in MATH:
@@ -205,7 +204,7 @@ class _Writer:
             case FunctionType():
                 return _named(known, self.parts, self.made)
             case int() | float():
-                return repr(known)
+                return json.dumps(known)
             case None if name in PLAIN:
                 return PLAIN[name]
             case ModuleType():
