@@ -17,7 +17,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 SENTENCE = (
     "A robot reams old sewers with a ball on two joints; this study repeats the paper that steers "
-    "it, judges every claim, and lets you try them yourself."
+    "it, judges its claims, and lets you try them yourself."
 )
 SECONDS = 16  # for the circuit
 PLACES = 64  # at which the moving machine is drawn
