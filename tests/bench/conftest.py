@@ -4,14 +4,25 @@ Each ratio is of the best of several rounds in which both sides take turns, in p
 that a busy moment of the computer hits both, and threads count for what they are.
 """
 
+import ctypes
 import importlib
+import os
 import platform
+import shutil
+import subprocess
 import time
+from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from tests.bench import times
+
+BOUNDS = Path(__file__).parent / "bounds"
+FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()
+NOTED = pytest.StashKey[list]()
 
 
 def processor():
@@ -60,3 +71,63 @@ def say(capsys, benchmark):
             print(f"\n{what}: {shown} ({versions}, {processor()})")
 
     return print_and_keep
+
+
+@pytest.fixture
+def bound_in_c(tmp_path):
+    """Return a function that compiles a file of bounds/, by its name, and returns the library."""
+    compiler = shutil.which("gcc")
+    if not compiler:
+        pytest.skip("no gcc on this machine")
+
+    def compile_and_load(name):
+        library = tmp_path / f"{name}.so"
+        source = BOUNDS / f"{name}.c"
+        subprocess.run([compiler, *FLAGS, source, "-o", library, "-lm"], check=True)
+        return ctypes.CDLL(str(library))
+
+    return compile_and_load
+
+
+@pytest.fixture
+def note(request, benchmark):
+    """Return a function that keeps a row of the table of times, see `times.COLUMNS`.
+
+    `work` names it, `each` one of the `n` that one call answers; times are processor seconds by
+    each. `peer` is a package, or a package and what of it is called; `criterion` says what both
+    sides agree in.
+    """
+
+    def keep(work, each, n, here, *, criterion, peer="", peer_s=None, bound_s=None):
+        package, _, call = peer.partition(" ")
+        row = {
+            "work": work,
+            "each": each,
+            "n": n,
+            "here_s": here,
+            "peer": f"{package} {version(package)} {call}".strip() if peer else "",
+            "peer_s": peer_s,
+            "bound_s": bound_s,
+        }
+        # Three digits are more than a run on a busy machine repeats.
+        row |= {k: f"{row[k]:.3g}" if row[k] else "" for k in ("here_s", "peer_s", "bound_s")}
+        row |= {
+            "criterion": criterion,
+            "date": date.today().isoformat(),
+            "processor": processor(),
+            "versions": ", ".join(
+                f"{name} {version(name)}" for name in ("numpy", "scipy", "numba")
+            ),
+            "load": f"{os.getloadavg()[0]:.1f}",
+        }
+        request.config.stash.setdefault(NOTED, []).append(row)
+
+    return keep
+
+
+def pytest_sessionfinish(session):
+    """Keep the rows that were noted."""
+    if noted := session.config.stash.get(NOTED, None):
+        times.keep(noted)
+        text = times.README.read_text(encoding="utf-8")
+        times.README.write_text(times.with_table(text), encoding="utf-8")

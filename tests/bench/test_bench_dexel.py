@@ -10,8 +10,6 @@ has the volume with any number of sides; of sixty that overlap it hasn't.
 """
 
 import ctypes
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,9 +21,6 @@ from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
 
 TICKS = 10_000
-
-
-FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()
 
 
 def circuit_of_ticks():
@@ -44,12 +39,9 @@ def circuit_of_ticks():
 
 
 @pytest.fixture
-def bound(tmp_path):
+def bound(bound_in_c):
     """Return `cut_path` in C, of the arrays of a grid."""
-    library = tmp_path / "dexel.so"
-    source = Path(__file__).parent / "bounds/dexel.c"
-    subprocess.run(["gcc", *FLAGS, source, "-o", library, "-lm"], check=True)
-    function = ctypes.CDLL(str(library)).cut_path
+    function = bound_in_c("dexel").cut_path
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     whole, number = ctypes.c_long, ctypes.c_double
     function.argtypes = [array, whole, number, *[whole] * 3, *[array] * 6, number]
@@ -67,7 +59,7 @@ def bound(tmp_path):
 
 @pytest.mark.parametrize("way", ["whole arrays", "compiled"])
 @pytest.mark.parametrize("count", [1, 1000, TICKS])
-def test_circuit_of_ticks_against_c(benchmark, say, bound, monkeypatch, count, way):
+def test_circuit_of_ticks_against_c(benchmark, say, note, bound, monkeypatch, count, way):
     if way == "compiled":
         pytest.importorskip("numba", reason="what is compiled is timed")
     # No amount of work changes the way meanwhile.
@@ -93,6 +85,10 @@ def test_circuit_of_ticks_against_c(benchmark, say, bound, monkeypatch, count, w
     about = f"{count} capsules on 400 x 720 rays, {way}"
     say(f"{about}, us a capsule", 1e6 * mine / count)
     say(f"{about}, time over that of C, all intervals the same to the last bit", mine / limit)
+    note(
+        f"ball swept through 400 x 720 rays, {way}", "capsule", count, mine / count,
+        bound_s=limit / count, criterion="the same intervals to the last bit",
+    )  # fmt: skip
 
 
 SPACING = 2 / 120  # of the grid's lines
@@ -148,7 +144,7 @@ SIXTY = np.random.default_rng(1).uniform(-0.7, 0.7, (60, 3))
     ("radius", "places", "what"), [(LARGE, ONE, "one ball"), (SMALL, SIXTY, "sixty balls")]
 )
 def test_balls_against_manifold_at_the_same_error_of_the_volume(
-    installed, benchmark, say, radius, places, what
+    installed, benchmark, say, note, radius, places, what
 ):
     exact = 4 / 3 * np.pi * radius**3 if len(places) == 1 else grid_of(radius, places, 600)
     errors = [grid_of(radius, some) / exact - 1 for some in moved(places)]
@@ -159,6 +155,11 @@ def test_balls_against_manifold_at_the_same_error_of_the_volume(
         lambda: grid_of(radius, places), lambda: mesh_of(installed, radius, places, sides), rounds=5
     )
     say(f"{what}, relative error of the volume allowed, in millionths", 1e6 * error)
+    note(
+        f"{what} out of a block, 120 x 120 lines", "ball", len(places), ours / len(places),
+        peer="manifold3d batch_boolean", peer_s=theirs / len(places),
+        criterion="the same error of the volume",
+    )  # fmt: skip
     say(f"{what}, time of manifold3d with {sides} sides over that of the grid, at the same error "
         "of the volume", theirs / ours, "manifold3d")  # fmt: skip
 

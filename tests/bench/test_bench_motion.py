@@ -1,5 +1,6 @@
 """How fast set-values are made and laps are run."""
 
+import ctypes
 from functools import partial
 
 import numpy as np
@@ -21,6 +22,7 @@ from tunneller_lib.motion import (
     time_bresenham,
     usual_sizes,
 )
+from tunneller_lib.motion.ticks import control_of
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 TICKS = 10_000
@@ -85,24 +87,85 @@ LAG_LOOPS = {
 }
 
 
+class Control(ctypes.Structure):
+    """The loop's numbers as bounds/lag.c has them."""
+
+    _fields_ = [
+        *((name, ctypes.c_double) for name in ("gain", "growth", "share", "count", "limit", "dead")),
+        *((name, ctypes.c_long) for name in ("compensated", "delay")),
+    ]  # fmt: skip
+
+
+@pytest.fixture
+def lag_in_c(bound_in_c):
+    """Return a function that runs a lag under a loop in C and returns states and commands."""
+    run_lag = bound_in_c("lag").run_lag
+    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    run_lag.argtypes = [
+        array, ctypes.c_double, ctypes.POINTER(Control), *[array] * 3, ctypes.c_long, *[array] * 2
+    ]  # fmt: skip
+    run_lag.restype = None
+
+    def prepared(plant, loop, setvalues, slopes):
+        numbers = plant.numbers(loop.tick)
+        rows = np.array(numbers.rows)
+        control = Control(*control_of(loop))
+
+        def run():
+            states = np.empty((len(setvalues), 2))
+            states[0] = setvalues[0], 0.0
+            commands = np.empty(len(slopes))
+            run_lag(
+                rows, numbers.steady, control, np.zeros(1 + loop.delay),
+                setvalues, slopes, len(slopes), states, commands,
+            )  # fmt: skip
+            return states, commands
+
+        return run
+
+    return prepared
+
+
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
 @pytest.mark.parametrize("kind", LAG_LOOPS)
-def test_lag_against_lfilter(benchmark, say, at_once, kind):
+def test_lag_against_lfilter(benchmark, say, note, at_once, lag_in_c, kind, n):
     # The peer filters as many numbers by as many states: the linear loop's work alone, without
     # the commands, the rounding and the states that `follow` gives.
-    values = np.tile(lap()[0][:, 0], 20)
+    values = np.resize(lap()[0][:, 0], n + 1)
     slopes = np.diff(values) / 0.005
     loop = LAG_LOOPS[kind]
     plant = Lag(0.5, 0.02)
     run = partial(follow, plant, loop, values, slopes=slopes)
     b, a = [0.0, 1e-3, 9e-4], [1.0, -1.7, 0.75]
-    benchmark.pedantic(run, rounds=3)
-    ours, theirs = best_times(run, lambda: lfilter(b, a, values), rounds=15)
-    say(f"{kind} lag, us a tick", 1e6 * ours / len(values))
-    say(f"{kind} lag, time over that of lfilter of order two", ours / theirs, "scipy")
+    track = benchmark.pedantic(run, rounds=3)
+    bound = lag_in_c(plant, loop, values, slopes)
+    states, commands = bound()
+    np.testing.assert_array_equal(track.states[0], states)
+    np.testing.assert_array_equal(track.command, commands)
+    many = max(1000 // n, 1)  # calls in a round, for a clock that tells microseconds
+    times = best_times(
+        *(
+            lambda once=once: [once() for _ in range(many)]
+            for once in (run, lambda: lfilter(b, a, values), bound)
+        ),
+        rounds=15 if n < 1_000_000 else 5,
+    )
+    ours, theirs, limit = times / many / n
+    say(f"{kind} lag, {n} ticks, us a tick", 1e6 * ours)
+    say(f"{kind} lag, {n} ticks, time over that of lfilter of order two", ours / theirs, "scipy")
+    say(f"{kind} lag, {n} ticks, time over that of C", ours / limit)
+    note(
+        f"lag in a position loop, {kind}", "tick", n, ours,
+        peer="scipy lfilter of order two", peer_s=theirs, bound_s=limit,
+        criterion="states and commands of C to the last bit; the peer filters one column",
+    )  # fmt: skip
 
 
-def test_oil_a_tick(benchmark, say, at_once):
+@pytest.mark.parametrize("n", [1, 1000, TICKS])
+def test_oil_a_tick(benchmark, say, note, at_once, n):
     values, slopes = lap()
+    values = values[: n + 1]
+    slopes = slopes[:n]
     axes = axes_of(REFERENCE_MACHINE, usual_sizes(REFERENCE_MACHINE))
     plants = [Compressible(axis) for axis in axes]
     arm = arm_of(REFERENCE_MACHINE, usual_sizes(REFERENCE_MACHINE))
@@ -112,6 +175,9 @@ def test_oil_a_tick(benchmark, say, at_once):
     both = partial(alone, arm=arm, push=push)
     benchmark.pedantic(alone, rounds=2)
     both()
-    times = best_times(alone, both, rounds=5)
-    say("T3, us a tick and axis", 1e6 * times[0] / TICKS / 2)
-    say("both joints with arm and ground, us a tick", 1e6 * times[1] / TICKS)
+    first, second = best_times(alone, both, rounds=5 if n == TICKS else 15)
+    say(f"T3, {n} ticks, us a tick and axis", 1e6 * first / n / 2)
+    say(f"both joints with arm and ground, {n} ticks, us a tick", 1e6 * second / n)
+    criterion = "a step of Runge and Kutta's fourth order is at most 0.2 rad of the resonance"
+    note("compressible oil", "tick and axis", n, first / n / 2, criterion=criterion)
+    note("both joints with arm and ground", "tick", n, second / n, criterion=criterion)

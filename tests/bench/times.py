@@ -1,0 +1,94 @@
+"""The table of times that `make bench` writes: how its rows are kept, and the README's form of it.
+
+Each benchmark that calls the fixture `note` gives a row to times.csv, beside those of other
+benchmarks and in the place of its own older one. `python -m tests.bench.times` writes the table of
+the README anew; the supplement reads the file itself.
+"""
+
+import csv
+import io
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = Path(__file__).with_name("times.csv")
+README = ROOT / "README.md"
+# What was done, to how many at once, and by each in processor time: s here, of the best peer and of
+# the bound in C, empty where there is none; what both sides agree in; when and on what it ran.
+COLUMNS = (
+    "work", "each", "n", "here_s", "peer", "peer_s", "bound_s", "criterion",
+    "date", "processor", "versions", "load",
+)  # fmt: skip
+BEGIN, END = "<!-- times: begin -->\n", "<!-- times: end -->\n"
+
+
+def read():
+    """Return the rows that are kept, dicts of text by `COLUMNS`."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def keep(rows):
+    """Keep rows, each in the place of an older one of the same work and number."""
+    merged = {(row["work"], int(row["n"])): row for row in [*read(), *rows]}
+    text = io.StringIO()
+    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    table.writerows(merged[key] for key in sorted(merged))
+    TABLE.write_text(text.getvalue(), encoding="utf-8")
+
+
+def shown(seconds):
+    """Return a time in s, as text, for people: three digits and a fitting unit."""
+    if not seconds:
+        return "–"
+    size = float(seconds)
+    for factor, unit in ((1.0, "s"), (1e3, "ms"), (1e6, "µs")):
+        if size * factor >= 1:
+            return f"{_digits(size * factor)} {unit}"
+    return f"{_digits(size * 1e9)} ns"
+
+
+def ratio(row, other):
+    """Return the time here over that of the other, ``peer_s`` or ``bound_s`` of a row."""
+    return _digits(float(row["here_s"]) / float(row[other])) if row[other] else "–"
+
+
+def _digits(size):
+    """Return a positive size with three digits, and no power of ten."""
+    return f"{size:#.3g}".rstrip(".") if size < 1000 else f"{size:.0f}"
+
+
+def markdown(rows):
+    """Return the table of rows for the README."""
+    head = "work", "at once", "here", "best peer", "its time", "here over it", "C", "here over C"
+    lines = [head, ["---"] + ["--:", "--:", "---"] + ["--:"] * 4]
+    for row in rows:
+        lines.append(
+            [
+                f"{row['work']}, a {row['each']}",
+                f"{int(row['n']):,}",
+                shown(row["here_s"]),
+                row["peer"] or "–",
+                shown(row["peer_s"]),
+                ratio(row, "peer_s"),
+                shown(row["bound_s"]),
+                ratio(row, "bound_s"),
+            ]
+        )
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def with_table(text):
+    """Return the README's text with the table between its marks made anew."""
+    rows = read()
+    ran = sorted({(row["date"], row["processor"]) for row in rows})
+    where = "; ".join(f"{date} on {processor}" for date, processor in ran)
+    block = f"{BEGIN}\n{markdown(rows)}\nRuns: {where}.\n\n{END}"
+    return re.sub(f"{BEGIN}.*{END}", lambda _: block, text, flags=re.S)
+
+
+if __name__ == "__main__":
+    README.write_text(with_table(README.read_text(encoding="utf-8")), encoding="utf-8")
