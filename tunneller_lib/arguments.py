@@ -302,14 +302,14 @@ def _array(value):
 def finite_array(name, value):
     """Return `value` as a float array (...) of finite numbers."""
     array = real(name, value)
-    if not _within(array, GREATEST):
+    if not none_beyond(array, GREATEST):
         raise ValueError(
             f"{name}: must hold finite numbers; got {_first(array, ~np.isfinite(array))}."
         )
     return array
 
 
-def _within(array, most):
+def none_beyond(array, most):
     """Tell whether no number is above `most` in size: two passes that keep nothing."""
     if array.size <= FEW:
         return all([abs(number) <= most for number in array.ravel().tolist()])
@@ -324,7 +324,7 @@ def _first(array, wrong):
 def bounded_array(name, value):
     """Return `value` as a float array (...) of numbers not above 1e100 in size."""
     array = real(name, value)
-    if not _within(array, MOST):
+    if not none_beyond(array, MOST):
         finite_array(name, array)
         far = np.abs(array) > MOST
         raise ValueError(

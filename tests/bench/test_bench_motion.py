@@ -22,7 +22,7 @@ from tunneller_lib.motion import (
     time_bresenham,
     usual_sizes,
 )
-from tunneller_lib.motion.ticks import control_of
+from tunneller_lib.motion.ticks import Control, control_of
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 TICKS = 10_000
@@ -87,13 +87,11 @@ LAG_LOOPS = {
 }
 
 
-class Control(ctypes.Structure):
-    """The loop's numbers as bounds/lag.c has them."""
+class ControlInC(ctypes.Structure):
+    """A `Control` as bounds/lag.c has it."""
 
-    _fields_ = [
-        *((name, ctypes.c_double) for name in ("gain", "growth", "share", "count", "limit", "dead")),
-        *((name, ctypes.c_long) for name in ("compensated", "delay")),
-    ]  # fmt: skip
+    _fields_ = [(name, ctypes.c_double) for name in Control._fields[:6]]
+    _fields_ += [(name, ctypes.c_long) for name in Control._fields[6:]]
 
 
 @pytest.fixture
@@ -102,14 +100,14 @@ def lag_in_c(bound_in_c):
     run_lag = bound_in_c("lag").run_lag
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     run_lag.argtypes = [
-        array, ctypes.c_double, ctypes.POINTER(Control), *[array] * 3, ctypes.c_long, *[array] * 2
+        array, ctypes.c_double, ctypes.POINTER(ControlInC), *[array] * 3, ctypes.c_long, *[array] * 2
     ]  # fmt: skip
     run_lag.restype = None
 
     def prepared(plant, loop, setvalues, slopes):
         numbers = plant.numbers(loop.tick)
         rows = np.array(numbers.rows)
-        control = Control(*control_of(loop))
+        control = ControlInC(*control_of(loop))
 
         def run():
             states = np.empty((len(setvalues), 2))

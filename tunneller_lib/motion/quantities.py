@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Rule, bounded_array, not_negative, positive, shown
+from ..arguments import Rule, bounded_array, none_beyond, not_negative, positive, real, shown
 
 LEAST, MOST = 1e-9, 1e9  # of gains, frequencies, damping ratios and times
 
@@ -59,8 +59,9 @@ def _ticks(name, value):
 
 def moderate_array(name, value):
     """Return `value` as a float array (...) of numbers not above 1e15 in size."""
-    array = bounded_array(name, value)
-    if array.size and np.abs(array).max() > 1e15:
+    array = real(name, value)
+    if not none_beyond(array, 1e15):
+        bounded_array(name, array)
         raise ValueError(
             f"{name}: must hold numbers of at most 1e15 in size; got {np.abs(array).max():g}."
         )

@@ -53,19 +53,19 @@ def commanding(plant, rate, position):
     raise NotImplementedError
 
 
-def commanded(plant, control, memory, tick, wanted, slope, position):
+def commanded(plant, control, grown, wanted, slope, position):
     """Return the command of a tick, for a set-value and its slope at a measured position.
 
     Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope,
     and the static inverse of the `plant` says which command gives it. `control` is a `Control`,
-    `memory` holds the sum and commands that wait; `wanted`, `slope` and `position` are in rad and
-    rad/s.
+    `grown` the integral so far, which is returned as well, with this tick's share. `wanted`,
+    `slope` and `position` are in rad and rad/s.
     """
     # The encoder tells whole counts, the nearest.
     if control.count > 0:
         position = control.count * nearest(position / control.count)
     error = wanted - position
-    u = commanding(plant, control.gain * error + memory[0] + control.share * slope, position)
+    u = commanding(plant, control.gain * error + grown + control.share * slope, position)
     # Compensated, a command begins where the valve's dead band ends.
     if control.compensated and control.dead > 0 and u != 0:
         u = (1 - control.dead) * u + (control.dead if u > 0 else -control.dead)
@@ -75,14 +75,22 @@ def commanded(plant, control, memory, tick, wanted, slope, position):
     elif u < -control.limit:
         u = -control.limit
     else:
-        memory[0] += control.growth * error
-    # With a delay of n ticks the command of n ticks ago reaches the valve.
-    if control.delay > 0:
-        place = 1 + tick % control.delay
-        waited = memory[place]
-        memory[place] = u
-        u = waited
-    return u
+        grown += control.growth * error
+    return u, grown
+
+
+def delayed(control, memory, tick, u):
+    """Return the command that reaches the valve in a tick in which the loop answers u.
+
+    With a delay of n ticks it is that of n ticks ago. `control` is a `Control`; `memory` holds the
+    commands that wait, from its second place on.
+    """
+    if control.delay == 0:
+        return u
+    place = 1 + tick % control.delay
+    waited = memory[place]
+    memory[place] = u
+    return waited
 
 
 def nearest(number):
@@ -104,12 +112,14 @@ def opened(u, dead):
 def run_axis(plant, control, memory, state, setvalues, slopes, states, commands):
     """Run the axis of a `plant`, fill its states and commands, and return the ticks run.
 
-    They are fewer than there are slopes where it left its stroke. `control` and
-    `memory` are as of `commanded`; `setvalues` and `slopes`, in rad and rad/s, `states` and
-    `commands` are rows, `state` is the first of the states.
+    They are fewer than there are slopes where it left its stroke. `control` is a `Control`,
+    `memory` (1 + delay,) the loop's integral, and its commands that wait; `setvalues` and `slopes`,
+    in rad and rad/s, `states` and `commands` are rows, `state` is the first of the states.
     """
+    grown = memory[0]
     for tick in range(len(slopes)):
-        u = commanded(plant, control, memory, tick, setvalues[tick], slopes[tick], state[0])
+        u, grown = commanded(plant, control, grown, setvalues[tick], slopes[tick], state[0])
+        u = delayed(control, memory, tick, u)
         state = ticked(plant, state, opened(u, control.dead))
         commands[tick] = u
         for i in range(len(state)):
@@ -132,14 +142,14 @@ def run_joints(
     theta = machine.theta
     phi = machine.phi
     for n in range(len(parts)):
-        theta_u = commanded(
-            theta, controls[0], memories[0], first + n,
-            setvalues[n][0], slopes[n][0], state[0][0],
-        )  # fmt: skip
-        phi_u = commanded(
-            phi, controls[1], memories[1], first + n,
-            setvalues[n][1], slopes[n][1], state[1][0],
-        )  # fmt: skip
+        theta_u, memories[0][0] = commanded(
+            theta, controls[0], memories[0][0], setvalues[n][0], slopes[n][0], state[0][0]
+        )
+        phi_u, memories[1][0] = commanded(
+            phi, controls[1], memories[1][0], setvalues[n][1], slopes[n][1], state[1][0]
+        )
+        theta_u = delayed(controls[0], memories[0], first + n, theta_u)
+        phi_u = delayed(controls[1], memories[1], first + n, phi_u)
         openings = opened(theta_u, controls[0].dead), opened(phi_u, controls[1].dead)
         state = machine_tick(machine, state, openings, pushes[n], parts[n], tick)
         commands[n][0] = theta_u
@@ -170,7 +180,7 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
         commands = np.empty(ticks)
         given = (
             numbers, control_of(loop), np.zeros(1 + loop.delay), start,
-            values.copy(), rates.copy(), states, commands,
+            *(np.require(row, requirements="CW") for row in (values, rates)), states, commands,
         )  # fmt: skip
         expect(plain_seconds(numbers, ticks))
         kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
