@@ -43,10 +43,13 @@ class Push(NamedTuple):
     @property
     def rows(self):
         """Return torque, damper, lever and across as rows (n, 7), one for each tick."""
-        parts = [self.torque, np.asarray(self.damper)[..., None], self.lever, self.across]
-        shape = np.broadcast_shapes(*(np.shape(part)[:-1] for part in parts))
-        wide = [np.broadcast_to(part, (*shape, np.shape(part)[-1])) for part in parts]
-        return np.concatenate(wide, axis=-1, dtype=float).reshape(-1, 7)
+        pairs = self.torque, self.lever, self.across
+        rows = np.empty(
+            (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 7)
+        )
+        rows[..., :2], rows[..., 3:5], rows[..., 5:] = pairs
+        rows[..., 2] = self.damper
+        return rows.reshape(-1, 7)
 
 
 class TwoAxes(NamedTuple):
@@ -65,15 +68,19 @@ def machine_of(axes, arm):
     return TwoAxes(theta, phi, arm is not None, moments)
 
 
-def parts_in(axes, rows, tick):
-    """Return the parts (n,) in which ticks, in s, of two `Hydraulics` are integrated.
+def least_parts(axes, tick):
+    """Return the parts in which ticks, in s, of two `Hydraulics` are integrated without a push."""
+    return parts_of(tick, tick * max(map(steps_of, axes)))
 
-    The `rows` are those of a `Push`. The damper is stiff where the ground is hard, and changes from
-    tick to tick.
+
+def parts_in(machine, least, rows, tick):
+    """Return the parts (n,), `least` or more, in which ticks, in s, of a machine are integrated.
+
+    The `machine` is a `TwoAxes`, the `rows` are those of a `Push`. The damper is stiff where the
+    ground is hard, and changes from tick to tick.
     """
-    least = parts_of(tick, tick * max(map(steps_of, axes)))
-    inertia = np.array([axis.inertia for axis in axes])
-    stiff = rows[:, 2] * np.max(rows[:, 3:5] ** 2 / inertia, axis=-1)
+    inertia = machine.theta.inertia, machine.phi.inertia
+    stiff = rows[:, 2] * (rows[:, 3:5] ** 2 / inertia).max(axis=-1)
     parts_of(tick, tick * float(stiff.max(initial=0.0)) / DAMPED)  # refuses too many
     return np.maximum(least, np.ceil(tick * stiff / DAMPED)).astype(np.int64)
 

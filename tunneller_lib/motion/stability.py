@@ -265,8 +265,6 @@ def _radius(plant, loop, gain):
 
 def _first_unstable(growth, start, factor):
     """Return where a function of the gain, negative at its start, turns positive."""
-    from scipy.optimize import brentq
-
     if not growth(start) < 0:
         raise ValueError(f"gain: the search must start from a stable loop; got {start:g} 1/s.")
     low = start
@@ -276,4 +274,10 @@ def _first_unstable(growth, start, factor):
         high = high * factor
         if not 1e-9 < high / start < 1e9:
             return np.inf if factor > 1 else 0.0
-    return float(brentq(growth, *sorted((low, high)), xtol=1e-14 * high, rtol=1e-14))
+    # Halved until no number is left between: milliseconds, where to load a root finder takes more.
+    while (middle := (low + high) / 2) not in (low, high):
+        if growth(middle) < 0:
+            low = middle
+        else:
+            high = middle
+    return float(high)

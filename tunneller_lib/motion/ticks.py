@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import shown
 from ..compiled import call, call_plain, expect
-from .both_joints import ENERGIES, Push, machine_of, machine_tick, parts_in
+from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, parts_in
 from .hydraulics import spool_at
 from .oil import Compressible, Rigid, compressible_tick, opening_at, out_of_stroke, rigid_tick
 from .plant import TICKS, command_at
@@ -219,6 +219,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     controls = tuple(map(control_of, loops))
     memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
     expect_run(plants, tick, ticks)
+    least = least_parts(axes, tick)
     done = asked = 0
     while done < ticks:
         rows = push(done, states[asked : done + 1, [0, 5]]).rows if callable(push) else every
@@ -228,7 +229,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
         state = tuple(map(tuple, states[asked].reshape(3, 5).tolist()))
         given = (
             machine, tick, controls, memories, asked, state,
-            setvalues[asked:done], slopes[asked:done], rows, parts_in(axes, rows, tick),
+            setvalues[asked:done], slopes[asked:done], rows, parts_in(machine, least, rows, tick),
             states[asked : done + 1], commands[asked:done],
         )  # fmt: skip
         kept = _run(run_joints, given, own_inverse, commanding=spool_at)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..motion.both_joints import Push
+from ..removal.grid import lengths
 from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
@@ -63,6 +64,7 @@ class Face:
         self.plan = plan
         self.pose = pose
         self.torus = machine.torus
+        self.joint = circuit.in_tunnel(np.zeros(3))
         self.radius = machine.cutter_radius
         self.stepped = plan.stepped(np.clip(ticks, 0, lap * plan.laps))
         self.lever = levers(self.torus, setvalues)[:-1]
@@ -105,7 +107,7 @@ class Face:
         self._way = np.concatenate([self._way[:-1], reached])
         begun = tick - len(self._way) + 1
         centres = self._centres(self._way, slice(begun, tick + 1))
-        moved = float(np.sum(np.linalg.norm(np.diff(centres, axis=0), axis=-1)))
+        moved = float(np.sum(lengths(centres[1:] - centres[:-1])))
         if moved > STILL:
             self.removed[tick - 1] = self.wall.cut_path(centres, self.radius)
             self._ahead = self.removed[tick - 1] / moved
@@ -119,8 +121,9 @@ class Face:
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""
         circuit = self.plan.circuit
-        centres = circuit.in_tunnel(self.torus.point(position[:, 0], position[:, 1]))
+        points = self.torus.point.unchecked(self.torus, position[:, 0], position[:, 1])
+        centres = circuit.in_tunnel.unchecked(circuit, points)
         if self.pose is not None:
-            centres = self.pose.moved(centres, circuit.in_tunnel(np.zeros(3)))
+            centres = self.pose.moved(centres, self.joint)
         centres[:, 0] -= self.stepped[ticks]
         return centres

@@ -24,9 +24,9 @@ from ..elementwise import NUMBERS
 from ..exact import norm
 from ..surfaces import Box, Frustum, Rod, RoundedDisc
 from . import dexel_loops
-from .grid import Lines, fan, parallel
+from .grid import Lines, fan, lengths, parallel
 
-GROUP = 6  # moves of a path that are cut at once, as long as
+GROUP = 8  # moves of a path that are cut at once, as long as
 MOVE = 4e-4  # s, about how long one takes with whole arrays
 GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
 
@@ -264,7 +264,7 @@ class DexelGrid:
         # these moves, larger by more than its rounding, tells which lines have material in reach,
         # and only those are compared with the moves one by one.
         middle = (a[0] + b[-1]) / 2
-        away = np.linalg.norm(np.concatenate([a, b]) - middle, axis=-1).max()
+        away = lengths(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
         ready = compiled.ready()
         met = self._moves_one_by_one if ready else self._moves_at_once

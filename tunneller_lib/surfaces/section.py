@@ -107,10 +107,15 @@ class Section:
         point is; only outside a corner no such piece exists, and the corner is nearest.
         """
         y, z = np.broadcast_arrays(y, z)
-        inside, corner = np.full((2, *y.shape), np.inf)
+        arcs = self.arcs
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
-        for arc in self.arcs:
+        inside = np.full(y.shape, np.inf)
+        for arc in arcs:
             inside = np.minimum(inside, arc.depth.unchecked(arc, y, z, slack))
+        if np.all(np.isfinite(inside)):
+            return inside[()]
+        corner = np.full(y.shape, np.inf)
+        for arc in arcs:
             (start, _) = arc.locate.unchecked(arc, np.zeros(()))
             corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
         return np.where(np.isfinite(inside), inside, -corner)[()]
@@ -145,9 +150,10 @@ class Section:
             raise ValueError("section: must have the origin of its plane inside; it hasn't.")
         cos, sin = np.cos(angle), np.sin(angle)
         low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
+        pieces = Profile(self.arcs)  # which are made once
         for _ in range(60):  # the depth of a convex section changes its sign once along a ray
             middle = (low + high) / 2
-            inside = self.depth(middle * cos, middle * sin) > 0
+            inside = pieces.depth.unchecked(pieces, middle * cos, middle * sin) > 0
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         return low
 
