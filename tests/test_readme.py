@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from report.sources import ROOT
+from tests.bench import times
 from tunneller_lib.surfaces import Torus
 
-READS = ["README.md", "Makefile", "notebooks/reference.toml"]
+READS = ["README.md", "Makefile", "notebooks/reference.toml", "tests/bench/times.*"]
 
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", TEXT, re.M | re.S)
@@ -72,6 +73,20 @@ def test_the_list_of_targets_is_complete():
     targets = set(re.findall(r"^(\w+):.*##", makefile, re.M))
     told = set(re.findall(r"`(?:make )?(\w+)`|^make (\w+)", TEXT, re.M))
     assert targets <= {name for pair in told for name in pair}
+
+
+def test_the_table_of_times_is_that_of_the_last_runs():
+    assert times.with_table(TEXT) == TEXT
+    works = {row["work"] for row in times.read()}
+    assert works and all(f"| {work}, " in TEXT for work in works)
+
+
+def test_rows_of_the_table_of_times_are_whole():
+    for row in times.read():
+        assert tuple(row) == times.COLUMNS
+        assert int(row["n"]) > 0 and float(row["here_s"]) > 0
+        assert all(row[name] for name in ("work", "each", "criterion", "date", "processor", "load"))
+        assert bool(row["peer"]) == bool(row["peer_s"])
 
 
 def test_layout_names_every_module_of_the_rooms():

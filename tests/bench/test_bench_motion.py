@@ -99,8 +99,9 @@ def lag_in_c(bound_in_c):
     """Return a function that runs a lag under a loop in C and returns states and commands."""
     run_lag = bound_in_c("lag").run_lag
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    control = ctypes.POINTER(ControlInC)
     run_lag.argtypes = [
-        array, ctypes.c_double, ctypes.POINTER(ControlInC), *[array] * 3, ctypes.c_long, *[array] * 2
+        array, ctypes.c_double, control, *[array] * 3, ctypes.c_long, *[array] * 2
     ]  # fmt: skip
     run_lag.restype = None
 

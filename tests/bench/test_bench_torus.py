@@ -1,6 +1,7 @@
 """How fast the torus answers, against the least that could be done and against the quartics."""
 
 import numpy as np
+import pytest
 
 from tests.bench.conftest import best_times
 from tunneller_lib.replica import quartics
@@ -34,6 +35,20 @@ def test_foot_against_numpy_roots(benchmark, say):
     ratio = (roots / FEW) / (foot / len(POINTS))
     say("foot, points per second over those of numpy.roots", ratio)
     assert ratio >= 50
+
+
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
+def test_meet_line_by_number(benchmark, note, n):
+    a, b = np.random.default_rng(0).uniform(-1, 1, (2, n, 3))
+    benchmark.pedantic(TORUS.meet_line, (a, b), rounds=1)
+    many = max(100 // n, 1)  # calls in a round, for a clock that tells microseconds
+    (best,) = best_times(
+        lambda: [TORUS.meet_line(a, b) for _ in range(many)], rounds=9 if n < 1_000_000 else 2
+    )
+    note(
+        "line against a torus", "line", n, best / many / n,
+        criterion="all real roots, to the bounds of tests/test_torus_line.py",
+    )  # fmt: skip
 
 
 def test_meet_line_against_the_quartic(benchmark, say):

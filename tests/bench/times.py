@@ -68,7 +68,7 @@ def markdown(rows):
     for row in rows:
         lines.append(
             [
-                f"{row['work']}, a {row['each']}",
+                f"{row['work']}, by the {row['each']}",
                 f"{int(row['n']):,}",
                 shown(row["here_s"]),
                 row["peer"] or "–",

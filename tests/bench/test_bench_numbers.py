@@ -1,0 +1,54 @@
+"""What one answer costs alone, among a thousand and among a million, for the table of times."""
+
+import numpy as np
+import pytest
+
+from tests.bench.conftest import best_times
+from tests.bench.test_bench_envelopes import solve
+from tests.bench.test_bench_geodesic import MACHINE, RING, random_pairs
+from tests.bench.test_bench_rod import ROD
+from tunneller_lib.paths import geodesic_inverse
+from tunneller_lib.surfaces import Frustum
+
+FRUSTUM = Frustum(ROD.a, ROD.b, 25, 10)
+
+
+def lines(n):
+    """Return points and directions (n, 3) of lines about the rod."""
+    rng = np.random.default_rng(0)
+    points = np.insert(rng.uniform([-70, -115], [160, 115], (n, 2)), 2, -50.0, axis=-1)
+    return points, np.insert(rng.normal(0, 0.3, (n, 2)), 2, 1.0, axis=-1)
+
+
+SOLID = "entry and exit in double, no line missed that touches"
+PROVED = "lengths right to rounding, with the reason why no path is shorter"
+# What each answers with: its unit, what it says, the call, and the most at once.
+WORKS = {
+    "any line against a rod": ("line", SOLID, ROD.meet_line, lines, 1_000_000),
+    "any line against a frustum": ("line", SOLID, FRUSTUM.meet_line, lines, 1_000_000),
+    "geodesic inverse, working sheet": (
+        "pair", PROVED, lambda p, q: geodesic_inverse(MACHINE, p, q),
+        lambda n: random_pairs(MACHINE, n), 1_000_000,
+    ),
+    "geodesic inverse, ring": (
+        "pair", PROVED, lambda p, q: geodesic_inverse(RING, p, q),
+        lambda n: random_pairs(RING, n), 100_000,
+    ),
+    "hyperosculating cones of a blade, in space": (
+        "point", "all cones with their certificates", solve, lambda n: (n,), 8000
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
+@pytest.mark.parametrize("work", WORKS)
+def test_one_a_thousand_and_a_million(benchmark, note, work, n):
+    each, criterion, call, given, most = WORKS[work]
+    n = min(n, most)
+    about = given(n)
+    if n == 1:
+        about = [one[0] if isinstance(one, np.ndarray) else one for one in about]
+    many = max(30 // n, 1)  # calls in a round, for a clock that tells microseconds
+    benchmark.pedantic(call, about, rounds=1)
+    (best,) = best_times(lambda: [call(*about) for _ in range(many)], rounds=9 if n <= 1000 else 2)
+    note(work, each, n, best / many / n, criterion=criterion)
