@@ -109,7 +109,8 @@ class Face:
         centres = self._centres(self._way, slice(begun, tick + 1))
         moved = float(np.sum(lengths(centres[1:] - centres[:-1])))
         if moved > STILL:
-            self.removed[tick - 1] = self.wall.cut_path(centres, self.radius)
+            cut_path = self.wall.cut_path.unchecked
+            self.removed[tick - 1] = cut_path(self.wall, centres, self.radius)
             self._ahead = self.removed[tick - 1] / moved
             self._way = self._way[-1:]
 

@@ -245,12 +245,12 @@ class DexelGrid:
         """
         a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
         compiled.expect(MOVE * len(a))
-        windows = self.lines.windows(a, b, radius, self._nearest)
+        windows = self.lines.windows(a, b, radius, self._nearest).tolist()
         removed = 0.0
         for here in range(0, len(a), GROUP):
             moves = slice(here, here + GROUP)
             window = self.lines.around(windows[moves])
-            if _count(window) <= GREATER * _count(windows[moves].T).max(initial=0):
+            if _count(window) <= GREATER * max(map(_count, windows[moves])):
                 removed += self._sweep(a[moves], b[moves], radius, window)
             else:
                 # Long moves one after the other: most lines of the window are met by none.
@@ -414,9 +414,9 @@ def _capsule_about(solid):
 
 
 def _count(window):
-    """Return how many lines there are in windows (4, ...)."""
+    """Return how many lines there are in a window of four ints."""
     first, last, start, stop = window
-    return np.maximum(last - first, 0) * np.maximum(stop - start, 0)
+    return max(last - first, 0) * max(stop - start, 0)
 
 
 def _on_lines(name, sides, shape):

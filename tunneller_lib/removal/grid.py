@@ -209,18 +209,19 @@ class Lines(NamedTuple):
         return met_ball(self.x[rows, None], self.aside[columns], cos, sin, centre, radius)
 
     def around(self, windows):
-        """Return the smallest window (4,) around others (k, 4), as `windows` gives them."""
-        filled = np.all(windows[:, ::2] < windows[:, 1::2], axis=1)
-        first, last, start, stop = windows[filled].T
-        if not len(first):
-            return np.zeros(4, dtype=int)
+        """Return the smallest window, four ints, around others, a list of as many, of `windows`."""
+        filled = [one for one in windows if one[0] < one[1] and one[2] < one[3]]
+        if not filled:
+            return 0, 0, 0, 0
+        first, last, start, stop = zip(*filled, strict=True)
         if self.rays:  # all on the same round
             count = len(self.cos)
-            shift = (start - start[0] + count // 2) % count - count // 2 + start[0] - start
-            start = start + shift
-            stop = stop + shift
-            stop = np.minimum(stop, start.min() + count)
-        return np.array([first.min(), last.max(), start.min(), stop.max()])
+            half = count // 2
+            shift = [(s - start[0] + half) % count - half + start[0] - s for s in start]
+            start = [s + by for s, by in zip(start, shift, strict=True)]
+            least = min(start) + count
+            stop = [min(s + by, least) for s, by in zip(stop, shift, strict=True)]
+        return min(first), max(last), min(start), max(stop)
 
 
 def lengths(vectors):
