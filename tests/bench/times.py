@@ -58,7 +58,7 @@ def ratio(row, other):
 
 def _digits(size):
     """Return a positive size with three digits, and no power of ten."""
-    return f"{size:#.3g}".rstrip(".") if size < 1000 else f"{size:.0f}"
+    return f"{size:#.3g}".rstrip(".") if size < 999.5 else f"{size:.0f}"
 
 
 def markdown(rows):

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { GROUP = 6, ROW = 4096 };
+enum { GROUP = 8, ROW = 4096 };
 
 static double greater(double a, double b) { return a >= b ? a : b; }
 static double lesser(double a, double b) { return a <= b ? a : b; }
