@@ -66,7 +66,7 @@ browser: site live ## try pages and notebooks in a headless Chromium, where ther
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
 	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas
 
-# What the peers bring along warns, and one of it has a plugin that this pytest refuses.
+# The peers' own sources warn, and one brings a plugin that this pytest refuses.
 bench: ## time the library against others, in an environment of its own
 	@$(PYTHON) -m report.environment bench
 	@$(HEADLESS) build/bench/bin/python -m pytest -p no:dash -o filterwarnings=default \

@@ -31,6 +31,7 @@ READS = [
     "tests/mutants.*",
     "tests/text_faults.csv",
     "tests/text_faults.toml",
+    "tests/bench/times.csv",
 ]
 
 

@@ -22,6 +22,7 @@ from tunneller_lib.motion import (
     time_bresenham,
     usual_sizes,
 )
+from tunneller_lib.motion.oil import PHASE
 from tunneller_lib.motion.ticks import Control, control_of
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -177,6 +178,6 @@ def test_oil_a_tick(benchmark, say, note, at_once, n):
     first, second = best_times(alone, both, rounds=5 if n == TICKS else 15)
     say(f"T3, {n} ticks, us a tick and axis", 1e6 * first / n / 2)
     say(f"both joints with arm and ground, {n} ticks, us a tick", 1e6 * second / n)
-    criterion = "a step of Runge and Kutta's fourth order is at most 0.2 rad of the resonance"
+    criterion = f"steps of Runge and Kutta's method of at most {PHASE:g} rad of the resonance"
     note("compressible oil", "tick and axis", n, first / n / 2, criterion=criterion)
     note("both joints with arm and ground", "tick", n, second / n, criterion=criterion)
