@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..exact import norm
 from ..motion.both_joints import Push
-from ..removal.grid import lengths
 from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
@@ -107,7 +107,7 @@ class Face:
         self._way = np.concatenate([self._way[:-1], reached])
         begun = tick - len(self._way) + 1
         centres = self._centres(self._way, slice(begun, tick + 1))
-        moved = float(np.sum(lengths(centres[1:] - centres[:-1])))
+        moved = float(np.sum(norm(centres[1:] - centres[:-1])))
         if moved > STILL:
             cut_path = self.wall.cut_path.unchecked
             self.removed[tick - 1] = cut_path(self.wall, centres, self.radius)

@@ -24,7 +24,7 @@ from ..elementwise import NUMBERS
 from ..exact import norm
 from ..surfaces import Box, Frustum, Rod, RoundedDisc
 from . import dexel_loops
-from .grid import Lines, fan, lengths, parallel
+from .grid import Lines, fan, parallel
 
 GROUP = 8  # moves of a path that are cut at once, as long as
 MOVE = 4e-4  # s, about how long one takes with whole arrays
@@ -264,7 +264,7 @@ class DexelGrid:
         # these moves, larger by more than its rounding, tells which lines have material in reach,
         # and only those are compared with the moves one by one.
         middle = (a[0] + b[-1]) / 2
-        away = lengths(np.concatenate([a, b]) - middle).max()
+        away = norm(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
         ready = compiled.ready()
         met = self._moves_one_by_one if ready else self._moves_at_once

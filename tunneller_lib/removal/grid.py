@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..elementwise import larger, square_root, where
+from ..exact import norm
 from ..surfaces.rod_interval import ball_sweep, flat_interval
 
 BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of the grid
@@ -66,7 +67,7 @@ class Lines(NamedTuple):
     def _windows_of_rays(self, a, b, radius, nearest):
         # A ball about each sweep stands for it, since the steps of a path are short.
         centre = (a + b) / 2
-        reach = radius + lengths(b - a) / 2
+        reach = radius + norm(b - a) / 2
         off = np.hypot(*centre.T[1:])
         angle = np.arctan2(centre[:, 2], centre[:, 1])
         # Rays that touch a ball beside the axis; one that holds the axis is met all round.
@@ -169,7 +170,8 @@ class Lines(NamedTuple):
         # An axis along the line has no direction in that plane: any will do.
         pace = np.where(run > 0, run, 1)
         fx = np.where(run > 0, vx / pace, 1.0)
-        length = lengths(b - a)[..., None, None]
+        squares = (b - a) ** 2
+        length = np.sqrt(np.add.reduce(squares, axis=-1))[..., None, None]
         start = cos * sy + sin * sz
         return sx, sin * sy - cos * sz, fx, aside / pace, run, rise, length, start
 
@@ -222,11 +224,6 @@ class Lines(NamedTuple):
             least = min(start) + count
             stop = [min(s + by, least) for s, by in zip(stop, shift, strict=True)]
         return min(first), max(last), min(start), max(stop)
-
-
-def lengths(vectors):
-    """Return the lengths (...) of vectors (..., 3): of few, faster than `np.linalg.norm`."""
-    return np.sqrt(np.add.reduce(vectors * vectors, axis=-1))
 
 
 def measured(low, high, cell, rays):
