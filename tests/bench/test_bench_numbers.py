@@ -45,9 +45,9 @@ WORKS = {
 def test_one_a_thousand_and_a_million(benchmark, note, work, n):
     each, criterion, call, given, most = WORKS[work]
     n = min(n, most)
-    about = given(n)
+    about = tuple(given(n))
     if n == 1:
-        about = [one[0] if isinstance(one, np.ndarray) else one for one in about]
+        about = tuple(one[0] if isinstance(one, np.ndarray) else one for one in about)
     many = max(30 // n, 1)  # calls in a round, for a clock that tells microseconds
     benchmark.pedantic(call, about, rounds=1)
     (best,) = best_times(lambda: [call(*about) for _ in range(many)], rounds=9 if n <= 1000 else 2)
