@@ -6,21 +6,14 @@ from typing import NamedTuple
 
 from tunneller_lib.paths import (
     ChordLaw,
-    Circuit,
     ConeChord,
     corrected_chord,
     project_chord,
     projected_length,
 )
-from tunneller_lib.removal import (
-    advance_for_volume,
-    bowl,
-    groove_area,
-    half_lens,
-    removed_volume,
-    ring,
-    rod_clearance,
-)
+from tunneller_lib.paths.circuit import Circuit
+from tunneller_lib.removal import removed_volume, rod_clearance
+from tunneller_lib.removal.volume import advance_for_volume, bowl, groove_area, half_lens, ring
 from tunneller_lib.replica import quartics
 from tunneller_lib.replica.quartics import foot_quartic, line_quartic
 from tunneller_lib.surfaces import (
@@ -33,12 +26,12 @@ from tunneller_lib.surfaces import (
     Rod,
     RoundedDisc,
     Torus,
-    meet_boxes,
-    meet_facets,
-    meet_frusta,
-    meet_rods,
-    meet_rounded_discs,
 )
+from tunneller_lib.surfaces.box import meet_boxes
+from tunneller_lib.surfaces.facet import meet_facets
+from tunneller_lib.surfaces.frustum import meet_frusta
+from tunneller_lib.surfaces.rod import meet_rods
+from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
 
 class Call(NamedTuple):

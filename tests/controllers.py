@@ -13,9 +13,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tunneller_lib.job import Job
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_text
+from tunneller_lib.job.reader import Job
 from tunneller_lib.motion import follow
 from tunneller_lib.motion.stability import gain_limit
 

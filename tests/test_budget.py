@@ -18,22 +18,17 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import (
-    Limits,
-    Pose,
-    budget,
+from tunneller_lib.ream import Limits, Pose, budget, plan, starved, trailing
+from tunneller_lib.ream.faults import (
     corner_fault,
     count_fault,
     encoder_fault,
     following_fault,
     knot_fault,
-    plan,
     pose_fault,
     ripple_fault,
     setpoint_fault,
-    starved,
     tangent_sphere_fault,
-    trailing,
 )
 from tunneller_lib.ream.sensitivity import geodesic_bend, gradient, joint_bend, rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus

@@ -10,12 +10,12 @@ import pytest
 
 from tunneller_lib.paths import (
     CHORD_PATHS,
-    ChordPath,
     geodesic_inverse,
     path_length,
     project_chord,
     projected_length,
 )
+from tunneller_lib.paths.chord_paths import ChordPath
 from tunneller_lib.reporting import in_words
 from tunneller_lib.reporting.path_plot import path_style
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus

@@ -18,21 +18,10 @@ from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_c
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
-from tunneller_lib.motion import (
-    Compressible,
-    Integrator,
-    Lag,
-    Loop,
-    Push,
-    Resonance,
-    Rigid,
-    ValveResonance,
-    arm_of,
-    axes_of,
-    follow,
-    usual_sizes,
-)
+from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import lift_inertia, weights
+from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, blocks
 

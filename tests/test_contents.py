@@ -12,15 +12,15 @@ import pytest
 
 from report.site.proofs import proofs
 from report.sources import INDEX, ROOT, notebooks
-from tunneller_lib.reporting import (
-    Record,
+from tunneller_lib.reporting import Record, ending, figure
+from tunneller_lib.reporting.chapters import (
     contents_table,
     draw_first_pictures,
     draw_map,
-    ending,
-    figure,
+    filled,
+    printed,
+    read_chapters,
 )
-from tunneller_lib.reporting.chapters import filled, printed, read_chapters
 
 READS = ["notebooks/*", "report/numbers/*", "report/ledger/*", "tests/test_*.py"]
 

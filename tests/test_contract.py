@@ -1,7 +1,9 @@
-"""The contract of public functions: an answer, or a ValueError of one sentence, and soon.
+"""The contract of functions: an answer, or a ValueError of one sentence, and soon.
 
-Public is what a room's `__all__` lists: functions, classes with their methods, and modules with
-theirs. What each argument may be is read from the annotations, which `arguments.checked` enforces.
+It holds for what a room's `__all__` lists: functions, classes with their methods, and modules with
+theirs; and for whatever else of a room looks at its arguments, such as the methods of a class that
+only comes as an answer. What each argument may be is read from the annotations, which
+`arguments.checked` enforces.
 """
 
 import importlib
@@ -68,6 +70,12 @@ class Call:
             if name not in ("self", "cls") and about.kind is not about.VAR_KEYWORD
         }
 
+    @property
+    def checks(self):
+        """Return whether it looks at its arguments, or has none and belongs to an answer."""
+        looks = inspect.isclass(self.function) or hasattr(self.function, "unchecked")
+        return looks or (self.owner in INSTANCES and not self.parameters)
+
     @cached_property
     def valid(self):
         """Return valid arguments: those of the examples, else what is usual for their rules."""
@@ -100,24 +108,39 @@ def usual(annotation):
     raise LookupError(f"no example for {annotation!r}")
 
 
-def public(room):
-    """Yield the public calls of a room, and those of the modules that it lists.
+def calls(room):
+    """Yield the calls of a room that the contract is for, those of a listed module by its name.
 
     Without those that its examples leave out, saying why.
     """
     package = importlib.import_module(f"tunneller_lib.{room}")
-    for name in sorted(set(package.__all__) - getattr(EXAMPLES[room], "LEFT_OUT", set())):
+    left_out = getattr(EXAMPLES[room], "LEFT_OUT", set())
+    for name in sorted(set(package.__all__) - left_out):
         thing = getattr(package, name, None)
         if thing is None:  # a module that is imported where it is asked for
             thing = importlib.import_module(f"{package.__name__}.{name}")
         yield from named(room, name, thing)
+    if left_out:
+        return
+    for path in sorted(Path(package.__file__).parent.glob("[a-z]*.py")):
+        if path.stem not in package.__all__:
+            module = importlib.import_module(f"{package.__name__}.{path.stem}")
+            for name, thing in own(module):
+                if name not in package.__all__:
+                    yield from (call for call in named(room, name, thing) if call.checks)
+
+
+def own(module):
+    """Yield what a module defines for others."""
+    for name, thing in vars(module).items():
+        if not name.startswith("_") and getattr(thing, "__module__", "") == module.__name__:
+            yield name, thing
 
 
 def named(room, name, thing):
     if inspect.ismodule(thing):
-        for inner, one in vars(thing).items():
-            if not inner.startswith("_") and getattr(one, "__module__", "") == thing.__name__:
-                yield from named(room, f"{name}.{inner}", one)
+        for inner, one in own(thing):
+            yield from named(room, f"{name}.{inner}", one)
     elif inspect.isclass(thing):
         if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
             yield Call(room, name, thing, None)
@@ -131,8 +154,8 @@ def named(room, name, thing):
         yield Call(room, name, thing, None)
 
 
-PUBLIC = {f"{room}.{call.name}": call for room in ROOMS for call in public(room)}
-every_call = pytest.mark.parametrize("call", PUBLIC.values(), ids=PUBLIC)
+EVERY = {f"{room}.{call.name}": call for room in ROOMS for call in calls(room)}
+every_call = pytest.mark.parametrize("call", EVERY.values(), ids=EVERY)
 
 
 @every_call

@@ -13,7 +13,6 @@ from tunneller_lib.paths import ConeChord
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting import (
     cone_plot,
-    draw_first_pictures,
     figure,
     geodesic_plot,
     groove_plot,
@@ -23,6 +22,7 @@ from tunneller_lib.reporting import (
     plot,
     rod_plot,
 )
+from tunneller_lib.reporting.chapters import draw_first_pictures
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
 
 EGG = Egg(0.5)

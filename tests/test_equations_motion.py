@@ -30,11 +30,11 @@ from tunneller_lib.motion import (
     follow,
     polyline,
     reference_axes,
-    rest_to_rest,
     tick_counts,
     time_bresenham,
 )
 from tunneller_lib.motion.export import structured_text
+from tunneller_lib.motion.ramp import rest_to_rest
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.motion.tasks import (
     Task,

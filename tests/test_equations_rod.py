@@ -18,7 +18,8 @@ from tunneller_lib.replica import rod_cases as cases
 from tunneller_lib.replica.rod_exact import exact_intervals
 from tunneller_lib.replica.rod_exact import judge as missed_thin_thick
 from tunneller_lib.replica.rod_methods import METHODS, crossings, three_surfaces
-from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box, meet_rods
+from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box
+from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
 from tunneller_lib.surfaces.vectors import differences, scalar_products
 

@@ -8,17 +8,11 @@ import pytest
 from tests.exact_shapes import EPS, exact_interval, exact_intervals, judged, size_of
 from tests.hard_lines import FAMILIES, KINDS, TOUCHING, scaled, sizes
 from tests.long import many
-from tunneller_lib.surfaces import (
-    Box,
-    Frustum,
-    Rod,
-    RoundedDisc,
-    meet_box,
-    meet_boxes,
-    meet_frusta,
-    meet_rods,
-    meet_rounded_discs,
-)
+from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc, meet_box
+from tunneller_lib.surfaces.box import meet_boxes
+from tunneller_lib.surfaces.frustum import meet_frusta
+from tunneller_lib.surfaces.rod import meet_rods
+from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
 LINES = many(250, 2_500)  # a family and kind, each judged in whole numbers
 MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already

@@ -8,7 +8,8 @@ from tests.exact_shapes import EPS
 from tests.hard_lines import KINDS, Whole, _floats
 from tests.long import many
 from tests.test_exact_kernel import shape_of
-from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box, meet_facets
+from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box
+from tunneller_lib.surfaces.facet import meet_facets
 
 every_kind = pytest.mark.parametrize("kind", KINDS)
 

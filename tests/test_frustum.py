@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.exact_shapes import judged
-from tunneller_lib.surfaces import Frustum, Rod, meet_rods
+from tunneller_lib.surfaces import Frustum, Rod
+from tunneller_lib.surfaces.rod import meet_rods
 
 EMPTY = (np.inf, -np.inf)
 

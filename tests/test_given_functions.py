@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tunneller_lib.envelopes import (
-    Jet,
     adapted_frames,
     families,
     hyperosculating_cones,
@@ -17,6 +16,7 @@ from tunneller_lib.envelopes import (
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.functions import as_jet
 from tunneller_lib.envelopes.isotropic import isotropic_derivatives, surface_points
+from tunneller_lib.envelopes.jet import Jet
 
 S, T = np.random.default_rng(0).uniform(0.2, 0.8, (2, 14))
 NONSENSE = {

@@ -9,34 +9,23 @@ import sympy
 from sympy.physics import mechanics
 
 from tunneller_lib.job import read_job
-from tunneller_lib.motion import (
-    Arm,
-    Compressible,
-    Loop,
-    Push,
-    arm_of,
-    axes_of,
-    follow,
-    reference_axes,
-    usual_sizes,
-)
+from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
+from tunneller_lib.motion.arm import Arm
+from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import (
     Limits,
-    LoadedLaps,
     Pose,
-    arm_fault,
     budget,
-    capability,
     gain_margins,
-    ground_fault,
     ground_faults,
     kind,
-    picks_fault,
     plan,
     simulate,
 )
 from tunneller_lib.ream.front import engaged_areas
+from tunneller_lib.ream.ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
+from tunneller_lib.ream.margins import capability
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 

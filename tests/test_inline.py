@@ -20,8 +20,8 @@ from tunneller_lib.envelopes.isotropic import surface_points
 from tunneller_lib.motion import Integrator, Loop, Resonance
 from tunneller_lib.motion.stability import continuous_limit, eigenvalue_limit
 from tunneller_lib.paths import ConeChord, geodesic_direct
-from tunneller_lib.ream import scallop_height
-from tunneller_lib.removal import bowl, ring
+from tunneller_lib.ream.wall import scallop_height
+from tunneller_lib.removal.volume import bowl, ring
 from tunneller_lib.surfaces import Egg, Rod
 from tunneller_lib.surfaces.rod_interval import frame
 

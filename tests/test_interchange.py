@@ -30,7 +30,8 @@ from tunneller_lib.job.mesh import (
 )
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits, carve, plan, standing
+from tunneller_lib.ream import Limits, carve, plan
+from tunneller_lib.ream.wall import standing
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting.pictures import write_picture
 from tunneller_lib.reporting.style import ERROR_MAP

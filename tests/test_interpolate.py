@@ -11,15 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tunneller_lib.motion import (
-    line_ticks,
     polyline,
     polyline_slopes,
-    rest_to_rest,
-    rest_to_rest_ticks,
     rounding_spectrum,
     tick_counts,
     time_bresenham,
 )
+from tunneller_lib.motion.interpolate import line_ticks
+from tunneller_lib.motion.ramp import rest_to_rest, rest_to_rest_ticks
 from tunneller_lib.replica.interpolators import INTERPOLATORS, listing
 
 LOW, HIGH = -(2**31), 2**31 - 1
@@ -320,7 +319,9 @@ def test_more_set_values_than_an_array_may_hold_are_refused():
                  lambda: polyline_slopes([[0], [1]], [HIGH])):  # fmt: skip
         with pytest.raises(ValueError, match=r"^ticks: .* at most 33554432 in all, and `line_tick"):
             call()
-    with pytest.raises(ValueError, match=r"^ticks: .* and `rest_to_rest_ticks` yields them"):
+    with pytest.raises(
+        ValueError, match=r"^ticks: .* and `motion.ramp.rest_to_rest_ticks` yields them"
+    ):
         rest_to_rest(0, np.zeros(1000, int), 65534)
     assert list(islice(line_ticks(0, 1, HIGH), 3)) == [0, 0, 0]
 

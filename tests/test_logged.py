@@ -7,7 +7,7 @@ import pytest
 
 from tests.test_identify import TICK, axis_log, openings, set_values
 from tunneller_lib.__main__ import main
-from tunneller_lib.job import identify_log
+from tunneller_lib.job.logged import identify_log
 from tunneller_lib.motion import Lag, Loop, follow
 
 READS = []

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tunneller_lib.paths import Circuit, cutting_circuit
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Torus
 
 EGG = Egg(0.5)

@@ -14,7 +14,6 @@ from tunneller_lib.milling import (
     BallMill,
     ConicalMill,
     CylinderMill,
-    Nurbs,
     Patch,
     ball_positions,
     cylinder_positions,
@@ -25,6 +24,7 @@ from tunneller_lib.milling import (
     sweep_error,
     trace_chains,
 )
+from tunneller_lib.milling.nurbs import Nurbs
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import Frustum

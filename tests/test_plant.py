@@ -11,22 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
 from tests.shapes import log_uniform
-from tunneller_lib.motion import (
-    Compressible,
-    Integrator,
-    Lag,
-    Resonance,
-    Rigid,
-    ValveResonance,
-    reference_axes,
-)
+from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
 from tunneller_lib.motion.oil import LAMINAR
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Linkage, linkages
+from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.surfaces import REFERENCE_MACHINE
+from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
 
 LINEAR = [Integrator(0.5), Lag(0.5, 0.02), Lag(2e3, 3e-4), Resonance(0.5, 100.0, 0.15),
           ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004)]  # fmt: skip
 LEVERS = [
-    *linkages(REFERENCE_MACHINE),
+    *usual_linkages(REFERENCE_MACHINE.R),
     Linkage(0.3, 0.07, 1.4, 1, 0.04, 0.022, 0.1),
     Linkage(3e3, 2e3, 1.0, -1, 5.0, 1.0, 1.0),
     Linkage(0.2, 0.2, 1.2, 1, 0.01, 0.005, 0.01, pair=True),
@@ -146,7 +140,7 @@ def test_linkage_displacements_are_rates_of_the_volumes(lever):
 
 
 def test_linkage_pair_is_symmetric_only_straight_ahead():
-    swing = linkages(REFERENCE_MACHINE)[1]
+    swing = usual_linkages(REFERENCE_MACHINE.R)[1]
     plus, minus = swing.displacements(np.array([-0.4, 0.0, 0.4]))
     np.testing.assert_allclose(plus, minus[::-1], rtol=1e-15)
     assert plus[1] == minus[1] and plus[0] != minus[0]
@@ -154,12 +148,12 @@ def test_linkage_pair_is_symmetric_only_straight_ahead():
 
 
 def test_linkages_grow_with_the_machine():
-    small, large = (linkages(replace(REFERENCE_MACHINE, R=R))[0] for R in (0.4, 8.0))
+    small, large = (usual_linkages(R)[0] for R in (0.4, 8.0))
     assert large.length(0.2) == pytest.approx(20 * small.length(0.2), rel=1e-14)
 
 
 def test_linkage_refuses_an_unreachable_stroke():
-    lift = linkages(REFERENCE_MACHINE)[0]
+    lift = usual_linkages(REFERENCE_MACHINE.R)[0]
     with pytest.raises(ValueError, match=r"^stroke: .* must fit into the shortest cylinder; got"):
         replace(lift, dead_length=0.25).check(-1.0, 0.6)
     with pytest.raises(
@@ -167,13 +161,13 @@ def test_linkage_refuses_an_unreachable_stroke():
     ):
         lift.check(-2.0, 0.6)
     with pytest.raises(ValueError, match=r"^stroke: .* gamma"):
-        linkages(replace(REFERENCE_MACHINE, theta_max=np.radians(80)))
+        reference_axes(replace(REFERENCE_MACHINE, theta_max=np.radians(80)))
     with pytest.raises(ValueError, match=r"^low: a pair needs limits as far to either side"):
-        linkages(replace(REFERENCE_MACHINE, phi_max=np.radians(30)))
+        reference_axes(replace(REFERENCE_MACHINE, phi_max=np.radians(30)))
 
 
 def test_linkage_refuses_wrong_sizes():
-    lift = linkages(REFERENCE_MACHINE)[0]
+    lift = usual_linkages(REFERENCE_MACHINE.R)[0]
     for name in ("a", "b", "bore", "rod", "dead_length"):
         for value in (0, -1.0, np.nan, None):
             with pytest.raises(

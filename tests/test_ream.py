@@ -13,23 +13,17 @@ from tunneller_lib.job import read_job
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, follow, reference_axes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit, geodesic_inverse
-from tunneller_lib.ream import (
-    Limits,
-    Pose,
-    carve,
-    cutting,
-    expected_seconds,
+from tunneller_lib.ream import Limits, Pose, carve, cutting, plan, simulate, starved
+from tunneller_lib.ream.cutting import expected_seconds
+from tunneller_lib.ream.timing import move_shares, move_ticks
+from tunneller_lib.ream.wall import (
+    intact_wall,
     lap_volume,
     overbreak,
     pass_distance,
-    plan,
     scallop_height,
-    simulate,
     standing,
-    starved,
 )
-from tunneller_lib.ream.timing import move_shares, move_ticks
-from tunneller_lib.ream.wall import intact_wall
 from tunneller_lib.removal import DexelGrid, removed_volume, rod_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 

@@ -10,7 +10,8 @@ from tests.shapes import EPS
 from tunneller_lib.replica.rod_cases import GENERATORS, rulings
 from tunneller_lib.replica.rod_exact import judge, rounding
 from tunneller_lib.replica.rod_methods import METHODS
-from tunneller_lib.surfaces import Rod, meet_rods
+from tunneller_lib.surfaces import Rod
+from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
 
 MANY = many(40_000, 400_000)  # lines a generator and kind of ends; the report says so: test_words

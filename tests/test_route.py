@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.paths import Circuit
+from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream.route import route_through
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 

@@ -14,12 +14,12 @@ from tunneller_lib.motion import (
     Loop,
     Resonance,
     Rigid,
-    ValveResonance,
     follow,
     polyline,
     polyline_slopes,
     reference_axes,
 )
+from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.stability import (
     closed_loop,
     continuous_limit,

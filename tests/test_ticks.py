@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Loop, arm_of, axes_of, follow, usual_sizes
+from tunneller_lib.motion import Compressible, Loop, follow
+from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 SIZES = usual_sizes(REFERENCE_MACHINE)

@@ -9,7 +9,8 @@ import pytest
 
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits, Pose, plan, simulate, standing
+from tunneller_lib.ream import Limits, Pose, plan, simulate
+from tunneller_lib.ream.wall import standing
 from tunneller_lib.reporting.machine_scene import DARK
 from tunneller_lib.reporting.scene import shoot
 from tunneller_lib.reporting.tunnel_scene import (

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.calls import CALLS
-from tunneller_lib.paths import Circuit, ConeChord, cutting_circuit, project_chord
+from tunneller_lib.paths import ConeChord, cutting_circuit, project_chord
+from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Cone, Egg, Torus
 
 EGG = Egg(0.5)

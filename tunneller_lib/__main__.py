@@ -246,7 +246,8 @@ def own_name(path):
 
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
-    from .job import say, summarise, summary_text, write_all
+    from .job import say
+    from .job.results import summarise, summary_text, write_all
 
     folder = options.out or Path("build") / own_name(options.job)
     job, cut = read(options, folder / "budget.csv", budget=True)
@@ -306,8 +307,9 @@ def run_animate(options):
 
 def run_flank(options):
     """Find positions of a mill, chain them, and write them and what they leave."""
-    from .job import flank_text, read_flank, say, summarise_flank, write_flank
+    from .job import say
     from .job.atomic_write import check_writable
+    from .job.flank import flank_text, read_flank, summarise_flank, write_flank
 
     if options.scene:
         import_module("trame")  # else first asked for when the page is written, after all else
@@ -338,7 +340,7 @@ def run_flank(options):
 
 def run_identify(options):
     """Say what a log tells."""
-    from .job import identified_text, identify_log
+    from .job.logged import identified_text, identify_log
 
     try:
         text = options.log.read_text(encoding="utf-8-sig")

@@ -83,10 +83,16 @@ def checked(made):
         # At the first call: hundreds of signatures would take a tenth of an import's time.
         signature = inspect.signature(made)
         parameters = signature.parameters.items()
-        rules = {name: rule_of(about.annotation) for name, about in parameters
-                 if name not in ("self", "cls")}  # fmt: skip
-        by_place = [name for name, about in parameters
-                    if about.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]  # fmt: skip
+        rules = {
+            name: rule_of(about.annotation)
+            for name, about in parameters
+            if name not in ("self", "cls")
+        }
+        by_place = [
+            name
+            for name, about in parameters
+            if about.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
+        ]
         return signature, rules, by_place
 
     @functools.wraps(made)

@@ -9,20 +9,10 @@ from scipy.signal import lfilter
 
 from tests.bench.conftest import best_times
 from tunneller_lib import compiled
-from tunneller_lib.motion import (
-    Compressible,
-    Lag,
-    Loop,
-    Push,
-    arm_of,
-    axes_of,
-    follow,
-    line_ticks,
-    polyline,
-    time_bresenham,
-    usual_sizes,
-)
+from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, polyline, time_bresenham
+from tunneller_lib.motion.interpolate import line_ticks
 from tunneller_lib.motion.oil import PHASE
+from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.motion.ticks import Control, control_of
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 

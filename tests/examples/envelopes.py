@@ -2,18 +2,14 @@
 
 import numpy as np
 
-from tunneller_lib.envelopes import (
-    ConePose,
-    Fit,
-    Jet,
-    TouchingCone,
-    fit_surface,
-    hyperosculating_cones,
-    jet_variables,
-)
+from tunneller_lib.envelopes import ConePose, fit_surface, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.cone_pose import TouchingCone
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
 from tunneller_lib.envelopes.isotropic import normal, surface_points
+from tunneller_lib.envelopes.jet import Jet
+from tunneller_lib.envelopes.measured import Fit
+from tunneller_lib.envelopes.rough import RoughJet
 
 SIZES = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
          "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
@@ -40,6 +36,7 @@ INSTANCES = {
     ConePose: ConePose(**POSE),
     Fit: fit_surface(**MEASURED),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
+    RoughJet: RoughJet(np.ones(15), RNG),
     TouchingCone: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5)[0],
     np.random.Generator: RNG,
 }
@@ -67,6 +64,7 @@ CALLS = {
     "fit.noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "fit_surface": MEASURED,
     "fit.tilted": {"n": (0.0, 0.6, 0.8)},
+    "frames_along": {"surface": graph},
     "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
     "isotropic.isotropic_derivatives": {"r": (0.3, 0.2, 0.1), "n": (0.0, 0.6, 0.8)},
     "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},

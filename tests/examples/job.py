@@ -5,19 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from tunneller_lib.job import (
-    FlankJob,
-    FlankResult,
-    Job,
-    identify_log,
-    mesh,
-    read_flank,
-    read_job,
-    summarise,
-    summarise_flank,
-)
+from tunneller_lib.job import mesh, read_job
+from tunneller_lib.job.controller import Program, program
+from tunneller_lib.job.flank import FlankJob, FlankResult, read_flank
+from tunneller_lib.job.flank_files import summarise_flank
+from tunneller_lib.job.logged import identify_log
+from tunneller_lib.job.reader import Job
+from tunneller_lib.job.results import summarise
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.ream import Cut, Plan
+from tunneller_lib.ream.cutting import Cut
+from tunneller_lib.ream.planning import Plan
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import Egg, Section
 
@@ -93,6 +90,7 @@ INSTANCES = {
     mesh.Mesh: mesh.wall_solid(_cut.wall),
     Path: _NEW,
     Plan: _job.planned,
+    Program: program(_job.planned, _job),
     Section: Egg(0.5),
 }
 
@@ -109,23 +107,24 @@ _log = "time_s,valve,speed_rad_s\n" + "".join(
 )
 
 CALLS = {
-    "FlankJob.solved": {"say": lambda text: None},
-    "identified_text": {"numbers": identify_log(_log)},
-    "identify_log": {"text": _log},
+    "flank.FlankJob.solved": {"say": lambda text: None},
+    "logged.identified_text": {"numbers": identify_log(_log)},
+    "logged.identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
-    "flank_text": {"numbers": summarise_flank(**_flanked)},
+    "flank_files.flank_text": {"numbers": summarise_flank(**_flanked)},
     "mesh.ply": {"mesh": _MESH, "name": "left"},
     "mesh.read_stl": {"content": mesh.stl(_MESH)},
     "mesh.wall_solid": {"wall": _cut.wall},
     "mesh.wall_surface": {"wall": _cut.wall, "circuit": _circuit},
     "atomic_write.write": {"content": "text"},
-    "read_flank": {"path": _FLANK},
+    "flank.read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},
     "say": {"text": "done"},
-    "summarise_flank": _flanked,
-    "summarise": {"job": _job, "cut": _cut},
-    "summary_text": {"numbers": _results["numbers"]},
-    "write_all": _results,
-    "write_flank": _flanked | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None},
+    "flank.summarise_flank": _flanked,
+    "results.summarise": {"job": _job, "cut": _cut},
+    "results.summary_text": {"numbers": _results["numbers"]},
+    "results.write_all": _results,
+    "flank.write_flank": _flanked
+    | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None},
 }

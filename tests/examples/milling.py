@@ -5,11 +5,8 @@ import numpy as np
 from tunneller_lib.milling import (
     BallMill,
     ConicalMill,
-    Coverage,
     CylinderMill,
-    Nurbs,
     Patch,
-    Positions,
     TiltingTable,
     cover,
     find_positions,
@@ -20,6 +17,9 @@ from tunneller_lib.milling import (
     trace_chains,
 )
 from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.coverage import Coverage
+from tunneller_lib.milling.nurbs import Nurbs
+from tunneller_lib.milling.positions import Positions
 from tunneller_lib.milling.scallops import Scallops
 from tunneller_lib.milling.sweep import Strip
 from tunneller_lib.milling.tangency import TwoContacts

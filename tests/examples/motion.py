@@ -3,21 +3,20 @@
 import numpy as np
 
 from tunneller_lib.motion import (
-    Arm,
     Compressible,
-    Hydraulics,
     Integrator,
     Lag,
     Loop,
     Resonance,
     Rigid,
-    Sizes,
-    Track,
-    ValveResonance,
     follow,
     reference_axes,
-    usual_sizes,
 )
+from tunneller_lib.motion.arm import Arm
+from tunneller_lib.motion.hydraulics import Hydraulics
+from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.motion.servo import Track
+from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -53,7 +52,7 @@ CALLS = {
     "Arm.coriolis": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
     "Arm.energy": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
     "Hydraulics.loaded": {"angle": 0.1, "rate": 0.2, "torque": 100.0, "opened": 0.8},
-    "Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
+    "sizing.Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
     "Track.between": {"first": 1, "last": 3},
     "Compressible.derivative": {"state": (0.1, 0.2, 8e6, 9e6, 0.1)},
     "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
@@ -67,12 +66,8 @@ CALLS = {
     "rest_to_rest_ticks": {"ticks": 8},
     "rounding_spectrum": {"difference": 5, "ticks": 12},
     "export.setvalue_table": {"setvalues": [[0, 0], [3, -2]], "names": ["theta", "phi"]},
-    "identify.identify_axis": {"valve": LOGGED, "measured": np.cumsum(LOGGED), "tick": 0.005},
-    "identify.identify_loop": {
-        "setvalue": np.cumsum(LOGGED),
-        "actual": np.cumsum(LOGGED),
-        "tick": 0.005,
-    },
+    "identify_axis": {"valve": LOGGED, "measured": np.cumsum(LOGGED), "tick": 0.005},
+    "identify_loop": {"setvalue": np.cumsum(LOGGED), "actual": np.cumsum(LOGGED), "tick": 0.005},
     "slow_task.waypoint_operations": {"points": 9},
     "slow_task.waypoints_c99": {"points": 9},
     "slow_task.waypoints_st": {"points": 9},

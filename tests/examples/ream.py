@@ -2,31 +2,21 @@
 
 import numpy as np
 
-from tunneller_lib.motion import (
-    Arm,
-    Compressible,
-    Hydraulics,
-    Integrator,
-    Loop,
-    Sizes,
-    reference_axes,
-    usual_sizes,
-)
+from tunneller_lib.motion import Compressible, Integrator, Loop, reference_axes
+from tunneller_lib.motion.arm import Arm
+from tunneller_lib.motion.hydraulics import Hydraulics
+from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import Task
-from tunneller_lib.paths import Circuit, cutting_circuit
-from tunneller_lib.ream import (
-    Cut,
-    Fault,
-    Limits,
-    LoadedLaps,
-    Moves,
-    PartClearance,
-    Plan,
-    Pose,
-    carve,
-    knot_fault,
-    plan,
-)
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.paths.circuit import Circuit
+from tunneller_lib.ream import Limits, Pose, carve, plan
+from tunneller_lib.ream.clearance import PartClearance
+from tunneller_lib.ream.cutting import Cut
+from tunneller_lib.ream.faults import Fault, knot_fault
+from tunneller_lib.ream.ground_faults import LoadedLaps
+from tunneller_lib.ream.moves import Moves
+from tunneller_lib.ream.planning import Plan
+from tunneller_lib.ream.route import Route, route_through
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
@@ -57,6 +47,7 @@ INSTANCES = {
     PartClearance: PLAN.clearances[0],
     Plan: PLAN,
     Pose: Pose(y=1e-3),
+    Route: route_through(CIRCUIT, PLAN.knots),
     Sizes: usual_sizes(REFERENCE_MACHINE),
     Task: TASKS["tasks"][0],
 }
@@ -71,18 +62,20 @@ CALLS = {
     "budget": AXIS,
     "capability": OILY,
     "carve": {"position": IDEAL, "shape": (6, 12)},
-    "encoder_fault": AXIS,
+    "faults.encoder_fault": AXIS,
     "expected_seconds": AXIS | {"shape": (6, 12)},
-    "following_fault": AXIS,
+    "faults.following_fault": AXIS,
     "ground_fault": OILY,
-    "lap_volume": {"advance": 0.05},
-    "overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
+    "route_through": {"knots": [0.0, 0.5, 1.2, 2.0]},
+    "wall.intact_wall": {"start": -0.3, "shape": (6, 12)},
+    "wall.lap_volume": {"advance": 0.05},
+    "wall.overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
     "picks_fault": OILY,
     "plan": COARSE,
-    "scallop_height": {"radius": 0.2, "pitch": 0.1},
+    "wall.scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},
     "gain_margins": OILY,
-    "standing": {"wall": CUT.wall},
+    "wall.standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,
 }

@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tunneller_lib.envelopes import ConePose, Cones, hyperosculating_cones
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.families import cyclide, ruled, saddle
+from tunneller_lib.envelopes.hyperosculate import Cones
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
@@ -18,7 +19,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Rod, Section
 
 DRAW_IN_SPACE = {"blade_scene", "cone_scene", "flank_scene", "machine_scene", "path_scene", "scene",
                  "six_cones_scene", "surface_scene", "torus_scene", "tunnel_scene"}  # fmt: skip
-READ_NOTEBOOKS = {"contents_table", "draw_first_pictures", "draw_map", "ending"}
+READ_NOTEBOOKS = {"chapters", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS
 
 RING = Torus(3.0, 1.0)

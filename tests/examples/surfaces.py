@@ -12,14 +12,14 @@ from tunneller_lib.surfaces import (
     Egg,
     Frustum,
     Line,
-    Linkage,
     Machine,
     Rod,
     RoundedDisc,
     Section,
     Torus,
-    linkages,
 )
+from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
+from tunneller_lib.surfaces.section import Profile
 
 _ROD = Rod((0, 0, 0), (4, 0, 1), 1)
 _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
@@ -33,8 +33,9 @@ INSTANCES = {
     Egg: Egg(0.5),
     Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
     Line: Line(0.0, 0.0, 0.3, 1.0),
-    Linkage: linkages(REFERENCE_MACHINE)[0],
+    Linkage: usual_linkages(REFERENCE_MACHINE.R)[0],
     Machine: REFERENCE_MACHINE,
+    Profile: Egg(0.5).offset(0.1),
     Rod: _ROD,
     RoundedDisc: RoundedDisc((0, 0, 0), (0, 0, 1), 1, 0.3),
     Section: Egg(0.5),
@@ -63,6 +64,7 @@ CALLS = {
                 for name in REFERENCE_MACHINE.__dataclass_fields__},
     "Rod": {"b": (1.0, 2.0, 3.0)},
     "RoundedDisc": {"axis": (0.0, 0.0, 1.0)},
+    "Profile.offset": {"d": 0.1},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},

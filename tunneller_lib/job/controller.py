@@ -14,8 +14,8 @@ import numpy as np
 
 from ..arguments import checked
 from ..motion import Compressible, Rigid
-from ..ream import Plan
 from ..ream.moves import levers
+from ..ream.planning import Plan
 from .reader import Job
 
 RING = 64  # setpoints ahead: more than the short moves in which a lap speeds up

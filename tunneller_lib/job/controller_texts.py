@@ -157,8 +157,14 @@ def plcopen_xml(controller: Program):
     space = "http://www.plcopen.org/xml/tc6_0201"
     when = "2000-01-01T00:00:00"  # the same text whenever it is made
     project = Xml.Element("project", xmlns=space)
-    Xml.SubElement(project, "fileHeader", companyName="", productName="tunneller_lib",
-                   productVersion="1", creationDateTime=when)  # fmt: skip
+    Xml.SubElement(
+        project,
+        "fileHeader",
+        companyName="",
+        productName="tunneller_lib",
+        productVersion="1",
+        creationDateTime=when,
+    )
     content = Xml.SubElement(project, "contentHeader", name="Tunneller")
     coordinates = Xml.SubElement(content, "coordinateInfo")
     for kind in ("fbd", "ld", "sfc"):
@@ -192,8 +198,10 @@ def plcopen_xml(controller: Program):
 
 def _units(controller):
     """Return (name, sections of variables, body) of both programs."""
-    constants = [(n, "LREAL" if isinstance(v, float) else "DINT", "", _number(v))
-                 for n, v in controller.constants.items()]  # fmt: skip
+    constants = [
+        (n, "LREAL" if isinstance(v, float) else "DINT", "", _number(v))
+        for n, v in controller.constants.items()
+    ]
     tables = [
         (
             n,

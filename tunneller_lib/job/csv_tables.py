@@ -6,7 +6,7 @@ In metres, radians and whole counts; the head of each says which.
 import numpy as np
 
 from ..arguments import checked, shown
-from ..ream import Plan
+from ..ream.planning import Plan
 
 JOINTS = "theta", "phi"
 

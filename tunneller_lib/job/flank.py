@@ -16,19 +16,19 @@ from ..arguments import checked, shown
 from ..envelopes.blade import BladeRing
 from ..milling import (
     ConicalMill,
-    Coverage,
-    Nurbs,
     Patch,
-    Positions,
-    Scallops,
     TiltingTable,
-    Tour,
     cover,
     find_positions,
     find_scallops,
     plan_tour,
 )
+from ..milling.coverage import Coverage
 from ..milling.five_axes import LIMITS
+from ..milling.nurbs import Nurbs
+from ..milling.positions import Positions
+from ..milling.scallops import Scallops
+from ..milling.tour import Tour
 from .measured_patch import patch_through
 from .reader import TEXT, WHOLE, WrongJob, check_leaves, one_of, parsed_toml, read_table, said_of
 

@@ -81,16 +81,18 @@ def identify_log(text: str, *, feedforward: Share(2) = 0.0):
 @checked
 def identified_text(numbers: Found):
     """Return what `identify_log` found as lines for people."""
-    full = " for the full valve" if numbers["columns"][0] == "valve" else ""
+    per = numbers["gain_unit"] + (" for the full valve" if numbers["columns"][0] == "valve" else "")
     unit = numbers["columns"][1].partition("_")[2].replace("_", "/")
-    return "\n".join([
-        f"{numbers['rows']} rows, {1e3 * numbers['tick_s']:g} ms apart: "
-        f"{' and '.join(numbers['columns'])}",
-        f"gain   {numbers['gain']:.4g} ± {numbers['gain_error']:.1g} {numbers['gain_unit']}{full}",
-        f"lag    {1e3 * numbers['lag_s']:.4g} ± {1e3 * numbers['lag_error_s']:.1g} ms",
-        f"delay  {numbers['delay']} ticks",
-        f"left   {numbers['rms']:.2g} {unit} rms, which noise and all that isn't a lag make",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"{numbers['rows']} rows, {1e3 * numbers['tick_s']:g} ms apart: "
+            f"{' and '.join(numbers['columns'])}",
+            f"gain   {numbers['gain']:.4g} ± {numbers['gain_error']:.1g} {per}",
+            f"lag    {1e3 * numbers['lag_s']:.4g} ± {1e3 * numbers['lag_error_s']:.1g} ms",
+            f"delay  {numbers['delay']} ticks",
+            f"left   {numbers['rms']:.2g} {unit} rms, which noise and all that isn't a lag make",
+        ]
+    )
 
 
 def _tick(times):

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import MOST, Positive, Rule, checked, shown
 from ..exact import dot, norm
 from ..paths.circuit import Circuit
-from ..ream import overbreak, standing
+from ..ream.wall import overbreak, standing
 from ..removal import DexelGrid
 
 MM = 1000.0

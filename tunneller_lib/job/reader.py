@@ -15,10 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import checked, positive, shown, whole
-from ..motion import Compressible, Integrator, Lag, Loop, Rigid, arm_of, axes_of, usual_sizes
+from ..motion import Compressible, Integrator, Lag, Loop, Rigid
+from ..motion.sizing import arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
-from ..ream import Limits, Pose, capability, expected_seconds, gain_margins, plan, simulate
+from ..ream import Limits, Pose, gain_margins, plan, simulate
 from ..ream.chatter import chatter_margins
+from ..ream.cutting import expected_seconds
+from ..ream.margins import capability
 from ..removal import Ground
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 
@@ -488,8 +491,10 @@ def _check_unit(where, key, value, unit):
     if not np.inf > abs(value) > most:
         return
     if unit == "rad":
-        raise WrongJob(f"{where}: must be at most {most:g} rad; got {value:g}. In degrees its name "
-                       f"is {key}_deg.")  # fmt: skip
+        raise WrongJob(
+            f"{where}: must be at most {most:g} rad; got {value:g}. In degrees its name "
+            f"is {key}_deg."
+        )
     raise WrongJob(
         f"{where}: must be at most {most:g} {unit}; got {value:g}. "
         f"If that is in {other}, it is {value * factor:g} {unit}."

@@ -12,7 +12,9 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..motion.stability import is_stable
-from ..ream import Cut, budget, following_fault, kind, part_clearances
+from ..ream import budget, kind, part_clearances
+from ..ream.cutting import Cut
+from ..ream.faults import following_fault
 from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of

@@ -4,33 +4,25 @@ After Envelopes, section 6 and its outlook. Surfaces come as control points and 
 points, or as any function of two variables.
 """
 
-from .chains import Chain, trace_chains
-from .coverage import Coverage, cover
+from .chains import trace_chains
+from .coverage import cover
 from .five_axes import TiltingTable
 from .motion import moved
-from .nurbs import Nurbs, fit_nurbs
+from .nurbs import fit_nurbs
 from .patch import Patch
-from .positions import Positions, find_positions
-from .scallops import Scallops, find_scallops
-from .sweep import Strip, ball_positions, cylinder_positions, strip_across, sweep_error
-from .tangency import TwoContacts, touch_twice
+from .positions import find_positions
+from .scallops import find_scallops
+from .sweep import ball_positions, cylinder_positions, strip_across, sweep_error
+from .tangency import touch_twice
 from .tools import BallMill, ConicalMill, CylinderMill
-from .tour import Tour, plan_tour
+from .tour import plan_tour
 
 __all__ = [
     "BallMill",
-    "Chain",
     "ConicalMill",
-    "Coverage",
     "CylinderMill",
-    "Nurbs",
     "Patch",
-    "Positions",
-    "Scallops",
-    "Strip",
     "TiltingTable",
-    "Tour",
-    "TwoContacts",
     "ball_positions",
     "cover",
     "cylinder_positions",

@@ -12,8 +12,7 @@ import numpy as np
 
 from ..arguments import Angle, Angles, Finite, Reals, checked
 from ..compiled import cosine, root
-from ..surfaces import Linkage
-from ..surfaces.linkage import Cylinders, JointAngles, chambers, check_stroke
+from ..surfaces.linkage import Cylinders, JointAngles, Linkage, chambers, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Size0, Torque
 

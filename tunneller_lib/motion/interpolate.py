@@ -66,7 +66,7 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
     [[0, -1, -3], [7, 7, 7]]
     """
     difference = difference_of(start, stop)
-    limit_setvalues(difference.size, ticks, "`line_ticks`")
+    limit_setvalues(difference.size, ticks, "`motion.interpolate.line_ticks`")
     # N times the line, at most 2^31 N < 2^62, fits 64 bits; in place, for memory takes the time.
     values = np.arange(ticks + 1, dtype=np.int64) * difference[..., None]
     values += (ticks * start + _first(ticks, tie))[..., None]
@@ -273,4 +273,6 @@ def _check_segments(knots, ticks):
             f"got {knots.shape} for {ticks.shape}."
         )
     difference_of(knots[:-1], knots[1:], ("knots[:-1]", "knots[1:]"))
-    limit_setvalues(knots.shape[1], int(ticks.sum()), "`line_ticks` of each segment")
+    limit_setvalues(
+        knots.shape[1], int(ticks.sum()), "`motion.interpolate.line_ticks` of each segment"
+    )

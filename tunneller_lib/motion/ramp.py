@@ -38,7 +38,7 @@ def rest_to_rest(start: Ends, stop: Ends, ticks: EvenTicks):
     """
     difference = difference_of(start, stop)
     _check_even(ticks)
-    limit_setvalues(difference.size, ticks, "`rest_to_rest_ticks`")
+    limit_setvalues(difference.size, ticks, "`motion.ramp.rest_to_rest_ticks`")
     middle = ticks // 2
     scale = 2 * middle**2
     quotient, remainder = np.divmod(difference[..., None], scale)

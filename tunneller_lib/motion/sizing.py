@@ -8,8 +8,8 @@ oil are the same. Cutters are then equally fast, and joints and resonances s tim
 from dataclasses import dataclass, replace
 
 from ..arguments import checked
-from ..surfaces import Linkage, Machine
-from ..surfaces.linkage import USUAL_R, usual_linkages
+from ..surfaces import Machine
+from ..surfaces.linkage import USUAL_R, Linkage, usual_linkages
 from .arm import Arm
 from .hydraulics import STROKE_MARGIN, Hydraulics
 from .quantities import Quantity, Size, Size0

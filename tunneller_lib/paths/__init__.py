@@ -2,13 +2,12 @@
 
 from . import atlas
 from .chord_law import ChordLaw
-from .chord_paths import CHORD_PATHS, SHORT_CHORD_PATHS, ChordPath, path_length
-from .circuit import Circuit, cutting_circuit
+from .chord_paths import CHORD_PATHS, SHORT_CHORD_PATHS, path_length
+from .circuit import cutting_circuit
 from .cone_chord import ConeChord
 from .correction import corrected_chord
-from .geodesic import Geodesic, GeodesicPoints, geodesic_direct
+from .geodesic import geodesic_direct
 from .geodesic_root import NODES_OF_WORKING_SHEET
-from .geodesic_trace import half_swing
 from .inverse_problem import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
 
@@ -17,18 +16,13 @@ __all__ = [
     "NODES_OF_WORKING_SHEET",
     "SHORT_CHORD_PATHS",
     "ChordLaw",
-    "ChordPath",
-    "Circuit",
     "ConeChord",
-    "Geodesic",
-    "GeodesicPoints",
     "atlas",
     "competing_geodesics",
     "corrected_chord",
     "cutting_circuit",
     "geodesic_direct",
     "geodesic_inverse",
-    "half_swing",
     "path_length",
     "project_chord",
     "projected_length",

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Length0, checked
-from ..paths import Circuit
+from ..paths.circuit import Circuit
 from ..removal import rod_clearance, solid_clearance
 from .pose import Pose
 

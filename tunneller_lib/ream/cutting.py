@@ -12,7 +12,9 @@ import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
 from ..compiled import expect
-from ..motion import Arm, Push, Track, follow
+from ..motion import Push, follow
+from ..motion.arm import Arm
+from ..motion.servo import Track
 from ..motion.stability import stable_gains
 from ..motion.tasks import Task, hand_over
 from ..motion.ticks import expect_run

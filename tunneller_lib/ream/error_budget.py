@@ -4,12 +4,11 @@ from collections.abc import Callable
 from functools import partial
 
 from ..arguments import checked
-from ..motion import Arm
+from ..motion.arm import Arm
 from ..removal import Ground
 from .both_axes import Loops, Plants
 from .faults import (
     Fault,
-    check_unheld,
     corner_fault,
     count_fault,
     encoder_fault,
@@ -21,7 +20,7 @@ from .faults import (
     tangent_sphere_fault,
 )
 from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
-from .planning import Plan
+from .planning import Plan, check_unheld
 from .pose import Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault

@@ -12,7 +12,7 @@ from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .moves import Moves, levers
 from .outward import gradient, wall_frame
-from .planning import Plan
+from .planning import Plan, check_unheld
 from .pose import Pose
 from .route import ROUNDED, path_points, route_through
 from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
@@ -297,14 +297,6 @@ def pose_fault(plan: Plan, pose: Pose):
     return Fault(
         source="pose", deviation=off, measure="largest", closed=closed, halved_by="pose", factor=2.0
     )
-
-
-def check_unheld(plan):
-    """Raise ValueError if the plan waits between setpoints."""
-    if np.any(np.diff(plan.s[:-1]) <= 0):
-        raise ValueError(
-            "plan: must not wait between setpoints, whose path is compared; got one that does."
-        )
 
 
 class _Segments(NamedTuple):

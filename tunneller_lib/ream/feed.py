@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
-from ..motion import Hydraulics
+from ..motion.hydraulics import Hydraulics
 from ..removal import Ground
 from .both_axes import Pair
 from .timing import Places, fastest
@@ -156,8 +156,14 @@ class Limits:
             )
         if slopes is None:
             straight = np.tile([1.0, 0.0], (len(square), 1))
-            places = Places(square, self.acceleration, np.full(2, np.inf),
-                            straight, 0 * straight, np.ones_like(straight))  # fmt: skip
+            places = Places(
+                square,
+                self.acceleration,
+                np.full(2, np.inf),
+                straight,
+                0 * straight,
+                np.ones_like(straight),
+            )
             return np.sqrt(fastest(lengths, places))
         if any(turn.shape != positions.shape for turn in turns):
             raise ValueError(

@@ -4,7 +4,8 @@ import numpy as np
 
 from ..arguments import checked
 from ..exact import norm
-from ..motion import Arm, Compressible, Push, follow
+from ..motion import Compressible, Push, follow
+from ..motion.arm import Arm
 from ..removal import Ground
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .faults import Fault

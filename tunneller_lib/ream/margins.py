@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import checked
-from ..motion import Compressible, Rigid, Sizes
+from ..motion import Compressible, Rigid
+from ..motion.sizing import Sizes
 from ..motion.stability import gain_limit
-from ..paths import Circuit
+from ..paths.circuit import Circuit
 from .both_axes import Loops, Plants, check_ticks
 from .front import engaged_areas, push_levers
 from .planning import Plan
@@ -67,12 +68,17 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
         ratio = axis.damping / (2 * axis.inertia * least)
         lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
         found += [
-            Margin(f"gain of {name}", limit, control.gain, "1/s",
-                   lower + "a smaller hose, would do"),
-            Margin(f"resonance of {name}", least / (2 * np.pi),
-                   control.gain / (2 * ratio) / (2 * np.pi), "Hz",
-                   lower + "a lighter head or arm, would do"),
-        ]  # fmt: skip
+            Margin(
+                f"gain of {name}", limit, control.gain, "1/s", lower + "a smaller hose, would do"
+            ),
+            Margin(
+                f"resonance of {name}",
+                least / (2 * np.pi),
+                control.gain / (2 * ratio) / (2 * np.pi),
+                "Hz",
+                lower + "a lighter head or arm, would do",
+            ),
+        ]
     return found
 
 
@@ -136,10 +142,14 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
         axis = one.axis
         ends = axis.linkage.length(axis.low), axis.linkage.length(axis.high)
         found.append(
-            Margin(f"stroke of the {name}", min(ends) - axis.linkage.dead_length,
-                   max(ends) - min(ends), "m",
-                   f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do")
-        )  # fmt: skip
+            Margin(
+                f"stroke of the {name}",
+                min(ends) - axis.linkage.dead_length,
+                max(ends) - min(ends),
+                "m",
+                f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do",
+            )
+        )
     return found
 
 

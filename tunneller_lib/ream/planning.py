@@ -18,8 +18,8 @@ from ..arguments import (
     positions,
     size,
 )
-from ..paths import Circuit
 from ..paths.bounds import Way
+from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers
@@ -528,3 +528,11 @@ def _kept_clear(circuit, arm_radius):
             what = f"arm_radius: an arm of {arm_radius:g} m" if arm else f"body: its {part.name}"
             raise ValueError(f"{what} {part.depth_in_wall}.")
     return found
+
+
+def check_unheld(plan):
+    """Raise ValueError if the plan waits between setpoints."""
+    if np.any(np.diff(plan.s[:-1]) <= 0):
+        raise ValueError(
+            "plan: must not wait between setpoints, whose path is compared; got one that does."
+        )

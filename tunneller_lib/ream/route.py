@@ -2,14 +2,29 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import Length0, Lengths, Whole, checked
-from ..paths import Circuit, corrected_chord, project_chord
+from ..arguments import Length0, Lengths, Rule, Whole, bounded_array, checked
+from ..paths import corrected_chord, project_chord
+from ..paths.circuit import Circuit
 
 SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
 ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
+
+
+def _knots(name, value):
+    """Return `value` as arc lengths (n,) that rise from 0."""
+    array = bounded_array(name, value)
+    rises = array.ndim == 1 and array.size and array[0] == 0 and np.all(np.diff(array) > 0)
+    if not rises:
+        raise ValueError(f"{name}: must be arc lengths in a row that rises from 0.")
+    return array
+
+
+Knots = Annotated[ArrayLike, Rule("(n,) float", _knots, "m")]
 
 
 @dataclass(frozen=True)
@@ -104,7 +119,7 @@ def path_points(torus, path):
 
 @checked
 def route_through(
-    circuit: Circuit, knots: Lengths, *, way: Callable | None = None, blend: Length0 = 0.0
+    circuit: Circuit, knots: Knots, *, way: Callable | None = None, blend: Length0 = 0.0
 ):
     """Return the `Route` through knots and back to the first.
 
@@ -113,7 +128,7 @@ def route_through(
     circuit : Circuit
         On which the knots are.
     knots : (n,) float
-        Arc lengths of the knots along the offset section, in m.
+        Arc lengths of the knots along the offset section, in m, rising from 0.
     way : function, optional
         (p, q, n) -> (..., n, 2): positions at equal arcs from knot to knot; tangent-sphere paths
         by default.

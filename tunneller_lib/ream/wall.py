@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import Coordinate, Length, Lengths, Positive, checked
 from ..exact import norm
-from ..paths import Circuit
+from ..paths.circuit import Circuit
 from ..removal import DexelGrid
 from ..removal.dexel import Shape
 

@@ -1,20 +1,17 @@
 """What the cutter removes: volumes in closed form, grids of intervals, clearance of solids."""
 
+from . import volume
 from .arm_clearance import circuit_clearance, rod_clearance, solid_clearance
 from .dexel import DexelGrid
 from .ground import Ground
-from .volume import advance_for_volume, bowl, groove_area, half_lens, removed_volume, ring
+from .volume import removed_volume
 
 __all__ = [
     "DexelGrid",
     "Ground",
-    "advance_for_volume",
-    "bowl",
     "circuit_clearance",
-    "groove_area",
-    "half_lens",
     "removed_volume",
-    "ring",
     "rod_clearance",
     "solid_clearance",
+    "volume",
 ]

@@ -1,6 +1,6 @@
 """What notebooks use to show and to record: needs the study's environment, not only numpy."""
 
-from .chapters import contents_table, draw_first_pictures, draw_map, ending
+from .chapters import ending
 from .interactive import sliders
 from .moving import moving_picture
 from .number_format import in_words
@@ -13,11 +13,9 @@ __all__ = [
     "ERROR_MAP",
     "Record",
     "blade_scene",
+    "chapters",
     "cone_plot",
     "cone_scene",
-    "contents_table",
-    "draw_first_pictures",
-    "draw_map",
     "ending",
     "envelope_plot",
     "figure",

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..arguments import Length, Points, checked
-from ..envelopes import Cones
 from ..envelopes.blade import BladeRing
+from ..envelopes.hyperosculate import Cones
 from . import scene
 from .kinds import Flags, Lines
 from .style import COLOURS

@@ -4,10 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..arguments import Finite, HalfAngle, Positive, checked
-from ..envelopes import ConePose, Cones, adapted_frames, hyperosculating_cones, jet_variables
+from ..envelopes import ConePose, adapted_frames, hyperosculating_cones, jet_variables
 from ..envelopes.adapted import frames_along
 from ..envelopes.conics import conic, osculating_conic
 from ..envelopes.functions import Centre, Function
+from ..envelopes.hyperosculate import Cones
 from ..envelopes.isotropic import plane_to_point
 from .kinds import Map, check_same_shape
 from .plot import equal

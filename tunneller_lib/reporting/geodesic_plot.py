@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..arguments import Finite, checked
-from ..paths import competing_geodesics, geodesic_direct, half_swing
+from ..paths import competing_geodesics, geodesic_direct
+from ..paths.geodesic_trace import half_swing
 from ..surfaces import Torus
 from .path_plot import JointPosition, Tori
 from .style import COLOURS
@@ -71,10 +72,19 @@ def draw_arrivals(ax: Axes, torus: Torus, begin: JointPosition, level: Finite):
     lines = []
     for number, line, words in ((1, "-", "first arrival"), (2, "--", "second arrival")):
         which, place = np.nonzero(count == number)
-        lines += ax.plot(np.degrees(FAN[which]), np.degrees(turns[which, place]), line,
-                         color=COLOURS["geodesic"], label=words)  # fmt: skip
-    ax.set(xlabel="azimuth at P / deg", ylabel="turned at Q's parallel / deg", xlim=(180, 30),
-           ylim=(0, 360))  # fmt: skip
+        lines += ax.plot(
+            np.degrees(FAN[which]),
+            np.degrees(turns[which, place]),
+            line,
+            color=COLOURS["geodesic"],
+            label=words,
+        )
+    ax.set(
+        xlabel="azimuth at P / deg",
+        ylabel="turned at Q's parallel / deg",
+        xlim=(180, 30),
+        ylim=(0, 360),
+    )
     ax.legend(fontsize=7)
     return lines
 
@@ -115,8 +125,9 @@ def draw_mirrored(ax: Axes, torus: Torus, begin: JointPosition, end: JointPositi
     lines = ax.plot(np.degrees(theta), np.degrees(phi), color="0.55", label=told)
     near = theta > -np.pi
     mirrored = np.where(near, -theta, theta + 2 * np.pi)
-    lines += ax.plot(np.degrees(mirrored), np.degrees(phi), color=COLOURS["geodesic"],
-                     label="mirrored")  # fmt: skip
+    lines += ax.plot(
+        np.degrees(mirrored), np.degrees(phi), color=COLOURS["geodesic"], label="mirrored"
+    )
     for at in (-180, 180):
         ax.axvline(at, color="0.8", lw=0.8)
     ax.plot(*np.degrees(begin), "k.")

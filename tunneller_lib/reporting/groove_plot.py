@@ -73,8 +73,9 @@ def draw_sector_and_segment(ax: Axes, radius: Length, depth: Length):
     around, top = np.linspace(0, 2 * np.pi, 241), np.linspace(-beta, beta, 81)
     ax.plot(radius * np.sin(around), radius * np.cos(around), color=COLOURS["cutter"], lw=0.8)
     arc = radius * np.sin(top), radius * np.cos(top)
-    [sector] = ax.fill([0, *arc[0]], [0, *arc[1]], color=COLOURS["printed"], alpha=0.35,
-                       label="sector, printed")  # fmt: skip
+    [sector] = ax.fill(
+        [0, *arc[0]], [0, *arc[1]], color=COLOURS["printed"], alpha=0.35, label="sector, printed"
+    )
     [segment] = ax.fill(*arc, color=COLOURS["correct"], alpha=0.6, label="segment")
     ax.axhline(wall, color=COLOURS["tunnel"], zorder=0)
     arrow = {"arrowstyle": "<->", "lw": 0.6}
@@ -112,8 +113,9 @@ def draw_half_lens(ax: Axes, radius: Length, advance: Length, *, strip: Length0 
     x = np.linspace(advance / 2, radius, 201)
     y = np.sqrt(np.clip(radius**2 - x**2, 0, None))
     around = np.linspace(0, 2 * np.pi, 241)
-    area = ax.fill_between(x, 0 * y if strip is not None else -y, y, alpha=0.25,
-                           color=COLOURS["tangent sphere"])  # fmt: skip
+    area = ax.fill_between(
+        x, 0 * y if strip is not None else -y, y, alpha=0.25, color=COLOURS["tangent sphere"]
+    )
     ax.plot(radius * np.cos(around), radius * np.sin(around), color=COLOURS["cutter"], lw=0.8)
     ax.plot([0, advance / 2], [0, 0], ".-", color=COLOURS["cutter"], lw=0.6)
     equal(ax, "along the path / m", "y / m")

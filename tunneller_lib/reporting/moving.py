@@ -93,6 +93,13 @@ def _animated_png(pictures, milliseconds):
         for pixels in pictures
     ]
     content = io.BytesIO()
-    frames[0].save(content, format="png", save_all=True, append_images=frames[1:],
-                   duration=milliseconds, loop=0, optimize=True)  # fmt: skip
+    frames[0].save(
+        content,
+        format="png",
+        save_all=True,
+        append_images=frames[1:],
+        duration=milliseconds,
+        loop=0,
+        optimize=True,
+    )
     return content.getvalue()

@@ -82,8 +82,10 @@ def draw_shares(ax: Axes, shares: Chart, columns: Lines, counts: Lines):
     for i, text in enumerate(counts, start=-1):
         ax.text(len(columns) - 0.3, i, text, va="center_baseline", fontsize="small")
     labels = ["none", "up to 1 %", "to 10 %", "to 50 %", "more"]
-    return [Patch(facecolor=shade, edgecolor="#888888", label=label)
-            for shade, label in zip(SHADES, labels, strict=True)]  # fmt: skip
+    return [
+        Patch(facecolor=shade, edgecolor="#888888", label=label)
+        for shade, label in zip(SHADES, labels, strict=True)
+    ]
 
 
 @checked

@@ -69,10 +69,12 @@ def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, asi
     k = tilt * np.sqrt((radius - aside) * (radius + aside))
     four = np.array([-k, k, run - k, run + k])
     lines = []
-    for colour, ends in zip(("tangent sphere", "correct", "geodesic"),
-                            (four[:2], four[1:3], four[2:]), strict=True):  # fmt: skip
-        lines += ax.plot(ends, [aside, aside], "-", color=COLOURS[colour], lw=2.5,
-                         solid_capstyle="butt")  # fmt: skip
+    for colour, ends in zip(
+        ("tangent sphere", "correct", "geodesic"), (four[:2], four[1:3], four[2:]), strict=True
+    ):
+        lines += ax.plot(
+            ends, [aside, aside], "-", color=COLOURS[colour], lw=2.5, solid_capstyle="butt"
+        )
     lines += ax.plot(four, np.full(4, aside), "o", color=COLOURS["chord"], ms=4)
     clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
     for m, name in zip(four, ("$-k$", "$k$", "$d-k$", "$d+k$"), strict=True):
@@ -149,8 +151,9 @@ def draw_cut_row(ax: Axes, grid: DexelGrid, capsule: Rod):
     low, high = grid.low[..., row], grid.high[..., row]
     left = low < high
     x = np.broadcast_to(grid.lines.x, low.shape)
-    bars = ax.vlines(x[left], low[left], high[left], color=COLOURS["tunnel"],
-                     lw=150 / len(grid.lines.x))  # fmt: skip
+    bars = ax.vlines(
+        x[left], low[left], high[left], color=COLOURS["tunnel"], lw=150 / len(grid.lines.x)
+    )
     # The row's plane cuts the capsule in a thinner one: half circles about both ends.
     off = grid.lines.aside[row] - capsule.a[1]
     thinner = np.sqrt(max(capsule.radius**2 - off**2, 0.0))

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..arguments import HalfAngle, Points, checked
-from ..envelopes import Cones, adapted_frames, hyperosculating_cones
+from ..envelopes import adapted_frames, hyperosculating_cones
 from ..envelopes.fit import mean_frame
 from ..envelopes.functions import Centre, Function
+from ..envelopes.hyperosculate import Cones
 from ..envelopes.isotropic import (
     cone_planes,
     cone_rulings,

@@ -8,8 +8,9 @@ import PIL.Image
 
 from ..arguments import Finite, Length, Whole, Wholes, checked, shown
 from ..job.mesh import SCALAR
-from ..paths import Circuit
-from ..ream import Cut, overbreak, standing
+from ..paths.circuit import Circuit
+from ..ream.cutting import Cut
+from ..ream.wall import overbreak, standing
 from ..removal import DexelGrid
 from ..surfaces import Section
 from . import scene

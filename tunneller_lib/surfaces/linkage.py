@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
 from ..compiled import root, sine
-from .machine import Machine
 
 USUAL_R = 0.80  # m, the reference machine's arm, by which the study's sizes are given
 
@@ -203,9 +202,15 @@ class Linkage:
 
     def _numbers(self, shortest, longest):
         return Cylinders(
-            self.a, self.b, self.mounting, float(self.sense), self.pair, *self.areas, shortest,
+            self.a,
+            self.b,
+            self.mounting,
+            float(self.sense),
+            self.pair,
+            *self.areas,
+            shortest,
             longest,
-        )  # fmt: skip
+        )
 
     @checked
     def check(self, low: Angle, high: Angle):
@@ -233,36 +238,36 @@ class Linkage:
 
 
 @checked
-def linkages(machine: Machine):
-    """Return the study's linkages of the joints theta and phi of a machine, checked.
+def usual_linkages(R: Length):
+    """Return the study's linkages of the joints theta and phi for an arm of a length `R`, in m.
 
-    Lengths are those of a tube radius of 0.80 m, the reference machine's, and grow with
-    `machine.R`. One cylinder lifts the arm; a pair swings it.
-
-    Raises
-    ------
-    ValueError
-        If the machine's joint limits ask for a stroke that can't be had.
+    Lengths are those of R = 0.80 m, the reference machine's, and grow with it. One cylinder lifts
+    the arm; a pair swings it. Whether a machine's joint limits suit them `Linkage.check` says.
 
     Examples
     --------
-    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
-    >>> lift, swing = linkages(REFERENCE_MACHINE)
+    >>> lift, swing = usual_linkages(0.80)
     >>> round(lift.length(0.0), 4)
     0.4347
     """
-    lift, swing = usual_linkages(machine.R)
-    lift.check(machine.theta_min, machine.theta_max)
-    swing.check(machine.phi_min, machine.phi_max)
-    return lift, swing
-
-
-@checked
-def usual_linkages(R: Length):
-    """Return the study's linkages of theta and phi for an arm of a length `R`, in m, unchecked."""
     scale = R / USUAL_R
-    lift = Linkage(a=0.45 * scale, b=0.11 * scale, mounting=np.radians(75), sense=-1,
-                   bore=0.050 * scale, rod=0.028 * scale, dead_length=0.20 * scale)  # fmt: skip
-    swing = Linkage(a=0.30 * scale, b=0.07 * scale, mounting=np.radians(90), sense=1, pair=True,
-                    bore=0.040 * scale, rod=0.022 * scale, dead_length=0.16 * scale)  # fmt: skip
+    lift = Linkage(
+        a=0.45 * scale,
+        b=0.11 * scale,
+        mounting=np.radians(75),
+        sense=-1,
+        bore=0.050 * scale,
+        rod=0.028 * scale,
+        dead_length=0.20 * scale,
+    )
+    swing = Linkage(
+        a=0.30 * scale,
+        b=0.07 * scale,
+        mounting=np.radians(90),
+        sense=1,
+        pair=True,
+        bore=0.040 * scale,
+        rod=0.022 * scale,
+        dead_length=0.16 * scale,
+    )
     return lift, swing

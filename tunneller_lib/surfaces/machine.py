@@ -194,13 +194,25 @@ class Machine:
         )
         return (
             Requirement("bend, offset < least radius", d, True, section.least_radius),
-            Requirement("width, half width - offset <= R sin(phi)",
-                        max(left, -right) - d, False, self.R * swing),
-            Requirement("crown, roof - offset - height <= (r + R) sin(-theta_min)",
-                        crown - d - self.height, False, reach * lift),
-            Requirement("floor, height - floor - offset <= (r + R) sin(theta_max)",
-                        self.height - floor - d, False, reach * drop),
-        )  # fmt: skip
+            Requirement(
+                "width, half width - offset <= R sin(phi)",
+                max(left, -right) - d,
+                False,
+                self.R * swing,
+            ),
+            Requirement(
+                "crown, roof - offset - height <= (r + R) sin(-theta_min)",
+                crown - d - self.height,
+                False,
+                reach * lift,
+            ),
+            Requirement(
+                "floor, height - floor - offset <= (r + R) sin(theta_max)",
+                self.height - floor - d,
+                False,
+                reach * drop,
+            ),
+        )
 
     @checked
     def heights(self, section: Section):

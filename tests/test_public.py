@@ -1,0 +1,81 @@
+"""Who uses what a room lists: a name that nobody outside the library asks for isn't public.
+
+A user is a notebook, the command line, a program of the report or the README. Kinds of answers need
+no listing: who has an answer has its fields and methods, which are documented in its module.
+"""
+
+import ast
+import importlib
+import re
+
+import pytest
+
+from report.sources import ROOT, code
+
+READS = ["notebooks/*", "report/*", "README.md", "tunneller_lib/*"]
+
+LIBRARY = ROOT / "tunneller_lib"
+# What the documents print is kept whole, by whichever test or notebook it is judged.
+ROOMS = sorted({path.parent.name for path in LIBRARY.glob("*/__init__.py")} - {"replica"})
+
+
+def users():
+    """Yield the Python of all users, each with the package that it is in."""
+    yield from ((code(path), "") for path in sorted(ROOT.glob("notebooks/*.ipynb")))
+    yield from ((path.read_text(), "report") for path in sorted(ROOT.glob("report/**/*.py")))
+    yield (LIBRARY / "__main__.py").read_text(), "tunneller_lib"
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```", readme, re.M | re.S)
+    yield from ((block, "") for block in blocks + re.findall(r'python -c "(.*?)"', readme))
+
+
+def imported(text, package):
+    """Yield (room, name) of what a text imports from a room, or from a module of one."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom):
+            start = [package] * bool(node.level) + (node.module or "").split(".")
+            for alias in node.names:
+                _, *inner = [*filter(None, start), alias.name]
+                if start[0] == "tunneller_lib" and len(inner) > 1:
+                    yield from ((inner[0], name) for name in inner[1:])
+
+
+def asked_for():
+    """Return the names of classes that stand in annotations: kinds of arguments."""
+    found = set()
+    for path in LIBRARY.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation:
+                found |= {one.id for one in ast.walk(node.annotation) if isinstance(one, ast.Name)}
+    return found
+
+
+USED = {pair for text, package in users() for pair in imported(text, package)}
+ASKED_FOR = asked_for()
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_every_public_name_has_a_user_or_is_a_kind_of_argument(room):
+    package = importlib.import_module(f"tunneller_lib.{room}")
+    unused = {name for name in package.__all__ if (room, name) not in USED}
+    assert unused <= ASKED_FOR, sorted(unused - ASKED_FOR)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_listed_names_are_there_once(room):
+    package = importlib.import_module(f"tunneller_lib.{room}")
+    modules = {path.stem for path in (LIBRARY / room).glob("*.py")}
+    names = package.__all__
+    assert len(set(names)) == len(names)
+    assert all(hasattr(package, name) or name in modules for name in names)
+
+
+def test_users_are_found_in_all_their_ways():
+    text = "from tunneller_lib.motion import follow\nfrom tunneller_lib.paths.atlas import blocks"
+    assert set(imported(text, "")) == {
+        ("motion", "follow"),
+        ("paths", "atlas"),
+        ("paths", "blocks"),
+    }
+    assert set(imported("from .job import say", "tunneller_lib")) == {("job", "say")}
+    assert not set(imported("from numpy.linalg import norm\nfrom .sources import ROOT", "report"))
