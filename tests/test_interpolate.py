@@ -317,7 +317,10 @@ def test_more_set_values_than_an_array_may_hold_are_refused():
                  lambda: time_bresenham(0, np.zeros(1000, int), 10**5),
                  lambda: polyline(np.zeros((3, 2000), int), [10_000, 10_000]),
                  lambda: polyline_slopes([[0], [1]], [HIGH])):  # fmt: skip
-        with pytest.raises(ValueError, match=r"^ticks: .* at most 33554432 in all, and `line_tick"):
+        with pytest.raises(
+            ValueError,
+            match=r"^ticks: .* at most 33554432 in all, and `motion.interpolate.line_tick",
+        ):
             call()
     with pytest.raises(
         ValueError, match=r"^ticks: .* and `motion.ramp.rest_to_rest_ticks` yields them"

@@ -116,12 +116,14 @@ def _taylor(half_angle, r):
     """Return the Taylor coefficients of g to order 5 at distances r (...), in m."""
     r = np.asarray(r)
     middle = _middle(half_angle)
-    # The radii at the middle are p r (g'/r)'/4 and its opposite.
+    # With y = g'/r, whose derivative is `_bend`, y is one integral and g, by parts, another. The
+    # factor makes the radii at the middle, p r y'/4 and its opposite, 1 m and -1 m.
     factor = 4 / ((1 + middle**2) * middle * _bend(half_angle, middle))
     first, second = _integrals(half_angle, r)
     y = factor * first  # g'/r
     g = -1 + (r * r * y - factor * second) / 2
-    # From here on by the equation for the root: (g'/r)'' = L (g'/r)'.
+    # From here on by the equation for the root, y'' = L y', and its derivatives. Those of the root
+    # are `slope` and `bend`.
     tau = np.tan(half_angle)
     p = 1 + r * r
     root = double_root(half_angle, r)
@@ -131,6 +133,7 @@ def _taylor(half_angle, r):
     by_p = slope * p - 2 * r * root  # p^2 times the derivative of root/p
     dL = 3 * tau * by_p / p**2 + 2 / r**2
     ddL = 3 * tau * (p * (bend * p - 2 * root) - 4 * r * by_p) / p**3 - 4 / r**3
+    # y's derivatives, each from the one before; then g's from g' = r y, over the factorials.
     y1 = factor * _bend(half_angle, r)
     y2 = L * y1
     y3 = (dL + L * L) * y1

@@ -118,15 +118,19 @@ def _sizes(kind, f, off, runs, sharp):
     every : (n,) bool
         Whether each size of a range is.
     """
+    # By how much second and third derivatives along any direction may be off.
     two, three = (frobenius(off, k)[:, None] for k in (2, 3))
+    # The radius of a ball or cylinder that touches along e is f_ee/2, see `two_conditions`.
     values = principal_values(f) / 2
     exact = np.broadcast_to(two, values.shape)
+    # A pipe's ball touches along a whole circle, across which f_ee is a principal value.
     if kind == "pipe":
         certain = np.ones(len(values), dtype=bool)
         own = principal(f)[2][:, None] + [0.0, np.pi / 2]
         steady = steadiness(kind, runs, own, sharp)
         values[steady.changes] = np.nan
         return values, exact, steady.stays, certain, ~certain
+    # A cylinder's direction is a zero of f_eee, at most three at a point; f_ee there is its size.
     if kind == "cylinder":
         angle, spread, _ = zeros(lambda a: derivative_along(f, a, 3), 3, three[:, 0])
         rate = np.abs(derivative_along(f, angle, 1, 1)) + frobenius(f, 2)[:, None] * spread
@@ -138,6 +142,8 @@ def _sizes(kind, f, off, runs, sharp):
         values = np.hstack([found, values])
         stays = np.hstack([steady.stays, np.zeros(exact.shape, dtype=bool)])
         return values, np.hstack([two + 2 * rate * spread, exact]), stays, ~every, every
+    # For a cone both conditions hold the half-angle. Without it they are one form, of degree 8 in
+    # the direction and the same for its opposite: hence `b / 2`. Each zero has its own half-angle.
     slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)
     angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
     angle, spread = angle / 2, spread / 2

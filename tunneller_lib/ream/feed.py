@@ -248,10 +248,11 @@ class Limits:
         if self.ground is not None:
             greatest = (1 + self.ground.ripple) * self.ground.force(groove)  # at a feed of 1 m/s
             torques = greatest[:, None] * (pushed[1:] + pushed[:-1]) / 2
-        drawn = 0.0
+        drawn = 0.0  # oil, in m^3 for each metre of the move
         for axis, rate, angle, torque in zip(self.axes, rates.T, middle.T, torques.T, strict=True):
-            (filled, _, _), (emptied, _, _) = axis.sides(angle)
-            drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
+            # The pump fills one side of a cylinder in forward motion, the other in backward motion.
+            (forward, _, _), (backward, _, _) = axis.sides(angle)
+            drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
             if self.valve < np.inf:
                 bound = np.minimum(bound, axis.loaded(angle, rate, torque, self.valve))
         with np.errstate(divide="ignore", over="ignore"):

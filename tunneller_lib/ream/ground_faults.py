@@ -299,7 +299,8 @@ def _answers(plan, plant, loop, ground, arm, torque):
     along = levers(plan.circuit.machine.torus, at)
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
-    # Of torque_i by the rate of the joint j.
+    # The ground resists along the heading and pushes out of the wall by its share `normal`, each as
+    # the damper times the cutter's speed: entry (i, j) is the torque on joint i by the swing of j.
     out = ground.normal * gradient(plan.circuit, middle, at)
     matrix = out[:, :, None] * (_heading(along * rates) * along)[:, None, :]
     matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))
@@ -308,13 +309,18 @@ def _answers(plan, plant, loop, ground, arm, torque):
         angle = at[:, i]
         rate = rates[:, i]
         forward, backward = axis.sides(angle)
+        # The side that is filled has the displacement D, the emptied one rho D.
         D, rho, load = np.where(rate > 0, forward, backward)
         sign = np.where(rate > 0, 1.0, -1.0)
         resisted = load + sign * (axis.damping * rate + torque[:, i])
+        # What the load leaves of the supply is lost at both lands of the spool, as the squares of
+        # their flows: rho^2 as much at the emptied side, whose area makes it rho times that again.
         drive = axis.supply - rho * axis.tank - resisted / D
         lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
+        # How far the spool is open for the planned motion, and how far it opens for each rad/s more.
         opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
-        opening = D / (axis.flow * np.sqrt(lost))  # of the spool, for a rate
+        opening = D / (axis.flow * np.sqrt(lost))
+        # The loop sees the swing late, and the spool lags behind the loop.
         late = s * control.tick * (control.delay + 0.5)
         steered = control.gain * opening * np.exp(-late) / (1 + s * axis.valve_lag)
         volumes = axis.linkage.volumes(angle, axis.low, axis.high)

@@ -84,13 +84,18 @@ def fastest(lengths, places):
     ]
     top[0] = top[-1] = 0.0
     limit = places.acceleration * places.acceleration
-    steps = (2 * lengths).tolist()
+    steps = (2 * lengths).tolist()  # dx = 2 a dl: a move changes x by step times a
+    # Backwards: the greatest x from which braking as hard as allowed still gets down to `goal`, the
+    # greatest x at the move's end. The cutter's limit is the ellipse
+    # g11 a^2 + 2 g12 a x + g22 x^2 = limit, a joint's are the lines |a + d x| = c.
     for i in range(len(steps) - 1, -1, -1):
         step = steps[i]
         goal = top[i + 1]
         best = top[i]
         g11, g12, g22 = (part[i] for part in products)
-        # Where the line x + step a = goal leaves the ellipse, on its side of least a.
+        # Where the line x + step a = goal leaves the ellipse: the greater root of
+        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone, below
+        # the middle a = -g12 x / g11 of the chord at x: above it harder braking is allowed still.
         p = g11 - 2 * step * g12 + step * step * g22
         h = goal * (step * g12 - g11)
         under = h * h - p * (g11 * goal * goal - step * step * limit)
@@ -98,11 +103,14 @@ def fastest(lengths, places):
             x = (sqrt(under) - h) / p if under < inf else inf
             if x < best and (goal - x) * g11 <= -g12 * x * step:
                 best = x
+        # With a = -c - d x the goal is met at x (1 - step d) = goal + step c.
         for line in lines:
             c, d = line[i]
             if 1 - step * d > 0:
                 best = min(best, (goal + step * c) / (1 - step * d))
         top[i] = best
+    # Forwards from rest: the most that ellipse and lines let x grow, but not above what the first
+    # pass allows. Where they leave no growth at all the feed falls, at worst to rest.
     square = [0.0]
     for i, step in enumerate(steps):
         x = square[-1]

@@ -55,6 +55,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         reached[:] = False
         for slot in range(len(low)):
             _reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
+        # The moves are met from the first to the last line of the row that is reached, no farther.
         begin = 0
         while begin < width and not reached[begin]:
             begin += 1
@@ -69,6 +70,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         for j in range(begin, end):
             if not reached[j]:
                 continue
+            # The union of the moves' intervals, which is one interval unless some are apart.
             first = np.inf
             last = -np.inf
             for k in range(len(firsts)):
@@ -152,6 +154,8 @@ def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, 
             last = leave[line]
             begins = low[slot, i, j]
             ends = high[slot, i, j]
+            # An empty slot, a cut that misses, or nothing in common. So is the piece that an earlier
+            # slot has put here: it begins where the cut ends, and isn't cut again.
             if not (last > begins and first < ends and first < last and begins < ends):
                 continue
             taken[slot, count] = measured(greater(begins, first), lesser(ends, last), cell, rays)
@@ -163,6 +167,7 @@ def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, 
                 low[slot, i, j] = last
             else:
                 low[slot, i, j] = ends
+            # Both are left: what is behind the cut goes to the line's first free slot.
             if first > begins and last < ends:
                 free = 0
                 while free < len(low) and high[free, i, j] > low[free, i, j]:
