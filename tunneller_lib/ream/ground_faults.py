@@ -317,7 +317,7 @@ def _answers(plan, plant, loop, ground, arm, torque):
         # their flows: rho^2 as much at the emptied side, whose area makes it rho times that again.
         drive = axis.supply - rho * axis.tank - resisted / D
         lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
-        # How far the spool is open for the planned motion, and how far it opens for each rad/s more.
+        # How far the planned motion opens the spool, and how far each rad/s more would.
         opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
         opening = D / (axis.flow * np.sqrt(lost))
         # The loop sees the swing late, and the spool lags behind the loop.

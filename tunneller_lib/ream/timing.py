@@ -94,8 +94,8 @@ def fastest(lengths, places):
         best = top[i]
         g11, g12, g22 = (part[i] for part in products)
         # Where the line x + step a = goal leaves the ellipse: the greater root of
-        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone, below
-        # the middle a = -g12 x / g11 of the chord at x: above it harder braking is allowed still.
+        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone,
+        # below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
         p = g11 - 2 * step * g12 + step * step * g22
         h = goal * (step * g12 - g11)
         under = h * h - p * (g11 * goal * goal - step * step * limit)

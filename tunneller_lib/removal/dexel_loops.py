@@ -154,8 +154,8 @@ def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, 
             last = leave[line]
             begins = low[slot, i, j]
             ends = high[slot, i, j]
-            # An empty slot, a cut that misses, or nothing in common. So is the piece that an earlier
-            # slot has put here: it begins where the cut ends, and isn't cut again.
+            # An empty slot, a cut that misses, or nothing in common: as with a piece that an earlier
+            # slot has just put here, which begins where the cut ends.
             if not (last > begins and first < ends and first < last and begins < ends):
                 continue
             taken[slot, count] = measured(greater(begins, first), lesser(ends, last), cell, rays)
