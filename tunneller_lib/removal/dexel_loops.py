@@ -154,7 +154,7 @@ def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, 
             last = leave[line]
             begins = low[slot, i, j]
             ends = high[slot, i, j]
-            # An empty slot, a cut that misses, or nothing in common: as with a piece that an earlier
+            # An empty slot, a cut that misses, or nothing in common: as for a piece that an earlier
             # slot has just put here, which begins where the cut ends.
             if not (last > begins and first < ends and first < last and begins < ends):
                 continue
