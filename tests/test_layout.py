@@ -136,6 +136,17 @@ def test_classes_of_fields_document_each_of_them(path):
             assert section is not None, f"{name} has no section Parameters"
 
 
+@every_module
+def test_tuples_with_names_document_each_of_them(path):
+    """But for those that hold a documented class "as plain numbers", for loops to be compiled."""
+    for name, node in public(ast.parse(path.read_text())):
+        if isinstance(node, ast.ClassDef) and "NamedTuple" in map(ast.unparse, node.bases):
+            text = ast.get_docstring(node)
+            fields = [] if "plain numbers" in text else signature(node)
+            left = [one for one in fields if not re.search(rf"\b{one}\b", text)]
+            assert not left, f"{name} doesn't document {left}"
+
+
 def child(code):
     return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
                           capture_output=True).stdout  # fmt: skip

@@ -33,12 +33,23 @@ class Push(NamedTuple):
 
     It resists positive motion of the joint i, at the rate w_i, by the torque torque_i +
     damper (lever_i^2 w_i + v across_i), with the cutter's speed v = |(lever_i w_i)|.
+
+    Parameters
+    ----------
+    torque : (..., 2) float
+        Whatever the rates, in N m.
+    damper : (...) float
+        The force against the motion over the speed, in N s/m.
+    lever : (..., 2) float
+        The cutter's way by a radian of each joint, in m.
+    across : (..., 2) float
+        Levers of the share that pushes outwards, in m.
     """
 
-    torque: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) N m, whatever the rates
-    damper: float | np.ndarray = 0.0  # (...) N s/m, the force against the motion over the speed
-    lever: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) m, the cutter's way by a radian of each joint
-    across: tuple | np.ndarray = (0.0, 0.0)  # (..., 2) m, levers of the share that pushes outwards
+    torque: tuple | np.ndarray = (0.0, 0.0)
+    damper: float | np.ndarray = 0.0
+    lever: tuple | np.ndarray = (0.0, 0.0)
+    across: tuple | np.ndarray = (0.0, 0.0)
 
     @property
     def rows(self):

@@ -40,7 +40,7 @@ Angles = Annotated[ArrayLike, Rule("(n,) float", _logged, "rad")]
 
 
 class Estimate(NamedTuple):
-    """A number that was identified, and its standard error, in the same unit."""
+    """A number that was identified: its `value` and its standard `error`, in the same unit."""
 
     value: float
     error: float

@@ -168,14 +168,28 @@ class Compressible:
 
 
 class OilTicks(NamedTuple):
-    """An axis with oil, its stroke, and the steps by which its ticks are integrated."""
+    """An axis with oil, its stroke, and the steps by which its ticks are integrated.
+
+    Parameters
+    ----------
+    low, high : float
+        Joint angles at the ends of the stroke, in rad.
+    axis : Axis
+        Its cylinders, load, oil and valve.
+    parts : int
+        Steps of a tick.
+    h : float
+        Of a step, in s.
+    fall : float
+        Share of the spool's way that is left after half a step.
+    """
 
     low: float
     high: float
     axis: Axis
     parts: int
-    h: float  # s, of a step
-    fall: float = 0.0  # share of the spool's way that is left after half a step
+    h: float
+    fall: float = 0.0
 
 
 def rigid_tick(plant, state, u):

@@ -15,14 +15,22 @@ from .quantities import ComplexFrequencies, Quantity, Tick
 
 
 class LinearTicks(NamedTuple):
-    """A linear plant from tick to tick: each row of `rows` makes one number of the next state.
+    """A linear plant from tick to tick.
 
-    Each row is multiplied by the state and, last, the command. Such plants have no stroke.
+    Parameters
+    ----------
+    low, high : float
+        Infinite: such plants have no stroke.
+    steady : float
+        Speed for the full command 1, in rad/s.
+    rows : tuple
+        A row makes one number of the next state: the sum of its products with the numbers of the
+        state and, last, the command.
     """
 
     low: float
     high: float
-    steady: float  # rad/s for the full command 1
+    steady: float
     rows: tuple
 
 

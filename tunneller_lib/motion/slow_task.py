@@ -92,7 +92,13 @@ PROGRAM = [
 
 
 class Operations(NamedTuple):
-    """How many operations a program takes: sums and products, quotients, functions."""
+    """How many operations a program takes.
+
+    Parameters
+    ----------
+    simple, divisions, functions : int
+        Sums and products; quotients; roots, sines and the like.
+    """
 
     simple: int
     divisions: int

@@ -53,7 +53,15 @@ Tasks = Annotated[list, Rule("list of Task", _tasks)]
 
 
 class Slice(NamedTuple):
-    """A stretch of time in which one task has the processor."""
+    """A stretch of time in which one task has the processor.
+
+    Parameters
+    ----------
+    name : str
+        The task's.
+    start, stop : int
+        In the unit of the tasks' periods.
+    """
 
     name: str
     start: int
@@ -61,7 +69,15 @@ class Slice(NamedTuple):
 
 
 class Release(NamedTuple):
-    """One release of a task: when it was, and when the work was done."""
+    """One release of a task.
+
+    Parameters
+    ----------
+    name : str
+        The task's.
+    released, done : int
+        When it was, and when the work was done, in the unit of the tasks' periods.
+    """
 
     name: str
     released: int
@@ -69,7 +85,15 @@ class Release(NamedTuple):
 
 
 class HandOver(NamedTuple):
-    """When each segment was ready, needed and started; ticks that were held for want of it."""
+    """What became of each segment: tuples with one entry a segment.
+
+    Parameters
+    ----------
+    ready, needed, started : tuple of int
+        When it was, in the unit of the tasks' periods.
+    starved : tuple of int
+        Ticks on which the last set-value was held for want of it.
+    """
 
     ready: tuple
     needed: tuple

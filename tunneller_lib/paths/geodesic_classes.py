@@ -159,7 +159,6 @@ def second(torus, a, b, u, sense=1):
     rates = _rows(-2 * R * dk2, -dk2, dk2, 0)
     cos_a = x * np.sqrt(2 * R * (rho_a + c)) / rho_a
     cos_b = W * np.sqrt(2 * R * (rho_b + c)) / rho_b
-    # Each leg has the next one as its `onward`, so that the last is made first.
     way = None
     for start, speed in (
         (np.where(over, last, np.pi / 2), np.where(over, dlast, 0)),

@@ -20,7 +20,11 @@ _leggauss = cache(legendre.leggauss)  # an eigenvalue problem each time
 
 
 class Root(NamedTuple):
-    """Turned angle, length, Clairaut's constant and the cosines of the azimuths at a and b."""
+    """Geodesics of a class, (n,) each.
+
+    `turned` is the turned angle in rad, `length` in m, `c` Clairaut's constant in m; `cos_a` and
+    `cos_b` are the cosines of the azimuths at a and b.
+    """
 
     turned: np.ndarray
     length: np.ndarray

@@ -19,7 +19,19 @@ PLACES = 41  # of the circuit, at which oil and loop are looked at
 
 
 class Margin(NamedTuple):
-    """What a machine has of something, and what a cut needs of it."""
+    """What a machine has of something, and what a cut needs of it.
+
+    Parameters
+    ----------
+    what : str
+        Of what.
+    has, needs : float
+        How much of it.
+    unit : str
+        Of both.
+    remedy : str
+        The end of a sentence: what would do where it has too little.
+    """
 
     what: str
     has: float
@@ -60,6 +72,8 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     """
     at = circuit.position(np.linspace(0, circuit.profile.perimeter, PLACES))
     found = []
+    # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
+    # the gain needs at least the resonance Kv/(2 zeta), which the second row says in Hz.
     for joint, name in enumerate(JOINTS):
         one, control = plant[joint], loop[joint]
         axis = one.axis
@@ -133,9 +147,10 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
     found += gain_margins(circuit, plant, loop)
     drawn = 0.0
     for joint, one in enumerate(plant):
-        filled, emptied = one.axis.linkage.displacements(at[:, joint])
+        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
+        forward, backward = one.axis.linkage.displacements(at[:, joint])
         rate = slopes[:, joint] * feed
-        drawn = drawn + np.abs(rate) * np.where(rate > 0, filled, emptied)
+        drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
     oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
     found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
     for one, name in zip(plant, ("lift", "swing"), strict=True):
@@ -163,6 +178,7 @@ def _torques(axis, angle, torque):
     """Return the oil's torque and the load, in N m, where least of it is left beside the weight."""
     has = np.full(angle.shape, np.inf)
     for sign, (D, rho, load) in zip((1, -1), axis.sides(angle), strict=True):
+        # At rest the full supply is on the filled side, the tank's pressure on the emptied one.
         can = D * (axis.supply - rho * axis.tank) - load
         has = np.where(sign * torque > 0, can, has)
     with np.errstate(divide="ignore", invalid="ignore"):

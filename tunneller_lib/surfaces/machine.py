@@ -13,7 +13,19 @@ from .torus import Torus
 
 
 class Requirement(NamedTuple):
-    """One inequality, left < right or left <= right, that a machine must meet; in m."""
+    """One inequality that a machine must meet.
+
+    Parameters
+    ----------
+    what : str
+        Of what, in letters.
+    left : float
+        Its smaller side, in m.
+    strict : bool
+        Whether left < right is asked for, or left <= right.
+    right : float
+        Its greater side, in m.
+    """
 
     what: str
     left: float

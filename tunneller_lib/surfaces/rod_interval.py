@@ -27,7 +27,7 @@ class Frame(NamedTuple):
 
     `start` is the end that the lines pass first and the origin, and `turned` tells that it's the
     second; `flat`, `across` and `along` are f, its perpendicular and z of the document, which has
-    d for `run` and vz for `rise`.
+    d for `run` and vz for `rise`. `length` is that of the axis, `speed` that of the direction.
     """
 
     start: tuple
