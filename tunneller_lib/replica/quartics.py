@@ -44,6 +44,8 @@ def line_quartic(torus: Torus, a: Points, b: Points):
     _check_reach(torus, a, b)
     a, b = np.broadcast_arrays(a, b)
     u = b - a
+    # With p = a + t u, |p|^2 - r^2 - R^2 is t4 t^2 + 2 t3 t + t2, and Eq. 4 says that its square
+    # is 4 r^2 (R^2 - y^2).
     t4 = dot(u, u)
     t3 = dot(a, u)
     t2 = dot(a, a) - torus.r**2 - torus.R**2

@@ -24,6 +24,7 @@ def _whole_rows(rows):
     """
     mantissa, exponent = np.frexp(rows)
     units = np.ldexp(mantissa, 53).astype(np.int64)
+    # A zero has no exponent of its own, and must not be the least.
     least = np.where(units != 0, exponent, 2000).min(axis=-1, keepdims=True)
     up = np.where(units != 0, exponent - least, 0)
     numbers = [
@@ -43,6 +44,7 @@ def _from(a, b):
 
 def _in_wall(vv, uv, qv, uu, qu, qq, radius2):
     """Return the interval in the endless cylinder: ends as fractions (above, below), or None."""
+    # |q + t u|^2 less its square along v, at most radius^2; times vv, so that nothing is divided.
     A = uu * vv - uv * uv
     B = qu * vv - qv * uv
     C = qq * vv - qv * qv - radius2 * vv
@@ -51,11 +53,13 @@ def _in_wall(vv, uv, qv, uu, qu, qq, radius2):
 
 def _quadratic(A, B, C):
     """Return where A t^2 + 2 B t + C <= 0, A >= 0, as two fractions (above, below), or None."""
+    # The line is parallel to the axis: all of it is inside, or none.
     if A == 0:
         return ((-1, 0), (1, 0)) if C <= 0 else None
     D = B * B - A * C
     if D < 0:
         return None
+    # The root in more bits than any answer has, rounded up: the interval is never too short.
     root = isqrt(D << 2 * ROOT_BITS) + 1 if D else 0
     B <<= ROOT_BITS
     A <<= ROOT_BITS
@@ -95,6 +99,7 @@ def _flat(a, b, radius, margin, p, u):
     wall = _in_wall(vv, uv, qv, _dot(u, u), _dot(q, u), _dot(q, q), wide * wide)
     # A length of the axis that is right to 1e-18 moves the planes by the margin.
     more = margin * isqrt(vv << 128) // 2**64
+    # Between the discs' planes 0 <= (q + t u) v <= vv, each moved by the margin.
     low = -more - qv
     high = vv + more - qv
     if uv == 0:
@@ -115,6 +120,7 @@ def _round(a, b, radius, margin, p, u):
     parts = [part for part in parts if part is not None]
     if not parts:
         return None
+    # The capsule is convex: its interval is the hull of its parts'.
     low, high = parts[0]
     for part in parts[1:]:
         low = part[0] if _less(part[0], low) else low
