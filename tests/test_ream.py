@@ -548,6 +548,12 @@ def test_moves_from_rest_to_rest_keep_speed_acceleration_and_jerk():
             assert np.abs(np.diff(still, n=order)).max() / tick**order <= limit * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("tick", [60.0, 1e12])
+def test_a_tick_longer_than_the_lap_is_refused(tick):
+    with pytest.raises(ValueError, match=r"^step: must be at least the 2\.92\d m of a tick at"):
+        plan(CIRCUIT, Limits(feed=0.5, acceleration=0.5), tolerance=0.02, tick=tick)
+
+
 @pytest.mark.parametrize(("more", "ticks"), [(0.0, 100), (1e-13, 100), (1e-10, 101)])
 def test_a_move_lasts_a_tick_more_where_its_speed_would_be_above_the_limit(more, ticks):
     speed = 1 / (100 * (1 + more))  # m/s, over 1 m with ticks of a second

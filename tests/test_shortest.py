@@ -82,6 +82,11 @@ def test_half_swing_refuses_what_does_not_swing(clairaut):
         half_swing(RING, clairaut)
 
 
+def test_half_swing_of_nothing_is_nothing():
+    turned, length = half_swing(RING, np.zeros((2, 0)))
+    assert turned.shape == length.shape == (2, 0)
+
+
 # Step 3: each turned angle belongs to one first arrival.
 
 

@@ -204,7 +204,7 @@ def _rule():
 def _tabulate(orbit):
     nodes, integral = _rule()
     reach = np.arcsinh(np.pi / 2 / orbit.width)
-    panels = int(np.ceil(np.max(reach) / PANEL))
+    panels = int(np.ceil(np.max(reach, initial=PANEL) / PANEL))  # one at least, also of none
     step = reach / panels
     y = step * (np.arange(panels)[:, None] + (1 + nodes) / 2).ravel()
     rates = np.stack(orbit.rates(orbit.width * np.sinh(y)))

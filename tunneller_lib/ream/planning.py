@@ -360,7 +360,7 @@ def _loads(way, circuit, limits, advance, length):
 
 def _sampled(length, speed, moment, tick):
     """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
-    time = tick * np.arange(np.ceil(moment[-1] / tick - 1e-9) + 1)
+    time = tick * np.arange(max(np.ceil(moment[-1] / tick - 1e-9), 1.0) + 1)
     i = np.clip(np.searchsorted(moment, time, side="right") - 1, 0, len(moment) - 2)
     # Of constant acceleration between two places. The feed may be that of a slower run.
     share = np.minimum((time - moment[i]) / (moment[i + 1] - moment[i]), 1.0)

@@ -73,10 +73,11 @@ def draw_planes_along_line(
     line : float
         Which line, in rad; the four squares stand on it from t = 0.1 to t = 1.2.
     """
+    four = np.linspace(0.1, 1.2, 4)
+    frames = frames_along(surface, line, four)  # which looks at what the surface returns
     x, y, _ = surface(*np.meshgrid(np.linspace(0, 2 * np.pi, 33), [0.1, 1.2]))
     above.plot(x, y, color=COLOURS["torus"], lw=0.8)
-    four = np.linspace(0.1, 1.2, 4)
-    x, y, _ = frames_along(surface, line, four).contact.T
+    x, y, _ = frames.contact.T
     above.plot(x, y, "s-", color=COLOURS["tangent sphere"], mfc=COLOURS["plane"], mec="none")
     above.set(title="from above", xlim=(-1.7, 1.7), ylim=(-1.7, 1.7))
     equal(above, "x / m", "y / m")
@@ -183,7 +184,8 @@ def draw_gap_map(ax: Axes, e: Map, w: Map, gap: Map, edge: Positive, limit: Posi
     """
     check_same_shape(e=e, w=w, gap=gap)
     steps = limit * np.linspace(-1, 1, 21)
-    shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
+    with np.errstate(over="ignore"):  # a gap may be any number of limits
+        shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
     shades.set_rasterized(True)  # flat shades: less than lines
     ax.contour(e, w, gap, [0.0], colors="k", linewidths=0.6, linestyles="--")
     ax.plot(0, 0, ".", color=COLOURS["chord"])
