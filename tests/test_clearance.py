@@ -191,6 +191,15 @@ def test_clearance_of_the_machines_parts_is_the_least_of_their_points(stance, po
     assert parts["arm"].least == pytest.approx(min(depth.values()) - 0.1, abs=1e-12)
 
 
+def test_a_part_is_nearest_to_the_wall_at_its_place():
+    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
+    pose = Pose(y=2e-3, z=-1e-3)
+    arm = part_clearances(circuit, 0.1, pose=pose)[0]
+    ends = (end + [0, pose.y, pose.z] for end in circuit.arm(circuit.position(arm.place)))
+    assert arm.place > 0.1
+    assert rod_clearance(EGG, *ends, 0.1) == pytest.approx(arm.least, abs=1e-12)
+
+
 def test_machine_without_a_body_has_an_arm_and_a_cutter():
     circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
     arm, cutter = part_clearances(circuit, 0.1)
