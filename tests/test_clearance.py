@@ -195,7 +195,8 @@ def test_a_part_is_nearest_to_the_wall_at_its_place():
     circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
     pose = Pose(y=2e-3, z=-1e-3)
     arm = part_clearances(circuit, 0.1, pose=pose)[0]
-    ends = (end + [0, pose.y, pose.z] for end in circuit.arm(circuit.position(arm.place)))
+    shift = np.array([0, pose.y, pose.z])
+    ends = (end + shift for end in circuit.arm(circuit.position(arm.place)))
     assert arm.place > 0.1
     assert rod_clearance(EGG, *ends, 0.1) == pytest.approx(arm.least, abs=1e-12)
 

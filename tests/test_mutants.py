@@ -12,8 +12,8 @@ from tests.mutants import REASONS, TABLE, Mutant, Verdict
 
 READS = ["tests/mutants.*"]
 
-ROOMS = {"envelopes", "job", "motion", "paths", "ream", "removal", "replica", "reporting",
-         "surfaces"}  # fmt: skip
+ROOMS = {"envelopes", "job", "milling", "motion", "paths", "ream", "removal", "replica",
+         "reporting", "surfaces"}  # fmt: skip
 HEAD, ROWS = mutants.read_table(TABLE.read_text(encoding="utf-8"))
 
 
