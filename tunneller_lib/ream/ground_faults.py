@@ -299,8 +299,8 @@ def _answers(plan, plant, loop, ground, arm, torque):
     along = levers(plan.circuit.machine.torus, at)
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
-    # The ground resists along the heading and pushes out of the wall by its share `normal`, each as
-    # the damper times the cutter's speed: entry (i, j) is the torque on joint i by the swing of j.
+    # The ground resists the swing itself, by the levers squared; what the swing of j adds to the
+    # speed along the heading also pushes joint i out of the wall, by the ground's share `normal`.
     out = ground.normal * gradient(plan.circuit, middle, at)
     matrix = out[:, :, None] * (_heading(along * rates) * along)[:, None, :]
     matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))
