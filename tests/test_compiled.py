@@ -14,9 +14,11 @@ import pytest
 from tests.hard_lines import FAMILIES, KINDS
 from tests.test_exact_kernel import shape_of
 from tunneller_lib import compiled
-from tunneller_lib.envelopes import Cones, Jet, hyperosculate, hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
+from tunneller_lib.envelopes.hyperosculate import Cones
+from tunneller_lib.envelopes.jet import Jet
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import lift_inertia, weights

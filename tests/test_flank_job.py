@@ -10,8 +10,8 @@ import pytest
 
 from tunneller_lib.__main__ import main
 from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.job import read_flank
 from tunneller_lib.job.csv_tables import read_csv
+from tunneller_lib.job.flank import read_flank
 from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl
 from tunneller_lib.milling import fit_nurbs, sweep_error
 

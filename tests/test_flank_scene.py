@@ -8,7 +8,7 @@ import pytest
 import pyvista
 
 from tunneller_lib.__main__ import main
-from tunneller_lib.job import read_flank
+from tunneller_lib.job.flank import read_flank
 from tunneller_lib.milling import sweep_error
 from tunneller_lib.reporting import flank_scene
 

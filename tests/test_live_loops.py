@@ -10,21 +10,11 @@ import pytest
 
 from report.live.javascript import Untranslated, script
 from tunneller_lib.compiled import call_plain, cosine
-from tunneller_lib.motion import (
-    Compressible,
-    Integrator,
-    Lag,
-    Loop,
-    Push,
-    Resonance,
-    Rigid,
-    ValveResonance,
-    arm_of,
-    axes_of,
-    usual_sizes,
-)
+from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid
 from tunneller_lib.motion.both_joints import machine_of, parts_in
 from tunneller_lib.motion.hydraulics import spool_at
+from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.motion.ticks import _functions, control_of, run_axis, run_joints
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 

@@ -8,7 +8,6 @@ import pytest
 from tunneller_lib.milling import (
     BallMill,
     ConicalMill,
-    Coverage,
     Patch,
     cover,
     find_positions,
@@ -19,6 +18,7 @@ from tunneller_lib.milling import (
     trace_chains,
 )
 from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.coverage import Coverage
 from tunneller_lib.milling.tools import seen_from
 
 MM = 1e-3

@@ -309,7 +309,8 @@ def run_flank(options):
     """Find positions of a mill, chain them, and write them and what they leave."""
     from .job import say
     from .job.atomic_write import check_writable
-    from .job.flank import flank_text, read_flank, summarise_flank, write_flank
+    from .job.flank import read_flank
+    from .job.flank_files import flank_text, summarise_flank, write_flank
 
     if options.scene:
         import_module("trame")  # else first asked for when the page is written, after all else

@@ -5,14 +5,11 @@ core in C, to the same bits, as a bound: bounds/hyperosculate.c, without fast-ma
 """
 
 import ctypes
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
-from tests.bench.test_bench_dexel import FLAGS
 from tunneller_lib import compiled
 from tunneller_lib.elementwise import NUMBERS
 from tunneller_lib.envelopes import (
@@ -64,11 +61,8 @@ def test_points_per_second(benchmark, say, way, count, model):
     say(f"{about}, us a point", 1e6 * best / count)
 
 
-def test_compiled_core_against_c(benchmark, say, tmp_path, way):
-    library = tmp_path / "hyperosculate.so"
-    source = Path(__file__).parent / "bounds/hyperosculate.c"
-    subprocess.run(["gcc", *FLAGS, source, "-o", library, "-lm"], check=True)
-    function = ctypes.CDLL(str(library)).fill_cones
+def test_compiled_core_against_c(benchmark, say, note, bound_in_c, way):
+    function = bound_in_c("hyperosculate").fill_cones
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     function.argtypes = [array, ctypes.c_long, ctypes.c_double, array, array, array]
     function.restype = None
@@ -94,6 +88,10 @@ def test_compiled_core_against_c(benchmark, say, tmp_path, way):
     np.testing.assert_array_equal(mine, theirs)
     say(f"cones of {len(S)} points by their forms, {way}, us a point", 1e6 * best / len(S))
     say(f"cones by their forms, {way}, time over that of C, the same bits", best / limit)
+    note(
+        f"cones at a point, its forms known, {way}", "point", len(S), best / len(S),
+        bound_s=limit / len(S), criterion="the same bits",
+    )  # fmt: skip
 
 
 def test_time_is_linear_in_points(benchmark, say):

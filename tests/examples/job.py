@@ -12,6 +12,9 @@ from tunneller_lib.job.flank_files import summarise_flank
 from tunneller_lib.job.logged import identify_log
 from tunneller_lib.job.reader import Job
 from tunneller_lib.job.results import summarise
+from tunneller_lib.milling.coverage import Coverage
+from tunneller_lib.milling.positions import Positions
+from tunneller_lib.milling.tour import Tour
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.ream.planning import Plan
@@ -91,7 +94,10 @@ INSTANCES = {
     Path: _NEW,
     Plan: _job.planned,
     Program: program(_job.planned, _job),
+    Positions: _solved.found,
     Section: Egg(0.5),
+    Coverage: _solved.covered,
+    Tour: _solved.tour,
 }
 
 _results = {
@@ -112,6 +118,7 @@ CALLS = {
     "logged.identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
+    "flank_files.cl_text": {"tour": _solved.tour},
     "flank_files.flank_text": {"numbers": summarise_flank(**_flanked)},
     "mesh.ply": {"mesh": _MESH, "name": "left"},
     "mesh.read_stl": {"content": mesh.stl(_MESH)},
@@ -121,10 +128,10 @@ CALLS = {
     "flank.read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},
     "say": {"text": "done"},
-    "flank.summarise_flank": _flanked,
+    "flank_files.summarise_flank": _flanked,
     "results.summarise": {"job": _job, "cut": _cut},
     "results.summary_text": {"numbers": _results["numbers"]},
     "results.write_all": _results,
-    "flank.write_flank": _flanked
+    "flank_files.write_flank": _flanked
     | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None},
 }

@@ -14,6 +14,7 @@ __all__ = [
     "csv_tables",
     "drawing",
     "flank",
+    "flank_files",
     "logged",
     "mesh",
     "read_job",

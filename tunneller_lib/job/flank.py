@@ -4,7 +4,6 @@ Metres and radians, or degrees in names that end in ``_deg``, as in a job for `c
 knots may be in millimetres, if its ``unit`` says so.
 """
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +25,7 @@ from ..milling import (
 from ..milling.coverage import Coverage
 from ..milling.five_axes import LIMITS
 from ..milling.nurbs import Nurbs
-from ..milling.positions import Positions
+from ..milling.positions import Positions, counted_states, reasons_of
 from ..milling.scallops import Scallops
 from ..milling.tour import Tour
 from .measured_patch import patch_through
@@ -47,7 +46,6 @@ MACHINE = dict(pivot_x="m", pivot_y="m", pivot_z="m", up_x="1", up_y="1", up_z="
                x_min="m", x_max="m", y_min="m", y_max="m", z_min="m", z_max="m", tilt_min="rad",
                tilt_max="rad", turn_min="rad", turn_max="rad", most_turn="rad",
                clearance="m")  # fmt: skip
-STATES = {"convex": "convex (K > 0)", "spherical": "umbilic (both curvatures alike)"}
 
 
 @dataclass(frozen=True)
@@ -295,18 +293,8 @@ def _numbers(name, value):
 def _check_saddle(state):
     """Raise ValueError where no point of a patch is one at which a cone could keep off it."""
     if not np.any(state == "regular"):
-        what = counted_states(Counter(state.ravel().tolist()))
+        what = counted_states(state)
         raise ValueError(
             "[surface] is nowhere a regular saddle (K < 0), so that a cone in third-order contact "
             f"gouges or there is none; of {state.size} points are {what}."
         )
-
-
-def counted_states(counts):
-    """Return how many points are what, by a dict of counts, as words."""
-    return ", ".join(f"{count} {STATES.get(name, name)}" for name, count in counts.items())
-
-
-def reasons_of(found):
-    """Return how many of some `Positions` there are by their reasons, the most first, as a dict."""
-    return dict(Counter(found.reason.tolist()).most_common())

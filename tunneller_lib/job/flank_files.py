@@ -8,11 +8,12 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Rule, checked, shown
-from ..milling import Coverage, Positions, Tour
+from ..milling.coverage import Coverage
 from ..milling.nurbs import MOST_DEGREE
-from ..milling.tour import TRAVERSE
+from ..milling.positions import Positions, counted_states, reasons_of
+from ..milling.tour import TRAVERSE, Tour
 from .atomic_write import write
-from .flank import FlankJob, FlankResult, counted_states, reasons_of
+from .flank import FlankJob, FlankResult
 from .mesh import Mesh, ply, stl, vertex_normals, vtp
 
 TOLERANCES = 10e-6, 50e-6, 100e-6  # m, within which shares of the patch are said
@@ -40,13 +41,12 @@ def summarise_flank(job: FlankJob, result: FlankResult):
         ``warnings``.
     """
     found, covered = result.found, result.covered
-    state = Counter(found.state.ravel().tolist())
     warnings = []
-    if set(state) - {"regular"}:
-        del state["regular"]
+    unfit = found.state[found.state != "regular"]
+    if unfit.size:
         warnings.append(
             f"no mill can fit where the surface is no regular saddle: of {found.state.size} points "
-            f"are {counted_states(state)}."
+            f"are {counted_states(unfit)}."
         )
     surface = job.surface
     if surface["kind"] == "nurbs":

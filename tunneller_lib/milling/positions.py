@@ -1,5 +1,6 @@
 """Positions of a conical mill in third-order contact with a patch, and why others are refused."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ ENTERS = "enters the surface elsewhere"
 HOLDER = "holder enters the surface"
 OTHERS = "enters a neighbour"
 BEYOND = "beyond the machine's axes"
+
+_STATES = {"convex": "convex (K > 0)", "spherical": "umbilic (both curvatures alike)"}
 
 
 @dataclass(frozen=True)
@@ -225,3 +228,14 @@ def _between(patch, distance, tip, axis, s, t, n):
         t = tried_t[row, best]
         steps = [step * 2 / (AROUND - 1) for step in steps]
     return every[row, best]
+
+
+def counted_states(state):
+    """Return as words how many points there are of each `state`, which a name stands for."""
+    counts = Counter(state.ravel().tolist())
+    return ", ".join(f"{count} {_STATES.get(name, name)}" for name, count in counts.items())
+
+
+def reasons_of(found):
+    """Return how many of some `Positions` there are by their reasons, the most first, as a dict."""
+    return dict(Counter(found.reason.tolist()).most_common())

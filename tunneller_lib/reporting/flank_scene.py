@@ -4,7 +4,7 @@ import numpy as np
 import PIL.Image
 
 from ..arguments import Length, Whole, checked
-from ..job import FlankJob, FlankResult
+from ..job.flank import FlankJob, FlankResult
 from ..milling import sweep_error
 from . import scene
 from .style import COLOURS, ERROR_MAP

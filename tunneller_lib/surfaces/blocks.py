@@ -144,16 +144,28 @@ def well_shaped(*sizes):
 
 
 class Passing(NamedTuple):
-    """Lines past an axis v: points q from its start, directions u, n = u x v, and products."""
+    """Lines past an axis v.
+
+    Parameters
+    ----------
+    q, u, n : vectors
+        Points from the axis' start, in m, directions, and u x v.
+    nn, aside, uu : (...) float
+        The products n n, q n and u u.
+    size : (...) float
+        q^2 u^2 v^2.
+    beside : (...) bool
+        Which pass beside the endless wall, by more than rounding makes of it.
+    """
 
     q: tuple
     u: tuple
     n: tuple
     nn: np.ndarray
-    aside: np.ndarray  # q n
+    aside: np.ndarray
     uu: np.ndarray
-    size: np.ndarray  # q^2 u^2 v^2
-    beside: np.ndarray  # which pass beside the endless wall, by more than rounding makes of it
+    size: np.ndarray
+    beside: np.ndarray
 
 
 def past_an_axis(shape, q, u):
@@ -227,8 +239,18 @@ ONE_LINE = {**line_loops.NUMBERS, "not_beside": _the_same, "put_back": _ends}
 class Nearest(NamedTuple):
     """Lines where they are nearest to an axis v.
 
-    `middle` is the line's parameter there; `room` is radius^2 less the
-    squared distance, times nn; `half` is the parameter from the middle to an endless wall.
+    Parameters
+    ----------
+    nn, uu, vv, qv, uv, aside : (...) float
+        Products of vectors as in `Passing`: n n, u u, v v, q v, u v and q n.
+    middle : (...) float
+        The line's parameter there.
+    room : (...) float
+        Radius^2 less the squared distance, times nn.
+    half : (...) float
+        The parameter from the middle to an endless wall.
+    sound : (...) bool
+        Where the line passes near enough, and is no tangent, for the quick way.
     """
 
     nn: np.ndarray
