@@ -24,8 +24,9 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Reso
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
+from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import REFERENCE_MACHINE, blocks
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus, blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
@@ -33,6 +34,7 @@ AXES = axes_of(REFERENCE_MACHINE, SIZES)
 OILY = [Compressible(axis) for axis in AXES]
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
 T = 5e-3
+SHEET = REFERENCE_MACHINE.torus
 RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 300))), np.linspace(0.3, 0.1, 300)], axis=-1)
 PLANTS = {
     "T0": Integrator(0.5),
@@ -306,6 +308,51 @@ def test_cones_have_the_same_bits_one_by_one_at_once_and_compiled(name, both_way
             if field.name not in ("half_angle", "index"):
                 joined = np.concatenate([part[k] for part in parts])
                 np.testing.assert_array_equal(joined, plain[0][k], err_msg=field.name)
+
+
+TORI = {
+    "machine": SHEET,
+    "spindle": Torus(0.3, 1),
+    "horn": Torus(1, 1),
+    "ring": Torus(3, 1),
+    "thin ring": Torus(3e4, 7),
+}
+
+
+def hard_ends(torus, n, seed=5):
+    """Return random ends (n, 2): some alike, level, on a meridian, or half a turn apart."""
+    rng = np.random.default_rng(seed)
+    p, q = (
+        rng.uniform(-np.pi, np.pi, (2, n, 2))
+        if torus is not SHEET
+        else rng.uniform(-1, 1, (2, n, 2))
+    )
+    q[::11] = p[::11]
+    q[::7, 0] = p[::7, 0]
+    q[::13, 1] = -p[::13, 1]
+    q[::17, 0] = p[::17, 0] + np.pi
+    for k, phi in enumerate((0, np.pi, -np.pi)):
+        p[k::19, 1] = q[k::23, 1] = phi
+    return p, q
+
+
+@pytest.mark.parametrize("name", TORI)
+def test_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(name, monkeypatch):
+    pytest.importorskip("numba")
+    torus = TORI[name]
+    p, q = hard_ends(torus, 400)
+    monkeypatch.setattr(compiled._Work, "compiled", False)
+    monkeypatch.setattr(compiled, "expect", lambda *work: None)
+    arrays = geodesic_inverse(torus, p, q)
+    singles = [geodesic_inverse(torus, *pair) for pair in zip(p, q, strict=True)]
+    monkeypatch.setattr(compiled, "ready", lambda kind=None: True)
+    monkeypatch.setattr(compiled._Work, "compiled", True)
+    fast = geodesic_inverse(torus, p, q)
+    assert len(set(arrays.kind_code)) >= 3
+    for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):
+        known = getattr(arrays, field)
+        np.testing.assert_array_equal(known, getattr(fast, field))
+        np.testing.assert_array_equal(known, [getattr(one, field) for one in singles])
 
 
 def child(code, **variables):

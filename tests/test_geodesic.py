@@ -13,11 +13,11 @@ from scipy.integrate import solve_ivp
 from tests.shapes import log_uniform
 from tunneller_lib.paths import (
     competing_geodesics,
+    geodesic_classes,
     geodesic_direct,
     geodesic_inverse,
     projected_length,
 )
-from tunneller_lib.paths.geodesic_classes import outer
 from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.surfaces import Cone, Torus
 
@@ -761,9 +761,11 @@ def test_geodesic_functions_refuse_another_surface(torus):
 @pytest.mark.parametrize("u", [-0.15, 0.1, 0.4])
 def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
     # Newton's method would find the root with a wrong rate, too, by halving its bracket.
-    a, b, step = np.array([0.5]), np.array([-0.3]), 1e-5
+    ends = geodesic_classes.ends_of(torus, np.array([0.5]), np.array([-0.3]))
+    step = 1e-5
     angle = [
-        integrate(torus, outer(torus, a, b, np.array([v])), 40)[0] for v in (u - step, u + step)
+        integrate(torus, geodesic_classes.outer(torus, ends, np.array([v])), 40)[0]
+        for v in (u - step, u + step)
     ]
-    _, rate, _ = integrate(torus, outer(torus, a, b, np.array([u])), 40)
+    _, rate, _ = integrate(torus, geodesic_classes.outer(torus, ends, np.array([u])), 40)
     assert (angle[1] - angle[0]) / (2 * step) == pytest.approx(rate, rel=1e-7)

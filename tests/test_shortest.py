@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_classes import inner, outer, second
+from tunneller_lib.paths.geodesic_classes import between, inner, outer, second
 from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.paths.geodesic_trace import half_swing
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -96,13 +96,13 @@ def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
         X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
         low = -np.sqrt((torus.r + torus.R * np.cos(a)) / (2 * torus.R))
         u = np.concatenate([low * np.linspace(0.999, 0.002, 200), X * np.linspace(0.002, 8, 200)])
-        way = outer(torus, np.full(400, a), np.full(400, b), u)
+        way = outer(torus, ends_of(torus, np.full(400, a), np.full(400, b)), u)
         turned, rate, length = integrate(torus, way, 96)
         assert np.all(np.diff(turned) > 0) and np.all(rate > 0)
         assert turned[0] < 0.3 and turned[-1] > 3.1
         # Step 4: from one to the next the length grows by c times the turned angle. Between the
         # two halves, where c is greatest, is rho_a.
-        c = np.insert(way.at[0], 200, torus.r + torus.R * np.cos(a))
+        c = np.insert(way.c, 200, torus.r + torus.R * np.cos(a))
         least = np.minimum(c[:-1], c[1:])
         most = np.maximum(c[:-1], c[1:])
         least, most = (np.delete(bound, 200) for bound in (least, most))
@@ -130,7 +130,7 @@ def test_first_arrivals_that_reach_a_node_are_the_longest(torus):
 def test_later_arrivals_are_longer_than_the_first(torus):
     a, b = pairs(torus, 3000, seed=2)
     u = np.random.default_rng(3).normal(0, 1, a.size) * np.cos(a / 2)
-    way = second(torus, a, b, u)
+    way = second(torus, ends_of(torus, a, b), u)
     turned, _, length = integrate(torus, way, 96)
     near = turned <= np.pi
     assert np.sum(near) > 50 or torus.r < torus.R
@@ -162,7 +162,7 @@ def test_ways_round_the_tube_are_no_shorter_than_their_geodesic(torus):
     a, b = a[b < 0], b[b < 0]
     for share in (0.1, 0.5, 0.9, 0.999):
         u = np.full_like(a, np.arctanh(share))
-        way = inner(torus, a, b, u)
+        way = inner(torus, ends_of(torus, a, b), u)
         turned, _, length = integrate(torus, way, 96)
         shares = np.append(np.linspace(0, 1, 40)[1:-1], share)
         along = 0

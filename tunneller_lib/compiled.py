@@ -54,6 +54,21 @@ def ready(kind=None):
     return _Work.compiled and (kind is None or _Work.of_kind[kind] > LONG)
 
 
+def loop(inlined=()):
+    """Return a decorator of a loop that a compiler shall make several numbers at once of.
+
+    Its quotients by zero are infinite or not a number when it is compiled, as plain Python has them
+    from `elementwise.ratio`, without a branch for each; functions whose names are `inlined` become
+    part of those that call them.
+    """
+
+    def marked(function):
+        function.options = {"error_model": "numpy"}, inlined
+        return function
+
+    return marked
+
+
 def _numba_loads():
     """Tell whether numba is there and takes this numpy."""
     return _imported(sys.modules.get("numba", "not yet asked for"))
@@ -89,7 +104,9 @@ def call_plain(function, *arguments, **parts):
     """Return what `call` does of a `function`, `arguments` and `parts`, never compiled."""
     # Python reads and writes lists several times as fast as arrays.
     lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
-    answer = _replaced(function, *parts.items())(*lists)
+    if parts:
+        function = _replaced(function, *parts.items())
+    answer = function(*lists)
     for array, rows in zip(arguments, lists, strict=True):
         if isinstance(array, np.ndarray) and array.size:
             array[:] = rows
@@ -125,7 +142,12 @@ def _compiled(function, *parts):
     import numba
 
     known = {sine: math.sin, cosine: math.cos, root: math.sqrt}
-    copy = _copied(function, dict(parts), numba.njit, known)
+    options, inlined = getattr(function, "options", ({}, ()))
+
+    def made(copy):
+        return numba.njit(copy, forceinline=copy.__name__ in inlined, **options)
+
+    copy = _copied(function, dict(parts), made, known)
     # A compiled form that was kept is found by the function's name: this one changes with the
     # parts and with any module that takes part.
     modules = {inspect.getmodule(one) for one in (function, *known)}
@@ -133,9 +155,9 @@ def _compiled(function, *parts):
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
     try:
-        return numba.njit(cache=True)(copy)
+        return numba.njit(cache=True, **options)(copy)
     except RuntimeError:  # no folder that could be written to
-        return numba.njit(copy)
+        return numba.njit(copy, **options)
 
 
 def _copied(function, parts, made, known):

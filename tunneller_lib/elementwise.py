@@ -64,6 +64,13 @@ def scaled(x, power):
     return np.ldexp(x, power)
 
 
+def two_to(shifted):
+    """Return two to the power that was added to 1.5 * 2^52, from -1022 to 1023."""
+    if type(shifted) is float:
+        return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
+    return ((shifted.view(np.int64) + 1023) << 52).view(np.float64)  # it is among the last bits
+
+
 def some(condition):
     """Return whether a condition holds anywhere."""
     return condition.any() if isinstance(condition, np.ndarray) else condition
@@ -97,9 +104,24 @@ def quotient(a, b):
     return a / b if b else a * math.copysign(math.inf, b)
 
 
+def divided(a, b):
+    """Return a / b, in a `compiled.loop`, which divides by zero as arrays do."""
+    return a / b
+
+
 def holds(condition):
     """Return whether a condition holds."""
     return condition
+
+
+def power_in_bits(x):
+    """Return the power of two next above a number that isn't below 1e-300."""
+    return (np.float64(x).view(np.int64) >> 52) - 1022
+
+
+def two_to_bits(shifted):
+    """Return `two_to` of a number."""
+    return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 
 # What `compiled.call` puts in their place.
@@ -110,4 +132,6 @@ NUMBERS = {
     "square_root": rooted,
     "ratio": quotient,
     "some": holds,
+    "power_above": power_in_bits,
+    "two_to": two_to_bits,
 }

@@ -4,14 +4,21 @@ The lengths of `geodesic_inverse` are right to rounding (tests/test_geodesic.py)
 others return is off by as much as it differs from them; each line tells by how much.
 """
 
+import ctypes
+import importlib
+import subprocess
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
 from tests.bench.conftest import best_times
+from tunneller_lib import compiled
 from tunneller_lib.paths import geodesic_inverse
+from tunneller_lib.paths.geodesic_pair import padded
+from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE, RING = REFERENCE_MACHINE.torus, Torus(3, 1)
@@ -46,6 +53,75 @@ def test_pairs_per_second(benchmark, say, torus, where):
     (time,) = best_times(lambda: geodesic_inverse(torus, p, q), rounds=3)
     say(f"geodesic_inverse on the {where}, pairs per second of one core", len(p) / time)
     assert np.all(geodesic.converged)
+
+
+# The same search in C, with the same answers to some roundings: bounds/geodesic_sheet.c, without
+# fast-math.
+
+FLAGS = "-O3 -march=x86-64-v3 -fno-math-errno -shared -fPIC".split()
+
+
+@pytest.fixture
+def bound(tmp_path):
+    """Return a function of ends (n, 2) on the machine's sheet to answers (4, n), in C."""
+    library = tmp_path / "sheet.so"
+    source = Path(__file__).parent / "bounds/geodesic_sheet.c"
+    subprocess.run(["gcc", *FLAGS, source, "-o", library, "-lm"], check=True)
+    function = ctypes.CDLL(str(library)).geodesic_sheet
+    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    number = ctypes.c_double
+    function.argtypes = [number, number, array, array, ctypes.c_long, array, array, array]
+    function.restype = ctypes.c_long
+    nodes = [row.copy() for row in padded(NODES_OF_WORKING_SHEET)]
+
+    def inverse(p, q):
+        found = np.empty((4, len(p)))
+        assert function(MACHINE.r, MACHINE.R, p, q, len(p), *nodes, found) == 0
+        return found
+
+    return inverse
+
+
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
+def test_against_c(benchmark, say, bound, n):
+    pytest.importorskip("numba", reason="what is compiled is timed")
+    p, q = random_pairs(MACHINE, n)
+    compiled.expect(compiled.LONG + 1, "geodesics")
+    found = benchmark.pedantic(geodesic_inverse, (MACHINE, p, q), warmup_rounds=1)
+    ours, of_c = best_times(
+        lambda: geodesic_inverse(MACHINE, p, q), lambda: bound(p, q), rounds=5 if n > 1000 else 50
+    )
+    say(f"geodesic_inverse on the working sheet, {n:,} pairs, us for a pair", 1e6 * ours / n)
+    say(f"the same, time over that of C, {n:,} pairs", ours / of_c)
+    answers = found.length, found.azimuth1, found.azimuth2, found.clairaut
+    np.testing.assert_allclose(bound(p, q), answers, rtol=1e-12, atol=1e-13)
+
+
+# Geodesics of an ellipsoid, a simpler problem: no quadrature is needed.
+
+
+@pytest.mark.parametrize("package", ["geographiclib", "pyproj"])
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
+def test_against_an_ellipsoids(installed, benchmark, say, package, n):
+    p, q = np.degrees(random_pairs(MACHINE, n))
+    if package == "pyproj":
+        earth = installed.Geod(ellps="WGS84")
+        columns = p[:, 0], p[:, 1], q[:, 0], q[:, 1]
+        one = partial(earth.inv, *(float(column[0]) for column in columns))
+        theirs = one if n == 1 else partial(earth.inv, *columns)
+    elif n > 1:
+        pytest.skip("takes one pair at a time")
+    else:
+        earth = importlib.import_module("geographiclib.geodesic").Geodesic.WGS84
+        theirs = partial(earth.Inverse, p[0, 1], p[0, 0], q[0, 1], q[0, 0])
+    compiled.expect(compiled.LONG + 1, "geodesics")
+    ends = random_pairs(MACHINE, n)
+    ends = ends[:, 0] if n == 1 else ends
+    benchmark.pedantic(geodesic_inverse, (MACHINE, *ends), warmup_rounds=1)
+    rounds = 5 if n > 1000 else 50
+    ours, other = best_times(lambda: geodesic_inverse(MACHINE, *ends), theirs, rounds=rounds)
+    say(f"geodesic_inverse on the torus, {n:,} pairs, time over {package}'s on an ellipsoid",
+        ours / other, package)  # fmt: skip
 
 
 # A boundary value problem, as it would be put to scipy: theta, phi and azimuth over the share of

@@ -14,6 +14,7 @@ from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
 from ..exact import dot
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
+from .geodesic_pair import CERTIFICATES, KINDS, NONE, POINT, reduced
 from .geodesic_trace import trace
 
 ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
@@ -125,14 +126,8 @@ class Geodesic:
         Directions at p and q, in rad; NaN where the ends coincide or there is no answer.
     clairaut : (...) float
         rho sin(azimuth), in m, the same all along.
-    kind : (...) str
-        "meridian", "outer", "inner" (over the inner equator of a ring torus), "point" (the ends
-        coincide), or "none" where an end isn't on the working sheet.
-    converged : (...) bool
-        Whether there is an answer; its turned angle is met to 1e-9 rad.
-    certificate : (...) str
-        Why it is the shortest: "meridian", "only" or "first"; empty where there is no answer, and
-        of rivals. See `geodesic_inverse`.
+    kind_code, certificate_code : (...) uint8
+        What `kind` and `certificate` say in words.
     """
 
     torus: Torus
@@ -142,14 +137,35 @@ class Geodesic:
     azimuth1: np.ndarray
     azimuth2: np.ndarray
     clairaut: np.ndarray
-    kind: np.ndarray
-    converged: np.ndarray
-    certificate: np.ndarray
+    kind_code: np.ndarray
+    certificate_code: np.ndarray
+
+    @property
+    def kind(self):
+        """Return kinds as (...) str.
+
+        "meridian", "outer", "inner" (over the inner equator of a ring torus), "point" (the ends
+        coincide), or "none" where an end isn't on the working sheet.
+        """
+        return KINDS[self.kind_code]
+
+    @property
+    def certificate(self):
+        """Return why each is the shortest, as (...) str: see `geodesic_inverse`.
+
+        "meridian", "only" or "first"; empty where there is no answer, and of rivals.
+        """
+        return CERTIFICATES[self.certificate_code]
+
+    @property
+    def converged(self):
+        """Return where there is an answer, whose turned angle is met to 1e-9 rad, as (...) bool."""
+        return self.kind_code != NONE
 
     @property
     def certified(self):
         """Return where it is proved that nothing is shorter, as (...) bool."""
-        return self.certificate != ""
+        return self.certificate_code != 0
 
     @checked
     def points(self, n: Count):
@@ -166,7 +182,7 @@ class Geodesic:
         points : GeodesicPoints
             As by `geodesic_direct`; NaN where there is no answer.
         """
-        azimuth = np.where(self.kind == "point", 0.0, self.azimuth1)
+        azimuth = np.where(self.kind_code == POINT, 0.0, self.azimuth1)
         return geodesic_direct.unchecked(self.torus, self.p, azimuth, self.length, n)
 
 
@@ -242,8 +258,3 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     given = np.stack([theta, phi, azimuth])[..., None]
     found = np.where((s == 0) & sound[..., None], given, found)
     return GeodesicPoints(torus, s, np.stack(found[:2], axis=-1), found[2])
-
-
-def reduced(angle):
-    """Return angles from -pi to pi, untouched where they are there already."""
-    return np.where(np.abs(angle) <= np.pi, angle, np.remainder(angle + np.pi, 2 * np.pi) - np.pi)

@@ -11,39 +11,95 @@ D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
 
     angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
+
+No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by roots and quotients.
+All is element by element, for floats, arrays or compiled loops. A `torus` is whatever has r and R.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from ..elementwise import larger, ratio, smaller, square_root, where
+from ..repeatable import growth, sine_cosine
 
-class Integrand(NamedTuple):
-    """What one value of the unknown stands for: both integrals' constants and limits.
 
-    `at` (6, n) holds c, A, B, E, the lower limit of t and how far the upper one is from it; `rate`
-    what c, A, B, E and both limits change by with the unknown; cos_a and cos_b (n,) are the
-    cosines of the azimuths. A way in legs has the next one in `onward`, mirrored to where t is in
-    (-pi/2, pi/2].
+class Ends(NamedTuple):
+    """What the ends are to their geodesics, each (...) float.
+
+    Sines and cosines of a/2, b/2 and of their difference; `apart` is sin^2(a/2) - sin^2(b/2),
+    `rho_a` and `rho_b` are in m.
     """
 
-    at: np.ndarray
-    rate: np.ndarray
+    sine_a: np.ndarray
+    cosine_a: np.ndarray
+    sine_b: np.ndarray
+    cosine_b: np.ndarray
+    sine: np.ndarray
+    cosine: np.ndarray
+    apart: np.ndarray
+    rho_a: np.ndarray
+    rho_b: np.ndarray
+
+
+class Integrand(NamedTuple):
+    """What one value of the unknown stands for: both integrals' constants and limits, (...) float.
+
+    `sine` and `cosine` are those of the lower limit of t, which is from -pi/2 to pi/2, `across` and
+    `along` sine and cosine of how far the upper one is from it; dc to dlast are what the constants
+    and both limits change by with the unknown; cos_a and cos_b are the cosines of the azimuths.
+    """
+
+    c: np.ndarray
+    A: np.ndarray
+    B: np.ndarray
+    E: np.ndarray
+    sine: np.ndarray
+    cosine: np.ndarray
+    across: np.ndarray
+    along: np.ndarray
+    dc: np.ndarray
+    dA: np.ndarray
+    dB: np.ndarray
+    dE: np.ndarray
+    dfirst: np.ndarray
+    dlast: np.ndarray
     cos_a: np.ndarray
     cos_b: np.ndarray
-    onward: "Integrand | None" = None
 
 
-def outer(torus, a, b, u):
+def ends_of(torus, a, b):
+    """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
+    sine_a, cosine_a = sine_cosine(a / 2)
+    sine_b, cosine_b = sine_cosine(b / 2)
+    sine, cosine = sine_cosine((a - b) / 2)
+    middle, _ = sine_cosine((a + b) / 2)
+    _, level_a = sine_cosine(a)
+    _, level_b = sine_cosine(b)
+    rho_a = torus.r + torus.R * level_a
+    rho_b = torus.r + torus.R * level_b
+    # A product has the difference of the squares to its last digits, near ends or not.
+    apart = middle * sine
+    return Ends(sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b)
+
+
+def room(torus, ends):
+    """Return what the unknowns of `outer` and `second` are measured by: where x ends."""
+    # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
+    # spindle it is the meridian, through the node (c = 0).
+    return ends.cosine_a if torus.r >= torus.R else square_root(ends.rho_a / (2 * torus.R))
+
+
+def outer(torus, ends, u):
     """Return the geodesics that descend to b, at once (u < 0) or after rising above a (u > 0).
 
     Parameters
     ----------
     torus : Torus
         The surface.
-    a, b : (n,) float
-        Angles phi of the ends, in rad.
-    u : (n,) float
+    ends : Ends
+        The ends.
+    u : (...) float
         The unknown, from -sqrt(rho_a / 2R), the meridian, upwards.
 
     Returns
@@ -58,53 +114,54 @@ def outer(torus, a, b, u):
     rho_a - c = 2R x^2 and rho_b - c = 2R W^2: nothing cancels where x is small, and all follows
     from x.
     """
-    r, R = torus.r, torus.R
-    sa = np.sin(a / 2)
-    sb = np.sin(b / 2)
-    rho_a = r + R * np.cos(a)
-    # x stays below X. On a ring the geodesic of x = X winds towards the inner equator (k = 1,
-    # c = r - R), on a spindle it is the meridian, through the node (c = 0).
-    X = np.cos(a / 2) if r >= R else np.sqrt(rho_a / (2 * R))
+    R = torus.R
+    sa = ends.sine_a
+    sb = ends.sine_b
+    X = room(torus, ends)
     # On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle
     # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
     # there is no such end, and x = u joins without a bend.
     rising = u > 0
-    high = np.where(rising, u / X, 0)
-    x = np.where(rising, X * np.tanh(high), u)
-    # X - x without cancellation where u is great; at such bounds the geodesic runs into the node,
-    # with a turn too sharp for the quadrature if it were followed farther, or turns many times.
-    bound = 300 if r > R else 30
-    gap = np.where(rising, 2 * X / (1 + np.exp(2 * np.minimum(high, bound))), X - x)
+    grown = growth(where(rising, smaller(2 * u / X, _farthest(torus)), 0.0))
+    x = where(rising, X * (grown / (2 + grown)), u)
+    # X - x without cancellation where u is great.
+    gap = where(rising, 2 * X / (2 + grown), X - u)
     e = gap * (X + x)  # X^2 - x^2
-    d = np.sin((a + b) / 2) * np.sin((a - b) / 2)  # sin^2(a/2) - sin^2(b/2), near ends or not
-    W = np.sqrt(np.maximum(d + x * x, 0))
-    k2 = sa * sa + x * x
-    c = max(r - R, 0) + 2 * R * e
-    rest = e + (0 if r >= R else np.cos(a / 2) ** 2 - X * X)  # 1 - k^2
-    dx = np.where(rising, e / X**2, 1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
-        # product with the sum, W^2 sa^2 - x^2 sb^2, is d k^2.
-        sine = np.where(x * sb < 0, d * k2 / (W * sa - x * sb), W * sa + x * sb)
-        dfirst = -sa * dx / k2
-        dlast = sb * x * dx / (W * k2)
-    span = np.arctan2(np.where(np.isnan(sine), 0, sine), sa * sb - W * x)
-    span = np.where(span < 0, span + 2 * np.pi, span)  # atan2 knows no more than pi
-    first = np.arctan2(-x, sa)
-    slope_a = np.sqrt(2 * R * (rho_a + c))
-    slope_b = np.sqrt(2 * R * (r + R * np.cos(b) + c))
+    dx = where(rising, e / (X * X), 1.0)
+    c, rest, k2, k, W = _swing(torus, ends, x, e)
+    # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
+    # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
+    sum_ = W * sa - x * sb
+    small = ends.apart * k2 / where(sum_ > 0, sum_, 1.0)
+    across = where(x * sb < 0, small, W * sa + x * sb) / k2
+    along = (sa * sb - W * x) / k2
     dk2 = 2 * x * dx
-    at = _rows(c, rest, k2, 0, first, span)
-    rate = _rows(-2 * R * dk2, -dk2, dk2, 0, dfirst, dlast)
+    dfirst = -sa * dx / k2
+    dlast = ratio(sb * x * dx, W * k2)
     # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
     # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
     free = rest < 0
-    at = np.where(free, _rows(c, -rest, 1, -rest, _below_pi(a) / 2, (a - b) / 2), at)
-    rate = np.where(free, _rows(-2 * R * dk2, dk2, 0, dk2, 0, 0), rate)
-    return Integrand(at, rate, x * slope_a / rho_a, -W * slope_b / (r + R * np.cos(b)))
+    return Integrand(
+        c,
+        abs(rest),
+        where(free, 1.0, k2),
+        where(free, -rest, 0.0),
+        where(free, ends.cosine_a, -x / k),
+        where(free, sa, sa / k),
+        where(free, ends.sine, across),
+        where(free, ends.cosine, along),
+        -2 * R * dk2,
+        where(free, dk2, -dk2),
+        where(free, 0.0, dk2),
+        where(free, dk2, 0.0),
+        where(free, 0.0, dfirst),
+        where(free, 0.0, dlast),
+        x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a,
+        -W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b,
+    )
 
 
-def second(torus, a, b, u, sense=1):
+def second(torus, ends, u, sense=1):
     """Return the geodesics that turn on the other side of the outer equator and rise to b.
 
     They come to the parallel b a second time, after descending at once (u < 0) or after rising
@@ -114,8 +171,8 @@ def second(torus, a, b, u, sense=1):
     ----------
     torus : Torus
         The surface.
-    a, b : (n,) float
-        Angles phi of the ends, in rad.
+    ends : Ends
+        The ends.
     u : (n,) float
         The unknown, any number: far from zero, c nears 0, or r - R on a ring.
     sense : {1, -1}
@@ -123,63 +180,55 @@ def second(torus, a, b, u, sense=1):
 
     Returns
     -------
-    integrand : Integrand
-        That of each u, in three legs.
+    legs : list of Integrand
+        That of each u, in three legs, none with more than one turning point, where the integrands
+        have their peaks.
 
     Notes
     -----
     As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
-    sin(b/2) = k cos(t_b). The integrands repeat after pi, and backwards from any multiple of pi/2.
+    sin(b/2) = k cos(t_b). The integrands repeat after pi, and backwards from any multiple of pi/2:
+    each leg is mirrored to where t is in [-pi/2, pi/2], and ends at pi/2.
     """
-    r, R = torus.r, torus.R
-    sa = np.sin(a / 2)
-    sb = np.sin(b / 2)
-    rho_a = r + R * np.cos(a)
-    rho_b = r + R * np.cos(b)
-    X = np.cos(a / 2) if r >= R else np.sqrt(rho_a / (2 * R))
-    x = sense * X * np.tanh(u / X)
-    gap = 2 * X / (1 + np.exp(2 * np.minimum(np.abs(u) / X, 300 if r > R else 30)))  # X - |x|
+    R = torus.R
+    sa = ends.sine_a
+    sb = ends.sine_b
+    X = room(torus, ends)
+    grown = growth(smaller(2 * abs(u) / X, _farthest(torus)))
+    x = sense * np.copysign(X * (grown / (2 + grown)), u)
+    gap = 2 * X / (2 + grown)  # X - |x|
     e = gap * (2 * X - gap)  # X^2 - x^2
-    d = np.sin((a + b) / 2) * np.sin((a - b) / 2)
-    W = np.sqrt(np.maximum(d + x * x, 0))
-    k2 = sa * sa + x * x
-    c = max(r - R, 0) + 2 * R * e
-    rest = e + (0 if r >= R else np.cos(a / 2) ** 2 - X * X)  # 1 - k^2
-    dx = sense * e / X**2
+    c, rest, k2, k, W = _swing(torus, ends, x, e)
+    dx = sense * e / (X * X)
     dk2 = 2 * x * dx
-    first = np.arctan2(-x, sa)
-    last = np.arctan2(W, sb)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        dfirst = -sa * dx / k2
-        dlast = sb * x * dx / (W * k2)
-    # Three legs, none with more than one turning point, where the integrands have their peaks:
-    # down to the outer equator, on to its next crossing or to b, and up from there.
-    over = b > 0
-    constants = _rows(c, rest, k2, 0)
-    rates = _rows(-2 * R * dk2, -dk2, dk2, 0)
-    cos_a = x * np.sqrt(2 * R * (rho_a + c)) / rho_a
-    cos_b = W * np.sqrt(2 * R * (rho_b + c)) / rho_b
-    way = None
-    for start, speed in (
-        (np.where(over, last, np.pi / 2), np.where(over, dlast, 0)),
-        (np.where(over, -np.pi / 2, last - np.pi), np.where(over, 0, dlast)),
-        (first, dfirst),
+    dfirst = -sa * dx / k2
+    dlast = ratio(sb * x * dx, W * k2)
+    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
+    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    # Down to the outer equator, on to its next crossing or to b, and up from there.
+    over = sb > 0
+    legs = []
+    for sine, cosine, speed in (
+        (-x / k, sa / k, dfirst),
+        (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
+        (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
     ):
-        at = np.stack([*constants, start, np.pi / 2 - start])
-        way = Integrand(at, np.stack([*rates, speed, 0 * speed]), cos_a, cos_b, way)
-    return way
+        limits = sine, cosine, cosine, sine  # the span is what is missing to a right angle
+        rates = -2 * R * dk2, -dk2, dk2, 0.0, speed, 0.0
+        legs.append(Integrand(c, rest, k2, 0.0, *limits, *rates, cos_a, cos_b))
+    return legs
 
 
-def inner(torus, a, b, u):
+def inner(torus, ends, u):
     """Return the geodesics that rise from a over phi = pi to b + 2 pi, on a ring torus.
 
     Parameters
     ----------
     torus : Torus
         The surface, a ring.
-    a, b : (n,) float
-        Angles phi of the ends, in rad.
-    u : (n,) float
+    ends : Ends
+        The ends.
+    u : (...) float
         The unknown, from 0, the meridian, upwards.
 
     Returns
@@ -192,29 +241,38 @@ def inner(torus, a, b, u):
     They have no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
     equator, on which they turn the farther the nearer they come, again as a logarithm.
     """
-    r, R = torus.r, torus.R
-    slow = 1 / (1 + np.exp(2 * np.minimum(u, 300)))  # the bound: exp(710) is no float
-    c = (r - R) * np.tanh(u)
-    kappa2 = (r - R) / R * slow  # (r - R - c) / 2R, whose difference would cancel
-    rho_a = r + R * np.cos(a)
-    rho_b = r + R * np.cos(b)
-    start = _below_pi(a) / 2
-    stop = _below_pi(-b) / 2
-    dc = 4 * (r - R) * slow * (1 - slow)
+    R = torus.R
+    narrow = torus.r - R
+    grown = growth(smaller(2 * u, 600.0))
+    slow = 1 / (2 + grown)  # half of 1 - tanh(u)
+    c = narrow * (grown * slow)
+    kappa2 = narrow / R * slow  # (r - R - c) / 2R, whose difference would cancel
+    dc = 4 * narrow * slow * (1 - slow)
     dkappa2 = -2 * kappa2 * (1 - slow)
+    sa = ends.sine_a
+    sb = ends.sine_b
+    ca = ends.cosine_a
+    cb = ends.cosine_b
     # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
-    cosines = [
-        np.sqrt(2 * R * (kappa2 + np.sin(t) ** 2) * (rho + c)) / rho
-        for t, rho in ((start, rho_a), (stop, rho_b))
-    ]
-    at = _rows(c, kappa2, 1, kappa2, -start, start + stop)
-    return Integrand(at, _rows(dc, dkappa2, 0, dkappa2, 0, 0), *cosines)
+    cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
+    cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
+    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine
+    rates = dc, dkappa2, 0.0, dkappa2, 0.0, 0.0
+    return Integrand(c, kappa2, 1.0, kappa2, *limits, *rates, cos_a, cos_b)
 
 
-def _below_pi(phi):
-    """Return how far angles phi are below pi, to the last digit: np.pi is 1.2e-16 too small."""
-    return (np.pi - phi) + 1.2246467991473532e-16
+def _farthest(torus):
+    """Return the greatest u / X, twice."""
+    # There the geodesic runs into the node, with a turn too sharp for the quadrature if it were
+    # followed farther, or turns many times.
+    return 600.0 if torus.r > torus.R else 60.0
 
 
-def _rows(*values):
-    return np.stack(np.broadcast_arrays(*values))
+def _swing(torus, ends, x, e):
+    """Return c, 1 - k^2, k^2, k, and W of `outer` from x and X^2 - x^2."""
+    r, R = torus.r, torus.R
+    W = square_root(larger(ends.apart + x * x, 0.0))
+    k2 = ends.sine_a * ends.sine_a + x * x
+    c = 2 * R * e + (r - R if r > R else 0.0)
+    rest = e + (0.0 if r >= R else (R - r) / (2 * R))
+    return c, rest, k2, square_root(k2), W

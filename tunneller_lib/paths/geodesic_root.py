@@ -1,4 +1,8 @@
-"""The geodesic of a class between two given ends: a quadrature and Newton's method."""
+"""The geodesic of a class between two given ends: a quadrature and Newton's method.
+
+What is between the loops is element by element, so that arrays, plain numbers and compiled loops
+(`geodesic_loops`) give the same bits.
+"""
 
 from functools import cache
 from typing import NamedTuple
@@ -6,17 +10,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from .geodesic_classes import outer
+from ..elementwise import larger, ratio, smaller, square_root, where
+from ..repeatable import area_sine, growth, sine_cosine
+from .geodesic_classes import Ends, outer, room
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
+NODES = 96
+NODES_OF_RING = 64
 
-BLOCK = 4096  # pairs at a time, so that the quadrature's arrays stay in the cache
+BLOCK = 2048  # pairs at a time, so that the quadrature's arrays stay in the cache
 ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
 NEAR = 1e-5  # rad
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
 ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
-
-_leggauss = cache(legendre.leggauss)  # an eigenvalue problem each time
 
 
 class Root(NamedTuple):
@@ -33,15 +39,41 @@ class Root(NamedTuple):
     cos_b: np.ndarray
 
 
-def solve(family, torus, a, b, angle, low=None):
+class Stretch(NamedTuple):
+    """tan(t/4) = half (G - 1/G), where G grows from `first` to `last` as exp(width share)."""
+
+    half: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    width: np.ndarray
+
+
+@cache
+def rule(count):
+    """Return shares of the way, and weights, of Gauss and Legendre's quadrature (count / 2,).
+
+    The other half has the same shares from the end.
+    """
+    nodes, weights = legendre.leggauss(count)  # an eigenvalue problem each time
+    return (1 + nodes[: count // 2]) / 2, weights[: count // 2] / 2
+
+
+def on_working_sheet(torus, a, angle):
+    """Return where few nodes do, found by doubling them until nothing changed."""
+    return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
+
+
+def solve(family, torus, ends, a, b, angle, low=None):
     """Return the geodesics of a class whose turned angle is the given one.
 
     Parameters
     ----------
     family : callable
-        `outer`, `inner` or `second`: a function of torus, a, b and the unknown.
+        `outer`, `inner` or `second`: a function of torus, ends and the unknown.
     torus : Torus
         The surface.
+    ends : Ends
+        Of the geodesics.
     a, b : (n,) float
         Angles phi of the ends, in rad, |b| <= a.
     angle : (n,) float
@@ -55,37 +87,33 @@ def solve(family, torus, a, b, angle, low=None):
         With the turned angle that was reached, to be compared with the given one; NaN where
         Newton's method doesn't settle.
     """
-    count = _nodes_for(torus, a, angle)
-    starts = range(0, a.size, BLOCK)
-    if low is None:
-        guess, scale, low = _start(family, torus, a, b, angle)
+    found = np.full((5, a.size), np.nan)
+    if low is not None:
+        begin = low + 0.25, np.full_like(low, ROUNDING), low
+    elif family is outer:
+        begin = start(torus, ends, a, b, angle)
     else:
-        guess = low + 0.25
-        scale = np.full_like(low, ROUNDING)
-    pairs = np.stack([a, b, angle, guess, scale, low])
-    blocks = [_newton(family, torus, *pairs[:, k : k + BLOCK], count) for k in starts]
-    return Root(*np.concatenate([np.empty((5, 0)), *blocks], axis=1))
+        begin = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
+    few = on_working_sheet(torus, a, angle)
+    many = NODES_OF_RING if torus.r > torus.R else NODES
+    for count, which in ((NODES_OF_WORKING_SHEET, few), (many, ~few)):
+        index = np.flatnonzero(which)
+        for first in range(0, index.size, BLOCK):
+            block = index[first : first + BLOCK]
+            some = (Ends(*(value[block] for value in ends)), angle[block])
+            found[:, block] = _newton(family, torus, *some, *(v[block] for v in begin), count)
+    return Root(*found)
 
 
-def _nodes_for(torus, a, angle):
-    """Return how many nodes the quadrature needs, found by doubling them until nothing changed.
-
-    One number for all geodesics from `a` (n,) that turn by `angle` (n,), in rad.
-    """
-    if torus.r <= torus.R / 4 and np.all(a <= 1) and np.all(angle <= 2):
-        return NODES_OF_WORKING_SHEET
-    return 64 if torus.r > torus.R else 96
-
-
-def integrate(torus, integrand, count):
+def integrate(torus, way, count):
     """Return the turned angle of geodesics, its rate by the unknown, and the length.
 
     Parameters
     ----------
     torus : Torus
         The surface.
-    integrand : Integrand
-        Constants and limits of n geodesics.
+    way : Integrand or list of Integrand
+        Constants and limits of n geodesics, or of the legs of each.
     count : int
         Number of nodes of a Gauss-Legendre quadrature.
 
@@ -93,110 +121,206 @@ def integrate(torus, integrand, count):
     -------
     turned, rate, length : (n,) float
         In rad, rad and m.
-
-    Notes
-    -----
-    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
-    lie off the real line, the nearer the smaller both are at t = 0. t = a0 sinh(y), with a0 their
-    distance, stretches the peak to unit width, however narrow it is.
     """
-    nodes, weights = _leggauss(count)
-    c, A, B, E, first, span = integrand.at[..., None]
-    dc, dA, dB, dE, dfirst, dlast = integrand.rate[..., None]
-    # The nearer of D = 0 and rho = 0; where the way begins past the peak, their distance from its
-    # beginning. The bounds: zero isn't divided by, and three or more would stretch nothing.
-    peak = np.sqrt(np.maximum(np.minimum(A, E + c / (2 * torus.R)), 0) / B)
-    a0 = np.clip(np.hypot(peak, np.maximum(first, 0)), 1e-30, 3)
+    if isinstance(way, list):
+        turned, rate, length = zip(*(integrate(torus, leg, count) for leg in way), strict=True)
+        return sum(turned), sum(rate), sum(length)
+    shares, weights = (row[:, None] for row in rule(count))
+    sums = two_nodes(torus, way, stretched(torus, way), shares, weights)
+    turned, rate, length = (folded(values, count // 2) for values in sums)
+    return turned, rate + moving(torus, way), length
+
+
+def stretched(torus, way):
+    """Return by which substitution the integrals of a way are taken.
+
+    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
+    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
+    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
+    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
+    """
+    first = _tangent_of_half(way.sine / (1 + way.cosine))
+    # Half of the span, by the root of what doesn't cancel.
+    short = way.along > 0
+    long_side = square_root((1 + abs(way.along)) / 2)
+    short_side = way.across / (2 * long_side)
+    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
+    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
+    last = first + width
+    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
+    narrow = larger(smaller(way.A, way.E + way.c / (2 * torus.R)), 0.0) / way.B
+    narrow = smaller(narrow, 1e100)
+    half = square_root(narrow) / (1 + square_root(1 + narrow))
+    peak = half / (1 + square_root((1 - half) * (1 + half)))
+    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
+    past = larger(first, 0.0)
+    a0 = larger(square_root(peak * peak + past * past), 1e-30)
     x = first / a0
-    z = (first + span) / a0
-    # Far from the turning point arcsinh z - arcsinh x cancels, on a short way nearly all of it:
-    # there it is the arcsinh of z sqrt(1 + x^2) - x sqrt(1 + z^2), and that difference the
-    # difference of the squares, (z - x)(z + x), over the sum.
-    shared = np.where(x > 0, z * np.hypot(1, x) + x * np.hypot(1, z), 1)
-    low = np.arcsinh(x)
-    width = np.where(x > 0, np.arcsinh(span / a0 * (x + z) / shared), np.arcsinh(z) - low)
-    grown = np.exp(low + width * (1 + nodes) / 2)  # one exponential for both sinh and cosh
-    t = a0 / 2 * (grown - 1 / grown)
-    step = weights * width * a0 / 4 * (grown + 1 / grown)
+    z = last / a0
+    root_x = square_root(1 + x * x)
+    root_z = square_root(1 + z * z)
+    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
+    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
+    right = x > 0
+    shared = where(right, z * root_x + x * root_z, 1.0)
+    sine = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
+    lead = where(right, x + root_x, 1 / (root_x - x))
+    return Stretch(a0 / 2, lead, z + root_z, area_sine(sine))
 
-    def terms(t):
-        tan2 = np.tan(t) ** 2  # with AVX-512 numpy has it much faster than the sine
-        sin2 = tan2 / (1 + tan2)
-        rho = c + 2 * torus.R * (E + B * sin2)
-        D = A + B * sin2
-        return sin2, rho, D, np.sqrt(2 * torus.R / ((rho + c) * D))
 
-    sin2, rho, D, density = terms(t)
-    density *= step
+def two_nodes(torus, way, stretch, share, weight):
+    """Return what the nodes at a share of the way from its ends add to each integral.
+
+    On a `torus`, by the `stretch` of the way; both have the same `weight`.
+    """
+    grown = 1 + growth(stretch.width * share)
+    shrunk = 1 / grown
+    step = weight * (stretch.width * stretch.half)
+    one = _node(torus, way, stretch.half, step, stretch.first * grown, shrunk / stretch.first)
+    other = _node(torus, way, stretch.half, step, stretch.last * shrunk, grown / stretch.last)
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
+def _node(torus, way, half, step, grown, shrunk):
+    """Return what a node adds to the turned angle, its rate by the unknown, and the length."""
+    v = half * (grown - shrunk)
+    dv = step * (grown + shrunk)
+    v2 = v * v
+    below = 1 / (1 + v2)
+    sine = 4 * v * (1 - v2) * (below * below)
+    sin2 = sine * sine
+    twice = 2 * torus.R
+    rho = way.c + twice * (way.E + way.B * sin2)
+    both = rho + way.c
+    D = way.A + way.B * sin2
+    under = both * D
+    # One quotient has those by rho, both and D.
+    all_ = 1 / (rho * under)
+    by_rho = all_ * under
+    density = square_root(twice * (all_ * rho)) * (4 * dv * below)
     # The rate of c / (rho sqrt((rho + c) D)) by the unknown, from its logarithm.
-    drho = dc + 2 * torus.R * (dE + dB * sin2)
-    spread = drho / rho + (drho + dc) / (2 * (rho + c)) + (dA + dB * sin2) / (2 * D)
-    rate = np.sum((dc - c * spread) / rho * density, axis=-1)
-    for end, speed in ((first + span, dlast), (first, -dfirst)):  # the limits move, too
-        _, rho_end, _, density_end = terms(end)
-        rate += (speed * c / rho_end * density_end)[..., 0]
-    turned = np.sum(c / rho * density, axis=-1)
-    length = np.sum(rho * density, axis=-1)
-    if integrand.onward is None:
-        return turned, rate, length
-    onward = integrate(torus, integrand.onward, count)
-    return turned + onward[0], rate + onward[1], length + onward[2]
+    drho = way.dc + twice * (way.dE + way.dB * sin2)
+    dD = way.dA + way.dB * sin2
+    spread = (
+        drho * by_rho + (drho + way.dc) / 2 * (all_ * (rho * D)) + dD / 2 * (all_ * (rho * both))
+    )
+    turned = way.c * by_rho * density
+    rate = (way.dc - way.c * spread) * by_rho * density
+    return turned, rate, rho * density
 
 
-def _newton(family, torus, a, b, angle, u, scale, low, count):
+def moving(torus, way):
+    """Return what the motion of the limits adds to the rate of the turned angle."""
+    sine = way.sine * way.along + way.cosine * way.across
+    first = _density(torus, way, way.sine * way.sine)
+    last = _density(torus, way, sine * sine)
+    return way.dlast * last - way.dfirst * first
+
+
+def _density(torus, way, sin2):
+    """Return the rate of the turned angle by t."""
+    rho = way.c + 2 * torus.R * (way.E + way.B * sin2)
+    return way.c / rho * square_root(2 * torus.R / ((rho + way.c) * (way.A + way.B * sin2)))
+
+
+def folded(values, count):
+    """Return the sum of so many values, or rows of them, which change, in an order that is kept."""
+    while count % 2 == 0:
+        count = count // 2
+        for k in range(count):
+            values[k] += values[count + k]
+    total = values[0]
+    for k in range(1, count):
+        total = total + values[k]
+    return total
+
+
+def _tangent_of_half(tangent):
+    """Return the tangent of half of an angle from its own."""
+    return tangent / (1 + square_root(1 + tangent * tangent))
+
+
+def newton(u, miss, rate, scale, low, high, before):
+    """Return a new bracket low, high, how far u goes, a step, the next u, and whether it was last.
+
+    `miss` is by how much the angle that is turned with the unknown u is too small, `rate` what it
+    gains with u, both in rad; u came `before` far to where it is, and is of some `scale`.
+    """
+    # The turned angle grows with u: the sign of the miss says on which side the root is.
+    low = where(miss > 0, u, low)
+    high = where(miss < 0, u, high)
+    step = where(miss == 0, 0.0, ratio(miss, rate))
+    # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
+    # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
+    # too far yet, u doubles.
+    onward = (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
+    sound = (low <= u + step) & (u + step <= high) & onward
+    halved = where(high == np.inf, 2 * abs(u) + 0.5, (low + high) / 2)
+    # The second condition: where nothing turns so far, u grows until any step is small.
+    done = sound & (abs(step) <= STEP * (abs(u) + scale)) & (abs(miss) < NEAR)
+    new = where(sound, u + step, halved)
+    return low, high, new - u, step, new, done
+
+
+def _newton(family, torus, ends, angle, u, scale, low, count):
     """Return the rows of a `Root`, each sought from u and within a bracket."""
-    high = np.full_like(a, np.inf)
-    left = np.arange(a.size)
-    found = np.full((5, a.size), np.nan)
+    high = np.full_like(u, np.inf)
+    before = np.zeros_like(u)
+    left = np.arange(u.size)
+    found = np.full((5, u.size), np.nan)
     for _ in range(ROUNDS):
-        integrand = family(torus, a, b, u)
-        turned, rate, length = integrate(torus, integrand, count)
+        way = family(torus, ends, u)
+        turned, rate, length = integrate(torus, way, count)
         miss = angle - turned
-        # The turned angle grows with u: the sign of the miss says on which side the root is.
-        low = np.where(miss > 0, u, low)
-        high = np.where(miss < 0, u, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(miss == 0, 0, miss / rate)
-        # A step that leaves the bracket, or isn't a number, gives way to halving it; while nothing
-        # was too far yet, u doubles.
-        sound = (low <= u + step) & (u + step <= high)
-        halved = np.where(np.isinf(high), 2 * np.abs(u) + 0.5, (low + high) / 2)
-        new = np.where(sound, u + step, halved)
-        # The second condition: where nothing turns so far, u grows until any step is small.
-        done = sound & (np.abs(step) <= STEP * (np.abs(u) + scale)) & (np.abs(miss) < NEAR)
+            low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         if np.any(done):
-            end = family(torus, a[done], b[done], new[done])
+            last = _only(ends, done)
+            end = family(torus, last, u[done])
+            now, end = (one[-1] if isinstance(one, list) else one for one in (way, end))
             # For a given angle the length is stationary in c: what u lacked hardly matters.
             reached = turned + rate * step
-            total = length + integrand.at[0] * miss
-            found[:, left[done]] = reached[done], total[done], end.at[0], end.cos_a, end.cos_b
+            total = length + now.c * miss
+            found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
             if np.all(done):
                 break
         # The others go on without those that are done.
-        a, b, angle, u, scale, low, high, left = (
-            array[~done] for array in (a, b, angle, new, scale, low, high, left)
+        ends = _only(ends, ~done)
+        angle, u, scale, low, high, before, left = (
+            array[~done] for array in (angle, u, scale, low, high, before, left)
         )
     return found
 
 
-def _start(family, torus, a, b, angle):
-    """Return a first guess, the scale of the unknown near zero, and its least value."""
-    if family is not outer:
-        return np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
+def _only(ends, which):
+    return Ends(*(value[which] for value in ends))
+
+
+def start(torus, ends, a, b, angle):
+    """Return a first guess for `outer`, the scale of the unknown near zero, and its least value.
+
+    On a `torus`, between `ends` at phi = a and b, for ways that turn by an `angle`, in rad.
+    """
+    R = torus.R
+    rho_a = ends.rho_a
+    half, other = sine_cosine(angle / 2)
     # The chord's elevation in the tangent plane at a, which is the answer on a sphere. Its part
     # towards growing phi is the meridian's, and what the parallel bends inwards meanwhile.
-    rho_a = torus.r + torus.R * np.cos(a)
-    rho_b = torus.r + torus.R * np.cos(b)
-    up = torus.R * np.sin(b - a) + 2 * rho_b * np.sin(angle / 2) ** 2 * np.sin(a)
-    tilt = np.arctan2(up, rho_b * np.abs(np.sin(angle)))
+    sine_a = 2 * ends.sine_a * ends.cosine_a
+    up = 2 * (ends.rho_b * half * half * sine_a - R * ends.sine * ends.cosine)
+    along = 2 * ends.rho_b * abs(half * other)
+    size = square_root(up * up + along * along)
+    sine = up / size
     # x of that azimuth: rho_a - c = 2R x^2 with c = rho_a cos(tilt), 1 - cos as sin^2 / (1 + cos).
-    x = np.sin(tilt) * rho_a / np.sqrt(2 * torus.R * rho_a * (1 + np.cos(tilt)))
-    X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt(rho_a / (2 * torus.R))
+    x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
+    X = room(torus, ends)
     # From x to u, kept off both ends of the class.
-    guess = np.where(x > 0, X * np.arctanh(np.clip(x / X, 0, 0.95)), 0.99 * x)
-    guess = np.where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
+    share = smaller(larger(x / X, 0.0), 0.95)
+    risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
+    guess = where(x > 0, risen, 0.99 * x)
+    guess = where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
     # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
     # b > 0 so large a scale would let them end too early near the inner equator, where roots are
     # small themselves; one that asks for steps of rounding size doesn't.
-    scale = np.where(b <= 0, np.sin(a / 2), ROUNDING)
-    return guess, scale, -np.sqrt(rho_a / (2 * torus.R))
+    scale = where(b <= 0, ends.sine_a, ROUNDING)
+    return guess, scale, -square_root(rho_a / (2 * R))

@@ -5,55 +5,44 @@ problem, which integrates the equations themselves, checks it.
 """
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
+from .. import compiled
 from ..arguments import Positions, checked
+from ..elementwise import NUMBERS, divided
 from ..surfaces import Torus
 from .bounds import check_ratio
-from .geodesic import Geodesic, reduced
-from .geodesic_classes import inner, outer, second
-from .geodesic_root import integrate, solve
+from .geodesic import Geodesic
+from .geodesic_classes import ends_of, inner, outer, second
+from .geodesic_pair import (
+    AGREES,
+    INNER,
+    MERIDIAN,
+    NONE,
+    OPEN,
+    OUTER,
+    POINT,
+    Way,
+    azimuths,
+    certificate,
+    conjugate_turn,
+    find,
+    level,
+    normal_form,
+    padded,
+    radii,
+)
+from .geodesic_root import NODES, NODES_OF_RING, NODES_OF_WORKING_SHEET, integrate, rule, solve
 
-AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
 NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
 HALVINGS = 30
-
-
-class _Ends(NamedTuple):
-    """Pairs of ends, flat, in normal form: from phi = a >= 0 to phi = b, |b| <= a.
-
-    What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
-    tells where the ends were exchanged.
-    """
-
-    a: np.ndarray
-    b: np.ndarray
-    angle: np.ndarray
-    mirror: np.ndarray
-    side: np.ndarray
-    swap: np.ndarray
-    on_sheet: np.ndarray
-
-
-class _Ways(NamedTuple):
-    """A geodesic of one class between each pair of ends, in normal form."""
-
-    length: np.ndarray
-    c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
-    kind: np.ndarray
-
-    def settle(self, where, kind, *values):
-        """Write down geodesics of a kind where a mask says, each value a number or an array."""
-        self.kind[where] = kind
-        for array, value in zip(self[:-1], values, strict=True):
-            array[where] = value[where] if np.ndim(value) else value
+BLOCK = 8192  # pairs at a time: they need the same room however many there are
+FEW = 12  # pairs, which plain numbers answer sooner than arrays
+PLAIN = 8e-6, 35e-6  # s for a pair by arrays, on the working sheet and on a ring
 
 
 @checked
@@ -106,13 +95,20 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     >>> round(float(geodesic.length), 12), str(geodesic.kind)
     (0.63, 'meridian')
     """
-    p, q, ends = _normal_form(torus, p, q)
-    outside = _near_side(torus, ends)
-    # Over the inner equator only between opposite halves: else the outside is shorter.
-    inside = _inside(torus, ends, ends.b < 0)
-    nearer = inside.length < np.where(outside.kind == "none", np.inf, outside.length)
-    shortest = _Ways(*(np.where(nearer, *pair) for pair in zip(inside, outside, strict=True)))
-    return _geodesic(torus, p, q, ends, shortest)
+    check_ratio(torus)
+    p, q = np.broadcast_arrays(p, q)
+    shape = p.shape[:-1]
+    starts = p.reshape(-1, 2)
+    stops = q.reshape(-1, 2)
+    size, unit = radii(torus)
+    answers = np.empty((4, len(starts)))
+    codes = np.empty((2, len(starts)), np.uint8)
+    compiled.expect(PLAIN[size.r > size.R] * len(starts), "geodesics")
+    for first in range(0, len(starts), BLOCK):
+        block = slice(first, first + BLOCK)
+        answers[:, block], codes[:, block] = _shortest(size, starts[block], stops[block])
+    answers[::3] *= unit  # length and Clairaut's constant
+    return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in (*answers, *codes)))
 
 
 @checked
@@ -150,91 +146,121 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     than 2 pi / sqrt(1 + r / R), two half swings, no later arrivals exist: between ends that are
     more than 17 degrees of theta apart on the reference machine's torus.
     """
-    p, q, ends = _normal_form(torus, p, q)
-    least = _least_second(torus, ends)
-    long_way = ends._replace(angle=2 * np.pi - ends.angle, side=-ends.side)
-    ways = []
-    for way in (ends, long_way):
-        found = _near_side(torus, way), *_second_arrivals(torus, way, least), _inside(torus, way)
-        ways += [_geodesic(torus, p, q, way, one) for one in found]
-    fields = ["length", "azimuth1", "azimuth2", "clairaut", "kind", "converged", "certificate"]
-    stacked = [np.stack([getattr(way, name) for way in ways]) for name in fields]
-    order = np.argsort(stacked[0], axis=0)  # NaN comes last
-    *ranked, certificate = (np.take_along_axis(field, order, axis=0) for field in stacked)
-    certificate[1:] = ""
-    p = np.broadcast_to(p, (CLASSES, *p.shape))
-    q = np.broadcast_to(q, (CLASSES, *q.shape))
-    return Geodesic(torus, p, q, *ranked, certificate)
-
-
-def _normal_form(torus, p, q):
-    """Return the ends, broadcast, and the same as `_Ends`."""
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
-    start = p.reshape(-1, 2)
-    stop = q.reshape(-1, 2)
-    phi1 = reduced(start[:, 1])
-    phi2 = reduced(stop[:, 1])
-    turn = reduced(stop[:, 0] - start[:, 0])
-    # The end farther from the outer equator comes first, mirrored to phi >= 0.
-    swap = np.abs(phi2) > np.abs(phi1)
-    a, b = np.where(swap, (phi2, phi1), (phi1, phi2))
-    mirror = np.where(a < 0, -1.0, 1.0)
-    # At a node itself there is no tangent plane: it isn't on the sheet.
-    on_sheet = torus.r + torus.R * np.minimum(np.cos(a), np.cos(b)) > 0
-    side = np.where(turn < 0, -1.0, 1.0)
-    return p, q, _Ends(a * mirror, b * mirror, np.abs(turn), mirror, side, swap, on_sheet)
+    size, unit = radii(torus)
+    pair = normal_form(size, *_columns(p.reshape(-1, 2), q.reshape(-1, 2)))
+    least = _least_second(size, pair)
+    long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
+    found = []
+    for way in (pair, long_way):
+        classes = _near_side(size, way), *_second_arrivals(size, way, least), _inside(size, way)
+        found += [(*_finished(size, way, one), one.kind) for one in classes]
+    *answers, kinds = (np.stack(field) for field in zip(*found, strict=True))
+    order = np.argsort(answers[0], axis=0)  # NaN comes last
+    *answers, kinds = (np.take_along_axis(field, order, axis=0) for field in (*answers, kinds))
+    certificates = np.zeros_like(kinds)
+    certificates[0] = certificate(size, pair, kinds[0])
+    answers = [answers[0] * unit, *answers[1:3], answers[3] * unit]
+    shape = CLASSES, *p.shape[:-1]
+    fields = (one.reshape(shape) for one in (*answers, kinds, certificates))
+    return Geodesic(torus, *(np.broadcast_to(end, (*shape, 2)) for end in (p, q)), *fields)
 
 
-def _nothing(ends):
-    return _Ways(*np.full((4, ends.a.size), np.nan), np.full(ends.a.size, "none", dtype="<U8"))
+def _shortest(size, p, q):
+    """Return length, azimuths and c (4, n), and codes (2, n), of pairs of ends (n, 2)."""
+    ready = compiled.ready("geodesics")
+    if not ready and len(p) > FEW:
+        return _shortest_by_arrays(size, p, q)
+    answers = np.empty((4, len(p)))
+    codes = np.empty((2, len(p)), np.uint8)
+    many = NODES_OF_RING if size.r > size.R else NODES
+    rules = padded(NODES_OF_WORKING_SHEET), padded(many)
+    counts = NODES_OF_WORKING_SHEET // 2, many // 2
+    rows = np.empty((3, max(one.shape[1] for one in rules)))
+    # Copies, which may be written to and are of one order: one compiled form serves all.
+    ends = np.array(p, order="C"), np.array(q, order="C")
+    arguments = size, *ends, *rules, counts, rows, answers, codes
+    if ready:
+        compiled.call(find, *arguments, **{**NUMBERS, "ratio": divided})
+    else:
+        compiled.call_plain(find, *arguments)
+    open_ = np.flatnonzero(codes[0] == OPEN)
+    if open_.size:
+        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, p[open_], q[open_])
+    return answers, codes
 
 
-def _near_side(torus, ends):
+def _shortest_by_arrays(size, p, q):
+    """Return the same."""
+    pair = normal_form(size, *_columns(p, q))
+    outside = _near_side(size, pair)
+    # Over the inner equator only between opposite halves: else the outside is shorter.
+    inside = _inside(size, pair, pair.b < 0)
+    nearer = inside.length < np.where(outside.kind == NONE, np.inf, outside.length)
+    shortest = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
+    codes = shortest.kind, certificate(size, pair, shortest.kind)
+    return _finished(size, pair, shortest), codes
+
+
+def _columns(p, q):
+    """Return theta and phi of both ends, each (n,)."""
+    return p[:, 0], p[:, 1], q[:, 0], q[:, 1]
+
+
+def _finished(size, pair, way):
+    """Return length, azimuths and c of ways between the ends as they were given."""
+    first, last, c = azimuths(size, pair, way)
+    return way.length, first, last, c
+
+
+def _settle(ways, where, kind, *values):
+    """Write down geodesics of a kind where a mask says, each value a number or an array."""
+    ways.kind[where] = kind
+    for array, value in zip(ways[1:], values, strict=True):
+        array[where] = value[where] if np.ndim(value) else value
+
+
+def _nothing(pair):
+    return Way(np.full(pair.a.size, NONE), *np.full((4, pair.a.size), np.nan))
+
+
+def _near_side(torus, pair):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
-    ways = _nothing(ends)
-    a, b, angle = ends[:3]
-    # On one meridian c = 0, the end of the class, which a search would only near.
-    meridian = ends.on_sheet & (angle == 0)
-    ways.settle(meridian, "meridian", torus.R * (a - b), 0.0, -1.0, -1.0)
-    ways.settle(meridian & (a == b), "point", 0.0, 0.0, np.nan, np.nan)
-    # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
-    # sin(phi/2) vanishes all along and leaves no quadrature.
-    equator = (angle > 0) & (a == 0) & (angle <= _conjugate_turn(torus))
-    span = torus.r + torus.R
-    ways.settle(equator, "outer", span * angle, span, 0.0, 0.0)
-    there = ends.on_sheet & (ways.kind == "none") & (angle < _half_swing_by_the_node(torus))
-    _search(torus, outer, ends, there, ways)
+    ways = level(torus, pair)
+    there = pair.on_sheet & (ways.kind == NONE) & (pair.angle < _half_swing_by_the_node(torus))
+    _search(torus, outer, pair, there, ways)
     return ways
 
 
-def _second_arrivals(torus, ends, least):
+def _second_arrivals(torus, pair, least):
     """Return the ways that turn on the other side: before the least turned angle, and past it."""
-    before, past = _nothing(ends), _nothing(ends)
-    angle = ends.angle
+    before, past = _nothing(pair), _nothing(pair)
+    angle = pair.angle
     unknown, turned = least
-    possible = ends.on_sheet & (angle > turned)
+    possible = pair.on_sheet & (angle > turned)
     for ways, sense, swings in ((before, -1, 1), (past, 1, 2)):
         there = possible & (angle < swings * _half_swing_by_the_node(torus))
-        _search(torus, partial(second, sense=sense), ends, there, ways, sense * unknown)
+        _search(torus, partial(second, sense=sense), pair, there, ways, sense * unknown)
     return before, past
 
 
-def _least_second(torus, ends):
+def _least_second(torus, pair):
     """Return the unknown of `second` with which the turned angle is least, and that angle."""
-    index = np.flatnonzero(ends.on_sheet)
-    a, b = ends.a[index], ends.b[index]
+    index = np.flatnonzero(pair.on_sheet)
+    a = pair.a[index]
+    ends = ends_of(torus, a, pair.b[index])
     unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
     low = -FARTHEST * unit
     high = -NEAREST * unit
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        falling = integrate(torus, second(torus, a, b, middle), 96)[1] < 0
+        falling = integrate(torus, second(torus, ends, middle), NODES)[1] < 0
         low = np.where(falling, middle, low)
         high = np.where(falling, high, middle)
-    least = np.full((2, ends.a.size), np.nan)
-    least[:, index] = high, integrate(torus, second(torus, a, b, high), 96)[0]
+    least = np.full((2, pair.a.size), np.nan)
+    least[:, index] = high, integrate(torus, second(torus, ends, high), NODES)[0]
     return least
 
 
@@ -245,91 +271,70 @@ def _half_swing_by_the_node(torus):
     return np.pi / np.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
 
 
-def _inside(torus, ends, allowed=True):
+def _inside(torus, pair, allowed=True):
     """Return the ways over a ring's inner equator, or along either equator."""
-    ways = _nothing(ends)
-    a, b, angle = ends[:3]
+    ways = _nothing(pair)
+    a, b, angle = pair[:3]
     span = torus.r + torus.R
     narrow = torus.r - torus.R
     # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
-    ways.settle((a == 0) & (angle > _conjugate_turn(torus)), "outer", span * angle, span, 0.0, 0.0)
+    past = (a == 0) & (angle > conjugate_turn(torus))
+    _settle(ways, past, OUTER, span * angle, span, 0.0, 0.0)
     if narrow <= 0:  # the working sheet of a horn or a spindle has no inner equator
         return ways
     # Round the tube the other way, if there are two ends.
     meridian = (angle == 0) & ((b < 0) | (a > b)) & allowed
-    ways.settle(meridian, "meridian", torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
+    _settle(ways, meridian, MERIDIAN, torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
     # Along the inner equator c = r - R, the class's other end.
     both = (a == np.pi) & (np.abs(b) == np.pi)
-    ways.settle(both, "inner", narrow * angle, narrow, 0.0, 0.0)
-    ways.settle(both & (angle == 0), "point", 0.0, 0.0, np.nan, np.nan)
-    _search(torus, inner, ends, (angle > 0) & (a > 0) & allowed & (ways.kind == "none"), ways)
+    _settle(ways, both, INNER, narrow * angle, narrow, 0.0, 0.0)
+    _settle(ways, both & (angle == 0), POINT, 0.0, 0.0, np.nan, np.nan)
+    _search(torus, inner, pair, (angle > 0) & (a > 0) & allowed & (ways.kind == NONE), ways)
     return ways
 
 
-def _conjugate_turn(torus):
-    """Return the turn to the first conjugate point on the outer equator, the least half swing."""
-    return np.pi * np.sqrt(torus.R / (torus.r + torus.R))
-
-
-def _search(torus, family, ends, possible, ways, low=None):
+def _search(torus, family, pair, possible, ways, low=None):
     """Write down the ways of a class that reach their turned angle."""
     index = np.flatnonzero(possible)
-    a, b, angle = (array[index] for array in ends[:3])
-    found = solve(family, torus, a, b, angle, None if low is None else low[index])
+    a, b, angle = (array[index] for array in pair[:3])
+    ends = ends_of(torus, a, b)
+    found = solve(family, torus, ends, a, b, angle, None if low is None else low[index])
     reached = np.abs(found.turned - angle) <= AGREES
     index = index[reached]
-    ways.kind[index] = "inner" if family is inner else "outer"
-    for array, value in zip(ways[:-1], found[1:], strict=True):
+    ways.kind[index] = INNER if family is inner else OUTER
+    for array, value in zip(ways[1:], found[1:], strict=True):
         array[index] = value[reached]
     if torus.r > torus.R and family in (outer, inner):
         index = np.flatnonzero(possible)[~reached]
-        a, b, angle = (array[index] for array in ends[:3])
+        a, b, angle = (array[index] for array in pair[:3])
         far = WOUND * (np.cos(a / 2) if family is outer else np.ones_like(a))
-        wound = integrate(torus, family(torus, a, b, far), 96)[0] < angle
-        _wind(torus, ends, family, index[wound], ways)
+        ends = ends_of(torus, a, b)
+        wound = integrate(torus, family(torus, ends, far), NODES)[0] < angle
+        _wind(torus, pair, family, index[wound], ways)
 
 
-def _wind(torus, ends, family, index, ways):
+def _wind(torus, pair, family, index, ways):
     """Write down the ways of a ring that follow its inner equator to the last digit of c.
 
     In a given class length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary in c; so
     c = r - R will do.
     """
     c = torus.r - torus.R
-    nodes, weights = np.polynomial.legendre.leggauss(96)
-    length = c * ends.angle[index]
+    shares, weights = (np.append(half, half) for half in rule(NODES))
+    shares[NODES // 2 :] = 1 - shares[NODES // 2 :]
+    length = c * pair.angle[index]
     cosines = []
-    for end in (ends.a[index], np.abs(ends.b[index]) if family is inner else ends.b[index]):
+    for end in (pair.a[index], np.abs(pair.b[index]) if family is inner else pair.b[index]):
         # From the inner equator, z = 0, to the end: the nodes, and last the end itself.
-        z = np.append((np.pi - end[:, None]) * (1 + nodes) / 2, np.pi - end[:, None], axis=1)
+        z = np.append((np.pi - end[:, None]) * shares, np.pi - end[:, None], axis=1)
         # rho^2 - c^2 = (rho - c)(rho + c), of which the first factor is 2 R sin^2(z/2).
         sine = np.sin(z / 2)
         rho = c + 2 * torus.R * sine**2
         cosine = sine * np.sqrt(2 * torus.R * (rho + c)) / rho
-        length += torus.R * (np.pi - end) / 2 * (cosine[:, :-1] @ weights)
+        length += torus.R * (np.pi - end) * (cosine[:, :-1] @ weights)
         cosines.append(cosine[:, -1])  # of the azimuth at the end
-    kind = "inner" if family is inner else "outer"
-    ways.kind[index] = kind
+    ways.kind[index] = INNER if family is inner else OUTER
     ways.length[index] = length
     ways.c[index] = c
     ways.cos_a[index] = cosines[0]
     ways.cos_b[index] = cosines[1] if family is inner else -cosines[1]
-
-
-def _geodesic(torus, p, q, ends, ways):
-    """Return ways as a `Geodesic` between the ends as they were given."""
-    # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
-    # and of the sine twice, since the turn is reckoned from the other end, too.
-    back = ends.mirror * np.where(ends.swap, -1.0, 1.0)
-    rho = torus.r + torus.R * np.cos([ends.a, ends.b])
-    azimuth = np.arctan2(ends.side * ways.c / rho, back * [ways.cos_a, ways.cos_b])
-    first, last = np.where(ends.swap, azimuth[::-1], azimuth)
-    # Within half of the shortest swing there is no second arrival.
-    only = (ends.angle <= _conjugate_turn(torus)) & (ends.angle < np.pi)
-    certificate = np.select(
-        [ways.kind == "none", np.isin(ways.kind, ["meridian", "point"]), only],
-        ["", "meridian", "only"], "first",
-    )  # fmt: skip
-    answers = ways.length, first, last, ends.side * ways.c, ways.kind, ways.kind != "none"
-    shape = p.shape[:-1]
-    return Geodesic(torus, p, q, *(v.reshape(shape)[()] for v in (*answers, certificate)))

@@ -1,0 +1,55 @@
+"""Elementary functions that are made of sums, products, quotients and roots."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from tunneller_lib import repeatable
+
+RNG = np.random.default_rng(0)
+SMALL = 10.0 ** RNG.uniform(-20, 0, 300)
+CASES = {
+    "growth": (mp.expm1, np.concatenate([SMALL, RNG.uniform(0, 3, 300), RNG.uniform(0, 700, 300)])),
+    "area_sine": (mp.asinh, np.concatenate([SMALL, RNG.uniform(0, 9, 300), 1e140 * SMALL])),
+    "sine": (mp.sin, np.concatenate([SMALL, RNG.uniform(-3.9, 3.9, 300), [np.pi / 2, -np.pi]])),
+    "cosine": (mp.cos, np.concatenate([SMALL, RNG.uniform(-3.9, 3.9, 300), [np.pi / 2, -np.pi]])),
+}
+FUNCTIONS = {
+    "growth": repeatable.growth,
+    "area_sine": repeatable.area_sine,
+    "sine": lambda x: repeatable.sine_cosine(x)[0],
+    "cosine": lambda x: repeatable.sine_cosine(x)[1],
+}
+
+
+def off(found, known):
+    """Return the greatest relative error of numbers, in roundings."""
+    with mp.workprec(120):
+        shares = [abs(mp.mpf(one) / other - 1) for one, other in zip(found, known, strict=True)]
+    return float(max(shares)) / 2**-52
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_function_is_right_to_two_roundings_and_the_same_one_by_one(name):
+    exact, x = CASES[name]
+    found = FUNCTIONS[name](x)
+    with mp.workprec(120):
+        known = [exact(mp.mpf(one)) for one in x.tolist()]
+    assert off(found.tolist(), known) < 2
+    assert [FUNCTIONS[name](one) for one in x.tolist()] == found.tolist()
+
+
+def test_arctangent_is_right_to_two_roundings_and_the_same_one_by_one():
+    y = RNG.normal(size=600) * 10.0 ** RNG.uniform(-12, 2, 600)
+    x = RNG.normal(size=600)
+    found = repeatable.arctangent(y, x)
+    with mp.workprec(120):
+        known = [mp.atan2(*pair) for pair in zip(y.tolist(), x.tolist(), strict=True)]
+    assert off(found.tolist(), known) < 2
+    ones = [repeatable.arctangent(*pair) for pair in zip(y.tolist(), x.tolist(), strict=True)]
+    assert ones == found.tolist()
+
+
+@pytest.mark.parametrize("y, x", [(0, 1), (0, -1), (1, 0), (-1, 0), (0, 0)])
+def test_arctangent_along_the_axes_is_exact(y, x):
+    assert repeatable.arctangent(float(y), float(x)) == np.arctan2(y, x)

@@ -1,0 +1,248 @@
+"""One pair of ends of a geodesic: its normal form, answers without a search, azimuths, certificate.
+
+All is element by element, for arrays or plain numbers; `find` is the loop over pairs for
+`compiled.call`. Kinds and certificates are codes here, places in `KINDS` and `CERTIFICATES`.
+"""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiled import loop
+from ..elementwise import ratio, smaller, where
+from ..repeatable import arctangent, sine_cosine
+from .geodesic_classes import ends_of, inner, outer
+from .geodesic_root import (
+    ROUNDS,
+    folded,
+    moving,
+    newton,
+    on_working_sheet,
+    rule,
+    start,
+    stretched,
+    two_nodes,
+)
+
+KINDS = np.array(["none", "point", "meridian", "outer", "inner"])
+CERTIFICATES = np.array(["", "meridian", "only", "first"])
+NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
+OPEN = len(KINDS)  # the loop leaves the pair to arrays
+
+AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+
+
+class Radii(NamedTuple):
+    """r and R of a torus, in a power of two of m, so that R is from 1 to 2."""
+
+    r: float
+    R: float
+
+
+class EndPair(NamedTuple):
+    """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
+
+    What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
+    tells where the ends were exchanged.
+    """
+
+    a: np.ndarray
+    b: np.ndarray
+    angle: np.ndarray
+    mirror: np.ndarray
+    side: np.ndarray
+    swap: np.ndarray
+    on_sheet: np.ndarray
+
+
+class Way(NamedTuple):
+    """A geodesic between ends in normal form: kind, length, c, and cosines of the azimuths."""
+
+    kind: np.ndarray
+    length: np.ndarray
+    c: np.ndarray
+    cos_a: np.ndarray
+    cos_b: np.ndarray
+
+
+def radii(torus):
+    """Return the `Radii` of a torus, and their unit in m."""
+    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
+    return Radii(float(torus.r / unit), float(torus.R / unit)), unit
+
+
+def normal_form(torus, theta1, phi1, theta2, phi2):
+    """Return ends on a torus, theta1, phi1 and theta2, phi2 in rad, as a `EndPair`."""
+    phi1 = reduced(phi1)
+    phi2 = reduced(phi2)
+    turn = reduced(theta2 - theta1)
+    # The end farther from the outer equator comes first, mirrored to phi >= 0.
+    swap = abs(phi2) > abs(phi1)
+    a = where(swap, phi2, phi1)
+    b = where(swap, phi1, phi2)
+    mirror = where(a < 0, -1.0, 1.0)
+    a = a * mirror
+    b = b * mirror
+    # At a node itself there is no tangent plane: it isn't on the sheet.
+    _, level_a = sine_cosine(a)
+    _, level_b = sine_cosine(b)
+    on_sheet = torus.r + torus.R * smaller(level_a, level_b) > 0
+    return EndPair(a, b, abs(turn), mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet)
+
+
+def reduced(angle):
+    """Return angles from -pi to pi, untouched where they are there already."""
+    turned = (angle + math.pi) % (2 * math.pi) - math.pi
+    return where(abs(angle) <= math.pi, angle, turned)
+
+
+def level(torus, pair):
+    """Return the ways down the outside of a meridian, or along the outer equator, as a `Way`."""
+    a, b, angle = pair.a, pair.b, pair.angle
+    # On one meridian c = 0, the end of the class, which a search would only near.
+    meridian = pair.on_sheet & (angle == 0)
+    # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
+    # sin(phi/2) vanishes all along and leaves no quadrature.
+    equator = (angle > 0) & (a == 0) & (angle <= conjugate_turn(torus))
+    span = torus.r + torus.R
+    kind = where(equator, OUTER, where(meridian, where(a == b, POINT, MERIDIAN), NONE))
+    length = where(equator, span * angle, where(meridian, torus.R * (a - b), math.nan))
+    c = where(equator, span, where(meridian, 0.0, math.nan))
+    cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
+    return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
+
+
+def conjugate_turn(torus):
+    """Return the turn to the first conjugate point on the outer equator, the least half swing."""
+    return np.pi * math.sqrt(torus.R / (torus.r + torus.R))
+
+
+def azimuths(torus, pair, way):
+    """Return the azimuths at the ends as they were given, and c."""
+    # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
+    # and of the sine twice, since the turn is reckoned from the other end, too.
+    back = pair.mirror * where(pair.swap, -1.0, 1.0)
+    c = pair.side * way.c
+    _, level_a = sine_cosine(pair.a)
+    _, level_b = sine_cosine(pair.b)
+    first = arctangent(ratio(c, torus.r + torus.R * level_a), back * way.cos_a)
+    last = arctangent(ratio(c, torus.r + torus.R * level_b), back * way.cos_b)
+    undirected = way.kind <= POINT
+    first = where(undirected, math.nan, first)
+    last = where(undirected, math.nan, last)
+    return where(pair.swap, last, first), where(pair.swap, first, last), c
+
+
+def certificate(torus, pair, kind):
+    """Return the code of why a way of some kind is the shortest."""
+    # Within half of the shortest swing there is no second arrival.
+    only = (pair.angle <= conjugate_turn(torus)) & (pair.angle < np.pi)
+    found = where((kind == MERIDIAN) | (kind == POINT), 1, where(only, 2, 3))
+    return where(kind == NONE, 0, found)
+
+
+@cache
+def padded(count):
+    """Return shares and weights of a `rule`, some of no weight, eight at a time."""
+    shares, weights = rule(count)
+    rest = -len(shares) % 8
+    return np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+
+
+@loop(inlined=("growth", "two_to_bits", "two_nodes", "_node"))
+def find(torus, p, q, few, many, counts, rows, answers, codes):
+    """Write down the shortest geodesics between pairs of ends.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    p, q : (n, 2) float
+        The ends, in rad.
+    few, many : (2, k) and (2, l) float
+        Quadratures: shares and weights of `padded`, for the working sheet and elsewhere.
+    counts : (int, int)
+        How many of them count.
+    rows : (3, m) float
+        Room for what nodes add, m at least k and l.
+    answers : (4, n) float
+        Filled with length and Clairaut's constant, in m, and both azimuths, in rad.
+    codes : (2, n) int
+        Filled with kinds and certificates; the kind is `OPEN` where arrays have to answer.
+    """
+    for i in range(len(p)):
+        pair = normal_form(torus, p[i][0], p[i][1], q[i][0], q[i][1])
+        way = _shortest(torus, pair, few, many, counts, rows)
+        first, last, c = azimuths(torus, pair, way)
+        answers[0][i] = way.length
+        answers[1][i] = first
+        answers[2][i] = last
+        answers[3][i] = c
+        codes[0][i] = way.kind
+        codes[1][i] = certificate(torus, pair, way.kind)
+
+
+def _shortest(torus, pair, few, many, counts, rows):
+    """Return the shortest `Way`; its kind is `OPEN` where that takes more than this."""
+    a, b, angle = pair.a, pair.b, pair.angle
+    way = level(torus, pair)
+    ring = torus.r > torus.R
+    if way.kind != NONE and not (ring and angle == 0):
+        return way
+    if not pair.on_sheet:
+        return way
+    if angle == 0 or (a == math.pi and abs(b) == math.pi):
+        return _open(way)
+    ends = ends_of(torus, a, b)
+    sheet = on_working_sheet(torus, a, angle)
+    nodes = few if sheet else many
+    count = counts[0] if sheet else counts[1]
+    begin = start(torus, ends, a, b, angle)
+    way = _search(torus, ends, angle, begin, True, nodes, count, rows)
+    # Over the inner equator only between opposite halves: else the outside is shorter.
+    if ring and b < 0 and way.kind != OPEN:
+        other = _search(torus, ends, angle, (0.5, 0.0, 0.0), False, nodes, count, rows)
+        if other.kind == OPEN or other.length < way.length:
+            return other
+    return way
+
+
+def _search(torus, ends, angle, begin, outside, nodes, count, rows):
+    """Return the way of `outer`, or else of `inner`, that turns by an angle in rad."""
+    u, scale, low = begin
+    high = math.inf
+    before = 0.0
+    total = math.nan
+    done = False
+    for _ in range(ROUNDS):
+        way = outer(torus, ends, u) if outside else inner(torus, ends, u)
+        if done:
+            kind = OUTER if outside else INNER
+            return Way(kind, total, way.c, way.cos_a, way.cos_b)
+        turned, rate, length = _summed(torus, way, stretched(torus, way), nodes, count, rows)
+        rate += moving(torus, way)
+        miss = angle - turned
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        # For a given angle the length is stationary in c: what u lacked hardly matters.
+        total = length + way.c * miss
+        if done and not abs(turned + rate * step - angle) <= AGREES:
+            break
+    return Way(OPEN, math.nan, math.nan, math.nan, math.nan)
+
+
+def _open(way):
+    return Way(OPEN, way.length, way.c, way.cos_a, way.cos_b)
+
+
+def _summed(torus, way, stretch, nodes, count, rows):
+    """Return the sums over the nodes of a rule, of which so many count."""
+    shares = nodes[0]
+    weights = nodes[1]
+    turned = rows[0]
+    rate = rows[1]
+    length = rows[2]
+    for k in range(len(shares)):
+        turned[k], rate[k], length[k] = two_nodes(torus, way, stretch, shares[k], weights[k])
+    return folded(turned, count), folded(rate, count), folded(length, count)

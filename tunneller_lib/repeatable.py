@@ -1,0 +1,85 @@
+"""Elementary functions whose bits are the same everywhere: for a float, an array, or compiled.
+
+They are made of sums, products, quotients and roots, in one order, element by element as in
+`elementwise`; those of the C library, of numpy and of a compiler differ in last bits, by processor,
+too. Each is right to two roundings of its value.
+"""
+
+import math
+
+from .elementwise import power_above, smaller, square_root, two_to, where
+
+WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to whole numbers
+
+# Parts of numbers, the first of so few bits that its products with small whole numbers are exact.
+_HALF_PI = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+_LOG2 = 0.6931471803691238, 1.9082149292705877e-10
+
+_FRACTIONS = [1 / math.factorial(k) for k in range(19)]
+_E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _FRACTIONS[2:14]
+_S3, _S5, _S7, _S9, _S11, _S13, _S15, _S17 = (
+    (-1) ** k * _FRACTIONS[2 * k + 1] for k in range(1, 9)
+)
+_C4, _C6, _C8, _C10, _C12, _C14, _C16, _C18 = ((-1) ** k * _FRACTIONS[2 * k] for k in range(2, 10))
+_A3, _A5, _A7, _A9, _A11, _A13, _A15, _A17, _A19, _A21 = (1 / k for k in range(3, 22, 2))
+
+
+def growth(x):
+    """Return exp(x) - 1 for x from 0 to 700, to its last digits however small x is."""
+    power = (x * (1 / math.log(2)) + WHOLE) - WHOLE
+    r = (x - power * _LOG2[0]) - power * _LOG2[1]
+    high = ((((_E13 * r + _E12) * r + _E11) * r + _E10) * r + _E9) * r + _E8
+    rest = ((((((high * r + _E7) * r + _E6) * r + _E5) * r + _E4) * r + _E3) * r + _E2) * (r * r)
+    scale = two_to(power + WHOLE)
+    return scale * (r + rest) + (scale - 1)
+
+
+def area_sine(x):
+    """Return the inverse hyperbolic sine of x from 0 to 1e150."""
+    # It is the logarithm of 1 + above, and that of a power of two and what is left of it.
+    above = x + x * x / (1 + square_root(1 + x * x))
+    power = power_above(0.7 * (1 + above)) + 0.0
+    scale = two_to(power + WHOLE)
+    left = where(power == 0, above, (1 + above) / scale - 1)
+    s = left / (2 + left)
+    z = s * s
+    low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
+    rest = (((((low * z + _A11) * z + _A9) * z + _A7) * z + _A5) * z + _A3) * z
+    return power * _LOG2[0] + (power * _LOG2[1] + (2 * s + 2 * s * rest))
+
+
+def sine_cosine(x):
+    """Return the sine and the cosine of x, from -3.9 to 3.9."""
+    quarter = (x * (2 / math.pi) + WHOLE) - WHOLE
+    r = ((x - quarter * _HALF_PI[0]) - quarter * _HALF_PI[1]) - quarter * _HALF_PI[2]
+    z = r * r
+    rest = ((((((_S17 * z + _S15) * z + _S13) * z + _S11) * z + _S9) * z + _S7) * z + _S5) * z
+    sine = r + r * z * (rest + _S3)
+    rest = ((((((_C18 * z + _C16) * z + _C14) * z + _C12) * z + _C10) * z + _C8) * z + _C6) * z
+    cosine = 1 - (z / 2 - z * z * (rest + _C4))
+    half = where(abs(quarter) == 2, -1.0, 1.0)
+    across = abs(quarter) == 1
+    return where(across, quarter * cosine, half * sine), where(
+        across, -quarter * sine, half * cosine
+    )
+
+
+def arctangent(y, x):
+    """Return the angle of the direction (x, y), from -pi to pi; zero where both are zero."""
+    big = where(abs(y) > abs(x), abs(y), abs(x))
+    small = smaller(abs(x), abs(y))
+    # Turned back by pi / 4 where that is nearer, and halved, the angle is at most pi / 16.
+    nearer = small > 0.4 * big
+    across = where(nearer, small - big, small)
+    along = where(nearer, small + big, big)
+    tangent = across / where(big > 0, along, 1.0)
+    tangent = tangent / (1 + square_root(1 + tangent * tangent))
+    z = -tangent * tangent
+    low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
+    rest = (((((low * z + _A11) * z + _A9) * z + _A7) * z + _A5) * z + _A3) * z
+    angle = 2 * (tangent + tangent * rest)
+    low = _HALF_PI[1] + _HALF_PI[2]
+    angle = where(nearer, _HALF_PI[0] / 2 + (low / 2 + angle), angle)
+    angle = where(abs(y) > abs(x), _HALF_PI[0] + (low - angle), angle)
+    angle = where(x < 0, 2 * _HALF_PI[0] + (2 * low - angle), angle)
+    return where(y < 0, -angle, angle)
