@@ -11,7 +11,7 @@ import pytest
 from report.live.javascript import Untranslated, script
 from tunneller_lib.compiled import call_plain, cosine
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid
-from tunneller_lib.motion.both_joints import machine_of, parts_in
+from tunneller_lib.motion.both_joints import least_parts, machine_of, parts_in
 from tunneller_lib.motion.hydraulics import spool_at
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
@@ -105,9 +105,11 @@ def test_both_joints_run_in_javascript_as_in_python(shared):
     state = (*(tuple(map(float, plant.rest(*rest))) for plant, *rest in starts), (0.0,) * 5)
     states = np.zeros((41, 15))
     loops = LOOPS[:2]
+    machine = machine_of(AXES, arm)
+    parts = parts_in(machine, least_parts(AXES, TICK), rows, TICK)
     given = [
-        machine_of(AXES, arm), TICK, tuple(map(control_of, loops)), np.zeros((2, 2)), 0, state,
-        setvalues, np.diff(setvalues, axis=0) / TICK, rows, parts_in(AXES, rows, TICK),
+        machine, TICK, tuple(map(control_of, loops)), np.zeros((2, 2)), 0, state,
+        setvalues, np.diff(setvalues, axis=0) / TICK, rows, parts,
         states, np.zeros((40, 2)),
     ]  # fmt: skip
     assert_same(run_joints, given, [3, 10, 11], commanding=spool_at)

@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_classes import between, inner, outer, second
+from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second
 from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.paths.geodesic_trace import half_swing
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus

@@ -25,10 +25,16 @@ from ..repeatable import growth, sine_cosine
 
 
 class Ends(NamedTuple):
-    """What the ends are to their geodesics, each (...) float.
+    """What the ends are to their geodesics.
 
-    Sines and cosines of a/2, b/2 and of their difference; `apart` is sin^2(a/2) - sin^2(b/2),
-    `rho_a` and `rho_b` are in m.
+    Parameters
+    ----------
+    sine_a, cosine_a, sine_b, cosine_b, sine, cosine : (...) float
+        Of a/2, of b/2 and of their difference.
+    apart : (...) float
+        sin^2(a/2) - sin^2(b/2).
+    rho_a, rho_b : (...) float
+        Distances from the torus' axis, in m.
     """
 
     sine_a: np.ndarray
@@ -43,11 +49,20 @@ class Ends(NamedTuple):
 
 
 class Integrand(NamedTuple):
-    """What one value of the unknown stands for: both integrals' constants and limits, (...) float.
+    """What one value of the unknown stands for: both integrals' constants and limits.
 
-    `sine` and `cosine` are those of the lower limit of t, which is from -pi/2 to pi/2, `across` and
-    `along` sine and cosine of how far the upper one is from it; dc to dlast are what the constants
-    and both limits change by with the unknown; cos_a and cos_b are the cosines of the azimuths.
+    Parameters
+    ----------
+    c, A, B, E : (...) float
+        The constants of both integrals.
+    sine, cosine : (...) float
+        Of the lower limit of t, which is from -pi/2 to pi/2.
+    across, along : (...) float
+        Sine and cosine of how far the upper limit is from the lower.
+    dc, dA, dB, dE, dfirst, dlast : (...) float
+        What the constants and both limits change by with the unknown.
+    cos_a, cos_b : (...) float
+        Cosines of the azimuths.
     """
 
     c: np.ndarray

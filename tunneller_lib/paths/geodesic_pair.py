@@ -45,7 +45,7 @@ class EndPair(NamedTuple):
     """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
 
     What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
-    tells where the ends were exchanged.
+    tells where the ends were exchanged. `on_sheet` tells where both are on the working sheet.
     """
 
     a: np.ndarray
@@ -58,7 +58,17 @@ class EndPair(NamedTuple):
 
 
 class Way(NamedTuple):
-    """A geodesic between ends in normal form: kind, length, c, and cosines of the azimuths."""
+    """A geodesic between ends in normal form.
+
+    Parameters
+    ----------
+    kind : (...) int
+        Its code.
+    length, c : (...) float
+        Its length and Clairaut's constant, in m.
+    cos_a, cos_b : (...) float
+        Cosines of its azimuths.
+    """
 
     kind: np.ndarray
     length: np.ndarray

@@ -241,10 +241,12 @@ class Nearest(NamedTuple):
 
     Parameters
     ----------
-    nn, uu, vv, qv, uv, aside : (...) float
-        Products of vectors as in `Passing`: n n, u u, v v, q v, u v and q n.
+    nn, uu, vv, qv, uv : (...) float
+        Products of vectors as in `Passing`: n n, u u, v v, q v and u v.
     middle : (...) float
         The line's parameter there.
+    aside : (...) float
+        The product q n.
     room : (...) float
         Radius^2 less the squared distance, times nn.
     half : (...) float
