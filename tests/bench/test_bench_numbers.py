@@ -5,31 +5,12 @@ import pytest
 
 from tests.bench.conftest import best_times
 from tests.bench.test_bench_envelopes import solve
-from tests.bench.test_bench_geodesic import MACHINE, RING, random_pairs
-from tests.bench.test_bench_rod import ROD
+from tests.bench.test_bench_geodesic import RING, random_pairs
 from tunneller_lib.paths import geodesic_inverse
-from tunneller_lib.surfaces import Frustum
 
-FRUSTUM = Frustum(ROD.a, ROD.b, 25, 10)
-
-
-def lines(n):
-    """Return points and directions (n, 3) of lines about the rod."""
-    rng = np.random.default_rng(0)
-    points = np.insert(rng.uniform([-70, -115], [160, 115], (n, 2)), 2, -50.0, axis=-1)
-    return points, np.insert(rng.normal(0, 0.3, (n, 2)), 2, 1.0, axis=-1)
-
-
-SOLID = "entry and exit in double, no line missed that touches"
 PROVED = "lengths right to rounding, with the reason why no path is shorter"
 # What each answers with: its unit, what it says, the call, and the most at once.
 WORKS = {
-    "any line against a rod": ("line", SOLID, ROD.meet_line, lines, 1_000_000),
-    "any line against a frustum": ("line", SOLID, FRUSTUM.meet_line, lines, 1_000_000),
-    "geodesic inverse, working sheet": (
-        "pair", PROVED, lambda p, q: geodesic_inverse(MACHINE, p, q),
-        lambda n: random_pairs(MACHINE, n), 1_000_000,
-    ),
     "geodesic inverse, ring": (
         "pair", PROVED, lambda p, q: geodesic_inverse(RING, p, q),
         lambda n: random_pairs(RING, n), 100_000,
