@@ -18,7 +18,6 @@ from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.motion.ticks import _functions, control_of, run_axis, run_joints
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-READS = ["report/live/javascript.py", "tunneller_lib/*"]
 NODE = shutil.which("node")
 SIZES = usual_sizes(REFERENCE_MACHINE)
 AXES = axes_of(REFERENCE_MACHINE, SIZES)

@@ -70,9 +70,13 @@ def test_a_strip_needs_six_positions(chain):
         strip_across(PATCH, MILL, five, five.tip, five.axis, reach=5 * MM)
 
 
-def test_twelve_chains_cover_a_patch_unless_told(found, chain, monkeypatch):
-    # However many there could be: each that is asked for is there at once, and the same.
-    monkeypatch.setattr(coverage, "trace_chains", lambda *given, **options: [chain])
+def test_twelve_chains_cover_a_patch_by_default(found, chain, monkeypatch):
+    # However many there could be: from each start the same, which counts as a gain every time.
+    def traced(patch, mill, starts, **options):
+        return [chain] * np.count_nonzero(starts.fits)
+
+    monkeypatch.setattr(coverage, "trace_chains", traced)
+    monkeypatch.setattr(coverage, "_gain", lambda *given: np.inf)
     assert len(cover(PATCH, MILL, found, step=1 * MM, tolerance=0.0, n=20).chains) == 12
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from report.sources import ROOT, code
 
-READS = ["notebooks/*", "report/*", "README.md", "tunneller_lib/*"]
+READS = ["notebooks/*", "report/*.py", "README.md", "tunneller_lib/*"]
 
 LIBRARY = ROOT / "tunneller_lib"
 # What the documents print is kept whole, by whichever test or notebook it is judged.

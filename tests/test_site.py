@@ -14,7 +14,7 @@ from report.site import build as pages
 from report.site import front
 from report.site.build import build
 from report.site.chapter import Chapter, page_name, title
-from report.site.library import Reference, inline, modules
+from report.site.library import ROOMS, Reference, inline, modules
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
 from report.site.paper import captions
@@ -173,6 +173,11 @@ def test_scenes_stand_below_their_pictures(site):
     for path in (site / "chapters").glob("*.html"):
         cells = re.split(r'(?=<div class="cell")', path.read_text())
         assert all("<figure>" in cell for cell in cells if 'class="scene"' in cell), path.name
+
+
+def test_library_lists_every_room():
+    rooms = {path.parent.name for path in (ROOT / "tunneller_lib").glob("*/__init__.py")}
+    assert set(ROOMS) == rooms
 
 
 def test_library_has_every_public_name(site):

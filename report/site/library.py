@@ -12,7 +12,10 @@ LIBRARY = ROOT / "tunneller_lib"
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.M)
 LISTS = {"Parameters", "Returns", "Yields", "Attributes", "Raises"}
 # From the top, as a reader comes down.
-ROOMS = ["ream", "reporting", "motion", "removal", "paths", "envelopes", "surfaces"]
+ROOMS = [
+    "job", "reporting", "ream", "milling", "motion", "removal", "paths", "envelopes", "surfaces",
+    "replica",
+]  # fmt: skip
 
 
 @dataclass
