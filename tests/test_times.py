@@ -6,7 +6,7 @@ from tests.bench import times
 
 ROW = dict.fromkeys(times.COLUMNS, "some") | {
     "work": "a cut", "each": "ball", "n": 1, "here_s": "2e-05", "peer": "", "peer_s": "",
-    "bound_s": "1e-05",
+    "bound_s": "1e-05", "load": "1.5",
 }  # fmt: skip
 
 

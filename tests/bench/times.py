@@ -86,6 +86,8 @@ def with_table(text):
     rows = read()
     ran = sorted({(row["date"], row["processor"]) for row in rows})
     where = "; ".join(f"{date} on {processor}" for date, processor in ran)
+    loads = [float(row["load"]) for row in rows]
+    where += f", at loads of {min(loads):.0f} to {max(loads):.0f}"
     block = f"{BEGIN}\n{markdown(rows)}\nRuns: {where}.\n\n{END}"
     return re.sub(f"{BEGIN}.*{END}", lambda _: block, text, flags=re.S)
 
