@@ -6,17 +6,18 @@ import pytest
 from tests.bench.conftest import best_times
 from tests.bench.test_bench_envelopes import solve
 from tests.bench.test_bench_geodesic import RING, random_pairs
+from tunneller_lib import compiled
 from tunneller_lib.paths import geodesic_inverse
 
 PROVED = "lengths right to rounding, with the reason why no path is shorter"
-# What each answers with: its unit, what it says, the call, and the most at once.
+# What each answers with: the kind of its loops, its unit, what it says, the call, the most at once.
 WORKS = {
-    "geodesic inverse, ring": (
-        "pair", PROVED, lambda p, q: geodesic_inverse(RING, p, q),
+    "geodesic inverse, ring, compiled": (
+        "geodesics", "pair", PROVED, lambda p, q: geodesic_inverse(RING, p, q),
         lambda n: random_pairs(RING, n), 100_000,
     ),
-    "hyperosculating cones of a blade, in space": (
-        "point", "all cones with their certificates", solve, lambda n: (n,), 8000
+    "hyperosculating cones of a blade, in space, compiled": (
+        "cones", "point", "all cones with their certificates", solve, lambda n: (n,), 8000
     ),
 }  # fmt: skip
 
@@ -24,7 +25,9 @@ WORKS = {
 @pytest.mark.parametrize("n", [1, 1000, 1_000_000])
 @pytest.mark.parametrize("work", WORKS)
 def test_one_a_thousand_and_a_million(benchmark, note, work, n):
-    each, criterion, call, given, most = WORKS[work]
+    pytest.importorskip("numba", reason="what is compiled is timed")
+    kind, each, criterion, call, given, most = WORKS[work]
+    compiled.expect(compiled.LONG + 1, kind)
     n = min(n, most)
     about = tuple(given(n))
     if n == 1:
