@@ -66,6 +66,12 @@ def test_one_chain_has_no_scallops():
     assert len(found) == 0 and found.height.shape == (0,)
 
 
+@pytest.mark.parametrize("chains", [(), (straight(0.0, count=4), straight(1 * MM, count=3))])
+def test_no_chains_or_too_short_ones_have_no_scallops(chains):
+    found = find_scallops(PLANE, BALL, covering(*chains))
+    assert len(found) == 0 and found.height.shape == (0,)
+
+
 def test_chains_one_behind_the_other_have_no_scallops_between_them():
     one = straight(0.0)
     away = np.array([0.03, 0, 0])

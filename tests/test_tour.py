@@ -67,6 +67,13 @@ def test_a_machines_frame_is_three_unit_vectors_right_handed():
         np.testing.assert_allclose(frame[2], np.array(up) / np.linalg.norm(up))
 
 
+def test_axes_along_up_but_for_rounding_turn_nothing():
+    up = np.array([1.0, 2.0, 3.0]) / np.sqrt(14)
+    axis = up + 1e-13 * np.random.default_rng(0).normal(size=(5, 3))
+    values = replace(WIDE, up=(1, 2, 3)).values(0.01 * axis, axis)
+    np.testing.assert_array_equal(values[:, 4], 0)
+
+
 def test_an_axis_that_passes_the_pole_changes_the_sign_of_a():
     """A smooth way past `up`, 0.1 degrees aside: by one sign of A the table would turn by 180."""
     lean = np.radians(np.linspace(-20, 20, 20))

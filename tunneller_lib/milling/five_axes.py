@@ -146,7 +146,9 @@ class TiltingTable:
         tilt = np.arctan2(across, axis[:, 2])
         turn = np.arctan2(axis[:, 0], axis[:, 1])
         free = across < UPRIGHT
-        if free.any() and not free.all():
+        if free.all():
+            turn = np.zeros(len(turn))  # what is left across is rounding, in any direction
+        elif free.any():
             known = np.flatnonzero(~free)
             last = known[np.maximum(np.searchsorted(known, np.arange(len(turn)), "right") - 1, 0)]
             turn = turn[last]

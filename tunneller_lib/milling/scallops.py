@@ -70,7 +70,7 @@ def find_scallops(
         envelope, nor are they ends; each pair of contacts has one line.
     """
     inner = [_inner(chain) for chain in covered.chains]
-    ends = _pairs(inner)
+    ends = _pairs(inner) if any(len(part[0]) for part in inner) else ()
     if not len(ends):
         nothing = np.empty(0, dtype=int)
         return Scallops(nothing, nothing, nothing, nothing, np.empty(0), np.empty(0))
