@@ -769,3 +769,34 @@ def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
     ]
     _, rate, _ = integrate(torus, geodesic_classes.outer(torus, ends, np.array([u])), 40)
     assert (angle[1] - angle[0]) / (2 * step) == pytest.approx(rate, rel=1e-7)
+
+
+@pytest.mark.parametrize("torus", [Torus(0.1, 0.9), Torus(1, 1), Torus(3, 1)])
+@pytest.mark.parametrize("apart", [0.3, 2.3, 3.1])
+def test_ends_however_near_the_outer_equator_have_an_answer_alone_and_among_many(torus, apart):
+    """Past the conjugate point the turned angle hardly grows at first, and squares vanish."""
+    size = 10.0 ** -np.arange(1, 308, 4.0)
+    for share in (0, 0.5, 1, -0.5, -1):
+        p = np.stack([np.zeros_like(size), size], axis=-1)
+        q = np.stack([np.full_like(size, apart), share * size], axis=-1)
+        found = geodesic_inverse(torus, p, q)
+        assert np.all(found.kind != "none")
+        alone = [geodesic_inverse(torus, *ends).length for ends in zip(p, q, strict=True)]
+        np.testing.assert_array_equal(found.length, alone)
+        level = geodesic_inverse(torus, (0, 0), (apart, 0))
+        np.testing.assert_allclose(found.length[size < 1e-17], level.length, rtol=1e-14)
+
+
+def test_ends_too_near_for_products_raise_nothing():
+    found = geodesic_inverse(Torus(0.1, 0.9), (0, 0.4), (1e-200, 0.4))
+    assert found.kind == "none" and np.isnan(found.length)
+
+
+def test_half_a_turn_on_nearly_a_sphere_is_the_same_alone_and_among_many():
+    torus = Torus(1e-15, 1)
+    ends = (0, 0), (np.pi, 1e-9)
+    alone = geodesic_inverse(torus, *ends)
+    many = geodesic_inverse(torus, *np.tile(ends, (20, 1, 1)).swapaxes(0, 1))
+    assert alone.kind == "outer" and alone.length == pytest.approx(np.pi, rel=1e-8)
+    np.testing.assert_array_equal(many.kind, alone.kind)
+    np.testing.assert_array_equal(many.length, alone.length)

@@ -31,6 +31,7 @@ CERTIFICATES = np.array(["", "meridian", "only", "first"])
 NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
 OPEN = len(KINDS)  # the loop leaves the pair to arrays
 
+LEVEL = 1e-80  # of the turn, phi below which ends count as on the outer equator
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 
 
@@ -88,6 +89,7 @@ def normal_form(torus, theta1, phi1, theta2, phi2):
     phi1 = reduced(phi1)
     phi2 = reduced(phi2)
     turn = reduced(theta2 - theta1)
+    angle = abs(turn)
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
     swap = abs(phi2) > abs(phi1)
     a = where(swap, phi2, phi1)
@@ -95,11 +97,16 @@ def normal_form(torus, theta1, phi1, theta2, phi2):
     mirror = where(a < 0, -1.0, 1.0)
     a = a * mirror
     b = b * mirror
+    # So near the outer equator, for their turn, ends are on it to the last digit of the way between
+    # them, and products of their sines would vanish.
+    flat = a < LEVEL * angle
+    a = where(flat, 0.0, a)
+    b = where(flat, 0.0, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
     _, level_a = sine_cosine(a)
     _, level_b = sine_cosine(b)
     on_sheet = torus.r + torus.R * smaller(level_a, level_b) > 0
-    return EndPair(a, b, abs(turn), mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet)
+    return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet)
 
 
 def reduced(angle):

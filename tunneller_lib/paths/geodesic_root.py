@@ -1,7 +1,7 @@
 """The geodesic of a class between two given ends: a quadrature and Newton's method.
 
 What is between the loops is element by element, so that arrays, plain numbers and compiled loops
-(`geodesic_loops`) give the same bits.
+(`geodesic_pair`) give the same bits.
 """
 
 from functools import cache
@@ -63,6 +63,7 @@ def on_working_sheet(torus, a, angle):
     return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
 
 
+@np.errstate(divide="ignore", invalid="ignore")
 def solve(family, torus, ends, a, b, angle, low=None):
     """Return the geodesics of a class whose turned angle is the given one.
 
@@ -252,10 +253,12 @@ def newton(u, miss, rate, scale, low, high, before):
     step = where(miss == 0, 0.0, ratio(miss, rate))
     # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
     # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
-    # too far yet, u doubles.
+    # too far yet, u doubles at most, for a rate near zero would throw it where none comes back.
     onward = (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
-    sound = (low <= u + step) & (u + step <= high) & onward
-    halved = where(high == np.inf, 2 * abs(u) + 0.5, (low + high) / 2)
+    endless = high == np.inf
+    most = where(endless, 2 * abs(u) + 0.5, high)
+    sound = (low <= u + step) & (u + step <= most) & onward
+    halved = where(endless, most, (low + high) / 2)
     # The second condition: where nothing turns so far, u grows until any step is small.
     done = sound & (abs(step) <= STEP * (abs(u) + scale)) & (abs(miss) < NEAR)
     new = where(sound, u + step, halved)
@@ -272,8 +275,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
         way = family(torus, ends, u)
         turned, rate, length = integrate(torus, way, count)
         miss = angle - turned
-        with np.errstate(divide="ignore", invalid="ignore"):
-            low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         if np.any(done):
             last = _only(ends, done)
             end = family(torus, last, u[done])

@@ -184,7 +184,10 @@ def _shortest(size, p, q):
     if ready:
         compiled.call(find, *arguments, **{**NUMBERS, "ratio": divided})
     else:
-        compiled.call_plain(find, *arguments)
+        try:
+            compiled.call_plain(find, *arguments)
+        except ZeroDivisionError:  # a product of numbers below 1e-150, which arrays divide by
+            return _shortest_by_arrays(size, p, q)
     open_ = np.flatnonzero(codes[0] == OPEN)
     if open_.size:
         answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, p[open_], q[open_])
@@ -228,7 +231,9 @@ def _nothing(pair):
 def _near_side(torus, pair):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
     ways = level(torus, pair)
-    there = pair.on_sheet & (ways.kind == NONE) & (pair.angle < _half_swing_by_the_node(torus))
+    # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
+    turns = pair.angle <= _half_swing_by_the_node(torus)
+    there = pair.on_sheet & (ways.kind == NONE) & turns
     _search(torus, outer, pair, there, ways)
     return ways
 
