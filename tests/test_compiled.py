@@ -425,3 +425,17 @@ def test_other_compiler_runs_what_numba_does_not(monkeypatch):
     compiled.replace_plain(lambda *given, **parts: asked.append((given, parts)))
     compiled.call(weights, 1, 2, part=len)
     assert asked == [((weights, 1, 2), {"part": len})]
+
+
+def test_a_number_of_another_module_makes_a_compiled_loop_anew(monkeypatch):
+    pytest.importorskip("numba")
+    names = []
+    for value in (1.0, 2.0):
+        monkeypatch.setitem(globals(), "AS_IF_IMPORTED", value)
+        compiled._compiled.cache_clear()
+        names.append(compiled._compiled(scaled).py_func.__qualname__)
+    assert names[0] != names[1]
+
+
+def scaled(x):
+    return x * AS_IF_IMPORTED  # noqa: F821 - set by the test

@@ -149,9 +149,13 @@ def _compiled(function, *parts):
 
     copy = _copied(function, dict(parts), made, known)
     # A compiled form that was kept is found by the function's name: this one changes with the
-    # parts and with any module that takes part.
+    # parts, with any module that takes part, and with the numbers that are imported from others.
     modules = {inspect.getmodule(one) for one in (function, *known)}
     about = [part.__qualname__ for _, part in parts] + sorted(map(inspect.getsource, modules))
+    named = [
+        one.__globals__.get(name) for one in (function, *known) for name in one.__code__.co_names
+    ]
+    about += [repr(value) for value in named if isinstance(value, int | float | tuple)]
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
     try:

@@ -104,7 +104,7 @@ def handed(one):
     return (js.rowsOf(flat, one.shape[1]) if one.ndim == 2 else flat), flat
 
 
-@lru_cache(64)
+@lru_cache(64, typed=True)  # tuples of the same numbers may have other names
 def named(numbers):
     """Return a tuple for the browser, one whose fields have names as an object of these."""
     return to_js(fields(numbers), dict_converter=js.Object.fromEntries)
