@@ -255,7 +255,7 @@ def _content(path):
         if Path(path).suffix.lower() == ".stl":
             return Path(path).read_bytes()
         return Path(path).read_text(encoding="utf-8-sig")
-    except (UnicodeDecodeError, ValueError):
+    except ValueError:  # what is no UTF-8, too
         raise WrongJob(f"{path}: is no text in UTF-8.") from None
     except OSError as error:
         raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
