@@ -241,7 +241,7 @@ def write_flank(job: FlankJob, result: FlankResult, folder: Path, say: Callable[
     folder : pathlib.Path
         Made where it is missing; files of these names are replaced.
     say : function
-        Told what is being written.
+        Gets a sentence for each file that is being written.
 
     Returns
     -------

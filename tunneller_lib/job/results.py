@@ -278,7 +278,7 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
     numbers : dict
         From `summarise`, for the table of the error budget.
     say : function
-        Told what is being written.
+        Gets a sentence for each file that is being written.
 
     Returns
     -------
