@@ -16,11 +16,13 @@ from contextlib import nullcontext
 
 from report.lists import (
     FIGURE_LIST,
+    README,
     RECORD_LIST,
     VERDICT_LIST,
     figure_list,
     record_list,
     verdict_list,
+    with_findings,
 )
 from report.lock import locked
 from report.sources import (
@@ -163,6 +165,7 @@ def write_report():
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
     for path, text in lists.items():
         replace(path, text.encode())
+    replace(README, with_findings(README.read_text(encoding="utf-8")).encode())
     for name, pdf in made.items():
         replace(PDFS[name], pdf)
     seconds = time.monotonic() - begun

@@ -1,4 +1,4 @@
-"""Lists beside the report: its figures, its records and its verdicts."""
+"""Lists beside the report: its figures, its records, its verdicts, and the README's findings."""
 
 import csv
 import io
@@ -11,6 +11,7 @@ from report.sources import ROOT, notebooks, records
 FIGURE_LIST = ROOT / "figures" / "README.md"
 RECORD_LIST = ROOT / "report" / "records.csv"
 VERDICT_LIST = ROOT / "report" / "verdicts.csv"
+README = ROOT / "README.md"
 
 USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
 KINDS = {
@@ -62,6 +63,25 @@ def verdict_list():
         for name, row in tomllib.loads(path.read_text(encoding="utf-8")).items():
             rows.append([path.stem, name, *(row.get(column, "") for column in columns)])
     return _table(["document", "row", *columns], rows)
+
+
+def with_findings(text):
+    """Return the README's text with its findings made anew; contents.toml lists them."""
+    from tunneller_lib.reporting.chapters import read_chapters  # `make bench` has no IPython
+
+    contents = tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text(encoding="utf-8"))
+    chapters = {chapter.number: chapter for chapter in read_chapters(ROOT / "notebooks")}
+    lines = ["| we asked | and found |", "| --- | --- |"]
+    for number in contents["readme"]:
+        chapter = chapters[number]
+        lines.append(f"| [{chapter.question}](notebooks/{chapter.file}) | {chapter.found} |")
+    return with_block(text, "found", "\n".join(lines))
+
+
+def with_block(text, name, block):
+    """Return a text with another block between the marks of a name, which are comments."""
+    begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
+    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n{block}\n\n{end}", text, flags=re.S)
 
 
 def _table(columns, rows):

@@ -44,20 +44,18 @@ def test_shown_has_three_digits_and_a_fitting_unit(seconds, text):
     assert times.shown(seconds) == text
 
 
-def test_ratio_is_of_the_time_here_over_that_of_the_other():
-    assert times.ratio(ROW, "bound_s") == "2.00" and times.ratio(ROW, "peer_s") == "–"
-
-
-def test_markdown_has_a_line_for_each_row():
-    head, rule, line = times.markdown([ROW | {"n": "1000000"}]).splitlines()
+def test_markdown_has_a_line_for_each_work_that_with_the_most_at_once():
+    rows = [ROW | {"n": "1000000"}, ROW | {"n": "20"}]
+    head, rule, line = times.markdown(rows).splitlines()
     assert head.count("|") == rule.count("|") == line.count("|")
     assert line.startswith("| a cut, by the ball | 1,000,000 | 20.0 µs |")
 
 
 def test_with_table_changes_nothing_but_what_is_between_its_marks(kept):
     kept(ROW)
-    text = f"before\n{times.BEGIN}old{times.END}after\n"
+    begin, end = "<!-- times: begin -->\n", "<!-- times: end -->\n"
+    text = f"before\n{begin}old{end}after\n"
     new = times.with_table(text)
-    assert new.startswith(f"before\n{times.BEGIN}") and new.endswith(f"{times.END}after\n")
+    assert new.startswith(f"before\n{begin}") and new.endswith(f"{end}after\n")
     assert "old" not in new and "| a cut, by the ball |" in new
     assert times.with_table(new) == new

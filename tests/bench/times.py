@@ -7,19 +7,17 @@ the README anew; the supplement reads the file itself.
 
 import csv
 import io
-import re
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from report.lists import README, with_block
+
 TABLE = Path(__file__).with_name("times.csv")
-README = ROOT / "README.md"
 # What was done, to how many at once, and by each in processor time: s here, of the best peer and of
 # the bound in C, empty where there is none; what both sides agree in; when and on what it ran.
 COLUMNS = (
     "work", "each", "n", "here_s", "peer", "peer_s", "bound_s", "criterion",
     "date", "processor", "versions", "load",
 )  # fmt: skip
-BEGIN, END = "<!-- times: begin -->\n", "<!-- times: end -->\n"
 
 
 def read():
@@ -51,34 +49,21 @@ def shown(seconds):
     return f"{_digits(size * 1e9)} ns"
 
 
-def ratio(row, other):
-    """Return the time here over that of the other, ``peer_s`` or ``bound_s`` of a row."""
-    return _digits(float(row["here_s"]) / float(row[other])) if row[other] else "–"
-
-
 def _digits(size):
     """Return a positive size with three digits, and no power of ten."""
     return f"{size:#.3g}".rstrip(".") if size < 999.5 else f"{size:.0f}"
 
 
 def markdown(rows):
-    """Return the table of rows for the README."""
-    head = "work", "at once", "here", "best peer", "its time", "here over it", "C", "here over C"
-    lines = [head, ["---"] + ["--:", "--:", "---"] + ["--:"] * 4]
-    for row in rows:
-        lines.append(
-            [
-                f"{row['work']}, by the {row['each']}",
-                f"{int(row['n']):,}",
-                shown(row["here_s"]),
-                row["peer"] or "–",
-                shown(row["peer_s"]),
-                ratio(row, "peer_s"),
-                shown(row["bound_s"]),
-                ratio(row, "bound_s"),
-            ]
-        )
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    """Return the table for the README: of each work the row with the most at once."""
+    most = {row["work"]: row for row in sorted(rows, key=lambda row: int(row["n"]))}
+    lines = [["work", "at once", "here", "best peer", "C"], ["---", "--:", "--:", "---", "--:"]]
+    for row in sorted(most.values(), key=lambda row: row["work"]):
+        peer = f"{shown(row['peer_s'])}, {row['peer']}" if row["peer"] else "–"
+        work = f"{row['work']}, by the {row['each']}"
+        here, bound = shown(row["here_s"]), shown(row["bound_s"])
+        lines.append([work, f"{int(row['n']):,}", here, peer, bound])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def with_table(text):
@@ -88,8 +73,7 @@ def with_table(text):
     where = "; ".join(f"{date} on {processor}" for date, processor in ran)
     loads = [float(row["load"]) for row in rows]
     where += f", at loads of {min(loads):.0f} to {max(loads):.0f}"
-    block = f"{BEGIN}\n{markdown(rows)}\nRuns: {where}.\n\n{END}"
-    return re.sub(f"{BEGIN}.*{END}", lambda _: block, text, flags=re.S)
+    return with_block(text, "times", f"{markdown(rows)}\n\nRuns: {where}.")
 
 
 if __name__ == "__main__":
