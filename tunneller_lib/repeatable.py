@@ -14,6 +14,7 @@ WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to whole numbers
 # Parts of numbers, the first of so few bits that its products with small whole numbers are exact.
 _HALF_PI = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
 _LOG2 = 0.6931471803691238, 1.9082149292705877e-10
+_PER_LOG2 = 1.4426950408889634  # one over their sum; a logarithm has last bits of its own
 
 _FRACTIONS = [1 / math.factorial(k) for k in range(19)]
 _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _FRACTIONS[2:14]
@@ -26,7 +27,7 @@ _A3, _A5, _A7, _A9, _A11, _A13, _A15, _A17, _A19, _A21 = (1 / k for k in range(3
 
 def growth(x):
     """Return exp(x) - 1 for x from 0 to 700, to its last digits however small x is."""
-    power = (x * (1 / math.log(2)) + WHOLE) - WHOLE
+    power = (x * _PER_LOG2 + WHOLE) - WHOLE
     r = (x - power * _LOG2[0]) - power * _LOG2[1]
     high = ((((_E13 * r + _E12) * r + _E11) * r + _E10) * r + _E9) * r + _E8
     rest = ((((((high * r + _E7) * r + _E6) * r + _E5) * r + _E4) * r + _E3) * r + _E2) * (r * r)
