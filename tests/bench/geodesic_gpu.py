@@ -93,6 +93,7 @@ def main():
     spilled = int(re.search(r"(\d+) bytes spill stores", said)[1])
     threads = REGISTERS // registers // 32 * 32
     moved = 4 * 8 + 4 * 8 + 2  # bytes: ends in, numbers and codes out
+    least = f"{moved / LINK * 1e9:.1f} ns"
     rows = {
         "steps in doubles in the program": ", ".join(
             f"{n} {name}" for name, n in steps.most_common()
@@ -102,7 +103,7 @@ def main():
         "bytes of them that are kept in memory": spilled,
         f"threads at a time, of {LANES:,} on a multiprocessor": threads,
         "bytes a pair, in and out": moved,
-        f"least time a pair, of these bytes over {LINK / 1e9:.0f} GB/s": f"{moved / LINK * 1e9:.1f} ns",
+        f"least time a pair, of these bytes over {LINK / 1e9:.0f} GB/s": least,
     }
     print(HEAD.format(date.today(), version("numba"), version("numba-cuda"), "{}.{}".format(*KIND)))
     print("\n".join(f"| {name} | {value} |" for name, value in rows.items()))
