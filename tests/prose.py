@@ -5,7 +5,8 @@ for longer, the number of another record. What can be told from the words themse
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -57,6 +58,8 @@ class Use:
         All words of the sentence.
     file : str
         Where it stands.
+    end : str
+        Which statistic an end of a range is.
     """
 
     notebook: str
@@ -65,6 +68,7 @@ class Use:
     after: str
     sentence: str
     file: str
+    end: str = ""
 
     @property
     def around(self):
@@ -73,8 +77,10 @@ class Use:
     def nearness(self, name):
         """Return how near the words of a record's name stand: of each, 1/(3 + words between)."""
         left, right = in_order(self.before)[::-1], in_order(self.after)
+        ends = stems(" ".join(word for word in name.split() if self.end in statistics(word)))
         gaps = [
-            [side.index(word) for side in (left, right) if word in side] for word in stems(name)
+            [0] if word in ends else [side.index(word) for side in (left, right) if word in side]
+            for word in stems(name)
         ]
         return sum(1 / (3 + min(gap)) for gap in gaps if gap)
 
@@ -109,10 +115,22 @@ def uses(text, file=""):
         places = list(NUMBER.finditer(sentence))
         ends = [0, *(place.end() for place in places)]
         starts = [*(place.start() for place in places[1:]), len(sentence)]
+        here = []
         for place, start, end in zip(places, ends, starts, strict=False):
             before = plain(sentence[start : place.start()])
             after = plain(sentence[place.end() : end])
-            found.append(Use(*place.groups(), before, after, plain(sentence), file))
+            here.append(Use(*place.groups(), before, after, plain(sentence), file))
+        found += with_ranges(here)
+    return found
+
+
+def with_ranges(found):
+    """Return a sentence's uses, where both ends of a range have the words around the range."""
+    found = list(found)
+    for i, (low, high) in enumerate(pairwise(found)):
+        if re.search(r"\bfrom\W*$", low.before) and re.fullmatch(r"\W*to\W*", low.after):
+            found[i] = replace(low, after=high.after, end="least")
+            found[i + 1] = replace(high, before=low.before, end="most")
     return found
 
 

@@ -4,7 +4,8 @@ A number is named by a word of its record's name that stands between the numbers
 it. Number words and digits are one ("four cones" names "share with 4 cones"), and so are deep and
 depth, long and length. If the record's name says the kind of its number (worst, least, median,
 mean, rms), the sentence says it, too. What stands right before a number ("at most", "up to") is
-borne out by the record's name, or by the record, where that's a bound.
+borne out by the record's name, or by the record, where that's a bound. Both ends of a range ("from
+.. to ..") have the words around the range; the first is read as the least, the other as the most.
 
 Two numbers of a section from one notebook aren't exchanged: the words of a record's name stand
 nearer to its own number than to the other, both taken together. `prose.ALIKE` lists the pairs that
@@ -63,7 +64,7 @@ def unnamed(use):
 def of_another_kind(use):
     """Return what kinds of number the sentence and the record's name disagree about."""
     named = statistics(use.name)
-    said = statistics(use.sentence)
+    said = statistics(use.sentence) | {use.end}
     last = re.search(
         r"(at most|no more than|up to|at worst|at least|worst|median|mean|rms)\W*$", use.before
     )
@@ -105,6 +106,18 @@ def test_exchanged_numbers_are_noticed():
     assert not as_well_exchanged(first, second)
     first, second = uses('A depth of #num("a", "width"). Then a width of #num("a", "depth").')
     assert as_well_exchanged(first, second)
+
+
+def test_exchanged_ends_of_a_range_are_noticed():
+    def ranged(low, high):
+        names = [f'#num("05_circuit", "{end} sagitta left on the roof")' for end in (low, high)]
+        return uses(f"The share on the roof is from {names[0]} to {names[1]}.")
+
+    right, wrong = ranged("least", "greatest"), ranged("greatest", "least")
+    assert not as_well_exchanged(*right)
+    assert not any(unnamed(use) or of_another_kind(use) for use in right)
+    assert as_well_exchanged(*wrong) and all(map(of_another_kind, wrong))
+    assert as_well_exchanged(*ranged("some", "other"))
 
 
 def test_wrong_words_are_noticed():
