@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 
-END = re.compile(r"(?<=[.:;])\s+(?=[A-Z#+*_])|\n\n|\n(?=[+-] )")
+END = re.compile(r"(?<=[.:;])\s+(?=[A-Z#@+*_])|\n\n|\n(?=[+-] )")
 NUMBER = re.compile(r'#(?:num|count)\(\s*"([^"]+)",\s*"([^"]+)"\s*\)')
 CALL = re.compile(r'#\w+\(\s*"[^"]*"(?:,\s*(?:\w+: *)?(?:"[^"]*"|[\d.]+%))*,?\s*\)')
 SMALL = set(
@@ -36,12 +36,6 @@ STATISTICS = {
     "mean": "mean|average",
     "rms": "rms",
 }
-
-# Numbers that no word beside them tells apart, by section.
-ALIKE = {
-    "findings": {("median aside", "third rule's gain in position, median"),
-                 ("third rule's gain, median", "third rule's gain in position, median")},
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
