@@ -192,7 +192,7 @@ FREE = {
     r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
     r"\btwo (such )?(joints|cylinders|nodes)\b": "a number that belongs to the machine or torus",
     r"\b(two|three) documents\b": "what the study has before it",
-    r"\b(three surfaces|two volumes|one-third rule|third rule|one to two)\b": "a method's name",
+    r"\b(three surfaces|two volumes|one-third rule|third rule|one to two|least squares)\b": "a method's name",
     r"\bten (equal )?steps\b": "a division that's chosen",
     r"\bhalf[- ](angles?|a turn)\b": "an angle",
     r"\b(upper|lower) disc\b|\blower left\b|\blarger circle\b": "a place in the drawing",
