@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.hard_lines import FAMILIES, KINDS
+from tests.long import many
 from tests.test_exact_kernel import shape_of
 from tunneller_lib import compiled
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
@@ -344,7 +345,8 @@ def test_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(name, mo
     monkeypatch.setattr(compiled._Work, "compiled", False)
     monkeypatch.setattr(compiled, "expect", lambda *work: None)
     arrays = geodesic_inverse(torus, p, q)
-    singles = [geodesic_inverse(torus, *pair) for pair in zip(p, q, strict=True)]
+    few = many(60, 400)  # one by one
+    singles = [geodesic_inverse(torus, *pair) for pair in zip(p[:few], q[:few], strict=True)]
     monkeypatch.setattr(compiled, "ready", lambda kind=None: True)
     monkeypatch.setattr(compiled._Work, "compiled", True)
     fast = geodesic_inverse(torus, p, q)
@@ -352,7 +354,7 @@ def test_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(name, mo
     for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):
         known = getattr(arrays, field)
         np.testing.assert_array_equal(known, getattr(fast, field))
-        np.testing.assert_array_equal(known, [getattr(one, field) for one in singles])
+        np.testing.assert_array_equal(known[:few], [getattr(one, field) for one in singles])
 
 
 def child(code, **variables):

@@ -145,7 +145,9 @@ def _compiled(function, *parts):
     options, inlined = getattr(function, "options", ({}, ()))
 
     def made(copy):
-        return numba.njit(copy, forceinline=copy.__name__ in inlined, **options)
+        # Only compiled code calls it: a way in from Python would take as long to compile again.
+        alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(copy, forceinline=copy.__name__ in inlined, **alone, **options)
 
     copy = _copied(function, dict(parts), made, known)
     # A compiled form that was kept is found by the function's name: this one changes with the
