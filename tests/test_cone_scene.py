@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.test_path_scene import share
+from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
 
-from tunneller_lib.reporting import COLOURS
+from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.reporting.path_scene import (
     projected_chord,
     projected_chord_picture,
@@ -16,15 +15,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 TORUS = REFERENCE_MACHINE.torus
 LOW, HIGH = np.radians([(-60, -40), (35, 40)])
 P, Q = np.radians([(-45, -35), (30, 35)])
-
-
-def share(picture, colour):
-    """Return which share of a picture has nearly the hue of one of the study's colours."""
-    seen, wanted = picture / 255, np.array(to_rgb(COLOURS[colour]))
-    seen, wanted = (x - x.mean(axis=-1, keepdims=True) for x in (seen, wanted))
-    size = np.linalg.norm(seen, axis=-1)
-    along = seen @ wanted / np.linalg.norm(wanted)
-    return np.mean((size > 0.2) & (along > 0.97 * size))
 
 
 def test_three_ways_are_seen():
