@@ -33,17 +33,15 @@ def _elsewhere(tmp_path_factory):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_protocol(item, nextitem):
-    """Run a test in a worker, which tells of it once: that it was set up says nothing more.
+    """Run a test in a worker, which tells of it once: its set-up, start and end say nothing more.
 
     Of ten thousand tests each message takes the two processes' time.
     """
     if not hasattr(item.config, "workerinput"):
         return None
-    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
     for report in runtestprotocol(item, log=False, nextitem=nextitem):
         if report.when == "call" or not report.passed:
             item.ihook.pytest_runtest_logreport(report=report)
-    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
     return True
 
 

@@ -19,7 +19,7 @@ import warnings
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import islice
 from pathlib import Path
 from random import Random
@@ -52,6 +52,13 @@ USUAL = {
 }  # fmt: skip
 
 
+@cache
+def instance(kind):
+    """Return the examples' object of a class, made now if it takes time to make."""
+    one = INSTANCES[kind]
+    return one if isinstance(one, kind) else one()
+
+
 @dataclass(frozen=True)
 class Call:
     """A public function, method or class, and what its arguments may be."""
@@ -80,7 +87,7 @@ class Call:
     def valid(self):
         """Return valid arguments: those of the examples, else what is usual for their rules."""
         given = EXAMPLES[self.room].CALLS.get(self.name, {})
-        found = dict(given)
+        found = dict(given() if callable(given) else given)
         for name, about in self.parameters.items():
             if name not in found and about.default is inspect.Parameter.empty:
                 found[name] = usual(about.annotation)
@@ -88,7 +95,7 @@ class Call:
 
     def __call__(self, given):
         """Call with arguments by name, and ask for the first answers of what yields many."""
-        itself = () if self.owner is None else (INSTANCES[self.owner],)
+        itself = () if self.owner is None else (instance(self.owner),)
         answer = self.function(*itself, **given)
         return list(islice(answer, 10_000)) if isinstance(answer, types.GeneratorType) else answer
 
@@ -96,7 +103,7 @@ class Call:
 def usual(annotation):
     """Return a value that an annotation allows."""
     if isinstance(annotation, type) and annotation in INSTANCES:
-        return INSTANCES[annotation]
+        return instance(annotation)
     rule = rule_of(annotation)
     if rule.check in USUAL:
         return USUAL[rule.check]
@@ -265,7 +272,7 @@ def odd(random):
         lambda: random.choice(ODD),
         lambda: odd_number(random),
         lambda: random.randint(-(2 ** random.randint(0, 70)), 2 ** random.randint(0, 70)),
-        lambda: random.choice(list(INSTANCES.values())),
+        lambda: instance(random.choice(list(INSTANCES))),
         lambda: odd_array(random),
     ])()  # fmt: skip
 

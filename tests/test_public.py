@@ -50,15 +50,18 @@ def asked_for():
     return found
 
 
-USED = {pair for text, package in users() for pair in imported(text, package)}
-ASKED_FOR = asked_for()
+@pytest.fixture(scope="module")
+def kept():
+    """Return the (room, name) of all that users import, and the names that arguments ask for."""
+    return {pair for text, package in users() for pair in imported(text, package)}, asked_for()
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_every_public_name_has_a_user_or_is_a_kind_of_argument(room):
+def test_every_public_name_has_a_user_or_is_a_kind_of_argument(room, kept):
+    used, kinds = kept
     package = importlib.import_module(f"tunneller_lib.{room}")
-    unused = {name for name in package.__all__ if (room, name) not in USED}
-    assert unused <= ASKED_FOR, sorted(unused - ASKED_FOR)
+    unused = {name for name in package.__all__ if (room, name) not in used}
+    assert unused <= kinds, sorted(unused - kinds)
 
 
 @pytest.mark.parametrize("room", ROOMS)

@@ -15,7 +15,7 @@ from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
 
 MANY = many(40_000, 400_000)  # lines a generator and kind of ends; the report says so: test_words
-CHECKED = many(4_000, 40_000)  # of these in whole numbers, which is slow
+CHECKED = many(1_000, 40_000)  # of these in whole numbers, which is slow
 every_generator = pytest.mark.parametrize("lines_of", GENERATORS, ids=lambda g: g.__name__)
 every_end = pytest.mark.parametrize("ends", ["flat", "round"])
 TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", "along_an_axis"}

@@ -1,6 +1,7 @@
 """Examples for the room job."""
 
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -64,9 +65,6 @@ around = 12
 """,
     encoding="utf-8",
 )
-_job = read_job(_JOB)
-_cut = _job.simulated()
-_circuit = _job.planned.circuit
 
 _FLANK = Path(_FOLDER.name, "flank.toml")
 _text = Path(__file__).parents[2].joinpath("notebooks", "flank.toml").read_text(encoding="utf-8")
@@ -77,36 +75,58 @@ for old, new in {
 }.items():
     _text = _text.replace(old, new)
 _FLANK.write_text(_text, encoding="utf-8")
-_flank = read_flank(_FLANK)
-_solved = _flank.solved(lambda text: None)
-_flanked = {"job": _flank, "result": _solved}
+
+
+@cache
+def _job():
+    return read_job(_JOB)
+
+
+@cache
+def _cut():
+    return _job().simulated()
+
+
+@cache
+def _flanked():
+    job = read_flank(_FLANK)
+    return {"job": job, "result": job.solved(lambda text: None)}
+
+
+def _solved():
+    return _flanked()["result"]
+
 
 _MESH = mesh.Mesh(np.eye(3), np.array([[0, 1, 2]]), {"left": np.arange(3.0)})
 
 INSTANCES = {
-    Circuit: _circuit,
+    Circuit: lambda: _job().planned.circuit,
     Cut: _cut,
-    DexelGrid: _cut.wall,
-    FlankJob: _flank,
+    DexelGrid: lambda: _cut().wall,
+    FlankJob: lambda: _flanked()["job"],
     FlankResult: _solved,
     Job: _job,
-    mesh.Mesh: mesh.wall_solid(_cut.wall),
+    mesh.Mesh: lambda: mesh.wall_solid(_cut().wall),
     Path: _NEW,
-    Plan: _job.planned,
-    Program: program(_job.planned, _job),
-    Positions: _solved.found,
+    Plan: lambda: _job().planned,
+    Program: lambda: program(_job().planned, _job()),
+    Positions: lambda: _solved().found,
     Section: Egg(0.5),
-    Coverage: _solved.covered,
-    Tour: _solved.tour,
+    Coverage: lambda: _solved().covered,
+    Tour: lambda: _solved().tour,
 }
 
-_results = {
-    "job": _job,
-    "cut": _cut,
-    "folder": Path(_FOLDER.name, "cut"),
-    "numbers": summarise(_job, _cut),
-    "say": lambda text: None,
-}
+
+@cache
+def _results():
+    return {
+        "job": _job(),
+        "cut": _cut(),
+        "folder": Path(_FOLDER.name, "cut"),
+        "numbers": summarise(_job(), _cut()),
+        "say": lambda text: None,
+    }
+
 
 _log = "time_s,valve,speed_rad_s\n" + "".join(
     f"{0.005 * n:g},{0.3 * (n // 20 % 2)},{0.15 * (n // 21 % 2)}\n" for n in range(120)
@@ -114,24 +134,25 @@ _log = "time_s,valve,speed_rad_s\n" + "".join(
 
 CALLS = {
     "flank.FlankJob.solved": {"say": lambda text: None},
-    "logged.identified_text": {"numbers": identify_log(_log)},
+    "logged.identified_text": lambda: {"numbers": identify_log(_log)},
     "logged.identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
-    "flank_files.cl_text": {"tour": _solved.tour},
-    "flank_files.flank_text": {"numbers": summarise_flank(**_flanked)},
+    "flank_files.cl_text": lambda: {"tour": _solved().tour},
+    "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
     "mesh.ply": {"mesh": _MESH, "name": "left"},
     "mesh.read_stl": {"content": mesh.stl(_MESH)},
-    "mesh.wall_solid": {"wall": _cut.wall},
-    "mesh.wall_surface": {"wall": _cut.wall, "circuit": _circuit},
+    "mesh.wall_solid": lambda: {"wall": _cut().wall},
+    "mesh.wall_surface": lambda: {"wall": _cut().wall, "circuit": _job().planned.circuit},
     "atomic_write.write": {"content": "text"},
     "flank.read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},
     "say": {"text": "done"},
     "flank_files.summarise_flank": _flanked,
-    "results.summarise": {"job": _job, "cut": _cut},
-    "results.summary_text": {"numbers": _results["numbers"]},
+    "results.summarise": lambda: {"job": _job(), "cut": _cut()},
+    "results.summary_text": lambda: {"numbers": _results()["numbers"]},
     "results.write_all": _results,
-    "flank_files.write_flank": _flanked
-    | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None},
+    "flank_files.write_flank": lambda: (
+        _flanked() | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None}
+    ),
 }

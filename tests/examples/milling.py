@@ -1,5 +1,7 @@
 """Examples for the room milling: a saddle, small enough for few steps, and a mill that fits it."""
 
+from functools import cache
+
 import numpy as np
 
 from tunneller_lib.milling import (
@@ -40,47 +42,70 @@ SIZES = {"half_angle": 0.2, "tip_radius": 0.01, "length": 0.2, "holder_radius": 
          "holder_length": 0.05}  # fmt: skip
 MILL = ConicalMill(**SIZES)
 LOOK = {"tolerance": 1e-4, "n": 11}
-STARTS = find_positions(PATCH, MILL, 0.003, 0.001, **LOOK)
-CHAIN = trace_chains(PATCH, MILL, STARTS, step=1e-3, **LOOK)[0]
-WAY = {"mill": MILL, "tip": CHAIN.tip, "axis": CHAIN.axis}
-COVERED = cover(PATCH, MILL, STARTS, step=1e-3, most=1, **LOOK)
 TABLE = {"pivot": (0, 0, -0.1), "up": (0, 0, 1), "x": (-1, 1), "y": (-1, 1), "z": (-1, 1),
          "tilt": (-2, 2), "turn": (-7, 7), "most_turn": 0.5}  # fmt: skip
 MACHINE = TiltingTable(**TABLE)
-TOUR = {"chains": COVERED.chains, "machine": MACHINE, "clearance": 0.01} | LOOK
+
+
+@cache
+def starts():
+    return find_positions(PATCH, MILL, 0.003, 0.001, **LOOK)
+
+
+@cache
+def chain():
+    return trace_chains(PATCH, MILL, starts(), step=1e-3, **LOOK)[0]
+
+
+@cache
+def covered():
+    return cover(PATCH, MILL, starts(), step=1e-3, most=1, **LOOK)
+
+
+def way():
+    return {"mill": MILL} | course()
+
+
+def course():
+    return {"tip": chain().tip, "axis": chain().axis}
+
+
+def tour():
+    return {"chains": covered().chains, "machine": MACHINE, "clearance": 0.01} | LOOK
+
 
 INSTANCES = {
     BallMill: BallMill(0.005),
-    Chain: CHAIN,
+    Chain: chain,
     ConicalMill: MILL,
-    Coverage: COVERED,
+    Coverage: covered,
     CylinderMill: CylinderMill(0.005, 0.02),
     Nurbs: Nurbs(**SURFACE),
     Patch: PATCH,
-    Positions: STARTS,
-    Scallops: find_scallops(PATCH, MILL, COVERED),
-    Strip: strip_across(PATCH, MILL, CHAIN, CHAIN.tip, CHAIN.axis, reach=0.005, m=5),
+    Positions: starts,
+    Scallops: lambda: find_scallops(PATCH, MILL, covered()),
+    Strip: lambda: strip_across(PATCH, chain=chain(), reach=0.005, m=5, **way()),
     TiltingTable: MACHINE,
-    TwoContacts: touch_twice(PATCH, MILL, CHAIN, apart=1e-3, n=11),
-    Tour: plan_tour(PATCH, MILL, **TOUR),
+    TwoContacts: lambda: touch_twice(PATCH, MILL, chain(), apart=1e-3, n=11),
+    Tour: lambda: plan_tour(PATCH, MILL, **tour()),
 }
 
 CALLS = {
     "ConicalMill": SIZES,
     "Nurbs": SURFACE,
     "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},
-    "cover": {"found": STARTS, "step": 1e-3, "most": 1} | LOOK,
+    "cover": lambda: {"found": starts(), "step": 1e-3, "most": 1} | LOOK,
     "TiltingTable": TABLE,
     "TiltingTable.beyond": {"values": [[0.0, 0.0, 0.0, 0.1, 0.2]]},
     "TiltingTable.positions": {"values": [[0.0, 0.0, 0.0, 0.1, 0.2]]},
-    "TiltingTable.values": {"tip": CHAIN.tip, "axis": CHAIN.axis},
+    "TiltingTable.values": course,
     "find_positions": {"s": 0.003, "t": 0.001} | LOOK,
-    "find_scallops": {"mill": MILL, "covered": COVERED},
+    "find_scallops": lambda: {"mill": MILL, "covered": covered()},
     "fit_nurbs": {"points": GRID, "s": np.arange(9.0), "t": np.arange(9.0), "count": 6},
-    "moved": {"tip": CHAIN.tip, "axis": CHAIN.axis},
-    "plan_tour": TOUR,
-    "strip_across": WAY | {"reach": 0.005, "m": 5},
-    "sweep_error": WAY | {"between": 2},
-    "touch_twice": {"chain": CHAIN, "apart": 1e-3, "n": 11},
+    "moved": course,
+    "plan_tour": tour,
+    "strip_across": lambda: way() | {"reach": 0.005, "m": 5},
+    "sweep_error": lambda: way() | {"between": 2},
+    "touch_twice": lambda: {"chain": chain(), "apart": 1e-3, "n": 11},
     "trace_chains": {"step": 1e-3, "most": 3} | LOOK,
 }
