@@ -1,8 +1,11 @@
 """The web pages: nothing dead, nothing from elsewhere, every formula set, everything found."""
 
 import base64
+import io
 import json
 import re
+import zipfile
+from functools import cache
 from html import unescape
 from itertools import pairwise
 
@@ -10,9 +13,9 @@ import nbformat
 import numpy as np
 import pytest
 
+from report.live.build import LivePages
 from report.site import build as pages
-from report.site import front
-from report.site.build import build
+from report.site import front, paper
 from report.site.chapter import Chapter, page_name, title
 from report.site.library import ROOMS, Reference, inline, modules
 from report.site.links import faults
@@ -37,10 +40,33 @@ READS = [
 SOME = [n for n in notebooks() if n.stem[:2] in ("00", "02", "08", "10", "23", "56")]
 
 
+RUN = [n for n in notebooks() if n.stem[:2] in ("00", "02", "12", "56")]
+
+
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
+def build():
+    """Return what makes pages, of documents that are set once for all."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(paper, "to_html", cache(paper.to_html))
+        yield pages.build
+
+
+@pytest.fixture(scope="module")
+def site(build, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     build(folder, SOME)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def running(build, tmp_path_factory):
+    """Return pages that run, with a small thing in the runtime's place."""
+    wheel = io.BytesIO()
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("some_thing-1.0.dist-info/licenses/LICENSE", "as you like")
+    folder = tmp_path_factory.mktemp("live")
+    files = {"pyodide.js": b"// 0", "some_thing-1.0-py3-none-any.whl": wheel.getvalue()}
+    build(folder, RUN, LivePages(RUN, files))
     return folder
 
 
@@ -51,7 +77,7 @@ def index(site):
 
 
 def page(site, number):
-    [notebook] = [n for n in SOME if n.stem.startswith(number)]
+    [notebook] = [n for n in notebooks() if n.stem.startswith(number)]
     return (site / page_name(notebook)).read_text()
 
 
@@ -361,3 +387,55 @@ def test_no_own_script_or_style_names_an_address():
     for name in ("site.js", "style.css", "page.html"):
         assert "//" not in re.sub(r"^\s*//.*$", "", (ROOT / "report/site" / name).read_text(),
                                   flags=re.M), name  # fmt: skip
+
+
+# ---- pages that run ------------------------------------------------------------------------
+
+
+def wrapped(path):
+    """Return the file that a script keeps for the page."""
+    text = re.fullmatch(r'\(window.runtime \?\?= {}\)\["(.*)"\] = "(.*)";\n', path.read_text())
+    assert f"{text[1]}.js" == path.name
+    return base64.b64decode(text[2])
+
+
+def test_pages_that_run_have_no_faults(running):
+    assert faults(running) == []
+
+
+def test_pages_that_run_offer_it_below_each_drawing_with_sliders(running):
+    for number, count in (("02", 1), ("12", 1), ("56", 0)):
+        names = re.findall(r'data-program="(.*?)"><button', page(running, number))
+        assert len(names) == count
+        for name in names:
+            text = (running / "live" / "programs" / f"{name}.js").read_text()
+            assert "sliders(" in json.loads(text.partition(" = ")[2].rstrip(";\n"))
+    assert "need VTK" in page(running, "56") and "These pages run" in page(running, "00")
+
+
+def test_pages_that_run_let_the_worker_import_what_they_hand_over(running):
+    for path in running.rglob("*.html"):
+        [policy] = re.findall(r'Content-Security-Policy" content="([^"]*)"', path.read_text())
+        assert "script-src &#39;self&#39; file: &#39;wasm-unsafe-eval&#39; blob:;" in policy
+        assert "unsafe-eval&#39; &#39;unsafe" not in policy and "connect-src" not in policy
+
+
+def test_pages_that_run_hold_the_runtime_the_library_and_their_licences(running):
+    parts = json.loads((running / "live/parts.js").read_text().partition(" = ")[2].rstrip(";\n"))
+    for name, size in parts["parts"]:
+        assert len(wrapped(running / "live" / f"{name}.js")) == size
+    packages = json.loads(wrapped(running / "live/lock.js"))["packages"]
+    assert list(packages) == ["some-thing"] and packages["some-thing"]["version"] == "1.0"
+    with zipfile.ZipFile(io.BytesIO(wrapped(running / "live/study.zip.js"))) as study:
+        for file in ("tunneller_lib/__init__.py", "notebooks/atlas.csv"):
+            assert study.read(file) == (ROOT / file).read_bytes()
+    found = {p.name for p in (running / "live/licences").rglob("*") if p.is_file()}
+    assert {"LICENSE", "Pyodide-MPL-2.0.txt", "Python-PSF-2.0.txt"} <= found
+
+
+def test_no_own_script_of_pages_that_run_names_an_address():
+    for name in ("live.js", "worker.js", "planner.js", "geodesic.js", "live.css"):
+        text = re.sub(
+            r"^\s*//.*$|/\*.*?\*/", "", (ROOT / "report/live" / name).read_text(), flags=re.M
+        )
+        assert re.findall(r"https?://[^/\"]+", text) in ([], ["https://local.invalid"]), name

@@ -1,6 +1,7 @@
 """Text to HTML: a notebook's Markdown with its formulas as MathML, code with its colours."""
 
 import re
+from functools import cache
 from html import escape, unescape
 from xml.etree.ElementTree import tostring
 
@@ -11,6 +12,7 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import get_lexer_by_name
 
 CODE = HtmlFormatter(cssclass="code")
+_lexer = cache(get_lexer_by_name)
 FUNCTION = "<mi>(?:sin|cos|tan|arcsin|arccos|arctan|log)</mi>"
 # The one piece of HTML that is let through: an answer to unfold, its title without any markup.
 UNFOLDED = re.compile(r"\s*(?:<details>\s*<summary>[^<>]*</summary>|</details>)\s*")
@@ -59,9 +61,10 @@ def markdown(text, link=str):
     return MarkdownWithMath(renderer=Renderer(link)).render(text)
 
 
+@cache  # a second set of pages shows the same
 def code(text, language="python"):
     """Return code in colours; ``pycon`` is an example with its answers."""
-    return highlight(text, get_lexer_by_name(language), CODE)
+    return highlight(text, _lexer(language), CODE)
 
 
 def anchor(text):

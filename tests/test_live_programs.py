@@ -1,0 +1,87 @@
+"""What pages run of a notebook: all that its sliders need, and nothing else."""
+
+import ast
+import base64
+from functools import cache
+
+import nbformat
+import numpy as np
+import pytest
+
+from report.live.program import programs
+from report.sources import ROOT, cells, notebooks
+from tests.pictures import pixels
+from tunneller_lib.reporting import preview
+
+READS = ["figures/*", "notebooks/*", "report/numbers/*", "tunneller_lib/*"]
+
+CALL = "sliders("
+written = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}
+EVERY = [(n, k) for n in written for k in range("".join(written[n]).count(CALL))]
+
+of_study = cache(programs)
+
+
+def kept(folder, *code):
+    """Return the lines of the program of the last call of sliders in cells, without that."""
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(text) for text in code])
+    path = folder / "98_made.ipynb"
+    nbformat.write(book, path)
+    lines = programs(path)[-1].source.strip().split("\n")[:-1]
+    return [line for line in lines if line]
+
+
+def test_program_keeps_what_the_drawing_needs_alone(tmp_path):
+    first = "import numpy as np, csv\nfrom math import pi, tau\na = pi\nb = np.ones(9)"
+    second = "print(b)\ndraw = lambda x: a * x"
+    assert kept(tmp_path, first, second, "sliders(draw, x=(0, 1, 0))") == [
+        "from math import pi", "a = pi", "draw = lambda x: a * x"
+    ]  # fmt: skip
+
+
+def test_program_keeps_what_a_function_reads_that_is_bound_after_it(tmp_path):
+    body = ["def draw(x):", "    return look"]
+    look = ["look = {}", "look |= {'a': 1}", "look['b'] = 2"]
+    look += ["for k in (1, 2):", "    look.update(c=k)"]
+    assert kept(tmp_path, "\n".join(body), "\n".join(look), "sliders(draw)") == body + look
+
+
+def test_program_leaves_out_what_is_bound_anew_and_names_of_inner_scopes(tmp_path):
+    before = "alt = slow()\nrows = [alt for a in range(3)]\na = 1", "c = [a for a in range(3)]"
+    body = ["alt = 'b'", "def draw(x, rows=2):", "    c = alt", "    return c"]
+    assert kept(tmp_path, *before, "\n".join(body), "first = sliders(draw, alt=alt)") == body
+
+
+def test_program_keeps_an_older_value_that_a_function_was_called_with(tmp_path):
+    body = ["a = 1", "def made():", "    return a", "b = made()", "a = 2"]
+    assert kept(tmp_path, "\n".join(body), "sliders(lambda x: (a, b))") == body
+
+
+def test_programs_are_as_many_as_calls_of_sliders():
+    assert len(EVERY) > 40
+    for notebook, texts in written.items():
+        assert len(of_study(notebook)) == "".join(texts).count(CALL)
+
+
+@pytest.mark.parametrize(("path", "number"), EVERY, ids=lambda value: getattr(value, "stem", value))
+def test_program_draws_what_the_notebook_stored(path, number, monkeypatch):
+    program = of_study(path)[number]
+    if program.draws_scene:
+        assert "scene" in program.source
+        return
+    monkeypatch.chdir(ROOT / "notebooks")
+    monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
+    shown = []
+    monkeypatch.setattr("tunneller_lib.reporting.interactive.display", shown.append)
+    *before, call = ast.parse(program.source).body
+    names = {}
+    exec(compile(ast.Module(before, []), "before", "exec"), names)
+    drawn = eval(compile(ast.Expression(call.value), "call", "eval"), names)
+    code = [c for c in nbformat.read(path, as_version=4).cells if c.cell_type == "code"]
+    stored = [o.data["image/png"] for o in code[program.cell - 1].outputs if "image/png" in o.data]
+    if not stored:  # the sliders only, for those who move them
+        assert path.stem == "43_better" and len(drawn.axes) == 1
+        return
+    picture = shown[-1] if shown else preview(drawn)
+    here, there = pixels(picture.data), pixels(base64.b64decode(stored[-1]))
+    assert here.shape == there.shape and np.abs(here - there).mean() < 1
