@@ -20,6 +20,8 @@ from report.sources import ROOT, code, notebook_sources, notebooks
 
 # New files elsewhere are a visitor's own: an environment, notes.
 STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
+# Files of tests that take long are begun first, so that no worker waits for another at the end.
+LONGEST = ("site", "report", "layout", "live_programs", "typeset")
 # What every test depends on: then all of them are meant.
 GROUND = ("environment.txt", "pyproject.toml", "tests/conftest.py", "tests/notebook_results.py")
 
@@ -98,14 +100,14 @@ def reached(names, since="HEAD"):
         files = needed(text, ROOT, inside) if code_changed else ()
         return any(str(file.relative_to(ROOT)) in code_changed for file in files)
 
-    # What takes longest first, so that no worker waits long for another at the end.
-    found = []
+    found = []  # what takes longest first
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
         data = names - python and (names - python) & notebook_sources(notebook).keys()
         if name in names or data or reaches(code(notebook)):
             found.append(name)
-    for test in sorted((ROOT / "tests").glob("test_*.py")):
+    first = [ROOT / "tests" / f"test_{name}.py" for name in LONGEST]
+    for test in dict.fromkeys([*first, *sorted((ROOT / "tests").glob("test_*.py"))]):
         name = str(test.relative_to(ROOT))
         read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
         if name in names or read or reaches(test.read_text(encoding="utf-8"), "tests"):

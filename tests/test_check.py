@@ -19,7 +19,7 @@ def reached(monkeypatch):
 
 
 def test_prose_reaches_the_report_the_pages_the_equations_and_the_words_alone(reached):
-    expected = ["displayed", "inline", "ledger", "report", "site", "text_faults", "words"]
+    expected = ["site", "report", "displayed", "inline", "ledger", "text_faults", "words"]
     assert reached("report/sections/rods.typ") == [f"tests/test_{name}.py" for name in expected]
 
 
@@ -42,7 +42,7 @@ def test_comment_reaches_nothing(reached):
 def test_docstring_reaches_the_doctests_and_what_reads_the_text_alone(reached):
     text = (check.ROOT / TORUS).read_text()
     found = reached(TORUS, before=text.replace('"""', '"""Once: ', 1))
-    expected = ["layout", "live_programs", "public", "site", "wheel"]
+    expected = ["site", "layout", "live_programs", "public", "wheel"]
     assert found == [*(f"tests/test_{name}.py" for name in expected), TORUS]
 
 
@@ -54,6 +54,10 @@ def test_notebook_and_its_data_reach_it(reached):
     assert "notebooks/12_atlas.ipynb" in reached("notebooks/atlas.csv")
     found = [n for n in reached("notebooks/12_atlas.ipynb") if n.startswith("notebooks")]
     assert found == ["notebooks/12_atlas.ipynb"]
+
+
+def test_longest_tests_are_there():
+    assert all((check.ROOT / f"tests/test_{name}.py").exists() for name in check.LONGEST)
 
 
 def test_ground_reaches_all(reached):

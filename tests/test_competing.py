@@ -72,7 +72,7 @@ def by_fan(torus, p, q, classes):
 
 @every_torus
 def test_competing_geodesics_are_those_of_a_fan_of_directions(torus):
-    for p, q in zip(*random_pairs(torus, many(12, 60), seed=4), strict=True):
+    for p, q in zip(*random_pairs(torus, many(6, 60), seed=4), strict=True):
         rivals = competing_geodesics(torus, p, q)
         lengths = rivals.length[rivals.converged]
         fan = by_fan(torus, p, q, [*ARRIVALS, DIRECT, OVER])
@@ -83,9 +83,10 @@ def test_competing_geodesics_are_those_of_a_fan_of_directions(torus):
 def test_competing_geodesics_leave_none_out_on_the_machines_torus():
     # Whatever turns by less than two half swings, 343 degrees, is a first or second arrival.
     assert np.degrees(2 * np.pi / np.sqrt(1.1)) == pytest.approx(343.24, abs=0.01)
-    ends = zip(*random_pairs(MACHINE, 25, seed=5), strict=True)
+    n = many(12, 25)
+    ends = zip(*random_pairs(MACHINE, n, seed=5), strict=True)
     far = [(p, q) for p, q in ends if abs(np.sin((q - p)[0] / 2)) > np.sin(np.radians(17 / 2))]
-    assert len(far) > 20
+    assert len(far) > 0.8 * n
     for p, q in far:
         rivals = competing_geodesics(MACHINE, p, q)
         lengths = rivals.length[rivals.converged]
@@ -182,7 +183,7 @@ def test_certificate_ends_where_two_geodesics_meet():
 
 @every_torus
 def test_certified_geodesics_have_no_shorter_rival(torus):
-    p, q = random_pairs(torus, many(1_000, 20_000), seed=3)
+    p, q = random_pairs(torus, many(400, 20_000), seed=3)
     found, rivals = geodesic_inverse(torus, p, q), competing_geodesics(torus, p, q)
     assert found.certified.all()
     second = rivals.length[1]

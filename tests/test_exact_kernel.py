@@ -14,7 +14,7 @@ from tunneller_lib.surfaces.frustum import meet_frusta
 from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
-LINES = many(250, 2_500)  # a family and kind, each judged in whole numbers
+LINES = many(125, 2_500)  # a family and kind, each judged in whole numbers
 MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already
 every_kind = pytest.mark.parametrize("kind", KINDS)
 every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
@@ -61,7 +61,7 @@ def shape_of(kind, row):
 @every_family
 def test_quick_way_leaves_hard_lines_to_the_careful_one(family, kind):
     # One shape at a time, each with its hard line and the ordinary lines beside it.
-    lines = family(kind, np.random.default_rng(6), fewer(kind, many(15, 300)))
+    lines = family(kind, np.random.default_rng(6), fewer(kind, many(8, 300)))
     found = np.array([
         shape_of(kind, row).meet_line(p[None], u[None]) for row, p, u in zip(*lines, strict=True)
     ])[..., 0].T  # fmt: skip
@@ -76,7 +76,7 @@ def test_quick_way_leaves_hard_lines_to_the_careful_one(family, kind):
 @every_family
 def test_one_line_has_the_bits_of_many(family, kind):
     # In floats or in rows, the quick way's answers and the careful one's.
-    shapes, p, u = family(kind, np.random.default_rng(11), fewer(kind, many(75, 300)))
+    shapes, p, u = family(kind, np.random.default_rng(11), fewer(kind, many(38, 300)))
     rows = list(zip(shapes, p, u, strict=True))
     each = [meet(kind, *(part[None] for part in row)) for row in rows]
     np.testing.assert_array_equal(np.concatenate(each, axis=-1), meet(kind, shapes, p, u))
@@ -101,7 +101,7 @@ def test_many_lines_against_one_shape(kind, proportion, far):
     if kind != "box":
         row = np.array([*at, *(at + edges[0]), proportion, proportion, 0, 0, 0, 0])
         row[7] *= rng.uniform(0, 1) if kind == "frustum" else 1
-    shape, n = shape_of(kind, row), many(120, 4000)
+    shape, n = shape_of(kind, row), many(60, 4000)
     n = max(n // 100, 4) if kind == "rounded" else n
     p = (
         at + rng.normal(size=(n, 3)) @ edges
@@ -131,7 +131,8 @@ def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):
 @every_kind
 def test_judge_notices_each_fault(kind):
     # An answer emptied, one end moved inwards or outwards by more than the promise.
-    lines = FAMILIES[-1](kind, np.random.default_rng(3), 600 if kind != "rounded" else many(24, 60))
+    n = many(200, 600) if kind != "rounded" else many(24, 60)
+    lines = FAMILIES[-1](kind, np.random.default_rng(3), n)
     shapes, _, u = lines
     enter, leave = exact_intervals(kind, *lines)
     chord = leave - enter

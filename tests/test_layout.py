@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -40,10 +41,16 @@ def room(path):
     return path.relative_to(LIBRARY).parts[0].removesuffix(".py")
 
 
+@cache
+def tree_of(path):
+    """Return a module's syntax tree, which several tests read."""
+    return ast.parse(path.read_text())
+
+
 def imports(path):
     """Return the absolute names of what a module imports, relative ones resolved."""
     package = ("tunneller_lib", *path.relative_to(LIBRARY).parts[:-1])
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -112,7 +119,7 @@ def needs_parameters(node):
 
 @every_module
 def test_docstrings_describe_the_signature(path):
-    tree = ast.parse(path.read_text())
+    tree = tree_of(path)
     assert ast.get_docstring(tree), "the module has no docstring"
     for name, node in public(tree):
         docstring = ast.get_docstring(node)
@@ -130,7 +137,7 @@ def test_docstrings_describe_the_signature(path):
 @every_module
 def test_classes_of_fields_document_each_of_them(path):
     # That the names are the fields', in order, is asked above of every section.
-    for name, node in public(ast.parse(path.read_text())):
+    for name, node in public(tree_of(path)):
         if isinstance(node, ast.ClassDef) and needs_parameters(node):
             section = described(ast.get_docstring(node))
             assert section is not None, f"{name} has no section Parameters"
@@ -139,7 +146,7 @@ def test_classes_of_fields_document_each_of_them(path):
 @every_module
 def test_tuples_with_names_document_each_of_them(path):
     """But for those that hold a documented class "as plain numbers", for loops to be compiled."""
-    for name, node in public(ast.parse(path.read_text())):
+    for name, node in public(tree_of(path)):
         if isinstance(node, ast.ClassDef) and "NamedTuple" in map(ast.unparse, node.bases):
             text = ast.get_docstring(node)
             fields = [] if "plain numbers" in text else signature(node)
@@ -201,7 +208,7 @@ def test_notebook_is_numbered(path):
 
 def own_names(path):
     """Return the public names that a module defines at its top."""
-    tree = ast.parse(path.read_text())
+    tree = tree_of(path)
     return [
         node.name
         for node in tree.body

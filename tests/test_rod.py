@@ -84,7 +84,7 @@ def test_meet_line_of_one_rod_with_a_slight_tilt_or_length(slight, ends):
 @pytest.mark.parametrize("together", [True, False])
 def test_meet_rods_over_the_whole_range_of_sizes(together, ends):
     # Radius, length and direction from 1e-99 to 1e99, of one size or each of its own.
-    rng, n = np.random.default_rng(12), 3_000
+    rng, n = np.random.default_rng(12), many(1_000, 3_000)
     radius, length, speed = 10.0 ** rng.uniform(-99, 99, (3, n))
     if together:
         length = np.clip(radius * 10.0 ** rng.uniform(-3, 3, n), 1e-99, 1e99)
@@ -97,7 +97,7 @@ def test_meet_rods_over_the_whole_range_of_sizes(together, ends):
     lines = 0 * b, b, radius, p, u * speed[:, None]
     found = meet_rods(*lines, ends=ends)
     assert not np.any(judge(found, lines, margin(*lines), ends=ends))
-    for i in range(200):
+    for i in range(many(60, 200)):
         one = tuple(row[i : i + 1] for row in lines)
         alone = Rod(b[i] * 0, b[i], radius[i], ends=ends).meet_line(p[i : i + 1], one[4][0])
         assert not np.any(judge(alone, one, margin(*one), ends=ends))
