@@ -221,7 +221,7 @@ def test_meet_box_touches_flat_rods_at_their_sides(axis, side):
     rng = np.random.default_rng(6)
     v = np.array(axis)
     wide, length = round(np.hypot(*v[1:])), round(np.linalg.norm(v))
-    for _ in range(50):
+    for _ in range(many(20, 50)):
         step = rng.integers(1, 40)
         a = rng.integers(-999, 1000, 3)
         b = a + v * rng.integers(1, 300)

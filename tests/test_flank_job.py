@@ -1,8 +1,11 @@
 """`tunneller flank`: from a file to paths, and what is refused, each in a sentence."""
 
 import csv
+import io
 import json
 import re
+from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,25 +28,32 @@ QUICK = {"points = 9": "points = 4", "strips = 12": "strips = 2", "mesh = 121": 
 BLADE = JOB.read_text(encoding="utf-8").partition('kind = "blade"')[2].partition("\n[mill]")[0]
 
 
+def ran(folder, changes=None, *more, surface=None):
+    """Run a changed job in a folder: exit code, both outputs, and the folder that it writes."""
+    text = JOB.read_text(encoding="utf-8")
+    if surface:
+        text = text.replace('kind = "blade"' + BLADE, surface)
+    for old, new in (QUICK | (changes or {})).items():
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    job = folder / "job.toml"
+    job.write_text(text, encoding="utf-8")
+    said, errors = io.StringIO(), io.StringIO()
+    with redirect_stdout(said), redirect_stderr(errors):
+        code = main(["flank", str(job), "--out", str(folder / "out"), *map(str, more)])
+    return code, said.getvalue(), errors.getvalue(), folder / "out"
+
+
 @pytest.fixture
-def run(tmp_path, capsys):
-    """Return a function that runs a changed job: exit code, both outputs, and the folder."""
+def run(tmp_path):
+    """Return a function that runs a changed job."""
+    return partial(ran, tmp_path)
 
-    def go(changes=None, *more, surface=None):
-        text = JOB.read_text(encoding="utf-8")
-        if surface:
-            text = text.replace('kind = "blade"' + BLADE, surface)
-        for old, new in (QUICK | (changes or {})).items():
-            assert text.count(old) == 1, old
-            text = text.replace(old, new)
-        job = tmp_path / "job.toml"
-        job.write_text(text, encoding="utf-8")
-        out = tmp_path / "out"
-        code = main(["flank", str(job), "--out", str(out), *map(str, more)])
-        said = capsys.readouterr()
-        return code, said.out, said.err, out
 
-    return go
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory):
+    """Return what comes of the job as it is."""
+    return ran(tmp_path_factory.mktemp("usual"))
 
 
 def measured(n=40, low=0.3, high=0.7):
@@ -104,8 +114,8 @@ def test_a_job_gives_tables_and_paths_that_agree(run):
     assert numbers["gouge_m"] <= 10e-6
 
 
-def test_only_traverses_are_rapid(run):
-    code, _, _, out = run()
+def test_only_traverses_are_rapid(usual):
+    code, _, _, out = usual
     assert code == 0
     text = (out / "paths.apt").read_text()
     parts = re.split(r"^\$\$ (\w+), CHAIN \d+$", text, flags=re.M)[1:]
@@ -132,9 +142,9 @@ def test_a_machine_limits_the_positions(run):
     assert tilt.min() >= 85 and tilt.max() <= 95
 
 
-def test_the_milled_surface_is_what_the_mill_sweeps(run):
+def test_the_milled_surface_is_what_the_mill_sweeps(usual):
     """Where little is left, points of both files lie on the swept mill; else the stock stands."""
-    code, _, _, out = run()
+    code, _, _, out = usual
     assert code == 0
     read = read_stl((out / "milled.stl").read_bytes())
     _, paths = read_csv((out / "paths.csv").read_text())
@@ -157,8 +167,8 @@ def test_the_milled_surface_is_what_the_mill_sweeps(run):
     assert (points["colour"][points["value"] == points["value"].max()] == (255, 0, 0)).all()
 
 
-def test_people_get_lines(run):
-    code, said, _, _ = run()
+def test_people_get_lines(usual):
+    code, said, _, _ = usual
     assert code == 0
     assert re.search(r"positions: fits\n", said)
     assert re.search(r"% of the patch is left within 10 um", said)

@@ -3,36 +3,17 @@
 import csv
 import re
 from contextlib import contextmanager
-from unittest import mock
 
 import numpy as np
 import pytest
 
+from tests.blocks import EVERY_PAIR, fails_late, small, survey
 from tunneller_lib.__main__ import main
 from tunneller_lib.paths import CHORD_PATHS, atlas, geodesic_inverse
 from tunneller_lib.reporting.sweep import compute_blocks
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 FEW = [(0, 8), (12, 3)]
-
-
-def small(block):
-    """Return a small table of a block; it stands in a module, for processes to find."""
-    return np.sin(np.arange(6.0).reshape(2, 3) + 10 * block[0] + block[1])
-
-
-EVERY_PAIR = atlas.pairs
-
-
-def few_pairs(stripe):
-    """Return every hundredth pair of a stripe."""
-    return tuple(column[::100] for column in EVERY_PAIR(stripe))
-
-
-def survey(block):
-    """Return the atlas's table of a block for few pairs; processes find it in this module."""
-    with mock.patch.object(atlas, "pairs", few_pairs):
-        return atlas.survey(block)
 
 
 @contextmanager
@@ -98,12 +79,6 @@ def test_sweep_tells_the_time_to_go_from_its_own_pace(tmp_path, capsys, monkeypa
     compute_blocks(small, blocks, tmp_path, scheduler="here")
     told = capsys.readouterr().err
     assert re.findall(r"blocks, (\d+) s to go", told) == ["30", "20", "10", "0"]
-
-
-def fails_late(block):
-    if block[1] == 3:
-        raise ArithmeticError("as after an interrupt")
-    return small(block)
 
 
 def test_summary_needs_whole_rows():
