@@ -15,13 +15,14 @@ import pytest
 from hypothesis import settings
 
 from report.sources import draws_scenes
+from tests.long import many
 from tests.verdicts import judge  # noqa: F401 - a fixture of all tests
 
 ROOT = Path(__file__).parents[1]
 OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
 ASIDE = (".", "build", "pyproject.toml")  # what tools read and keep: .venv, .git, caches
 
-settings.register_profile("study", derandomize=True, deadline=None)
+settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(50, 200))
 settings.load_profile("study")
 
 opened = set()

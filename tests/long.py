@@ -24,11 +24,16 @@ def many(usual, long):
 
 def main():
     tests = sorted((ROOT / "tests").glob("test_*.py"))
-    texts = {f"tests/{path.name}": path.read_text(encoding="utf-8") for path in tests}
+    texts = {
+        f"tests/{path.name}": path.read_text(encoding="utf-8")
+        for path in [ROOT / "tests" / "conftest.py", *tests]
+    }
     asked = {
         name: re.findall(r"\bmany\(([\d_]+), ([\d_]+)\)", text) for name, text in texts.items()
     }
-    names = [name for name in asked if asked[name]]
+    # Properties (`@given`) are tried on as many examples as conftest.py says.
+    names = [name for name in texts if name != "tests/conftest.py"
+             and (asked[name] or "@given(" in texts[name])]  # fmt: skip
     begun = time.monotonic()
     command = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "load", "-q", *names]
     process = subprocess.run(command, cwd=ROOT, env=os.environ | {LONG: "1"}, text=True,
@@ -47,7 +52,7 @@ def main():
         "| tests | cases in `make test` | cases here |",
         "| --- | --- | --- |",
     ]
-    for name in names:
+    for name in texts:
         lines += [f"| {name} | {usual.replace('_', ',')} | {long.replace('_', ',')} |"
                   for usual, long in asked[name]]  # fmt: skip
     TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
