@@ -16,8 +16,8 @@ from tunneller_lib.reporting import preview
 READS = ["figures/*", "notebooks/*", "report/numbers/*", "tunneller_lib/*"]
 
 CALL = "sliders("
-written = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}
-EVERY = [(n, k) for n in written for k in range("".join(written[n]).count(CALL))]
+WRITTEN = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}
+EVERY = [(n, k) for n in WRITTEN for k in range("".join(WRITTEN[n]).count(CALL))]
 
 of_study = cache(programs)
 
@@ -59,7 +59,7 @@ def test_program_keeps_an_older_value_that_a_function_was_called_with(tmp_path):
 
 def test_programs_are_as_many_as_calls_of_sliders():
     assert len(EVERY) > 40
-    for notebook, texts in written.items():
+    for notebook, texts in WRITTEN.items():
         assert len(of_study(notebook)) == "".join(texts).count(CALL)
 
 
