@@ -17,7 +17,6 @@ from _pytest.runner import runtestprotocol
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
-from report.compare import Text, difference, picture_difference
 from report.kernels import shared_imports
 from report.sources import is_run, notebook_sources, records
 from report.state import State
@@ -64,6 +63,13 @@ def pytest_collect_file(file_path, parent):
         return Notebook.from_parent(parent, path=file_path)
 
 
+def compare():
+    """Return the module that compares: its matplotlib takes a second, where nothing is compared."""
+    from report import compare
+
+    return compare
+
+
 class Kernel(RunningKernel):
     """A kernel whose death is noticed at once instead of at the end of the cell's time."""
 
@@ -83,7 +89,7 @@ class Kernel(RunningKernel):
 
 class Cell(IPyNbCell):
     def sanitize(self, text):
-        return Text(text) if isinstance(text, str) else text
+        return compare().Text(text) if isinstance(text, str) else text
 
 
 class Check(pytest.Item):
@@ -143,7 +149,7 @@ class Notebook(IPyNbFile):
         return records(self.path)[1], records(again)[1]
 
     def compare_numbers(self):
-        return difference(*self.records())
+        return compare().difference(*self.records())
 
     def compare_figures(self):
         for figure in self.records()[0].get("figures", {}).values():
@@ -151,5 +157,5 @@ class Notebook(IPyNbFile):
                 Path(root, "figures", figure["file"])
                 for root in (self.path.parent.parent, self.results.name)
             )
-            if problem := picture_difference(old, new):
+            if problem := compare().picture_difference(old, new):
                 return problem
