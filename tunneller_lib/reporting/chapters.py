@@ -3,6 +3,7 @@
 import base64
 import io
 import json
+import math
 import re
 import tomllib
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ class Chapter:
     needs : str
         What a reader must know, in Markdown.
     minutes : int
-        What it takes to read, to the nearest five.
+        What it takes to read, up to the next five.
     """
 
     number: int
@@ -95,10 +96,10 @@ def _cells(path):
 
 
 def _minutes(cells):
-    """Return the minutes that cells take to read, to the nearest five."""
+    """Return the minutes that cells take to read, up to the next five."""
     words = sum(len(text.split()) for kind, text in cells if kind == "markdown")
     lines = sum(text.count("\n") + 1 for kind, text in cells if kind == "code")
-    return max(5, 5 * round((words / WORDS + lines / LINES) / 5))
+    return 5 * math.ceil((words / WORDS + lines / LINES) / 5)
 
 
 @checked

@@ -56,7 +56,8 @@ def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, asi
     Returns
     -------
     lines : list of matplotlib.lines.Line2D
-        One for each pair of surfaces by which lines with m there enter and leave; the crossings.
+        One for each pair of surfaces by which lines with m there enter and leave, with these
+        words as label; the crossings.
 
     Raises
     ------
@@ -69,12 +70,13 @@ def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, asi
     k = tilt * np.sqrt((radius - aside) * (radius + aside))
     four = np.array([-k, k, run - k, run + k])
     lines = []
-    for colour, ends in zip(
-        ("tangent sphere", "correct", "geodesic"), (four[:2], four[1:3], four[2:]), strict=True
+    for colour, ends, words in (
+        ("tangent sphere", four[:2], "in by the lower disc"),
+        ("correct", four[1:3], "in and out by the wall"),
+        ("geodesic", four[2:], "out by the upper disc"),
     ):
-        lines += ax.plot(
-            ends, [aside, aside], "-", color=COLOURS[colour], lw=2.5, solid_capstyle="butt"
-        )
+        look = {"color": COLOURS[colour], "lw": 2.5, "solid_capstyle": "butt"}
+        lines += ax.plot(ends, [aside, aside], "-", label=words, **look)
     lines += ax.plot(four, np.full(4, aside), "o", color=COLOURS["chord"], ms=4)
     clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
     for m, name in zip(four, ("$-k$", "$k$", "$d-k$", "$d+k$"), strict=True):
