@@ -24,7 +24,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site live test long check lab browser atlas bench plc mutants words format lock clean
+.PHONY: help environment report stale site live test long check lab browser sliders atlas bench plc mutants words format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -62,6 +62,9 @@ lab: environment ## open JupyterLab on the index of the notebooks
 
 browser: site live ## try pages and notebooks in a headless Chromium, where there is one
 	@$(BIN)/python -m pytest tests/browser -s
+
+sliders: environment ## time every slider in JupyterLab, for tests/sliders.md, or those of CHAPTERS="43_better ..."
+	@PYTHONPATH=$(CURDIR) $(BIN)/python tests/browser/sliders.py $(CHAPTERS)
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
 	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas

@@ -11,7 +11,7 @@ import PIL.Image
 import pytest
 
 from report.site.proofs import proofs
-from report.sources import INDEX, ROOT, notebooks
+from report.sources import INDEX, ROOT, notebooks, records
 from tunneller_lib.reporting import Record, ending, figure
 from tunneller_lib.reporting.chapters import (
     contents_table,
@@ -146,6 +146,21 @@ def test_story_shows_no_number_without_its_name(notebook):
         if "image/png" not in data and "text/markdown" not in data:
             for line in "".join(data.get("text/plain", "")).splitlines():
                 assert not re.match(r"\W*(at most )?\d|\W*(less|greater)\b", line), line
+
+
+@pytest.mark.parametrize("notebook", notebooks(), ids=lambda n: n.stem)
+def test_pictures_have_words_without_the_code(notebook):
+    """A page whose code is hidden has a caption below a recorded figure, prose above any other."""
+    captioned = {figure["alt"] for figure in records(notebook)[1].get("figures", {}).values()}
+    above = None
+    for cell in json.loads(notebook.read_text())["cells"]:
+        for output in cell.get("outputs", []):
+            alt = " ".join(output.get("metadata", {}).get("image/png", {}).get("alt", "").split())
+            if "image/png" in output.get("data", {}) and alt not in captioned:
+                assert alt and above == "markdown", f"{alt}: {above}"
+            above = output["output_type"]
+        if cell["cell_type"] == "markdown":
+            above = "markdown"
 
 
 @pytest.mark.parametrize("notebook", STORIES, ids=lambda n: n.stem)

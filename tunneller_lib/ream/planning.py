@@ -350,7 +350,9 @@ def _loads(way, circuit, limits, advance, length):
     """Return what the ground asks of the moves between lengths of way (k + 1,), for `profile`."""
     places = way.place(length)
     middle = (places[1:] + places[:-1]) / 2
-    load = {"ground": engaged_areas(circuit, middle, advance)}
+    # How much ground is met takes a quarter of a plan's time, and only a limit of it asks.
+    limited = limits.volume < np.inf
+    load = {"ground": engaged_areas(circuit, middle, advance) if limited else np.zeros_like(middle)}
     if limits.ground is not None:
         load["groove"] = engaged_areas(circuit, middle)
         slopes = way.at(length, order=1)

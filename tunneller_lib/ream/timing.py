@@ -78,7 +78,7 @@ class Places:
 def fastest(lengths, places):
     """Return the squares (m + 1,) of the greatest feed from rest to rest over moves (m,), in m."""
     top = places.highest().tolist()
-    products = [part.tolist() for part in places.products()]
+    ellipses = list(zip(*(part.tolist() for part in places.products()), strict=True))
     lines = [
         list(zip(c.tolist(), d.tolist(), strict=True)) for c, d in zip(*places.lines(), strict=True)
     ]
@@ -88,11 +88,11 @@ def fastest(lengths, places):
     # Backwards: the greatest x from which braking as hard as allowed still gets down to `goal`, the
     # greatest x at the move's end. The cutter's limit is the ellipse
     # g11 a^2 + 2 g12 a x + g22 x^2 = limit, a joint's are the lines |a + d x| = c.
-    for i in range(len(steps) - 1, -1, -1):
+    for i in reversed(range(len(steps))):
         step = steps[i]
         goal = top[i + 1]
         best = top[i]
-        g11, g12, g22 = (part[i] for part in products)
+        g11, g12, g22 = ellipses[i]
         # Where the line x + step a = goal leaves the ellipse: the greater root of
         # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone,
         # below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
@@ -114,7 +114,7 @@ def fastest(lengths, places):
     square = [0.0]
     for i, step in enumerate(steps):
         x = square[-1]
-        g11, g12, g22 = (part[i] for part in products)
+        g11, g12, g22 = ellipses[i]
         most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
         for line in lines:
             c, d = line[i]
