@@ -164,6 +164,12 @@ def test_step_between_laps_takes_its_time_within_the_limits():
     assert np.all(speed[: one.ticks.sum() - 1] == 0)
 
 
+def test_plan_without_a_limit_of_ground_is_that_of_one_out_of_reach():
+    free, wide = lap(), lap(replace(QUICK, volume=1e6))
+    assert np.array_equal(free.feed, wide.feed) and np.array_equal(free.ticks, wide.ticks)
+    assert lap(replace(QUICK, volume=1e-4)).lap_time > 1.2 * free.lap_time
+
+
 def test_plan_spaces_knots_by_its_tolerance():
     numbers = [len(lap(tolerance=t).knots) for t in (4e-3, 1e-3, 2.5e-4)]
     assert numbers == sorted(numbers) and numbers[2] / numbers[1] == pytest.approx(2, rel=0.15)

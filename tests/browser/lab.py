@@ -151,12 +151,12 @@ class Lab:
         self.browser.run(HAND)
         return self.browser.run("hand.words()")
 
-    def move(self, times=1, which=0):
+    def move(self, times=1, which=0, pause=PAUSE):
         """Move a slider by the keyboard; return the seconds until each new drawing."""
         taken = []
         self.take("!!hand.picture()", which)
         for k in range(times):
-            time.sleep(PAUSE)
+            time.sleep(pause)
             self.browser.run("hand.watch(); true")
             self.push(k)
             taken.append(self.browser.run("hand.taken") / 1000)

@@ -1,11 +1,12 @@
 """Time every slider of every drawing in JupyterLab: `make sliders`; tests/sliders.md keeps it.
 
 A notebook isn't run to its end for that: its sliders alone are, with what they need, as the pages
-that run have them. Scenes are left out. With names of notebooks only these are timed, and nothing
-is kept.
+that run have them. Scenes are left out. With names of notebooks only these are timed; the rows of
+others stay as they are.
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -22,7 +23,8 @@ from report.live.program import programs
 from report.sources import ROOT, notebooks
 
 TABLE = ROOT / "tests" / "sliders.md"
-MOVES = 9
+MOVES = 7
+PAUSE = 0.25  # s between two moves: there are a hundred sliders
 
 
 def drawings(notebook):
@@ -47,7 +49,7 @@ def timed(lab, notebook):
         taken = {}
         for word in words:
             before = lab.processor_seconds()
-            clock = median(lab.move(MOVES, which))
+            clock = median(lab.move(MOVES, which, PAUSE))
             taken[word] = 1000 * clock, 1000 * (lab.processor_seconds() - before) / MOVES
             which += 1
         yield program.cell, taken
@@ -55,11 +57,17 @@ def timed(lab, notebook):
     lab.close()
 
 
+def kept():
+    """Return the rows of the table, by notebook and cell."""
+    lines = TABLE.read_text(encoding="utf-8").splitlines() if TABLE.exists() else []
+    return {tuple(line.split(" | ")[:2]): line for line in lines if re.match(r"\| \d", line)}
+
+
 def main():
     chosen = [n for n in notebooks() if n.stem in sys.argv[1:] or not sys.argv[1:]]
-    commit = ["git", "describe", "--always", "--dirty"]
-    commit = subprocess.run(commit, cwd=ROOT, text=True, capture_output=True).stdout.strip()
-    rows, slowest, loads = [], 0.0, []
+    asked = ["git", "describe", "--always", "--dirty"]
+    commit = subprocess.run(asked, cwd=ROOT, text=True, capture_output=True).stdout.strip()
+    rows = kept()
     with tempfile.TemporaryDirectory() as place:
         (profile := Path(place, "profile")).mkdir()
         (study := Path(place, "study")).mkdir()
@@ -68,29 +76,27 @@ def main():
             with started(browser, study) as lab:
                 for notebook in filter(drawings, chosen):
                     for cell, taken in timed(lab, notebook):
-                        loads.append(os.getloadavg()[0])
                         said = ", ".join(
                             f"{word}: {ms:.0f} ({own:.0f})" for word, (ms, own) in taken.items()
                         )
-                        rows.append(f"| {notebook.stem} | {cell} | {said} |")
-                        slowest = max(slowest, *(ms for ms, _ in taken.values()))
-                        print(rows[-1], flush=True)
+                        when = f"{time.strftime('%F')}, {commit}, {os.getloadavg()[0]:.1f}"
+                        row = f"| {notebook.stem} | {cell} | {said} | {when} |"
+                        rows[f"| {notebook.stem}", str(cell)] = row
+                        print(row, flush=True)
         finally:
             browser.close()
-    if not sys.argv[1:]:
-        lines = [
-            "# How long a drawing takes in JupyterLab after its slider was moved",
-            "",
-            f"`make sliders` on {time.strftime('%F')} at {commit}, headless Chromium, "
-            f"{len(os.sched_getaffinity(0))} cores with a load of {min(loads):.1f} to "
-            f"{max(loads):.1f}: at most {slowest:.0f} ms. Each is the median of {MOVES} moves, "
-            "from the key to the new picture; in parentheses, what the kernel's processor worked.",
-            "",
-            "| notebook | cell | slider: ms |",
-            "| --- | --- | --- |",
-            *rows,
-        ]
-        TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    lines = [
+        "# How long a drawing takes in JupyterLab after its slider was moved",
+        "",
+        f"By `make sliders` in headless Chromium on {len(os.sched_getaffinity(0))} cores: of each "
+        f"slider the median of {MOVES} moves, in ms from the key to the new picture, and in "
+        "parentheses what processors worked in the kernel for one.",
+        "",
+        "| notebook | cell | slider: ms | date, commit, load |",
+        "| --- | --- | --- | --- |",
+        *(rows[key] for key in sorted(rows)),
+    ]
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
