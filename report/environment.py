@@ -106,6 +106,8 @@ class Environment:
 
     def install(self):
         """Make it anew; the stamp comes last, so that a set-up cut short is done again."""
+        if self.folder.is_symlink():  # it would be emptied under whoever else uses it
+            fail(f"{self.folder.name} is a link to another environment: remove the link first.")
         say(f"Setting up {self.folder.name} (once, about a minute)")
         run(sys.executable, "-m", "venv", "--clear", self.folder)
         pip = [self.python, "-m", "pip", "--disable-pip-version-check", "--quiet", "install"]

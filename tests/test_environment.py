@@ -53,6 +53,17 @@ def test_content_is_read_where_it_may_have_changed(installed):
     assert environment.spoilt(since=file.stat().st_ctime + 1) == []
 
 
+def test_environment_behind_a_link_is_never_emptied(installed, capsys):
+    environment, file = installed
+    link = file.parent / "link"
+    link.symlink_to(environment.folder)
+    environment.folder = link
+    with pytest.raises(SystemExit):
+        environment.install()
+    assert file.read_bytes() == FILES["thing/core.py"]
+    assert "link is a link to another environment" in capsys.readouterr().err
+
+
 def test_jupyterlab_asks_no_new_user_for_news(tmp_path):
     settings = pytest.importorskip(
         "jupyterlab_server.settings_handler", reason="JupyterLab is in the study's environment only"
