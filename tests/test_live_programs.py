@@ -72,7 +72,7 @@ def test_program_draws_what_the_notebook_stored(path, number, monkeypatch):
     monkeypatch.chdir(ROOT / "notebooks")
     monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
     shown = []
-    monkeypatch.setattr("tunneller_lib.reporting.interactive.display", shown.append)
+    monkeypatch.setattr("IPython.display.display", shown.append)
     *before, call = ast.parse(program.source).body
     names = {}
     exec(compile(ast.Module(before, []), "before", "exec"), names)

@@ -1,6 +1,8 @@
 """Scenes: meshes where they are meant, and what happens where nothing can be drawn or turned."""
 
 import inspect
+import os
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -129,13 +131,25 @@ def test_scene_without_a_library_says_how_to_get_one(monkeypatch):
         scene.empty()
 
 
+def test_what_is_drawn_apart_is_done_unless_the_library_crashes(monkeypatch, tmp_path):
+    monkeypatch.delenv(gl.TRIED, raising=False)
+    assert gl.drawn_apart((tmp_path / "drawn").touch) and (tmp_path / "drawn").exists()
+    assert not gl.drawn_apart(lambda: os.kill(os.getpid(), signal.SIGKILL))
+    assert not gl.drawn_apart(lambda: 1 / 0)
+
+
+def test_nothing_is_drawn_apart_where_it_is_known_to_work(monkeypatch):
+    monkeypatch.setenv(gl.TRIED, "works")
+    assert not gl.drawn_apart(lambda: pytest.fail("drawn"))
+
+
 @pytest.mark.parametrize(
     ("kernel", "backend", "turned"),
     [(None, None, False), ("a notebook", "static", False), ("a notebook", None, True)],
 )
 def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend, turned):
-    monkeypatch.setattr(camera, "get_ipython", lambda: kernel)
-    monkeypatch.setattr(camera, "display", lambda widget: shown.append(widget))
+    monkeypatch.setattr("IPython.get_ipython", lambda: kernel)
+    monkeypatch.setattr("IPython.display.display", lambda widget: shown.append(widget))
     monkeypatch.setattr(camera, "live", lambda plotter, title: title)
     monkeypatch.delenv("TUNNELLER_SCENES", raising=False)
     if backend:

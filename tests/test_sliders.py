@@ -29,7 +29,7 @@ def draw(**values):
 def shown(monkeypatch):
     """Return a list of what is displayed."""
     things = []
-    monkeypatch.setattr(f"{SLIDERS}.display", things.append)
+    monkeypatch.setattr("IPython.display.display", things.append)
     return things
 
 

@@ -271,12 +271,18 @@ def draw_wall(job, cut, path, say):
     except ModuleNotFoundError as error:
         say(f"{path.name} is left out: {missing(error)}")
         return []
-    if said := gl.problem():
-        say(f"{path.name} is left out. {said}")
-        return []
     say(f"writing {path}")
-    pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
-    return [str(pictures.write_picture(path, pixels))]
+
+    def draw():
+        pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
+        pictures.write_picture(path, pixels)
+
+    if not gl.drawn_apart(draw):
+        if said := gl.problem():
+            say(f"{path.name} is left out. {said}")
+            return []
+        draw()
+    return [str(path)]
 
 
 def run_scene(options):

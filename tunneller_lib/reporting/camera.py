@@ -8,8 +8,6 @@ import os
 from pathlib import Path
 
 import numpy as np
-from IPython import get_ipython
-from IPython.display import display
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -64,6 +62,10 @@ def shoot(
         pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
     if folder := os.environ.get("TUNNELLER_SCENES"):
         _keep(plotter, Path(folder))
+    # Late, as it takes a fifth of a second: the command does without.
+    from IPython import get_ipython
+    from IPython.display import display
+
     if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
         display(live(plotter, "A scene to turn; its picture is described where it is shown."))
     else:
@@ -188,6 +190,8 @@ def _keep(plotter, folder):
     for actor in plotter.actors.values():
         if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
             actor.mapper.dataset = _light(actor.mapper.dataset)
+    from IPython import get_ipython
+
     cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
     before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
     folder.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import PIL.Image
-from IPython.display import Markdown
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
@@ -133,7 +132,7 @@ def ending(record: Record, words: str = ""):
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
     sentence = words or _contents(NOTEBOOKS)["found"][record.notebook]
     said = filled(record.notebook, sentence, record.root)
-    return Markdown(f"{said}\n\n{links}")
+    return _markdown(f"{said}\n\n{links}")
 
 
 def filled(stem, sentence, root=CHECKOUT):
@@ -207,7 +206,13 @@ def contents_table(folder: Path = NOTEBOOKS):
                 f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |" for c in inside
             ]
             lines.append("")
-    return Markdown("\n".join(lines))
+    return _markdown("\n".join(lines))
+
+
+def _markdown(text):
+    from IPython.display import Markdown  # drawings need no IPython: the extra [picture] has none
+
+    return Markdown(text)
 
 
 @checked

@@ -39,6 +39,27 @@ def problem():
     os.environ[TRIED] = "works"
 
 
+def drawn_apart(draw):
+    """Return whether a child process, which a missing library may crash, did what `draw` does.
+
+    That spares a try where all works. Nothing is done where there is no such process, or where it
+    is known already that scenes can be drawn.
+    """
+    if os.environ.get(TRIED) == "works" or not hasattr(os, "fork"):
+        return False
+    child = os.fork()
+    if child:
+        return os.waitpid(child, 0)[1] == 0
+    done = 1
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # a crash has said enough
+        os.environ[TRIED] = "works"
+        draw()
+        done = 0
+    finally:
+        os._exit(done)  # nothing that the parent has yet to do is done twice
+
+
 def require():
     """Raise OSError, with the command that mends it, where no scene can be drawn."""
     if said := problem():

@@ -8,8 +8,6 @@ import os
 from collections.abc import Callable
 from contextlib import contextmanager
 
-import ipywidgets
-from IPython.display import display
 from matplotlib.figure import Figure
 
 from ..arguments import checked, finite, shown
@@ -63,12 +61,20 @@ def sliders(draw: Callable, *, alt: str = "", **ranges: object):
             raise ValueError(f"alt: must say what a scene shows; got {alt!r}.")
         moved = _moved_scene
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        import ipywidgets
+
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
-        display(ipywidgets.VBox([*controls.values(), *moved(draw, first, alt, controls)]))
+        _show(ipywidgets.VBox([*controls.values(), *moved(draw, first, alt, controls)]))
     elif alt:
         picture = first if isinstance(first, Figure) else shoot(first, direction=None)
-        display(preview(picture, alt))
+        _show(preview(picture, alt))
     return first
+
+
+def _show(thing):
+    from IPython.display import display  # drawings need no IPython: the extra [picture] has none
+
+    display(thing)
 
 
 def _check_range(name, limits):
@@ -107,6 +113,8 @@ def _swept():
 
 
 def _moved_drawing(draw, first, alt, controls):
+    from ipywidgets import interactive_output
+
     first.set_layout_engine("constrained", rect=ROOM)
     first.draw_without_rendering()
     places = [ax.get_position(original=True) for ax in first.axes]
@@ -123,12 +131,14 @@ def _moved_drawing(draw, first, alt, controls):
 
     def show(**values):
         with _swept():
-            display(picture(**values))
+            _show(picture(**values))
 
-    return [ipywidgets.interactive_output(show, controls)]
+    return [interactive_output(show, controls)]
 
 
 def _moved_scene(draw, plotter, alt, controls):
+    from ipywidgets import interactive_output
+
     loop = asyncio.get_running_loop()
     widget = live(plotter, alt)
     newest = None
@@ -150,11 +160,13 @@ def _moved_scene(draw, plotter, alt, controls):
         # A kernel hears of sliders in a thread of their own; rendering is left to its main one.
         loop.call_soon_threadsafe(move, values)
 
-    told = ipywidgets.interactive_output(show, controls)
+    told = interactive_output(show, controls)
     return [widget, told]
 
 
 def _slider(name, low, high, start, unit=""):
+    from ipywidgets import FloatSlider, IntSlider
+
     about = {
         "min": low,
         "max": high,
@@ -164,5 +176,5 @@ def _slider(name, low, high, start, unit=""):
         "continuous_update": False,
     }
     if all(isinstance(number, int) for number in (low, high, start)):
-        return ipywidgets.IntSlider(**about)
-    return ipywidgets.FloatSlider(**about, step=(high - low) / 100)
+        return IntSlider(**about)
+    return FloatSlider(**about, step=(high - low) / 100)
