@@ -2,10 +2,12 @@
 
 import argparse
 import csv
+import gc
 import json
 import os
 import sys
 import time
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
@@ -51,6 +53,7 @@ def main(arguments=None):
         return ended(options, 2 if wrong else 1, "wrong" if wrong else "refused", str(error))
 
 
+SELDOM = 1_000_000  # objects that are made before Python looks for garbage
 BUDGET_RUNS = 4  # of a lap's axes: trailing, with and without encoder, with the gain raised
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
@@ -244,6 +247,18 @@ def own_name(path):
     return stem if stem.strip(".") else "job"
 
 
+@contextmanager
+def seldom_swept():
+    """Let Python look for cycles of garbage seldom: imports make many objects, and no cycles."""
+    usual = gc.get_threshold()
+    gc.set_threshold(SELDOM, *usual[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+@seldom_swept()
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
     from .job import say
