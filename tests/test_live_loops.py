@@ -81,13 +81,13 @@ def test_axis_runs_in_javascript_as_in_python(plant, loop):
     setvalues = 0.1 + 0.05 * (1 - np.cos(np.linspace(0, 3, 101)))
     numbers = plant.numbers(TICK)
     start = tuple(map(float, plant.rest(0.1)))
-    states = np.zeros((101, len(start)))
-    states[0] = start
+    states = np.zeros((len(start), 101))
+    states[:, 0] = start
     slopes = np.diff(setvalues) / TICK
     memory = np.zeros(1 + loop.delay)
     given = [numbers, control_of(loop), memory, start, setvalues, slopes, states, np.zeros(100)]
     assert_same(run_axis, given, [2, 6, 7], **_functions(plant, numbers))
-    assert np.ptp(given[6][:, 0]) > 1e-3
+    assert np.ptp(given[6][0]) > 1e-3
 
 
 @pytest.mark.skipif(NODE is None, reason="node isn't installed")

@@ -15,7 +15,7 @@ from .loop import Loop
 from .oil import Compressible, Rigid
 from .plant import Integrator, Lag, Resonance, ValveResonance
 from .quantities import moderate_array
-from .stability import is_stable
+from .stability import LinearPlant, is_stable
 from .ticks import run_each, run_together
 
 
@@ -225,18 +225,27 @@ def follow(
         states, commands = run_each(plants, loops, columns, rates, inverse)
     else:
         states, commands, energies = run_together(plants, loops, columns, rates, inverse, arm, push)
-    shape = (-1, *setvalues.shape[1:])
-    position = np.stack([s[:, 0] for s in states], axis=1).reshape(shape)
-    command = np.stack(commands, axis=1).reshape(shape)
-    limit = np.array([one.limit for one in loops]) if setvalues.ndim == 2 else loops[0].limit
-    # How stiff oil is depends on the angle, so five of each axis' range are asked.
-    ranges = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
-    if inverse is None:
-        stable = tuple(map(is_stable.unchecked, plants, loops, ranges))
+    if setvalues.ndim == 2:
+        position = np.stack([s[:, 0] for s in states], axis=1)
+        command = np.stack(commands, axis=1)
+        limit = np.array([one.limit for one in loops])
     else:
-        stable = (None,) * axes
-    saturated = np.abs(command) >= limit
+        position = states[0][:, 0]
+        command = commands[0]
+        limit = loops[0].limit
+    stable = (None,) * axes
+    if inverse is None:
+        stable = tuple(map(_is_stable, plants, loops, columns.T))
+    saturated = (command >= limit) | (command <= -limit)
     return Track(loops[0].tick, setvalues, position, command, saturated, states, stable, energies)
+
+
+def _is_stable(plant, loop, column):
+    """Return whether small motions of an axis are stable all over the range of its set-values."""
+    if isinstance(plant, LinearPlant):
+        return is_stable.unchecked(plant, loop)
+    # How stiff oil is depends on the angle, so five of the range are asked.
+    return is_stable.unchecked(plant, loop, np.linspace(column.min(), column.max(), 5))
 
 
 def _for_each_axis(name, value, axes):

@@ -66,9 +66,13 @@ def commanded(plant, control, grown, wanted, slope, position):
         position = control.count * nearest(position / control.count)
     error = wanted - position
     u = commanding(plant, control.gain * error + grown + control.share * slope, position)
-    # Compensated, a command begins where the valve's dead band ends.
-    if control.compensated and control.dead > 0 and u != 0:
-        u = (1 - control.dead) * u + (control.dead if u > 0 else -control.dead)
+    # Compensated, a command begins where the valve's dead band ends. One choice of two sums would
+    # hold up every tick of a compiled loop by a quarter, whether there is a dead band or not.
+    if control.compensated and control.dead > 0:
+        if u > 0:
+            u = (1 - control.dead) * u + control.dead
+        elif u < 0:
+            u = (1 - control.dead) * u - control.dead
     # While the valve is fully open the sum waits: it would only grow, and overshoot later.
     if u > control.limit:
         u = control.limit
@@ -114,7 +118,8 @@ def run_axis(plant, control, memory, state, setvalues, slopes, states, commands)
 
     They are fewer than there are slopes where it left its stroke. `control` is a `Control`,
     `memory` (1 + delay,) the loop's integral, and its commands that wait; `setvalues` and `slopes`,
-    in rad and rad/s, `states` and `commands` are rows, `state` is the first of the states.
+    in rad and rad/s, and `commands` are rows, `states` are as many rows as the `state` has numbers,
+    which begin with it.
     """
     grown = memory[0]
     for tick in range(len(slopes)):
@@ -123,7 +128,7 @@ def run_axis(plant, control, memory, state, setvalues, slopes, states, commands)
         state = ticked(plant, state, opened(u, control.dead))
         commands[tick] = u
         for i in range(len(state)):
-            states[tick + 1][i] = state[i]
+            states[i][tick + 1] = state[i]
         if not plant.low <= state[0] <= plant.high:
             return tick
     return len(slopes)
@@ -175,8 +180,8 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
     for plant, loop, values, rates in zip(plants, loops, setvalues.T, slopes.T, strict=True):
         numbers = plant.numbers(loop.tick)
         start = tuple(map(float, plant.rest(float(values[0]))))
-        states = np.empty((ticks + 1, len(start)))
-        states[0] = start
+        states = np.empty((len(start), ticks + 1))
+        states[:, 0] = start
         commands = np.empty(ticks)
         given = (
             numbers, control_of(loop), np.zeros(1 + loop.delay), start,
@@ -185,8 +190,8 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
         expect(plain_seconds(numbers, ticks))
         kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
         if kept < ticks:
-            raise out_of_stroke(plant.axis, states[kept + 1, 0])
-        all_states.append(states)
+            raise out_of_stroke(plant.axis, states[0, kept + 1])
+        all_states.append(states.T)
         all_commands.append(commands)
     return all_states, all_commands
 

@@ -28,8 +28,10 @@ void run_lag(const double *rows, double steady, const Control *control, double *
         if (control->count > 0) position = control->count * nearest(position / control->count);
         double error = setvalues[tick] - position;
         double u = (control->gain * error + memory[0] + control->share * slopes[tick]) / steady;
-        if (control->compensated && control->dead > 0 && u != 0)
-            u = (1 - control->dead) * u + (u > 0 ? control->dead : -control->dead);
+        if (control->compensated && control->dead > 0) {
+            if (u > 0) u = (1 - control->dead) * u + control->dead;
+            else if (u < 0) u = (1 - control->dead) * u - control->dead;
+        }
         if (u > control->limit) u = control->limit;
         else if (u < -control->limit) u = -control->limit;
         else memory[0] += control->growth * error;
