@@ -32,6 +32,8 @@ READS = [
     "tests/text_faults.csv",
     "tests/text_faults.toml",
     "tests/bench/times.csv",
+    "tests/bench/geodesic_growth.csv",
+    "tests/bench/growth.svg",
 ]
 
 

@@ -1,8 +1,10 @@
-"""The table of times: rows are kept beside others, and shown with three digits."""
+"""The tables of times: rows are kept beside others, shown with three digits; how times grow."""
 
 import pytest
 
 from tests.bench import times
+
+READS = ["tests/bench/*"]
 
 ROW = dict.fromkeys(times.COLUMNS, "some") | {
     "work": "a cut", "each": "ball", "n": 1, "here_s": "2e-05", "peer": "", "peer_s": "",
@@ -59,3 +61,33 @@ def test_with_table_changes_nothing_but_what_is_between_its_marks(kept):
     assert new.startswith(f"before\n{begin}") and new.endswith(f"{end}after\n")
     assert "old" not in new and "| a cut, by the ball |" in new
     assert times.with_table(new) == new
+
+
+GROWN = (
+    1.25  # of what one of many takes, over one of fewer; n log n would give 2.3 from 10^3 to 10^7
+)
+
+
+def test_geodesics_take_time_and_memory_in_proportion_to_their_number():
+    growth = pytest.importorskip("tests.bench.growth", reason="matplotlib isn't installed")
+    pairs, seconds, memory = growth.growth()
+    assert pairs == [10.0**power for power in range(8)]
+    for sizes, least in ((seconds, 1e3), (memory, 1e4)):
+        each = [size / n for n, size in zip(pairs, sizes, strict=True) if n >= least]
+        assert all(more <= GROWN * min(each[:i]) for i, more in enumerate(each) if i)
+    assert memory[-1] <= growth.LIMIT * pairs[-1]
+
+
+def test_more_at_once_takes_less_time_for_each():
+    by_work = {}
+    for row in times.read():
+        by_work.setdefault(row["work"], []).append(float(row["here_s"]))
+    for work, (first, *others) in by_work.items():
+        assert all(each <= GROWN * first for each in others), work
+
+
+def test_growth_is_drawn_from_its_tables(tmp_path):
+    growth = pytest.importorskip("tests.bench.growth", reason="matplotlib isn't installed")
+    compare = pytest.importorskip("report.compare", reason="the report's packages are missing")
+    (tmp_path / "growth.svg").write_bytes(growth.drawing_svg(growth.draw()))
+    assert compare.agree(growth.PICTURE, tmp_path / "growth.svg")

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bench import times
+from tests.bench import growth, times
 
 BOUNDS = Path(__file__).parent / "bounds"
 FLAGS = "-O3 -march=x86-64-v3 -ffp-contract=off -fno-math-errno -shared -fPIC".split()
@@ -131,3 +131,4 @@ def pytest_sessionfinish(session):
         times.keep(noted)
         text = times.README.read_text(encoding="utf-8")
         times.README.write_text(times.with_table(text), encoding="utf-8")
+        growth.write()

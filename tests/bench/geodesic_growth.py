@@ -1,5 +1,7 @@
 """Write geodesic_growth.csv: time and memory of geodesic_inverse for 1 to 10,000,000 pairs.
 
+`growth` draws it.
+
 python -m tests.bench.geodesic_growth
 
 Each number of pairs is tried in a process of its own, compiled, on the machine's working sheet.
@@ -15,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.bench import growth
 from tests.bench.conftest import processor
 from tunneller_lib import compiled
 from tunneller_lib.paths import geodesic_inverse
@@ -64,6 +67,7 @@ def main():
             seconds, memory = out.split()
             table.writerow([10**power, f"{float(seconds):.3g}", memory])
             print(10**power, seconds, memory)
+    growth.write()
 
 
 if __name__ == "__main__":

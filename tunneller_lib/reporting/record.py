@@ -205,7 +205,7 @@ class Record:
             raise ValueError(f"{name}: needs an alternative text.")
         if isinstance(picture, matplotlib.figure.Figure):
             suffix = ".svg"
-            content = _svg(picture)
+            content = drawing_svg(picture)
         else:
             suffix = ".png"
             content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])))
@@ -268,7 +268,8 @@ def _file_name(argument, name):
     return name
 
 
-def _svg(figure):
+def drawing_svg(figure):
+    """Return a drawing as the bytes of a file, in SVG."""
     content = io.BytesIO()
     # Text as outlines, and nothing that names the day or the run: the same bytes each time.
     with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
