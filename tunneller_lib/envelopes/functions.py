@@ -6,6 +6,8 @@ where it lies. What the function answers is looked at once a call, never within 
 
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
+from types import FunctionType, MethodType
 from typing import Annotated
 
 import numpy as np
@@ -34,6 +36,13 @@ def _takes(function, count):
     # Classes make no numbers, and what is built into Python, as those of `math`, takes no jets.
     if isinstance(function, type) or inspect.isbuiltin(function):
         return False
+    if isinstance(function, MethodType) and isinstance(function.__func__, FunctionType):
+        # A shape's method is asked for at every point; the functions of classes aren't many.
+        return _method_binds(function.__func__, count + 1)
+    return _binds(function, count)
+
+
+def _binds(function, count):
     try:
         inspect.signature(function).bind(*[None] * count)
     except TypeError:
@@ -41,6 +50,9 @@ def _takes(function, count):
     except ValueError:  # one of numpy's, without a signature to ask
         return True
     return True
+
+
+_method_binds = lru_cache(32)(_binds)
 
 
 def _number(name, value):

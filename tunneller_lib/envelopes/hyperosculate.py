@@ -168,7 +168,9 @@ def hyperosculating_cones(
         block = slice(first, first + BLOCK)
         found = _found(surface, flat_s[block], flat_t[block], rho, model)
         parts.append(_fields(half_angle, rho, model, first, *found))
-    *rows, count, state = map(np.concatenate, zip(*parts, strict=True))
+    *rows, count, state = (
+        parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+    )
     return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
 
 
