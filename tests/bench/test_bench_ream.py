@@ -87,5 +87,5 @@ def test_the_command_cuts_the_reference_job(benchmark, say, note, tmp_path):
     say("the command `tunneller cut` on the reference job, CPU s", seconds)
     note(
         "`tunneller cut` of the reference job", "job", 1, seconds,
-        criterion="the whole command, with a process that tries the GL library",
+        criterion="the whole command, with the process that draws the wall",
     )  # fmt: skip
