@@ -70,9 +70,8 @@ def draw():
 
 def _name(ax, text, line, colour, shift):
     end = line[0][-1], line[1][-1]
-    ax.annotate(
-        text, end, shift, textcoords="offset points", fontsize=8, color=COLOURS[colour]
-    )  # fmt: skip
+    look = {"fontsize": 8, "color": COLOURS[colour]}
+    ax.annotate(text, end, shift, textcoords="offset points", **look)
 
 
 def write():
