@@ -12,6 +12,7 @@ from itertools import pairwise
 import nbformat
 import numpy as np
 import pytest
+from fontTools.ttLib import TTFont
 
 from report.live.build import LivePages
 from report.site import build as pages
@@ -97,6 +98,21 @@ def test_site_sets_every_formula(site):
                        flags=re.S)  # fmt: skip
         assert "$" not in plain(prose) and "\\" not in plain(prose), path.name
     assert page(site, "10").count("<math") > 10
+
+
+def test_site_sets_formulas_in_a_font_that_it_brings_along(site):
+    font = TTFont(site / "fonts" / "formulas.woff")
+    letters = set(font.getBestCmap())
+    italic = set(range(0x1D434, 0x1D468)) - {
+        0x1D455
+    }  # what browsers make of <mi>x</mi>; h is U+210E
+    assert "MATH" in font and italic <= letters
+    for path in site.rglob("*.html"):
+        shown = "".join(map(plain, re.findall(r"<math.*?</math>", path.read_text(), re.S)))
+        assert set(map(ord, shown)) <= letters, path.name
+    style = (site / "style.css").read_text()
+    assert re.search(r"math {[^}]*font-family: Formulas,", style)
+    assert "SIL OPEN FONT LICENSE" in (site / "fonts" / "OFL.txt").read_text()
 
 
 def test_site_shows_recorded_figures_with_text_and_caption(site):
@@ -235,6 +251,16 @@ def test_faults_are_told(tmp_path, body, told):
     (tmp_path / "a.html").write_text(PAGE.format(body))
     [fault] = faults(tmp_path)
     assert fault.startswith("a.html") and told in fault
+
+
+@pytest.mark.parametrize("address", ["no.woff", "../a.woff", "https://a.org/b.woff", "data:,"])
+def test_faults_are_what_a_style_sheet_loads_that_is_not_there(tmp_path, address):
+    folder = tmp_path / "pages"
+    folder.mkdir()
+    for font in (folder / "b.woff", tmp_path / "a.woff"):
+        font.write_bytes(b"")
+    (folder / "style.css").write_text(f"a {{ src: url('b.woff'); }} b {{ src: url({address}); }}")
+    assert faults(folder) == [f"style.css loads {address}, which isn't there"]
 
 
 def test_faults_are_none_where_links_hold(tmp_path):

@@ -107,6 +107,8 @@ def build(folder, chosen=None, live=None):
     style += "\n" + (HERE / "style.css").read_text() + (live.style if live else "")
     site.write("style.css", style)
     site.write("site.js", (HERE / "site.js").read_bytes())
+    for file in ("formulas.woff", "OFL.txt"):
+        site.write(f"fonts/{file}", (HERE / "fonts" / file).read_bytes())
     if live:
         live.add(site)
     site.write("search-index.js", script(site.found))

@@ -60,6 +60,8 @@ def faults(folder):
         told += [f"{name} shows {source} without a text" for source in page.unsaid]
         told += [f"{name} has the name {twice} twice" for twice in page.twice]
     for path in sorted(folder.rglob("*.css")):
-        for a, b in LOADED.findall(path.read_text()):
-            told.append(f"{path.name} loads {a or b}")
+        for address in map("".join, LOADED.findall(path.read_text())):
+            target = (path.parent / address).resolve()
+            if not target.is_file() or not target.is_relative_to(folder.resolve()):
+                told.append(f"{path.name} loads {address}, which isn't there")
     return told

@@ -39,6 +39,7 @@ def content_policy(style="", *, runs=False):
             f"style-src {OWN} {styles}",
             "style-src-attr 'unsafe-inline'",
             f"img-src {OWN} data: blob:",
+            f"font-src {OWN}",
             "base-uri 'none'",
             "form-action 'none'",
         ]
