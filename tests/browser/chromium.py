@@ -77,7 +77,7 @@ class Browser:
             message = json.loads(self.socket.recv())
             if message.get("id") == self.number:
                 if "error" in message:
-                    raise Refused(message["error"]["message"])
+                    raise Refused(message)
                 return message["result"]
             self.note(message)
 
@@ -119,8 +119,12 @@ class Browser:
             "const b = e.getBoundingClientRect();"
             "return {x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height}; })()"
         )
+        return np.asarray(PIL.Image.open(io.BytesIO(self.shot(box))).convert("RGB"))
+
+    def shot(self, box):
+        """Return what is seen in a box of the page, as PNG."""
         shot = self.send("Page.captureScreenshot", clip=box | {"scale": 1})
-        return np.asarray(PIL.Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGB"))
+        return base64.b64decode(shot["data"])
 
     def middle(self, script):
         """Return the middle of an element in the window."""

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
+import firefox
 from chromium import NAMES, Browser, found
 from lab import started
 
@@ -21,6 +22,15 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def browser(tmp_path_factory):
     opened = Browser(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="module")
+def fox(tmp_path_factory):
+    if firefox.found() is None:
+        pytest.skip("There is no firefox: Debian's package is firefox-esr.")
+    opened = firefox.Firefox(tmp_path_factory.mktemp("fox"))
     yield opened
     opened.close()
 

@@ -56,6 +56,19 @@ def test_slider_moves_a_picture_at_once(browser, page):
     assert ready < 20 and median < 300
 
 
+def test_slider_moves_a_picture_in_firefox(fox):
+    fox.run("fetch('http://127.0.0.1:5999/', { mode: 'no-cors' }).catch(() => 0)")
+    assert elsewhere(fox) == ["http://127.0.0.1:5999/"], "what is asked for is noted"
+    ready = start(fox, next(page for page in chapters() if page.stem == "02_torus"))
+    before = fox.picture(PICTURE)
+    fox.run(MOVE.format(BOX, 0.7))
+    fox.until(f"{BOX}.dataset.drawn > 1")
+    assert (fox.picture(PICTURE) != before).mean() > 1e-4
+    moment, load = fox.run(f"{BOX}.dataset.moment"), os.getloadavg()[0]
+    print(f"\nFirefox: ready after {ready:.1f} s, {moment} ms, at a load of {load:.1f}")
+    assert fox.errors == [] and elsewhere(fox) == []
+
+
 def test_page_stays_free_while_python_loads(browser):
     browser.open(chapters()[0].as_uri())
     browser.run(
