@@ -56,8 +56,10 @@ long: environment ## run tests that have a longer form in it, for tests/long.md 
 check: environment ## test what the working tree's changes can reach
 	@$(HEADLESS) PATH="$(BIN):$$PATH" $(BIN)/python -m tests.check $(SINCE)
 
+# Scenes come through JupyterLab's own port, so that one is enough from afar; JupyterHub puts its
+# prefix before this.
 lab: environment ## open JupyterLab on the index of the notebooks
-	@$(ALONE) $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
+	@$(ALONE) PYVISTA_TRAME_SERVER_PROXY_PREFIX=/proxy/ $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
 		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
 
 browser: site live ## try pages and notebooks in a headless Chromium, where there is one

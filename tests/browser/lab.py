@@ -88,6 +88,7 @@ class Lab:
 
     def __init__(self, browser, root, address, began, server):
         self.browser, self.root, self.began, self.server = browser, root, began, server
+        self.host = address.split("/")[2]
         browser.open(address)
         browser.until("!!window.jupyterapp")
         browser.run("jupyterapp.restored.then(() => true)")

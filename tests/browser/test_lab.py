@@ -57,6 +57,8 @@ def test_scene_is_turned_in_a_live_notebook(lab):
     before = browser.picture(frame)
     browser.drag(frame, 150, 60)
     wait(lambda: (browser.picture(frame) != before).mean() > 0.01, said="another one")
+    asked = {request.split("/")[2] for request in browser.requests if request.startswith("http")}
+    assert asked == {lab.host}, "scenes come through the one port"
     lab.close()
 
 
