@@ -274,6 +274,13 @@ def test_formula_keeps_exponents_of_functions():
     assert "<mi>sin</mi><mspace" in formula(r"\sin\alpha")
 
 
+def test_formula_sets_functions_apart():
+    space = '<mspace width="0.17em" />'
+    assert f"<mi>R</mi>{space}<mi>cos</mi>{space}<mi>" in formula(r"R\cos\varphi")
+    assert f"&#x00029;</mo>{space}<mi>cos</mi>" in formula(r"(r + R)\cos\theta")
+    assert space not in formula(r"= \cos(\theta)") and space not in formula(r"\frac{r}{R} + x")
+
+
 def test_markdown_follows_links_and_names_headings():
     html = markdown("## A *b*\n[07](07_chord.ipynb), $x^2$", lambda url: url.upper())
     assert 'id="a-b"' in html and 'href="07_CHORD.IPYNB"' in html and "<msup>" in html

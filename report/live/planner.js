@@ -9,6 +9,8 @@
 
   // A line that gives a value, perhaps left out: "# name = value  # what it is".
   const LINE = /^(# )?(\w+) = ("[^"]*"|[^\s#]+)\s*(?:# (.*))?$/;
+  // Words that go on with those of the line before.
+  const MORE = /#  +(.*)$/;
   const TABLE = /^(# )?\[([\w.]+)\]\s*(?:# (.*))?$/;
 
   // Each line of the form's: its table, name, value, and whether it is there.
@@ -22,8 +24,12 @@
       const given = LINE.exec(line);
       if (given && table) {
         const [, off, name, value, words = ""] = given;
-        found.push({ at, table, tableLine, off: !!off || tableLine.off, name, value, words });
+        const about = { at, table, tableLine, off: !!off || tableLine.off, name, value, words };
+        found.push({ ...about, hint: MORE.test(line) ? "" : words });
       }
+      const more = MORE.exec(line);
+      const owner = found.findLast(({ hint }) => hint);
+      if (more && owner?.table === table) owner.hint += `; ${more[1]}`;
     });
     return found;
   }
@@ -36,7 +42,7 @@
     const quoted = about.value.startsWith('"');
     const plain = quoted ? about.value.slice(1, -1) : about.value;
     name.textContent = about.name;
-    words.textContent = about.words;
+    words.textContent = about.hint;
     Object.assign(input, { type: "text", spellcheck: false, name: `${about.table}.${about.name}` });
     if (about.off) input.placeholder = plain;
     else input.value = plain;

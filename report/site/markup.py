@@ -3,7 +3,7 @@
 import re
 from functools import cache
 from html import escape, unescape
-from xml.etree.ElementTree import tostring
+from xml.etree.ElementTree import Element, tostring
 
 from latex2mathml.converter import convert_to_element
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
@@ -13,18 +13,36 @@ from pygments.lexers import get_lexer_by_name
 
 CODE = HtmlFormatter(cssclass="code")
 _lexer = cache(get_lexer_by_name)
-FUNCTION = "<mi>(?:sin|cos|tan|arcsin|arccos|arctan|log)</mi>"
+FUNCTIONS = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "log"}
+CLOSING = {"&#x00029;", "&#x0005D;"}
 # The one piece of HTML that is let through: an answer to unfold, its title without any markup.
 UNFOLDED = re.compile(r"\s*(?:<details>\s*<summary>[^<>]*</summary>|</details>)\s*")
-OPERATOR = re.compile(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}<mn>\d</mn></msup>)(?!<mo)")
 
 
 def formula(latex, display="inline"):
     """Return a formula as MathML, which browsers set and screen readers speak by themselves."""
-    made = tostring(convert_to_element(latex.strip(), display=display), encoding="unicode")
+    made = convert_to_element(latex.strip(), display=display)
+    for row in list(made.iter("mrow")):
+        _space_functions(row)
     # Its signs are character references already; a text's < must stay escaped.
-    mathml = re.sub(r"&amp;(#x[0-9A-Fa-f]+;)", r"&\1", made)
-    return OPERATOR.sub(r'\1<mspace width="0.17em"/>', mathml)
+    return re.sub(r"&amp;(#x[0-9A-Fa-f]+;)", r"&\1", tostring(made, encoding="unicode"))
+
+
+def _space_functions(row):
+    """Set functions in a row of a formula apart from what they stand by, signs excepted."""
+    parts = list(row)
+    for at in reversed(range(1, len(parts))):
+        left, right = parts[at - 1], parts[at]
+        after = _is_function(left) and right.tag != "mo"
+        before = _is_function(right) and (left.tag != "mo" or left.text in CLOSING)
+        if after or before:
+            row.insert(at, Element("mspace", width="0.17em"))
+
+
+def _is_function(part):
+    """Tell whether a part of a formula is a function's name, perhaps with an exponent."""
+    name = part[0] if part.tag == "msup" else part
+    return name.tag == "mi" and name.text in FUNCTIONS
 
 
 class Renderer(IPythonRenderer):

@@ -26,6 +26,10 @@ if (shown) {
   shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
 }
 
+// ---- the list of pages shows where this one is
+const here = document.querySelector(".contents [aria-current]");
+if (here) here.closest("nav").scrollTop = here.offsetTop - here.closest("nav").clientHeight / 3;
+
 // ---- boxes that scroll are reached by keyboard
 function reach(box) {
   const scrolls = box.scrollWidth > box.clientWidth;
