@@ -274,6 +274,16 @@ def test_formula_keeps_exponents_of_functions():
     assert "<mi>sin</mi><mspace" in formula(r"\sin\alpha")
 
 
+def test_formulas_keep_the_signs_that_follow_them():
+    short, long = "<math><mi>x</mi></math>", f"<math><mi>{'x' * 30}</mi></math>"
+    for text, boxed in (
+        (f"{short}, y", f'<span class="kept">{short},</span> y'),
+        (f"{long}, y", f'<span class="wide">{long}</span>, y'),
+        (f"{short} y", f"{short} y"),
+    ):
+        assert pages.INLINE_MATH.sub(pages.in_a_box, text) == boxed
+
+
 def test_formula_sets_functions_apart():
     space = '<mspace width="0.17em" />'
     assert f"<mi>R</mi>{space}<mi>cos</mi>{space}<mi>" in formula(r"R\cos\varphi")

@@ -33,7 +33,7 @@ PAGES = jinja2.Environment(
 )
 EMPTY_HEAD = re.compile(r"<th\b([^>]*)>\s*</th>")
 ONLY_MATH = re.compile(r"<(a|th)\b([^>]*)>\s*(<math\b(?:(?!</math>).)*</math>)\s*</\1>", re.S)
-INLINE_MATH = re.compile(r'<math(?![^>]*display="block")\b.*?</math>', re.S)
+INLINE_MATH = re.compile(r'(<math(?![^>]*display="block")\b.*?</math>)([.,;:)]*)', re.S)
 LONG = 25  # letters of a formula
 HEADING = re.compile(r'(<h[2-4][^>]*\bid="([^"]+)"[^>]*>)(.*?)(</h[2-4]>)', re.S)
 PLACES = [
@@ -115,8 +115,14 @@ def build(folder, chosen=None, live=None):
 
 
 def in_a_box(match):
-    """Return a formula in a line; no browser breaks it: a long one scrolls on a narrow screen."""
-    return f'<span class="wide">{match[0]}</span>' if len(plain(match[0])) > LONG else match[0]
+    """Return a formula in a line, which browsers break behind it alone, before a comma, too.
+
+    A long one scrolls on a narrow screen; a short one keeps the signs that follow it.
+    """
+    math, signs = match.groups()
+    if len(plain(math)) > LONG:
+        return f'<span class="wide">{math}</span>{signs}'
+    return f'<span class="kept">{math}{signs}</span>' if signs else math
 
 
 def named_by_its_letters(match):
