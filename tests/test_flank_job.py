@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import re
+from collections import Counter
 from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -95,7 +96,7 @@ def test_a_job_gives_tables_and_paths_that_agree(run):
     ]  # fmt: skip
     _, paths = read_csv((out / "paths.csv").read_text())
     assert len(paths["chain"]) == sum(chain["positions"] for chain in numbers["chains"]) > 10
-    cuts = re.findall(r"^\$\$ CUT.*\n((?:GOTO.*\n)+)", (out / "paths.apt").read_text(), re.M)
+    cuts = re.findall(r"^\$\$ CUT.*\n((?:[GF].*\n)+)", (out / "paths.apt").read_text(), re.M)
     goto = re.findall(r"^GOTO/(.*)$", "".join(cuts), re.M)
     apt = np.array([list(map(float, line.split(","))) for line in goto])
     tip = np.stack([paths[f"tip_{c}_m"].astype(float) for c in "xyz"], axis=-1)
@@ -124,6 +125,85 @@ def test_only_traverses_are_rapid(usual):
     assert parts[::2] == ["APPROACH", "CUT", "RETRACT", "TRAVERSE", "APPROACH", "CUT", "RETRACT"]
 
 
+FAMILY = {
+    "[mill]": "[[mill]]",
+    "[paths]": "[[mill]]\nhalf_angle_deg = 20\ntip_radius = 0.0031\nlength = 0.0601\n"
+    "holder_radius = 0.0121\nholder_length = 0.0401\n\n[paths]",
+    "points = 9": "points = 5", "strips = 12": "strips = 5", "mesh = 121": "mesh = 61",
+}  # fmt: skip
+
+
+def test_several_mills_go_one_after_the_other_each_where_something_is_left(run):
+    code, said, err, out = run(FAMILY, "--json")
+    assert code == 0, err
+    numbers = json.loads(said)
+    by = [chain["mill"] for chain in numbers["chains"]]
+    assert by == sorted(by) and set(by) == {1, 2}
+    every = sum((Counter(one) for one in numbers["mills"]), Counter())
+    assert dict(every) == numbers["positions"]
+    for name, columns in (
+        ("positions.csv", "reason"),
+        ("paths.csv", "chain"),
+        ("axes.csv", "chain"),
+    ):
+        table = columns_of(out / name)
+        assert set(table["mill"]) == {"1", "2"} and columns in table
+    apt = (out / "paths.apt").read_text()
+    assert re.findall(r"^LOADTL/(\d)\nCUTTER/([\d.]+)", apt, re.M) == [
+        ("1", "6.000000"), ("2", "6.200000")
+    ]  # fmt: skip
+    assert re.findall(r"^\$\$ CUT, CHAIN (\d)", apt, re.M) == [str(k + 1) for k in range(len(by))]
+
+
+def test_one_strip_of_two_mills_is_that_of_the_first(run):
+    _, alone, _, _ = run({"strips = 12": "strips = 1"}, "--json")
+    _, both, _, _ = run(FAMILY | QUICK | {"strips = 12": "strips = 1"}, "--json")
+    alone, both = json.loads(alone), json.loads(both)
+    assert alone["chains"] == both["chains"] and alone["covered"] == both["covered"]
+
+
+def test_a_mill_that_is_given_twice_is_refused(run):
+    text = JOB.read_text(encoding="utf-8")
+    table = text[text.index("half_angle_deg") : text.index("[paths]")]
+    twice = {"[mill]": "[[mill]]", "[paths]": f"[[mill]]\n{table}\n[paths]"}
+    refused(run(twice), 2, r"\[\[mill\]\]: must be different ones")
+    wrong = FAMILY | {"half_angle_deg = 12": "half_angle_deg = 95"}
+    refused(run(wrong), 1, r"\[mill 1\] half_angle: must lie")
+
+
+def test_feeds_keep_the_speeds_of_mill_and_axes(run):
+    code, said, err, out = run({"turn_deg = 90": "turn_deg = 10"}, "--json")
+    assert code == 0, err
+    axes = columns_of(out / "axes.csv")
+    seconds = axes["least_time_s"].astype(float)[1:]
+    speeds = {"x_mm": 300, "y_mm": 300, "z_mm": 300, "A_deg": 60, "C_deg": 10}
+    rates = [
+        np.abs(np.diff(axes[name].astype(float))) / seconds / most for name, most in speeds.items()
+    ]
+    tip, axis = (
+        np.stack([axes[f"{of}_{c}{unit}"].astype(float) for c in "xyz"], axis=-1)
+        for of, unit in (("tip", "_m"), ("axis", ""))
+    )
+    cut = axes["motion"][1:] != "traverse"
+    for height in (0.0, 0.03, 0.06):
+        way = np.linalg.norm(np.diff(tip + height * axis, axis=0), axis=-1)
+        rates.append(np.where(cut, way / seconds / 0.02, 0.0))
+    assert np.all(np.max(rates, axis=0) < 1.001)
+    assert np.all(np.max(rates, axis=0) > 0.999)  # and some limit is reached in every step
+    assert np.argmax(rates, axis=0).max() > 4 and np.any(np.argmax(rates, axis=0) == 4)
+    assert json.loads(said)["seconds"] == pytest.approx(seconds.sum(), rel=1e-3)
+    told = np.nan
+    feeds = []
+    for line in (out / "paths.apt").read_text().splitlines():
+        if line.startswith("FEDRAT/"):
+            told = float(line[7:].removesuffix(",MMPM"))
+        if line.startswith("GOTO/"):
+            feeds.append(told)
+    moved = 6e4 * np.linalg.norm(np.diff(tip, axis=0), axis=-1) / seconds
+    slower = np.array(feeds[1:])[cut] / moved[cut]
+    assert slower.max() <= 1 + 1e-4 and slower.min() > 0.99
+
+
 def test_without_a_machine_no_way_between_chains_is_planned(run):
     text = JOB.read_text(encoding="utf-8")
     code, _, _, out = run({text[text.index("[machine]") :]: ""})
@@ -150,7 +230,7 @@ def test_the_milled_surface_is_what_the_mill_sweeps(usual):
     _, paths = read_csv((out / "paths.csv").read_text())
     columns = [[paths[f"{of}_{c}{unit}"].astype(float) for c in "xyz"]
                for of, unit in (("tip", "_m"), ("axis", ""))]  # fmt: skip
-    mill = read_flank(JOB).tool
+    [mill] = read_flank(JOB).tools
     error = np.full(len(read.points), np.inf)
     for chain in np.unique(paths["chain"]):
         tip, axis = (np.stack(part, axis=-1)[paths["chain"] == chain] for part in columns)
@@ -318,6 +398,9 @@ def test_a_mill_that_is_too_large_is_refused(run):
             1,
             r"\[mill\] none of its \d+ positions fits: .* beyond the machine's axes",
         ),
+        ({"contacts = 1": "contacts = 3"}, 2, r"\[paths\] contacts: must be from 1 to 2; got 3"),
+        ({"turn_deg = 90": ""}, 2, r"\[feed\] turn: is missing \(rad/s, or turn_deg\)"),
+        ({"turn_deg = 90": "turn_deg = 0"}, 2, r"\[feed\]: must be finite speeds above zero"),
         ({"stock = 1e-3": "stock = 0"}, 2, r"\[paths\] step, stock, tolerance: must be finite"),
         ({"[mill]": "[tool]"}, 2, r"\[tool\]: is no table of such a job"),
     ],

@@ -51,7 +51,8 @@ def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
     job, result = solved
     plotter = flank_scene.mill_scene(job, result)
     error, points = left(plotter)
-    mills = [sweep_error(points, job.tool, c.tip, c.axis) for c in result.covered.chains]
+    [mill] = job.tools
+    mills = [sweep_error(points, mill, c.tip, c.axis) for c in result.covered.chains]
     wanted = np.minimum(np.min(mills, axis=0), job.paths["stock"])
     np.testing.assert_allclose(error, wanted, atol=1e-7)  # points of a scene have single precision
     plotter.close()
@@ -59,20 +60,21 @@ def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
 
 def test_before_the_first_cut_the_stock_stands(solved):
     job, result = solved
-    assert result.tour.kind[0] == "approach"
+    [tour], [mill] = result.tours, job.tools
+    assert tour.kind[0] == "approach"
     plotter = flank_scene.mill_scene(job, result, 0)
     error, _ = left(plotter)
     assert np.all(error == job.paths["stock"])
     tip = drawn(plotter, "mill").points.mean(axis=0)
-    middle = result.tour.tip[0] + job.tool.length / 2 * result.tour.axis[0]
-    np.testing.assert_allclose(tip, middle, atol=1e-3 * job.tool.length)
+    middle = tour.tip[0] + mill.length / 2 * tour.axis[0]
+    np.testing.assert_allclose(tip, middle, atol=1e-3 * mill.length)
     plotter.close()
 
 
 def test_a_place_beyond_the_way_is_refused(solved):
     job, result = solved
     with pytest.raises(ValueError, match="place: must be below"):
-        flank_scene.mill_scene(job, result, len(result.tour))
+        flank_scene.mill_scene(job, result, len(result.tours[0]))
 
 
 def test_pictures_change_as_the_mill_goes_on(solved):

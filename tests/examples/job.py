@@ -13,9 +13,6 @@ from tunneller_lib.job.flank_files import summarise_flank
 from tunneller_lib.job.logged import identify_log
 from tunneller_lib.job.reader import Job
 from tunneller_lib.job.results import summarise
-from tunneller_lib.milling.coverage import Coverage
-from tunneller_lib.milling.positions import Positions
-from tunneller_lib.milling.tour import Tour
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.ream.planning import Plan
@@ -110,10 +107,7 @@ INSTANCES = {
     Path: _NEW,
     Plan: lambda: _job().planned,
     Program: lambda: program(_job().planned, _job()),
-    Positions: lambda: _solved().found,
     Section: Egg(0.5),
-    Coverage: lambda: _solved().covered,
-    Tour: lambda: _solved().tour,
 }
 
 
@@ -138,7 +132,6 @@ CALLS = {
     "logged.identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
-    "flank_files.cl_text": lambda: {"tour": _solved().tour},
     "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
     "mesh.ply": {"mesh": _MESH, "name": "left"},
     "mesh.read_stl": {"content": mesh.stl(_MESH)},

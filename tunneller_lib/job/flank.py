@@ -25,9 +25,8 @@ from ..milling import (
 from ..milling.coverage import Coverage
 from ..milling.five_axes import LIMITS
 from ..milling.nurbs import Nurbs
-from ..milling.positions import Positions, counted_states, reasons_of
+from ..milling.positions import counted_states, reasons_of
 from ..milling.scallops import Scallops
-from ..milling.tour import Tour
 from .measured_patch import patch_through
 from .reader import TEXT, WHOLE, WrongJob, check_leaves, one_of, parsed_toml, read_table, said_of
 
@@ -38,14 +37,16 @@ SURFACES = {
     "nurbs": dict(unit=TEXT),
     "points": dict(contact_error="m", normal_error="rad"),
 }  # fmt: skip
-TABLES = "surface", "mill", "paths", "machine"  # the last may be missing
+TABLES = "surface", "mill", "paths", "machine", "feed"  # the last two may be missing
+MOST_MILLS = 20
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
-PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, mesh=WHOLE,
-             stock="m")  # fmt: skip
+PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
+             mesh=WHOLE, stock="m")  # fmt: skip
 MACHINE = dict(pivot_x="m", pivot_y="m", pivot_z="m", up_x="1", up_y="1", up_z="1",
                x_min="m", x_max="m", y_min="m", y_max="m", z_min="m", z_max="m", tilt_min="rad",
                tilt_max="rad", turn_min="rad", turn_max="rad", most_turn="rad",
                clearance="m")  # fmt: skip
+FEED = dict(cutting="m/s", x="m/s", y="m/s", z="m/s", tilt="rad/s", turn="rad/s")
 
 
 @dataclass(frozen=True)
@@ -54,20 +55,26 @@ class FlankResult:
 
     Parameters
     ----------
-    found : Positions
-        All of them, with the reason against each.
+    found : list of Positions
+        Of each mill all of them, with the reason against each.
     covered : Coverage
-        Chains of those that fit.
+        Chains of those that fit, one mill after the other.
     scallops : Scallops
         Between the chains' strips.
-    tour : Tour or None
-        The whole way, of a job that has a machine.
+    tours : list of Tour
+        The whole way of each mill that has chains, in a job that has a machine; else none.
     """
 
-    found: Positions
+    found: list
     covered: Coverage
     scallops: Scallops
-    tour: Tour | None
+    tours: list
+
+    @property
+    def begins(self):
+        """Return the number (k,) of the chain with which each tour begins, counted from 0."""
+        count = [int(tour.chain[-1]) + 1 for tour in self.tours]
+        return np.cumsum([0, *count])[:-1].tolist()
 
 
 @dataclass(frozen=True)
@@ -78,27 +85,34 @@ class FlankJob:
     ----------
     surface : dict
         ``kind``: "blade", "nurbs" or "points", and what belongs to it.
-    mill : dict
-        Arguments of `ConicalMill`.
+    mills : list of dict
+        Arguments of `ConicalMill`, in the order in which the mills cut.
     paths : dict
-        ``tolerance``, ``step`` and ``stock`` in m, ``side``, and how many ``points``, ``strips``.
+        ``tolerance``, ``step`` and ``stock`` in m, ``side``, and how many ``points``, ``strips``
+        and ``contacts``, one or two.
     machine : dict or None
         Limits of a `TiltingTable`, each with ``_min`` and ``_max``, and the ``clearance``.
+    feed : dict or None
+        Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s.
     measured : str, bytes or None
         A table of points with normals, or a mesh in STL, of kind "points".
     """
 
     surface: dict
-    mill: dict
+    mills: list
     paths: dict
     machine: dict | None
     measured: str | bytes | None
+    feed: dict | None = None
 
     @cached_property
-    def tool(self):
-        """Return the `ConicalMill`."""
-        with said_of("mill"):
-            return ConicalMill(**self.mill)
+    def tools(self):
+        """Return a list of `ConicalMill`."""
+        made = []
+        for name, about in zip(_names(self.mills), self.mills, strict=True):
+            with said_of(name):
+                made.append(ConicalMill(**about))
+        return made
 
     @cached_property
     def patch(self):
@@ -171,31 +185,41 @@ class FlankJob:
         look = {"tolerance": self.paths["tolerance"], "others": self.others,
                 "n": self.paths["mesh"]}  # fmt: skip
         about = look | {"machine": self.table}
-        s, t = self.patch.parameters(self.paths["points"], margin=0.05)
-        say(f"looking for positions at {s.size} points ...")
-        found = find_positions(self.patch, self.tool, s, t, **about)
-        _check_saddle(found.state)
-        if not found.fits.any():
+        patch, mills = self.patch, self.tools
+        s, t = patch.parameters(self.paths["points"], margin=0.05)
+        found = []
+        for mill, name in zip(mills, _names(self.mills), strict=True):
+            say(f"looking for positions of the {name} at {s.size} points ...")
+            found.append(find_positions(patch, mill, s, t, **about))
+            say(f"{found[-1].fits.sum()} of {len(found[-1])} positions fit")
+        _check_saddle(found[0].state)
+        if not any(here.fits.any() for here in found):
             reasons = ", ".join(f"{n} {why}" for why, n in reasons_of(found).items())
             raise ValueError(
-                f"[mill] none of its {len(found)} positions fits: {reasons}. A smaller mill, a "
-                f"longer one or another half-angle may."
+                f"[mill] none of its {sum(map(len, found))} positions fits: {reasons}. A smaller "
+                f"mill, a longer one or another half-angle may."
             )
-        say(f"{found.fits.sum()} of {len(found)} positions fit; chaining ...")
-        options = {"step": self.paths["step"], "most": self.paths["strips"], "say": say}
-        covered = cover(self.patch, self.tool, found, **about, **options)
+        options = {"step": self.paths["step"], "most": self.paths["strips"], "say": say,
+                   "twice": self.paths["contacts"] == 2}  # fmt: skip
+        covered = None
+        for mill, here, name in zip(mills, found, _names(self.mills), strict=True):
+            say(f"chaining positions of the {name} ...")
+            covered = cover(patch, mill, here, begun=covered, **about, **options)
         if not covered.chains:
             raise ValueError(
                 "[paths] step: no chain of six positions begins where one fits; "
                 f"got {self.paths['step']:g} m."
             )
-        scallops = find_scallops(self.patch, self.tool, covered)
-        tour = None
+        scallops = find_scallops(patch, None, covered)
+        tours = []
         if self.table is not None:
             say("planning the ways between chains ...")
-            way = self.patch, self.tool, covered.chains, self.table
-            tour = plan_tour(*way, clearance=self.machine["clearance"], **look)
-        return FlankResult(found, covered, scallops, tour)
+            for mill in dict.fromkeys(covered.mills):
+                pairs = zip(covered.mills, covered.chains, strict=True)
+                own = [chain for other, chain in pairs if other == mill]
+                clear = self.machine["clearance"]
+                tours.append(plan_tour(patch, mill, own, self.table, clearance=clear, **look))
+        return FlankResult(found, covered, scallops, tours)
 
 
 @checked
@@ -212,15 +236,17 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     for name, table in tables.items():
         if name not in TABLES:
             raise WrongJob(f"[{name}]: is no table of such a job; known are {', '.join(TABLES)}.")
-        if not isinstance(table, dict):
+        rows = table if name == "mill" and isinstance(table, list) and table else [table]
+        if not all(isinstance(row, dict) for row in rows):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
     for name in TABLES[:3]:
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
     surface = _read_surface(tables["surface"])
-    paths = {"side": 1, "points": 9, "strips": 12, "mesh": 121, "stock": 1e-3}
+    paths = {"side": 1, "points": 9, "strips": 12, "contacts": 1, "mesh": 121,
+             "stock": 1e-3}  # fmt: skip
     paths |= read_table("paths", tables["paths"], PATHS, ("tolerance", "step"))
-    limits = {"points": (2, 50), "strips": (1, 100), "mesh": (20, 500)}
+    limits = {"points": (2, 50), "strips": (1, 100), "contacts": (1, 2), "mesh": (20, 500)}
     for name, (low, high) in limits.items():
         if not low <= paths[name] <= high:
             raise WrongJob(f"[paths] {name}: must be from {low} to {high}; got {paths[name]}.")
@@ -232,7 +258,13 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             "[paths] step, stock, tolerance: must be finite lengths, the first two above zero; "
             f"got {', '.join(f'{length:g}' for length in lengths)}."
         )
-    mill = read_table("mill", tables["mill"], MILL, MILL)
+    mills = tables["mill"] if isinstance(tables["mill"], list) else [tables["mill"]]
+    if len(mills) > MOST_MILLS:
+        raise WrongJob(f"[[mill]]: must be at most {MOST_MILLS}; got {len(mills)}.")
+    named = zip(_names(mills), mills, strict=True)
+    mills = [read_table(name, one, MILL, MILL) for name, one in named]
+    if any(one in mills[:k] for k, one in enumerate(mills)):
+        raise WrongJob("[[mill]]: must be different ones; got one twice.")
     measured = None
     if (surface["kind"] == "points") != (points is not None):
         raise WrongJob('[surface] kind: "points" needs a file of them, by --points, no other has.')
@@ -246,7 +278,22 @@ def read_flank(path: str | Path, points: str | Path | None = None):
                 "[machine] clearance: must be a finite length above zero; "
                 f"got {machine['clearance']:g}."
             )
-    return FlankJob(surface, mill, paths, machine, measured)
+    feed = None
+    if "feed" in tables:
+        feed = read_table("feed", tables["feed"], FEED, FEED)
+        if machine is None:
+            raise WrongJob("[feed]: needs the machine whose axes it is about, [machine].")
+        if not all(0 < speed < np.inf for speed in feed.values()):
+            raise WrongJob(
+                "[feed]: must be finite speeds above zero; "
+                f"got {', '.join(f'{speed:g}' for speed in feed.values())}."
+            )
+    return FlankJob(surface, mills, paths, machine, measured, feed)
+
+
+def _names(mills):
+    """Return what messages call each of some mills."""
+    return ["mill"] if len(mills) == 1 else [f"mill {k}" for k in range(1, len(mills) + 1)]
 
 
 def _content(path):

@@ -26,6 +26,7 @@ from ..removal import Ground
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 
 TEXT, WHOLE = "text", "whole number"
+ANGULAR = "rad", "rad/s"  # whose names may end in _deg
 # What each table may hold: units, TEXT or WHOLE. What has no default is needed.
 MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
                cutter_radius="m", depth="m", height="m")  # fmt: skip
@@ -409,13 +410,13 @@ def read_table(table, given, units, needed=()):
     for name, value in given.items():
         key = name
         where = f"[{table}] {brief(name)}"
-        if name.endswith("_deg") and units.get(name[:-4]) == "rad":
+        if name.endswith("_deg") and units.get(name[:-4]) in ANGULAR:
             key = name[:-4]
         if key not in units:
             raise WrongJob(f"{where}: isn't known{hint(name, units)}.")
         if key in values:
             raise WrongJob(f"[{table}] {key}: is given in radians and in degrees.")
-        unit = "degrees" if key != name else units[key]
+        unit = units[key].replace("rad", "degrees") if key != name else units[key]
         kinds = {TEXT: str, WHOLE: int}.get(unit, (int, float))
         if isinstance(value, bool) or not isinstance(value, kinds):
             wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
@@ -426,7 +427,7 @@ def read_table(table, given, units, needed=()):
         values[key] = float(np.radians(value)) if key != name else value
     for key in needed:
         if key not in values:
-            unit = f"rad, or {key}_deg" if units[key] == "rad" else units[key]
+            unit = f"{units[key]}, or {key}_deg" if units[key] in ANGULAR else units[key]
             raise WrongJob(f"[{table}] {key}: is missing ({unit}).")
     return values
 

@@ -31,7 +31,8 @@ class Chain:
     s, t : (k,) float
         Parameters of the contact.
     contact, normal : (k, 3) float
-        Where the mill touches, in m, and the unit normal that points to its side.
+        Where the mill touches, or amid where it does twice, in m, and the unit normal that points
+        to its side.
     tip, axis : (k, 3) float
         The middle of the mill's lower end, in m, and the unit vector from there to the spindle.
     across : (k, 3) float
@@ -39,8 +40,8 @@ class Chain:
         angle.
     ends : tuple of two str
         Why it ends at its first and at its last position: "the patch ends", "no cone continues",
-        "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end", or
-        "long enough".
+        "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end",
+        "no pair of contacts" of cones that touch twice, or "long enough".
     """
 
     s: np.ndarray
@@ -130,12 +131,15 @@ def trace_chains(
         parts = [np.array(column) for column in zip(*rows_back[:0:-1], *rows_forth, strict=True)]
         ends = end_back, end_forth
         about = tolerance, others, machine, n
-        chains.append(_fitting(patch, mill, parts, len(rows_back) - 1, ends, *about))
+        chains.append(fitting(patch, mill, parts, len(rows_back) - 1, ends, *about))
     return chains
 
 
-def _fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
-    """Return the `Chain` of the positions next to each other, about the start, that fit."""
+def fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
+    """Return the `Chain` of the positions next to each other, about the start, that fit.
+
+    The parts (k, ..) are the fields of a `Chain` but its ends, which end it where all fit.
+    """
     tip, axis = parts[4:6]
     own, holder, other = depths_of(patch, mill, tip, axis, others, n)
     wrong = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0))

@@ -12,6 +12,7 @@ from .five_axes import TiltingTable
 from .patch import Cloud, Patch
 from .positions import Positions
 from .sweep import sweep_error
+from .tangency import touch_along
 from .tools import ConicalMill
 
 FEWEST = 6  # positions of a chain that is kept
@@ -31,11 +32,14 @@ class Coverage:
         As of `sweep_error`, on the patch's mesh, in m; infinite without a chain.
     area : (n, n) float
         What each point of the mesh stands for, in m^2.
+    mills : tuple of ConicalMill
+        The mill of each chain.
     """
 
     chains: list
     error: np.ndarray
     area: np.ndarray
+    mills: tuple = ()
 
     @checked
     def share(self, tolerance: NotNegative):
@@ -55,6 +59,8 @@ def cover(
     machine: TiltingTable | None = None,
     most: Whole(1, 100) = 12,
     n: Whole(2, 500) = 121,
+    twice: bool = False,
+    begun: Coverage | None = None,
     say: Callable[[str], object] | None = None,
 ):
     """Return chains that cover a patch, as far as its positions allow.
@@ -68,54 +74,73 @@ def cover(
     step, tolerance, others, machine
         As for `trace_chains`.
     most : int
-        Chains at most, 1 to 100.
+        Chains at most, 1 to 100, with those begun.
     n : int
         The patch is looked at on a mesh n by n.
+    twice : bool
+        Whether each chain is also tried with cones that touch twice, as of `touch_twice`, the
+        contacts nearly as far apart as the chain's strip is wide within the tolerance.
+    begun : Coverage, optional
+        Of the same patch and mesh by other mills, which go first: its chains stay.
     say : callable, optional
         Is given a sentence a chain.
 
     Returns
     -------
     covered : Coverage
-        In each round six positions that are far from each other begin a chain, of those whose
-        contact isn't left within the tolerance yet. The chain is kept that brings most area within
-        the tolerance; it needs six positions, and a hundredth of the patch.
+        With what is begun first. In each round six positions that are far from each other begin a
+        chain, of those whose contact isn't left within the tolerance yet. The chain is kept that
+        brings most area within the tolerance; it needs six positions, and a hundredth of the patch.
     """
     mesh = patch.mesh(n)
     area = areas(mesh)
-    options = {"step": step, "tolerance": tolerance, "others": others, "machine": machine, "n": n}
-    error = np.full(mesh.shape[:2], np.inf)
+    if begun is None:
+        begun = Coverage([], np.full(mesh.shape[:2], np.inf), area)
+    if begun.error.shape != mesh.shape[:2] or len(begun.mills) != len(begun.chains):
+        raise ValueError(
+            f"begun: must be of this patch's mesh {mesh.shape[:2]}, with a mill a chain; "
+            f"got {begun.error.shape} and {len(begun.mills)} mills."
+        )
+    about = {"tolerance": tolerance, "others": others, "machine": machine, "n": n}
+    error = begun.error
+    chains = list(begun.chains)
     left = np.where(found.fits, np.inf, -np.inf)
-    strips = {}  # by the row of the start: the chain, and what it leaves alone
-    chains = []
+    for chain, other in zip(chains, begun.mills, strict=True):
+        left = np.minimum(left, np.abs(sweep_error(found.contact, other, chain.tip, chain.axis)))
+    strips = {}  # by the row of the start: chains from there, and what each leaves alone
     while len(chains) < most and np.any(left > tolerance):
         tried = _spread(found.contact, np.flatnonzero(left > tolerance))
-        new = [row for row in tried if row not in strips]
+        new = sorted(row for row in tried if row not in strips)
         if new:
             reason = np.where(np.isin(np.arange(len(found)), new), found.reason, "")
-            for row, chain in zip(
-                sorted(new),
-                trace_chains(patch, mill, replace(found, reason=reason), **options),
-                strict=True,
-            ):
-                alone = None
-                if len(chain) >= FEWEST:
-                    alone = sweep_error(mesh, mill, chain.tip, chain.axis)
-                strips[row] = chain, alone
-        gains = {row: _gain(error, strips[row][1], area, tolerance) for row in tried}
-        best = max(gains, key=gains.get)
-        if gains[best] < LEAST * area.sum():
+            starts = replace(found, reason=reason)
+            traced = trace_chains(patch, mill, starts, step=step, **about)
+            for row, chain in zip(new, traced, strict=True):
+                ways = [chain] if len(chain) >= FEWEST else []
+                if twice and ways:
+                    other = touch_along(patch, mill, chain, **about)
+                    ways += [other] if other and len(other) >= FEWEST else []
+                strips[row] = [(way, sweep_error(mesh, mill, way.tip, way.axis)) for way in ways]
+        gains = {
+            (row, k): _gain(error, alone, area, tolerance)
+            for row in tried
+            for k, (_, alone) in enumerate(strips[row])
+        }
+        best = max(gains, key=gains.get, default=None)
+        if best is None or gains[best] < LEAST * area.sum():
             left[tried] = -np.inf
             continue
-        chain, alone = strips[best]
+        row, k = best
+        chain, alone = strips[row][k]
         chains.append(chain)
         error = np.minimum(error, alone)
-        left[best] = -np.inf
+        left[row] = -np.inf
         at = sweep_error(found.contact, mill, chain.tip, chain.axis)
         left = np.minimum(left, np.abs(at))
         if say:
             say(f"chain {len(chains)}: {len(chain)} positions; {chain.ends[0]}, {chain.ends[1]}")
-    return Coverage(chains, error, area)
+    mills = (*begun.mills, *[mill] * (len(chains) - len(begun.chains)))
+    return Coverage(chains, error, area, mills)
 
 
 def _spread(contact, rows):
@@ -133,8 +158,6 @@ def _spread(contact, rows):
 
 def _gain(error, alone, area, tolerance):
     """Return the area that one more strip, what it leaves alone, brings within a tolerance."""
-    if alone is None:
-        return 0.0
     return float(area[(np.abs(error) > tolerance) & (np.abs(alone) <= tolerance)].sum())
 
 

@@ -237,5 +237,5 @@ def counted_states(state):
 
 
 def reasons_of(found):
-    """Return how many of some `Positions` there are by their reasons, the most first, as a dict."""
-    return dict(Counter(found.reason.tolist()).most_common())
+    """Return how many positions a list of `Positions` has by reasons, the most first, as a dict."""
+    return dict(Counter(why for here in found for why in here.reason.tolist()).most_common())

@@ -27,6 +27,9 @@ class Scallops:
         How long it is on the surface, in m.
     height : (k,) float
         The most that all strips together leave on it, in m.
+    kink : (k,) float
+        The angle, in rad, between what both strips leave, where the second begins to leave less
+        than the first; NaN where it doesn't on this line.
     """
 
     chain: np.ndarray
@@ -35,6 +38,7 @@ class Scallops:
     opposite: np.ndarray
     apart: np.ndarray
     height: np.ndarray
+    kink: np.ndarray
 
     def __len__(self):
         return len(self.height)
@@ -43,7 +47,7 @@ class Scallops:
 @checked
 def find_scallops(
     patch: Patch,
-    mill: ConicalMill | CylinderMill | BallMill,
+    mill: ConicalMill | CylinderMill | BallMill | None,
     covered: Coverage,
     *,
     m: Whole(2, 500) = 60,
@@ -54,10 +58,10 @@ def find_scallops(
     ----------
     patch : Patch
         The surface.
-    mill : ConicalMill, CylinderMill or BallMill
-        That goes along the chains.
+    mill : ConicalMill, CylinderMill or BallMill, optional
+        That goes along all chains; None for the mills that the coverage has.
     covered : Coverage
-        Chains with the positions of this mill.
+        Chains with the positions of these mills.
     m : int
         Points at which a line is looked at.
 
@@ -69,11 +73,14 @@ def find_scallops(
         last two positions of a chain begin none, for there a chain cuts with less than its
         envelope, nor are they ends; each pair of contacts has one line.
     """
+    mills = covered.mills if mill is None else [mill] * len(covered.chains)
+    if len(mills) != len(covered.chains):
+        raise ValueError(f"covered: must have a mill a chain; got {len(mills)} of them.")
     inner = [_inner(chain) for chain in covered.chains]
     ends = _pairs(inner) if any(len(part[0]) for part in inner) else ()
     if not len(ends):
         nothing = np.empty(0, dtype=int)
-        return Scallops(nothing, nothing, nothing, nothing, np.empty(0), np.empty(0))
+        return Scallops(nothing, nothing, nothing, nothing, *np.empty((3, 0)))
     chain, position, neighbour, opposite = ends.T
     s, t = (
         np.linspace(
@@ -82,11 +89,24 @@ def find_scallops(
         for k in (2, 3)
     )
     points = patch.points(s, t)
-    error = np.full(points.shape[:2], np.inf)
-    for one in covered.chains:
-        error = np.minimum(error, sweep_error(points, mill, one.tip, one.axis))
-    apart = norm(np.diff(points, axis=1)).sum(axis=1)
-    return Scallops(chain, position + 2, neighbour, opposite + 2, apart, error.max(axis=1))
+    every = np.array([
+        sweep_error(points, tool, one.tip, one.axis)
+        for tool, one in zip(mills, covered.chains, strict=True)
+    ])  # fmt: skip
+    steps = norm(np.diff(points, axis=1))
+    row = np.arange(len(ends))
+    kink = _kink(every[chain, row] - every[neighbour, row], steps)
+    height = every.min(axis=0).max(axis=1)
+    return Scallops(chain, position + 2, neighbour, opposite + 2, steps.sum(axis=1), height, kink)
+
+
+def _kink(more, steps):
+    """Return the slopes (k,) by which differences (k, m) first rise through zero, else NaN."""
+    crosses = (more[:, :-1] <= 0) & (more[:, 1:] > 0)
+    first = crosses.argmax(axis=1)
+    row = np.arange(len(more))
+    slope = (more[row, first + 1] - more[row, first]) / steps[row, first]
+    return np.where(crosses.any(axis=1), np.arctan(slope), np.nan)
 
 
 def _inner(chain: Chain):

@@ -7,11 +7,15 @@ import numpy as np
 from ..arguments import Length, Whole, checked
 from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
-from .chains import Chain, conjugate_frame
+from .chains import Chain, conjugate_frame, fitting
 from .patch import Cloud, Patch
 from .positions import depths_of
+from .sweep import strip_across
 from .tools import ConicalMill
 
+SHARE = 0.93  # of a strip's width, between contacts: amid them 0.93^4 of the tolerance stays
+LOOKS = 60  # points to either side at which a strip is looked at for its width
+NO_PAIR = "no pair of contacts"
 ROUNDS = 12  # of Newton's method, which doubles the digits in each
 SMALL = 1e-11  # a residual, over the distance of the contacts, that is rounding
 _H = 1e-30  # of a complex step, which makes derivatives to the last digit
@@ -119,6 +123,41 @@ def touch_twice(
     axis = np.where(found[:, None], axis, chain.axis)
     depths = depths_of(patch, mill, tip, axis, others, n)
     return TwoContacts(found, s, t, patch.points(s, t), tip, axis, *depths)
+
+
+def touch_along(patch, mill, chain, tolerance, others, machine, n):
+    """Return the `Chain` of cones that touch twice, near another chain, as far as they fit.
+
+    Parameters
+    ----------
+    patch, mill, chain, others, n
+        As for `touch_twice`; of six positions or more.
+    tolerance, machine
+        As for `find_positions`.
+
+    Returns
+    -------
+    twice : Chain or None
+        The longest row of such positions next to each other, if there is one. Its contacts are
+        those of the given chain, amid the two.
+    """
+    size = np.ptp(patch.mesh(9).reshape(-1, 3), axis=0).max()
+    strip = strip_across(patch, mill, chain, chain.tip, chain.axis, reach=size / 2, m=LOOKS)
+    apart = SHARE * np.median(strip.widths(tolerance)) if tolerance else 0.0
+    if not apart:
+        return None
+    two = touch_twice.unchecked(patch, mill, chain, apart=apart, others=others, n=n)
+    if not two.found.any():
+        return None
+    runs = np.split(np.arange(len(chain)), np.flatnonzero(np.diff(two.found)) + 1)
+    run = max(runs, key=lambda rows: np.sum(two.found[rows]))
+    ends = [
+        end if place in run else NO_PAIR
+        for end, place in zip(chain.ends, (0, len(chain) - 1), strict=True)
+    ]
+    same = chain.s, chain.t, chain.contact, chain.normal
+    parts = [part[run] for part in (*same, two.tip, two.axis, chain.across)]
+    return fitting(patch, mill, parts, len(run) // 2, ends, tolerance, others, machine, n)
 
 
 @dataclass(frozen=True)

@@ -91,8 +91,9 @@ def plan_tour(
     Returns
     -------
     tour : Tour
-        From above the first chain to above the last. Approach and retraction are along the mill's
-        own axis: a cone that is drawn out of its place enters nothing that it didn't enter there.
+        From above the first chain, its first place, to above the last. Approach and retraction are
+        along the mill's own axis: a cone that is drawn out of its place enters nothing that it
+        didn't enter there.
 
     Raises
     ------
@@ -118,6 +119,8 @@ def plan_tour(
         above = [_raised(values[end], safe) for end in (0, -1)]
         if parts:
             parts.append((TRAVERSE, k, _straight(parts[-1][2][-1], above[0])))
+        else:
+            parts.append((APPROACH, k, above[0][None]))
         parts.append((APPROACH, k, _straight(above[0], values[0])))
         parts.append((CUT, k, values))
         parts.append((RETRACT, k, _straight(values[-1], above[1])))
@@ -127,6 +130,34 @@ def plan_tour(
     tour = Tour(kind, chain, *machine.positions(values), values)
     _check_free(tour, patch, mill, tolerance, others, n)
     return tour
+
+
+def seconds_of(tour, length, feed, speeds):
+    """Return the least times (k,) in s from the place before, 0 at the first.
+
+    Parameters
+    ----------
+    tour : Tour
+        The way.
+    length : float
+        Of the mill's cutting part, in m.
+    feed : float
+        Greatest speed, in m/s, of the mill's axis over the workpiece, all along its cutting part,
+        but on traverses.
+    speeds : (5,) float
+        Of the machine's axes: three in m/s, two in rad/s.
+
+    Notes
+    -----
+    Speeds are those in the mean of a step; how fast they change isn't looked at.
+    """
+    steps = np.abs(np.diff(tour.values, axis=0))
+    seconds = np.max(steps / np.asarray(speeds), axis=1)
+    # Between the ends of a stiff axis no point is faster than the faster end.
+    ends = [norm(np.diff(tour.tip + k * tour.axis, axis=0)) for k in (0.0, length)]
+    along = np.max(ends, axis=0) / feed
+    seconds = np.where(tour.kind[1:] == TRAVERSE, seconds, np.maximum(seconds, along))
+    return np.append(0.0, seconds)
 
 
 def _raised(values, safe):

@@ -30,11 +30,11 @@ def mill_scene(
     Parameters
     ----------
     job : FlankJob
-        With surface, mill and neighbours.
+        With surface, mills and neighbours.
     result : FlankResult
         From its `solved`.
     place : int, optional
-        Of the tour, or of the chains one after the other where there is none. Unless told, the
+        Of the tours one after the other, or of the chains where there is none. Unless told, the
         mill stands amid the longest chain, and all chains are cut.
     limit : float
         What is left, or cut, with the full colour, in m.
@@ -99,17 +99,21 @@ class _Way:
     """All places of a mill, and what is left after the first of them."""
 
     def __init__(self, job, result):
-        tour, chains = result.tour, result.covered.chains
-        self.mill = job.tool
-        self.chains = chains
+        covered = result.covered
+        self.mills = covered.mills
+        self.chains = covered.chains
         self.mesh = job.patch.mesh(COARSE)
-        count = [len(chain) for chain in chains]
-        if tour is None:
-            self.tip = np.concatenate([chain.tip for chain in chains])
-            self.axis = np.concatenate([chain.axis for chain in chains])
-            cut = np.ones(len(self.tip), dtype=bool)
+        count = [len(chain) for chain in self.chains]
+        parts = result.tours or self.chains
+        self.tip = np.concatenate([part.tip for part in parts])
+        self.axis = np.concatenate([part.axis for part in parts])
+        if result.tours:
+            cut = np.concatenate([tour.kind == "cut" for tour in result.tours])
+            pairs = zip(result.begins, result.tours, strict=True)
+            self.chain = np.concatenate([tour.chain + first for first, tour in pairs])
         else:
-            self.tip, self.axis, cut = tour.tip, tour.axis, tour.kind == "cut"
+            cut = np.ones(len(self.tip), dtype=bool)
+            self.chain = np.repeat(np.arange(len(count)), count)
         self.cuts = np.cumsum(cut)  # positions of chains, up to each place
         self.first = np.cumsum([0, *count])
         self.whole = {}
@@ -132,14 +136,15 @@ class _Way:
             here = int(np.clip(done - self.first[k], 0, len(chain)))
             if here == len(chain):
                 if k not in self.whole:
-                    self.whole[k] = self._swept(chain, here)
+                    self.whole[k] = self._swept(k, here)
                 error = np.minimum(error, self.whole[k])
             elif here >= 4:
-                error = np.minimum(error, self._swept(chain, here))
+                error = np.minimum(error, self._swept(k, here))
         return error
 
-    def _swept(self, chain, count):
-        return sweep_error(self.mesh, self.mill, chain.tip[:count], chain.axis[:count])
+    def _swept(self, k, count):
+        chain = self.chains[k]
+        return sweep_error(self.mesh, self.mills[k], chain.tip[:count], chain.axis[:count])
 
 
 def _still(job, result):
@@ -174,7 +179,7 @@ def _put(plotter, job, way, place, error, limit):
         clim=(-micrometres, micrometres), above_color=COLOURS["tunnel"], scalar_bar_args=dict(BAR),
         **kept,
     )  # fmt: skip
-    mill, tip, axis = job.tool, way.tip[place], way.axis[place]
+    mill, tip, axis = way.mills[way.chain[place]], way.tip[place], way.axis[place]
     near, far = mill.rulings
     cone = scene.cone(tip - mill.below * axis, axis, mill.half_angle, near, far)
     plotter.add_mesh(cone, name="mill", color=COLOURS["cone"], opacity=0.8, **kept)
