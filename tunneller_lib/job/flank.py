@@ -5,7 +5,7 @@ knots may be in millimetres, if its ``unit`` says so.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -37,8 +37,10 @@ SURFACES = {
     "nurbs": dict(unit=TEXT),
     "points": dict(contact_error="m", normal_error="rad"),
 }  # fmt: skip
-TABLES = "surface", "mill", "paths", "machine", "feed"  # the last two may be missing
-MOST_MILLS = 20
+TABLES = "surface", "mill", "paths", "machine", "feed", "box"  # the last three may be missing
+SEVERAL = "mill", "box"  # of which there may be some, in double brackets
+MOST_TABLES = 20
+ON_A_FACE = 61  # points each way on a box's face
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
 PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
              mesh=WHOLE, stock="m")  # fmt: skip
@@ -46,6 +48,7 @@ MACHINE = dict(pivot_x="m", pivot_y="m", pivot_z="m", up_x="1", up_y="1", up_z="
                x_min="m", x_max="m", y_min="m", y_max="m", z_min="m", z_max="m", tilt_min="rad",
                tilt_max="rad", turn_min="rad", turn_max="rad", most_turn="rad",
                clearance="m")  # fmt: skip
+BOX = dict(x_min="m", x_max="m", y_min="m", y_max="m", z_min="m", z_max="m")
 FEED = dict(cutting="m/s", x="m/s", y="m/s", z="m/s", tilt="rad/s", turn="rad/s")
 
 
@@ -94,6 +97,8 @@ class FlankJob:
         Limits of a `TiltingTable`, each with ``_min`` and ``_max``, and the ``clearance``.
     feed : dict or None
         Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s.
+    boxes : list of dict
+        On the workpiece, that mill and holder must stay off: ``_min`` and ``_max`` of x, y, z.
     measured : str, bytes or None
         A table of points with normals, or a mesh in STL, of kind "points".
     """
@@ -104,6 +109,7 @@ class FlankJob:
     machine: dict | None
     measured: str | bytes | None
     feed: dict | None = None
+    boxes: list = field(default_factory=list)
 
     @cached_property
     def tools(self):
@@ -166,11 +172,15 @@ class FlankJob:
 
     @cached_property
     def neighbours(self):
-        """Return grids (n, n, 3) of points of neighbours, in m: a blade has two, and the hub."""
+        """Return grids (n, m, 3) of points of neighbours, in m: boxes, and those of a blade.
+
+        These are two blades and the hub.
+        """
+        grids = [face for box in self.boxes for face in _faces(box)]
         if self.surface["kind"] != "blade":
-            return []
+            return grids
         ring = BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
-        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121)]
+        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121), *grids]
 
     @property
     def others(self):
@@ -236,9 +246,11 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     for name, table in tables.items():
         if name not in TABLES:
             raise WrongJob(f"[{name}]: is no table of such a job; known are {', '.join(TABLES)}.")
-        rows = table if name == "mill" and isinstance(table, list) and table else [table]
+        rows = table if name in SEVERAL and isinstance(table, list) and table else [table]
         if not all(isinstance(row, dict) for row in rows):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
+        if len(rows) > MOST_TABLES:
+            raise WrongJob(f"[[{name}]]: must be at most {MOST_TABLES}; got {len(rows)}.")
     for name in TABLES[:3]:
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
@@ -258,11 +270,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             "[paths] step, stock, tolerance: must be finite lengths, the first two above zero; "
             f"got {', '.join(f'{length:g}' for length in lengths)}."
         )
-    mills = tables["mill"] if isinstance(tables["mill"], list) else [tables["mill"]]
-    if len(mills) > MOST_MILLS:
-        raise WrongJob(f"[[mill]]: must be at most {MOST_MILLS}; got {len(mills)}.")
-    named = zip(_names(mills), mills, strict=True)
-    mills = [read_table(name, one, MILL, MILL) for name, one in named]
+    mills = _rows(tables, "mill", MILL)
     if any(one in mills[:k] for k, one in enumerate(mills)):
         raise WrongJob("[[mill]]: must be different ones; got one twice.")
     measured = None
@@ -288,12 +296,34 @@ def read_flank(path: str | Path, points: str | Path | None = None):
                 "[feed]: must be finite speeds above zero; "
                 f"got {', '.join(f'{speed:g}' for speed in feed.values())}."
             )
-    return FlankJob(surface, mills, paths, machine, measured, feed)
+    boxes = _rows(tables, "box", BOX)
+    for name, box in zip(_names(boxes, "box"), boxes, strict=True):
+        if not all(box[f"{c}_min"] < box[f"{c}_max"] for c in "xyz"):
+            raise WrongJob(f"[{name}] x, y, z: each _min must be below its _max.")
+    return FlankJob(surface, mills, paths, machine, measured, feed, boxes)
 
 
-def _names(mills):
-    """Return what messages call each of some mills."""
-    return ["mill"] if len(mills) == 1 else [f"mill {k}" for k in range(1, len(mills) + 1)]
+def _rows(tables, name, units):
+    """Return what the tables of a name say, a list of dicts, be there one, some or none."""
+    given = tables.get(name, [])
+    given = given if isinstance(given, list) else [given]
+    named = zip(_names(given, name), given, strict=True)
+    return [read_table(label, one, units, units) for label, one in named]
+
+
+def _names(rows, name="mill"):
+    """Return what messages call each of some tables."""
+    return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
+
+
+def _faces(box):
+    """Yield grids (n, n, 3) of points of a box's faces, in m."""
+    ways = [np.linspace(box[f"{c}_min"], box[f"{c}_max"], ON_A_FACE) for c in "xyz"]
+    for k in range(3):
+        for end in (0, -1):
+            one = [way if i != k else way[[end]] for i, way in enumerate(ways)]
+            grid = np.stack(np.meshgrid(*one, indexing="ij"), axis=-1)
+            yield grid.squeeze(axis=k)
 
 
 def _content(path):

@@ -89,12 +89,12 @@ def _check_normals(contact, normal):
     if len(contact) <= NEIGHBOURS:
         raise ValueError(f"points: must be more than {NEIGHBOURS}; got {len(contact)}.")
     _, beside = cKDTree(contact).query(contact, k=NEIGHBOURS + 1)
-    against = np.sum(dot(normal[beside[:, 1:]], normal[:, None]) < 0, axis=1)
-    flipped = np.count_nonzero(2 * against > NEIGHBOURS)
-    if flipped:
+    against = np.any(dot(normal[beside[:, 1:]], normal[:, None]) < 0, axis=1)
+    if np.any(against):
+        flipped = np.count_nonzero(dot(normal, normal.mean(axis=0)) < 0) or np.sum(against)
         raise ValueError(
             f"points: normals must point to one side; {flipped} of {len(normal)} point to the "
-            "other than those of most points beside them."
+            "other than most do."
         )
 
 

@@ -196,6 +196,8 @@ def depths_of(patch, mill, tip, axis, others, n):
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
     others = np.empty((0, 3)) if others is None else others
+    top = mill.length + mill.holder_length
+    widest = max(mill.top_radius, mill.holder_radius)
     size = max(1, BLOCK // max(len(mesh), len(others)))
     for first in range(0, len(tip), size):
         rows = slice(first, first + size)
@@ -207,9 +209,13 @@ def depths_of(patch, mill, tip, axis, others, n):
             least = _between(patch, function, *at, s[nearest], t[nearest], n)
             depths[part, rows] = -np.minimum(least, distance.min(axis=1))
         if len(others):
-            seen = seen_from(others, *at)
-            least = np.minimum(mill.cutting(*seen), mill.holder(*seen)).min(axis=1)
-            depths[2, rows] = -least
+            height, radius = seen_from(others, *at)
+            # What is within mill or holder is within one cylinder about both: few points are.
+            near = (height > 0) & (height < top) & (radius < widest)
+            row = np.nonzero(near)[0]
+            seen = height[near], radius[near]
+            least = np.minimum(mill.cutting(*seen), mill.holder(*seen))
+            np.maximum.at(depths[2], first + row, -least)
     return np.maximum(depths, 0.0)
 
 

@@ -95,18 +95,21 @@ def find_scallops(
     ])  # fmt: skip
     steps = norm(np.diff(points, axis=1))
     row = np.arange(len(ends))
-    kink = _kink(every[chain, row] - every[neighbour, row], steps)
+    kink = _kink(every[chain, row], every[neighbour, row], steps)
     height = every.min(axis=0).max(axis=1)
     return Scallops(chain, position + 2, neighbour, opposite + 2, steps.sum(axis=1), height, kink)
 
 
-def _kink(more, steps):
-    """Return the slopes (k,) by which differences (k, m) first rise through zero, else NaN."""
-    crosses = (more[:, :-1] <= 0) & (more[:, 1:] > 0)
-    first = crosses.argmax(axis=1)
-    row = np.arange(len(more))
-    slope = (more[row, first + 1] - more[row, first]) / steps[row, first]
-    return np.where(crosses.any(axis=1), np.arctan(slope), np.nan)
+def _kink(first, second, steps):
+    """Return the angles (k,) between two rows of heights (k, m) where the second gets lower."""
+    crosses = (first[:, :-1] <= second[:, :-1]) & (first[:, 1:] > second[:, 1:])
+    place = crosses.argmax(axis=1)
+    row = np.arange(len(place))
+    rises, falls = (
+        np.arctan2(high[row, place + 1] - high[row, place], steps[row, place])
+        for high in (first, second)
+    )
+    return np.where(crosses.any(axis=1), rises - falls, np.nan)
 
 
 def _inner(chain: Chain):
