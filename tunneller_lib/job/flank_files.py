@@ -136,7 +136,9 @@ def flank_text(numbers: Flanked):
             f"{1e6 * scallops['greatest_m']:.1f} um the highest"
         )
         if scallops["kink_rad"] is not None:
-            lines.append(f"{1e3 * scallops['kink_rad']:6.1f} mrad is their median kink there")
+            lines.append(
+                f"{1e3 * scallops['kink_rad']:6.1f} mrad is the median kink where they meet"
+            )
     if numbers["seconds"] is not None:
         lines.append(f"{numbers['seconds']:6.1f} s is the least that feed and axes allow")
     error = numbers["surface_error"]

@@ -12,6 +12,8 @@ from .patch import Patch
 from .sweep import sweep_error
 from .tools import BallMill, ConicalMill, CylinderMill
 
+CLOSER = 12  # points between two of a line, between which strips meet
+
 
 @dataclass(frozen=True)
 class Scallops:
@@ -88,28 +90,35 @@ def find_scallops(
         )
         for k in (2, 3)
     )
-    points = patch.points(s, t)
-    every = np.array([
-        sweep_error(points, tool, one.tip, one.axis)
-        for tool, one in zip(mills, covered.chains, strict=True)
-    ])  # fmt: skip
-    steps = norm(np.diff(points, axis=1))
+
+    def left(s, t):
+        """Return what each strip leaves (chains, k, m) on lines, and their steps (k, m - 1)."""
+        points = patch.points(s, t)
+        every = [
+            sweep_error(points, tool, one.tip, one.axis)
+            for tool, one in zip(mills, covered.chains, strict=True)
+        ]
+        return np.array(every), norm(np.diff(points, axis=1))
+
+    every, steps = left(s, t)
     row = np.arange(len(ends))
-    kink = _kink(every[chain, row], every[neighbour, row], steps)
+    meets, place = _crossing(every[chain, row], every[neighbour, row])
+    s, t = (np.linspace(part[row, place], part[row, place + 1], CLOSER, axis=1) for part in (s, t))
+    closer, short = left(s, t)
+    pair = closer[chain, row], closer[neighbour, row]
+    _, place = _crossing(*pair)
+    first, second = (
+        np.arctan2(one[row, place + 1] - one[row, place], short[row, place]) for one in pair
+    )
+    kink = np.where(meets, first - second, np.nan)
     height = every.min(axis=0).max(axis=1)
     return Scallops(chain, position + 2, neighbour, opposite + 2, steps.sum(axis=1), height, kink)
 
 
-def _kink(first, second, steps):
-    """Return the angles (k,) between two rows of heights (k, m) where the second gets lower."""
+def _crossing(first, second):
+    """Return whether rows (k, m) of heights cross so that the second gets lower, and where."""
     crosses = (first[:, :-1] <= second[:, :-1]) & (first[:, 1:] > second[:, 1:])
-    place = crosses.argmax(axis=1)
-    row = np.arange(len(place))
-    rises, falls = (
-        np.arctan2(high[row, place + 1] - high[row, place], steps[row, place])
-        for high in (first, second)
-    )
-    return np.where(crosses.any(axis=1), rises - falls, np.nan)
+    return crosses.any(axis=1), crosses.argmax(axis=1)
 
 
 def _inner(chain: Chain):

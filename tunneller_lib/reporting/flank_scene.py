@@ -12,8 +12,9 @@ from .style import COLOURS, ERROR_MAP
 WINDOW = 1200, 900
 LIMIT = 100e-6  # m, left or cut, that has the full colour
 SCALAR = "left on the surface / um"
-BAR = dict(width=0.55, position_x=0.22, position_y=0.02, n_labels=3, fmt="%.0f", color="black",
+BAR = dict(width=0.55, position_x=0.22, position_y=0.05, n_labels=3, fmt="%.0f", color="black",
            above_label="stock")  # fmt: skip
+AWAY = 0.6  # of the still picture's size: more of the mill's way is in view
 COARSE = 81  # points of the surface each way
 
 
@@ -87,6 +88,7 @@ def mill_pictures(
     """
     way = _Way(job, result)
     plotter = _still(job, result)
+    plotter.camera.zoom(AWAY)
     for place in np.linspace(0, len(way) - 1, count).round().astype(int):
         _put(plotter, job, way, place, way.error(place + 1), limit)
         plotter.render()
