@@ -95,12 +95,12 @@ class FlankJob:
         and ``contacts``, one or two.
     machine : dict or None
         Limits of a `TiltingTable`, each with ``_min`` and ``_max``, and the ``clearance``.
+    measured : str, bytes or None
+        A table of points with normals, or a mesh in STL, of kind "points".
     feed : dict or None
         Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s.
     boxes : list of dict
         On the workpiece, that mill and holder must stay off: ``_min`` and ``_max`` of x, y, z.
-    measured : str, bytes or None
-        A table of points with normals, or a mesh in STL, of kind "points".
     """
 
     surface: dict

@@ -41,7 +41,7 @@ class Chain:
     ends : tuple of two str
         Why it ends at its first and at its last position: "the patch ends", "no cone continues",
         "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end",
-        "no pair of contacts" of cones that touch twice, or "long enough".
+        "no pair of contacts fits" of cones that touch twice, or "long enough".
     """
 
     s: np.ndarray

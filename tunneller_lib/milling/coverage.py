@@ -118,8 +118,8 @@ def cover(
             for row, chain in zip(new, traced, strict=True):
                 ways = [chain] if len(chain) >= FEWEST else []
                 if twice and ways:
-                    other = touch_along(patch, mill, chain, **about)
-                    ways += [other] if other and len(other) >= FEWEST else []
+                    twin = touch_along(patch, mill, chain, **about)
+                    ways += [twin] if twin and len(twin) >= FEWEST else []
                 strips[row] = [(way, sweep_error(mesh, mill, way.tip, way.axis)) for way in ways]
         gains = {
             (row, k): _gain(error, alone, area, tolerance)

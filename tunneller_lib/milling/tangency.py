@@ -15,7 +15,7 @@ from .tools import ConicalMill
 
 SHARE = 0.93  # of a strip's width, between contacts: amid them 0.93^4 of the tolerance stays
 LOOKS = 60  # points to either side at which a strip is looked at for its width
-NO_PAIR = "no pair of contacts"
+NO_PAIR = "no pair of contacts fits"
 ROUNDS = 12  # of Newton's method, which doubles the digits in each
 SMALL = 1e-11  # a residual, over the distance of the contacts, that is rounding
 _H = 1e-30  # of a complex step, which makes derivatives to the last digit
@@ -147,10 +147,12 @@ def touch_along(patch, mill, chain, tolerance, others, machine, n):
     if not apart:
         return None
     two = touch_twice.unchecked(patch, mill, chain, apart=apart, others=others, n=n)
-    if not two.found.any():
+    fits = two.found & (two.enters <= tolerance)
+    fits &= (two.holder_enters == 0) & (two.others_enter == 0)
+    if not fits.any():
         return None
-    runs = np.split(np.arange(len(chain)), np.flatnonzero(np.diff(two.found)) + 1)
-    run = max(runs, key=lambda rows: np.sum(two.found[rows]))
+    runs = np.split(np.arange(len(chain)), np.flatnonzero(np.diff(fits)) + 1)
+    run = max(runs, key=lambda rows: np.sum(fits[rows]))
     ends = [
         end if place in run else NO_PAIR
         for end, place in zip(chain.ends, (0, len(chain) - 1), strict=True)
