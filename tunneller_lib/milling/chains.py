@@ -138,7 +138,18 @@ def trace_chains(
 def fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
     """Return the `Chain` of the positions next to each other, about the start, that fit.
 
-    The parts (k, ..) are the fields of a `Chain` but its ends, which end it where all fit.
+    Parameters
+    ----------
+    patch, mill
+        As for `find_positions`.
+    parts : list of (k, ..) float
+        Fields of a `Chain` but its ends.
+    start : int
+        Which position it should hold.
+    ends : tuple of two str
+        Why it ends where all fit.
+    tolerance, others, machine, n
+        As for `find_positions`.
     """
     tip, axis = parts[4:6]
     own, holder, other = depths_of(patch, mill, tip, axis, others, n)

@@ -130,9 +130,9 @@ def touch_along(patch, mill, chain, tolerance, others, machine, n):
 
     Parameters
     ----------
-    patch, mill, chain, others, n
+    patch, mill, chain
         As for `touch_twice`; of six positions or more.
-    tolerance, machine
+    tolerance, others, machine, n
         As for `find_positions`.
 
     Returns
