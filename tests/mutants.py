@@ -11,6 +11,9 @@ survivors met: where the nearest tests alone notice 95 % (`--near`), they needn'
 Mutants that can't be noticed stand in tests/mutants.toml with the reason, count as survivors, and
 meet the nearest tests only.
 
+Of some modules: `--of` names them, `--new` takes those that the table has no fault of, and
+`--each 5` draws more in each; their rows take the place of those that the table has of them.
+
 In parts: `--shard 1/4` judges every fourth fault and keeps what it found in
 build/mutants/judged-1-of-4.json. Such files of other machines, copied there, count as one's own.
 Tests that can't run for want of a package are left out; what survives the others is judged where
@@ -127,11 +130,14 @@ def rules():
     return {}
 
 
-def draw(file, seed=SEED):
-    """Return a module's mutants: at random, of as many kinds as there are."""
+def draw(file, seed=SEED, each=None):
+    """Return a module's mutants: at random, of as many kinds as there are.
+
+    The first of them are the same, however many of `each` module are wanted.
+    """
     choice = random.Random(f"{seed} {file}")
     source = (COPY / file).read_text(encoding="utf-8")
-    wanted = 1 + sum(source.count("\n") >= length for length in LENGTHS)
+    wanted = each or 1 + sum(source.count("\n") >= length for length in LENGTHS)
     places = Places(source, rules())
     found = sorted(set(places.found) - set(places.idle))
     if draws(source):
@@ -535,6 +541,8 @@ def options():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="only show what would be planted")
     parser.add_argument("--of", default="", help="only modules with this in their path")
+    parser.add_argument("--new", action="store_true", help="only modules that the table has not")
+    parser.add_argument("--each", type=int, help="faults in a module, by its length unless told")
     parser.add_argument("--kind", choices=sorted(KINDS), help="only faults of this kind")
     parser.add_argument("--seed", default=SEED, help=f"of the draw, {SEED!r} unless told")
     parser.add_argument("--near", action="store_true", help="only the tests nearest to a module")
@@ -667,12 +675,14 @@ def main():
 def plant(given):
     """Draw faults, have them judged, and say what came out."""
     copy()
-    drawn = [draw(file, given.seed) for file in modules()]
+    above, judged = read_table(TABLE.read_text(encoding="utf-8") if TABLE.exists() else "")
+    old = {row["file"] for row in judged}
+    files = [file for file in modules() if given.of in file and not (given.new and file in old)]
+    drawn = [draw(file, given.seed, given.each) for file in files]
     # Each module's first, then the second ones.
     every = [mutant for turn in itertools.zip_longest(*drawn) for mutant in turn if mutant]
     part, parts = given.part
-    mutants = [m for m in every if given.of in m.file and given.kind in (None, m.kind)]
-    mutants = mutants[part - 1 :: parts]
+    mutants = [m for m in every if given.kind in (None, m.kind)][part - 1 :: parts]
     if given.list:
         print(table([mutant.row("") for mutant in mutants], given.seed, "nothing yet"), end="")
         return
@@ -691,13 +701,17 @@ def plant(given):
             why = "" if (row["file"], row["after"]) in explained else ", unexplained"
             why += f", {len(verdict.left)} files of tests couldn't run" if verdict.left else ""
             say(f"survived{why}: {row['file']}:{row['line']} {row['before']}  ->  {row['after']}")
+    if others := [row for row in judged if row["file"] in set(modules()) - set(files)]:
+        if above[:2] != [f"seed {given.seed}", f"survivors met {met}"]:
+            sys.exit("No table: its other faults are of another seed, or met other tests.")
+        rows += others
     if given.near and sum(not row["killed by"] for row in rows) > FEW * len(rows):
         say("No table: more than a twentieth survived the nearest tests, and has to meet all.")
     elif mutants == every:
         left = Counter(test for verdict in verdicts.values() for test in verdict.left)
         if left:
             sys.exit("No table: some survivors wait for tests that need other packages.")
-        rows = sorted(rows, key=lambda row: (row["file"], row["line"]))
+        rows = sorted(rows, key=lambda row: (row["file"], int(row["line"])))
         replace(TABLE, table(rows, given.seed, met))
 
 

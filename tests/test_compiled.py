@@ -321,7 +321,7 @@ TORI = {
 
 
 def hard_ends(torus, n, seed=5):
-    """Return random ends (n, 2): some alike, level, on a meridian, or half a turn apart."""
+    """Return random ends (n, 2): alike, level, on a meridian, half a turn or nothing apart."""
     rng = np.random.default_rng(seed)
     p, q = (
         rng.uniform(-np.pi, np.pi, (2, n, 2))
@@ -334,6 +334,8 @@ def hard_ends(torus, n, seed=5):
     q[::17, 0] = p[::17, 0] + np.pi
     for k, phi in enumerate((0, np.pi, -np.pi)):
         p[k::19, 1] = q[k::23, 1] = phi
+    p[2::37] *= 1e-200
+    q[2::37] *= 1e-200
     return p, q
 
 

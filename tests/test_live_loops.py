@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from report.live.javascript import Untranslated, script
+from report.live.javascript import Untranslated, script, take_back
 from tunneller_lib.compiled import call_plain, cosine
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid
 from tunneller_lib.motion.both_joints import least_parts, machine_of, parts_in
@@ -128,6 +128,14 @@ def with_constants(x):
 @pytest.mark.skipif(NODE is None, reason="node isn't installed")
 def test_constants_of_a_module_are_kept():
     assert_same(with_constants, [0.25], [])
+
+
+def test_rows_of_any_numbers_are_taken_back():
+    for dtype in (float, int, np.uint8):
+        rows = np.zeros((2, 3), dtype)
+        kept = rows[:]
+        take_back(rows, memoryview(np.arange(6.0)))
+        assert kept.tolist() == [[0, 1, 2], [3, 4, 5]] and kept.dtype == dtype
 
 
 def with_list(numbers):

@@ -11,6 +11,8 @@ import json
 import textwrap
 from types import FunctionType, ModuleType
 
+import numpy as np
+
 from tunneller_lib import compiled
 
 # What Python's own functions are in JavaScript; a wrong argument raises an error there, too.
@@ -57,6 +59,11 @@ def script(function, **parts):
     name = _named(function, parts, made)
     texts = [text for _, text in made.values()]
     return "\n".join([HELPERS, *texts, f"return {name};\n"])
+
+
+def take_back(array, flat):
+    """Fill an array, of floats or of whole numbers, with a browser's flat copy of it."""
+    array[...] = np.reshape(flat, array.shape)
 
 
 def _named(function, parts, made):

@@ -16,6 +16,7 @@ import zipfile
 from pathlib import Path
 from urllib.request import urlopen
 
+from report.site.publish import NotToBeHad
 from report.sources import ROOT
 
 HERE = Path(__file__).parent
@@ -46,7 +47,7 @@ def provide(kept=KEPT, sources=None):
 
     Raises
     ------
-    LookupError
+    NotToBeHad
         If no source gives a file as the list has it.
     """
     listed = read_list()
@@ -73,7 +74,7 @@ def _one(about, kept, sources):
             path.write_bytes(content)
             return content
         said.append(f"{source}: gave another content, which was refused")
-    raise LookupError(f"{name}: no source gave it. " + "; ".join(said) + ".")
+    raise NotToBeHad(f"{name}: no source gave it. " + "; ".join(said) + ".")
 
 
 def _is_it(about, content):

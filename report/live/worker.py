@@ -67,7 +67,7 @@ import numpy as np
 from matplotlib.mathtext import MathTextParser
 from pyodide.ffi import to_js
 
-from report.live.javascript import Untranslated, script
+from report.live.javascript import Untranslated, script, take_back
 from tunneller_lib import compiled
 from tunneller_lib.reporting import record
 
@@ -91,8 +91,8 @@ def run_in_browser(function, *arguments, **parts):
     given = [handed(one) for one in arguments]
     answer = run(*(rows for rows, _ in given))
     for array, (_, flat) in zip(arguments, given, strict=True):
-        if flat is not None and array.dtype == float and array.flags.writeable:
-            flat.assign_to(array)
+        if flat is not None and array.flags.writeable:
+            take_back(array, flat.to_py())
     return answer
 
 

@@ -11,6 +11,7 @@ import PIL.Image
 
 from report.site.chapter import page_name, title
 from report.site.markup import attribute
+from report.site.publish import NotToBeHad
 from report.sources import INDEX, ROOT
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -99,7 +100,7 @@ def first_picture(notebook):
                 small = io.BytesIO()
                 picture.save(small, "WEBP", quality=70)
                 return small.getvalue()
-    raise LookupError(f"{notebook.name}: it holds no picture.")
+    raise NotToBeHad(f"{notebook.name}: it holds no picture.")
 
 
 def front_page(chosen, doors):

@@ -9,6 +9,10 @@ from report.site.links import faults
 from report.sources import ROOT
 
 
+class NotToBeHad(Exception):
+    """Something that pages need isn't there, and can't be fetched."""
+
+
 def publish(build, folder, largest):
     """Make pages beside their folder, and put them there if nothing is wrong with them.
 
@@ -30,7 +34,7 @@ def publish(build, folder, largest):
     beside = folder.with_name(f".{folder.name}.new")
     try:
         build(beside)
-    except LookupError as error:
+    except NotToBeHad as error:
         sys.exit(str(error))
     if told := faults(beside):
         sys.exit("\n".join(told))

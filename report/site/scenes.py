@@ -8,6 +8,8 @@ from pathlib import Path
 
 import trame_vtk.tools
 
+from report.site.publish import NotToBeHad
+
 ICON = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
 STYLE = re.compile(r"__vtkStyle\.textContent = (\"(?:[^\"\\]|\\.)*\");")
 VIEWER = re.compile(r'<script type="module">(.*?)</script>', re.S)
@@ -41,7 +43,7 @@ def add_viewer(site):
     """Write the viewer as a script."""
     page = viewer_page()
     if ICON not in page:
-        raise LookupError("The viewer isn't the one whose only address from elsewhere is known.")
+        raise NotToBeHad("The viewer isn't the one whose only address from elsewhere is known.")
     viewer = VIEWER.search(page)[1].replace(ICON, "data:,")
     # As a module it would be loaded by a server only; its names are kept to itself.
     site.write("scenes/viewer.js", f"window.global ??= window;\n(() => {{{viewer}}})();\n")

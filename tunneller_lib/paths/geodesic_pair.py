@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiled import loop
-from ..elementwise import ratio, smaller, where
+from ..elementwise import ratio, smaller, some, square_root, where
 from ..repeatable import arctangent, sine_cosine
 from .geodesic_classes import ends_of, inner, outer
 from .geodesic_root import (
@@ -31,7 +31,9 @@ CERTIFICATES = np.array(["", "meridian", "only", "first"])
 NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
 OPEN = len(KINDS)  # the loop leaves the pair to arrays
 
-LEVEL = 1e-80  # of the turn, phi below which ends count as on the outer equator
+LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
+NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
+LARGE = 2.0**500  # the squares of what is below NEAR are neither too small nor too large times it
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 
 
@@ -98,8 +100,8 @@ def normal_form(torus, theta1, phi1, theta2, phi2):
     a = a * mirror
     b = b * mirror
     # So near the outer equator, for their turn, ends are on it to the last digit of the way between
-    # them, and products of their sines would vanish.
-    flat = a < LEVEL * angle
+    # them and of its azimuths, and products of their sines would vanish.
+    flat = torus.R * a < LEVEL * ((torus.r + torus.R) * angle)
     a = where(flat, 0.0, a)
     b = where(flat, 0.0, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
@@ -116,7 +118,7 @@ def reduced(angle):
 
 
 def level(torus, pair):
-    """Return the ways down the outside of a meridian, or along the outer equator, as a `Way`."""
+    """Return as a `Way` what needs no search: a meridian, the outer equator, ends all but one."""
     a, b, angle = pair.a, pair.b, pair.angle
     # On one meridian c = 0, the end of the class, which a search would only near.
     meridian = pair.on_sheet & (angle == 0)
@@ -128,6 +130,17 @@ def level(torus, pair):
     length = where(equator, span * angle, where(meridian, torus.R * (a - b), math.nan))
     c = where(equator, span, where(meridian, 0.0, math.nan))
     cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
+    near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
+    if some(near):
+        _, level_a = sine_cosine(a)
+        rho = torus.r + torus.R * level_a
+        across = where(near, rho * (LARGE * angle), 1.0)
+        down = where(near, torus.R * (LARGE * (a - b)), 0.0)
+        size = square_root(across * across + down * down)
+        kind = where(near, OUTER, kind)
+        length = where(near, size / LARGE, length)
+        c = where(near, rho * ratio(across, size), c)
+        cosine = where(near, -ratio(down, size), cosine)
     return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
 
 

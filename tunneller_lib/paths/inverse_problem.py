@@ -87,7 +87,8 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
     Lengths are right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node:
-    see tests/references for a table of hard ones.
+    see tests/references for a table of hard ones. Ends nearer than 1e-45 R are joined in
+    the tangent plane; only ends that are the same are a point, without a direction.
 
     Examples
     --------
