@@ -12,8 +12,15 @@ from tunneller_lib.paths import (
     projected_length,
 )
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.removal import removed_volume, rod_clearance
-from tunneller_lib.removal.volume import advance_for_volume, bowl, groove_area, half_lens, ring
+from tunneller_lib.removal.arm_clearance import rod_clearance
+from tunneller_lib.removal.volume import (
+    advance_for_volume,
+    bowl,
+    groove_area,
+    half_lens,
+    removed_volume,
+    ring,
+)
 from tunneller_lib.replica import quartics
 from tunneller_lib.replica.quartics import foot_quartic, line_quartic
 from tunneller_lib.surfaces import (

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
-from tunneller_lib.removal import DexelGrid, circuit_clearance, rod_clearance, solid_clearance
+from tunneller_lib.removal import DexelGrid
+from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Box, Egg, Frustum, Rod, RoundedDisc
 
 EGG = Egg(0.5)

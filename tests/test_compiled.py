@@ -52,6 +52,13 @@ LOOPS = {
 }
 
 
+def go(way, monkeypatch):
+    """Have loops compiled, or not, whatever work is expected meanwhile."""
+    amount = np.inf if way else -np.inf
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: amount))
+    monkeypatch.setattr(compiled._Work, "compiled", way)
+
+
 @pytest.fixture
 def both_ways(monkeypatch):
     """Return a function (call) -> its answers in plain Python and compiled."""
@@ -60,8 +67,7 @@ def both_ways(monkeypatch):
     def answers(call):
         found = []
         for way in (False, True):
-            monkeypatch.setattr(compiled._Work, "expected", 0.0)
-            monkeypatch.setattr(compiled._Work, "compiled", way)
+            go(way, monkeypatch)
             found.append(call())
         return found
 
@@ -191,8 +197,7 @@ def of_all_families(kind, n):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_lines_have_the_same_bits_both_ways(kind, both_ways, monkeypatch):
-    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
+def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     shapes, points, directions = of_all_families(kind, 3 if kind == "rounded" else 12)
 
     def run():
@@ -212,8 +217,7 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways, monkeypatch):
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
 
 
-def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways, monkeypatch):
-    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
+def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways):
     solid = shape_of("rod", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
     rng = np.random.default_rng(13)
     points, directions = rng.normal(size=(2, 3, 40, 3))
@@ -286,7 +290,6 @@ def test_cones_have_the_same_bits_one_by_one_at_once_and_compiled(name, both_way
     surface, model = CONES[name]
     s, t = np.random.default_rng(5).uniform(0.1, 0.5, (2, 40))
     monkeypatch.setattr(hyperosculate, "FEW", 39)
-    monkeypatch.setattr(compiled._Work, "of_kind", {"cones": np.inf})
     jets = [Jet(variable.c.copy()) for variable in jet_variables(s, t)]
     answer = surface(*jets)  # numpy may give another last bit to fewer points
 
@@ -344,13 +347,11 @@ def test_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(name, mo
     pytest.importorskip("numba")
     torus = TORI[name]
     p, q = hard_ends(torus, 400)
-    monkeypatch.setattr(compiled._Work, "compiled", False)
-    monkeypatch.setattr(compiled, "expect", lambda *work: None)
+    go(False, monkeypatch)
     arrays = geodesic_inverse(torus, p, q)
     few = many(60, 400)  # one by one
     singles = [geodesic_inverse(torus, *pair) for pair in zip(p[:few], q[:few], strict=True)]
-    monkeypatch.setattr(compiled, "ready", lambda kind=None: True)
-    monkeypatch.setattr(compiled._Work, "compiled", True)
+    go(True, monkeypatch)
     fast = geodesic_inverse(torus, p, q)
     assert len(set(arrays.kind_code)) >= 3
     for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):
@@ -378,21 +379,57 @@ def test_little_work_loads_no_compiler():
 
 
 def test_compiler_is_loaded_where_the_work_is_long(monkeypatch):
-    monkeypatch.setattr(compiled._Work, "expected", 0.0)
+    monkeypatch.setattr(compiled._Work, "of_kind", Counter())
     monkeypatch.setattr(compiled._Work, "compiled", False)
-    compiled.expect(0.9 * compiled.LONG)
+    compiled.expect(0.9 * compiled.LONG, "axes")
     assert not compiled._Work.compiled
     monkeypatch.setitem(sys.modules, "numba", None)
-    compiled.expect(compiled.LONG)
+    compiled.expect(compiled.LONG, "axes")
     assert not compiled._Work.compiled  # nothing to be had
     monkeypatch.setitem(sys.modules, "numba", ModuleType("numba"))
-    compiled.expect(0.0)
+    compiled.expect(0.0, "axes")
     assert compiled._Work.compiled
+
+
+BROKEN = """
+import sys
+sys.path.insert(0, {folder!r})
+import numpy as np
+from tunneller_lib import compiled
+from tunneller_lib.motion import Lag, Loop, follow
+compiled.expect(2 * compiled.LONG, "axes")
+print(follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10)).command.sum(), compiled.ready("axes"))
+"""
+
+
+@pytest.mark.parametrize("error", ["RuntimeError('no locator')", "OSError(28, 'No space')"])
+def test_a_numba_that_does_not_work_is_as_none(error, tmp_path):
+    (tmp_path / "numba.py").write_text(f"raise {error}\n")
+    assert child(BROKEN.format(folder=str(tmp_path))).split() == ["0.0", "False"]
+
+
+FULL = """
+import resource, signal
+import numba
+from tunneller_lib import compiled
+from tunneller_lib.elementwise import lesser
+compiled._Work.compiled = True
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # files that are written hold nothing
+assert compiled.call(lesser, 3.0, 2.0) == compiled.call(lesser, 2.0, 5.0) == 2
+assert len(compiled._compiled(lesser).signatures) == 1
+"""
+
+
+def test_a_disk_that_is_full_loses_no_answer(tmp_path):
+    pytest.importorskip("numba")
+    child(FULL, NUMBA_CACHE_DIR=str(tmp_path))
+    assert not [path for path in tmp_path.rglob("*.nbi")]  # it was to be kept, and wasn't
 
 
 FUSED = """
 from tunneller_lib import compiled
-compiled._Work.compiled = True
+compiled.expect(2 * compiled.LONG, "axes")
 import numpy as np
 from tunneller_lib.motion import Lag, Loop, follow
 follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10))
@@ -409,9 +446,9 @@ print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for 
 def test_loops_of_a_kind_wait_for_work_of_their_own(monkeypatch):
     monkeypatch.setattr(compiled._Work, "compiled", True)
     monkeypatch.setattr(compiled._Work, "of_kind", Counter())
-    compiled.expect(2 * compiled.LONG)
+    compiled.expect(2 * compiled.LONG, "axes")
     compiled.expect(0.9 * compiled.LONG, "cones")
-    assert compiled.ready() and not compiled.ready("cones")
+    assert compiled.ready("axes") and not compiled.ready("cones")
     compiled.expect(0.2 * compiled.LONG, "cones")
     assert compiled.ready("cones")
 

@@ -6,8 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tunneller_lib.removal import DexelGrid, removed_volume
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal import grid as grids
+from tunneller_lib.removal.volume import removed_volume
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
 

@@ -7,7 +7,6 @@ from scipy.optimize import fsolve
 from tunneller_lib import compiled
 from tunneller_lib.paths import (
     CHORD_PATHS,
-    NODES_OF_WORKING_SHEET,
     ChordLaw,
     competing_geodesics,
     geodesic_direct,
@@ -15,6 +14,7 @@ from tunneller_lib.paths import (
     geodesic_pair,
     path_length,
 )
+from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["report/ledger/*"]

@@ -13,8 +13,8 @@ from tests.symbols_tunneller import R, close, x, y, zero
 from tunneller_lib.motion import reference_axes
 from tunneller_lib.paths import project_chord
 from tunneller_lib.ream import Limits
-from tunneller_lib.removal import DexelGrid, Ground, removed_volume
-from tunneller_lib.removal.volume import advance_for_volume, bowl, half_lens, ring
+from tunneller_lib.removal import DexelGrid, Ground
+from tunneller_lib.removal.volume import advance_for_volume, bowl, half_lens, removed_volume, ring
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod
 
 READS = ["report/ledger/*"]

@@ -24,7 +24,9 @@ from tunneller_lib.ream.wall import (
     scallop_height,
     standing,
 )
-from tunneller_lib.removal import DexelGrid, removed_volume, rod_clearance
+from tunneller_lib.removal import DexelGrid
+from tunneller_lib.removal.arm_clearance import rod_clearance
+from tunneller_lib.removal.volume import removed_volume
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
 READS = ["tests/references/reference_job.toml"]

@@ -8,8 +8,14 @@ from mpmath import mp
 from scipy.integrate import quad
 
 from tests.shapes import log_uniform
-from tunneller_lib.removal import removed_volume
-from tunneller_lib.removal.volume import advance_for_volume, bowl, groove_area, half_lens, ring
+from tunneller_lib.removal.volume import (
+    advance_for_volume,
+    bowl,
+    groove_area,
+    half_lens,
+    removed_volume,
+    ring,
+)
 from tunneller_lib.reporting import figure
 from tunneller_lib.reporting.groove_plot import draw_passes
 

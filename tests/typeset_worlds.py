@@ -37,8 +37,7 @@ from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
 from tunneller_lib.paths.geodesic_trace import half_swing
 from tunneller_lib.ream.wall import pass_distance
-from tunneller_lib.removal import removed_volume
-from tunneller_lib.removal.volume import bowl, groove_area, half_lens, ring
+from tunneller_lib.removal.volume import bowl, groove_area, half_lens, removed_volume, ring
 from tunneller_lib.replica import envelope_equations
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Rod, Torus
 

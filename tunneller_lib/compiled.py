@@ -1,4 +1,4 @@
-"""Loops over plain numbers, compiled by numba where it is installed and the work is long.
+"""Loops over plain numbers, compiled by numba where it is there, and works, and the work is long.
 
 A function that `call` is given works on numbers, tuples and rows that it reads and writes by
 index. It runs as it stands, on lists, or compiled, on arrays: the same statements in the same
@@ -21,9 +21,8 @@ LONG = 2.0  # s of plain Python, from which on loading the compiler is worth its
 
 
 class _Work:
-    """How much plain work there was, in s, and whether loops are compiled since."""
+    """How much plain work of each kind there was, in s, and whether any is compiled since."""
 
-    expected = 0.0
     compiled = False
     of_kind: ClassVar = defaultdict(float)
     other = None
@@ -37,21 +36,19 @@ def replace_plain(other):
     _Work.other = other
 
 
-def expect(seconds, kind=None):
-    """Say that loops follow that take about so many `seconds` in plain Python.
+def expect(seconds, kind):
+    """Say that loops of a `kind` follow that take about so many `seconds` in plain Python.
 
-    Once all that was expected is `LONG` loops are compiled from then on, if numba is there. Loops
-    of a `kind`, which the compiler takes long for, wait until so much of their own was expected.
+    Once `LONG` of that kind was expected its loops are compiled from then on, if numba is there.
     """
-    _Work.expected += seconds
     _Work.of_kind[kind] += seconds
-    if _Work.expected > LONG and not _Work.compiled:
+    if _Work.of_kind[kind] > LONG and not _Work.compiled:
         _Work.compiled = _numba_loads()
 
 
-def ready(kind=None):
-    """Tell whether loops, of a kind, are compiled: for who has other ways than plain Python."""
-    return _Work.compiled and (kind is None or _Work.of_kind[kind] > LONG)
+def ready(kind):
+    """Tell whether loops of a kind are compiled: for who has other ways than plain Python."""
+    return _Work.compiled and _Work.of_kind[kind] > LONG
 
 
 def loop(inlined=()):
@@ -70,7 +67,7 @@ def loop(inlined=()):
 
 
 def _numba_loads():
-    """Tell whether numba is there and takes this numpy."""
+    """Tell whether numba is there and works here: what it lacks it may say by any error."""
     return _imported(sys.modules.get("numba", "not yet asked for"))
 
 
@@ -78,12 +75,12 @@ def _numba_loads():
 def _imported(_found):
     try:
         importlib.import_module("numba")
-    except ImportError:
+    except Exception:  # of its cache, of llvmlite, of a numpy that it doesn't take
         return False
     return True
 
 
-def call(function, *arguments, **parts):
+def call(function, *arguments, kind=None, **parts):
     """Return what a `function` of numbers, tuples and rows answers; rows it may change.
 
     Parameters
@@ -92,11 +89,17 @@ def call(function, *arguments, **parts):
         Of a module of this library, as all functions that it calls.
     *arguments
         Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m).
+    kind : object, optional
+        The kind of loop that it is; not needed where the caller knows that it is `ready`.
     **parts
         Functions to be called in place of those that have these names in the functions' modules.
     """
-    if _Work.compiled:
-        return _compiled(function, *parts.items())(*arguments)
+    if _Work.compiled and (kind is None or ready(kind)):
+        fast = _compiled(function, *parts.items())
+        try:
+            return fast(*arguments)
+        except OSError:  # on a full disk: it is compiled, but can't be kept for another day
+            return fast(*arguments)
     return (_Work.other or call_plain)(function, *arguments, **parts)
 
 

@@ -64,7 +64,8 @@ def test_circuit_of_ticks_against_c(benchmark, say, note, bound, monkeypatch, co
         pytest.importorskip("numba", reason="what is compiled is timed")
     # No amount of work changes the way meanwhile.
     monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
-    monkeypatch.setattr(compiled._Work, "expected", -np.inf)
+    amount = np.inf if way == "compiled" else -np.inf
+    monkeypatch.setattr(compiled._Work, "of_kind", {"grid": amount})
     tunnel, centres = circuit_of_ticks()
     centres = np.ascontiguousarray(centres[: count + 1])
     radius = REFERENCE_MACHINE.cutter_radius

@@ -118,8 +118,8 @@ def either_way(way, monkeypatch):
     if way == "compiled":
         pytest.importorskip("numba", reason="what is compiled is timed")
     monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
-    monkeypatch.setattr(compiled._Work, "expected", -np.inf)
-    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: np.inf))
+    amount = np.inf if way == "compiled" else -np.inf
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: amount))
 
 
 def bound(library, shape, radii):

@@ -3,7 +3,7 @@
 Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
-from . import atomic_write, csv_tables, drawing, logged, mesh, results
+from . import atomic_write, csv_tables, drawing, mesh, results
 from .progress import say
 from .reader import WrongJob, read_job
 
@@ -15,7 +15,6 @@ __all__ = [
     "drawing",
     "flank",
     "flank_files",
-    "logged",
     "mesh",
     "read_job",
     "results",

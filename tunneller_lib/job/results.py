@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..motion.stability import is_stable
-from ..ream import budget, kind, part_clearances
+from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
 from ..ream.faults import following_fault
 from .atomic_write import write
@@ -87,7 +87,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     """
     plan = job.planned
     faults = [
-        (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f), kind(f))
+        (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f), f.kind)
         for f in budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
     ]
     over = max(float(cut.deviation.max()), 0.0)

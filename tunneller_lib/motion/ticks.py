@@ -187,7 +187,7 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
             numbers, control_of(loop), np.zeros(1 + loop.delay), start,
             *(np.require(row, requirements="CW") for row in (values, rates)), states, commands,
         )  # fmt: skip
-        expect(plain_seconds(numbers, ticks))
+        expect(plain_seconds(numbers, ticks), "axes")
         kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
         if kept < ticks:
             raise out_of_stroke(plant.axis, states[0, kept + 1])
@@ -252,7 +252,7 @@ def plain_seconds(numbers, ticks):
 
 def expect_run(plants, tick, ticks):
     """Say that `plants` will be run for so many `ticks` of a `tick` in s: see `compiled.expect`."""
-    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants))
+    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
 
 
 def _functions(plant, numbers):
@@ -267,6 +267,6 @@ def _functions(plant, numbers):
 def _run(function, given, own_inverse, **parts):
     """Return what `call` does; in plain Python with a caller's own inverse, of rate and angle."""
     if own_inverse is None:
-        return call(function, *given, **parts)
+        return call(function, *given, kind="axes", **parts)
     parts["commanding"] = lambda plant, rate, position: own_inverse(rate, position)
     return call_plain(function, *given, **parts)

@@ -7,13 +7,11 @@ from .circuit import cutting_circuit
 from .cone_chord import ConeChord
 from .correction import corrected_chord
 from .geodesic import geodesic_direct
-from .geodesic_root import NODES_OF_WORKING_SHEET
 from .inverse_problem import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
 
 __all__ = [
     "CHORD_PATHS",
-    "NODES_OF_WORKING_SHEET",
     "SHORT_CHORD_PATHS",
     "ChordLaw",
     "ConeChord",

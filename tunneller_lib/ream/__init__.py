@@ -3,7 +3,7 @@
 from . import faults, wall
 from .clearance import part_clearances
 from .cutting import carve, simulate, starved
-from .error_budget import budget, kind
+from .error_budget import budget
 from .feed import Limits
 from .margins import gain_margins
 from .planning import plan
@@ -17,7 +17,6 @@ __all__ = [
     "carve",
     "faults",
     "gain_margins",
-    "kind",
     "part_clearances",
     "plan",
     "simulate",

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import Length0, checked
 from ..paths.circuit import Circuit
-from ..removal import rod_clearance, solid_clearance
+from ..removal.arm_clearance import rod_clearance, solid_clearance
 from .pose import Pose
 
 PLACES = 721  # of the circuit, at which the parts are looked at

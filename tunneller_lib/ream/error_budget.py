@@ -8,7 +8,6 @@ from ..motion.arm import Arm
 from ..removal import Ground
 from .both_axes import Loops, Plants
 from .faults import (
-    Fault,
     corner_fault,
     count_fault,
     encoder_fault,
@@ -25,19 +24,6 @@ from .pose import Pose
 
 OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
 OF_AXES = following_fault, encoder_fault
-# Who answers for a source; the path between knots, whatever its name, is what the paper is about.
-KINDS = {
-    "knots": "chosen", "corners": "chosen", "pose": "chosen",
-    "setpoints": "machine", "counts": "machine", "feed ripple": "machine",
-    "following": "machine", "encoder": "machine", "both joints": "machine",
-    "ground, mean": "ground", "ground, picks": "ground",
-}  # fmt: skip
-
-
-@checked
-def kind(fault: Fault):
-    """Return who answers for a `fault`: "chosen", "machine", "ground" or "paper"."""
-    return KINDS.get(fault.source, "paper")
 
 
 @checked

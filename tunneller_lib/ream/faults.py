@@ -17,6 +17,14 @@ from .pose import Pose
 from .route import ROUNDED, path_points, route_through
 from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
 
+# Who answers for a source; the path between knots, whatever its name, is what the paper is about.
+KINDS = {
+    "knots": "chosen", "corners": "chosen", "pose": "chosen",
+    "setpoints": "machine", "counts": "machine", "feed ripple": "machine",
+    "following": "machine", "encoder": "machine", "both joints": "machine",
+    "ground, mean": "ground", "ground, picks": "ground",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -48,6 +56,11 @@ class Fault:
     halved_by: str
     factor: float
     along: bool = False
+
+    @property
+    def kind(self):
+        """Return who answers for it: "chosen", "machine", "ground" or "paper"."""
+        return KINDS.get(self.source, "paper")
 
     @property
     def over(self):

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from ..exact import norm
-from ..removal import removed_volume
+from ..removal.volume import removed_volume
 from .moves import levers
 from .outward import gradient
 

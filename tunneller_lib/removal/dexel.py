@@ -244,7 +244,7 @@ class DexelGrid:
             The volume, in m^3.
         """
         a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
-        compiled.expect(MOVE * len(a))
+        compiled.expect(MOVE * len(a), "grid")
         windows = self.lines.windows(a, b, radius, self._nearest).tolist()
         removed = 0.0
         for here in range(0, len(a), GROUP):
@@ -266,7 +266,7 @@ class DexelGrid:
         middle = (a[0] + b[-1]) / 2
         away = norm(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
-        ready = compiled.ready()
+        ready = compiled.ready("grid")
         met = self._moves_one_by_one if ready else self._moves_at_once
         taken = self._taken_one_by_one if ready else self._taken_at_once
         removed = 0.0
