@@ -245,6 +245,7 @@ def test_two_balls_leave_a_bowl_and_a_ring(ax):
     lens = radius**2 * np.arccos(half / radius) - half * np.sqrt(radius**2 - half**2)
     bowl = np.pi * radius**2 / 2 - lens
     assert area(areas["bowl"]) == pytest.approx(bowl, rel=1e-3)
+    assert areas["bowl"].get_paths()[0].vertices[:, 0].min() == pytest.approx(half, abs=2e-3)
     under = half * np.sqrt(radius**2 - half**2) + radius**2 * np.arcsin(half / radius)
     ring = advance * radius - under
     assert area(areas["ring"]) == pytest.approx(ring, rel=1e-2)

@@ -16,7 +16,9 @@ from tunneller_lib.__main__ import main
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.flank import read_flank
+from tunneller_lib.job.measured_patch import _check_normals, _table, patch_through
 from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl
+from tunneller_lib.job.reader import WrongJob
 from tunneller_lib.milling import fit_nurbs, sweep_error
 
 READS = ["notebooks/flank.toml"]
@@ -111,6 +113,7 @@ def test_a_job_gives_tables_and_paths_that_agree(run):
     rows = (out / "positions.csv").read_text().splitlines()[2:]
     assert sum(row.endswith(",fits") for row in rows) == numbers["positions"]["fits"]
     assert len(rows) == sum(numbers["positions"].values())
+    assert list(numbers["covered"]) == ["1e-05", "5e-05", "0.0001"]  # m
     assert 0 < numbers["covered"]["1e-05"] <= numbers["covered"]["0.0001"] <= 1
     assert numbers["gouge_m"] <= 10e-6
 
@@ -409,6 +412,26 @@ def test_points_noisier_than_said_are_refused(run, tmp_path):
     refused(run({}, "--points", path, surface=POINTS), 1, "no polynomial passes all of them")
 
 
+def test_a_patch_leaves_out_eight_hundredths_of_the_points_on_each_side(tmp_path):
+    path = table(tmp_path / "points.csv", *measured())
+    errors = {"contact_error": 1e-7, "normal_error": 1e-5}
+    patch, fit = patch_through(path.read_text(encoding="utf-8"), errors, 1)
+    for place, (low, high) in zip(fit.place.T, (patch.s, patch.t), strict=True):
+        assert np.mean(place < low) == pytest.approx(0.08, abs=1e-3)
+        assert np.mean(place > high) == pytest.approx(0.08, abs=1e-3)
+
+
+def test_normals_of_a_table_are_made_unit_vectors_and_eight_points_are_too_few(tmp_path):
+    points, normal = measured()
+    text = table(tmp_path / "points.csv", points, 1.005 * normal).read_text(encoding="utf-8")
+    contact, unit = _table(text)
+    np.testing.assert_allclose(contact, points, rtol=1e-14)
+    np.testing.assert_allclose(unit, normal, rtol=1e-12, atol=1e-15)
+    _check_normals(contact[:9], unit[:9])
+    with pytest.raises(ValueError, match=r"^points: must be more than 8; got 8\.$"):
+        _check_normals(contact[:8], unit[:8])
+
+
 def test_points_that_are_no_table_are_refused(run, tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("x_m,y_m\n1,2\n", encoding="utf-8")
@@ -429,6 +452,32 @@ def test_a_bowl_is_refused_where_it_is_nowhere_a_saddle(run):
 def test_a_mill_that_is_too_large_is_refused(run):
     large = {"tip_radius = 0.003": "tip_radius = 0.500"}
     refused(run(large), 1, r"\[mill\] none of its \d+ positions fits: .* off the cutting part")
+
+
+@pytest.mark.parametrize(
+    "name, low, high", [("points", 2, 50), ("strips", 1, 100), ("mesh", 20, 500)]
+)
+def test_how_many_are_looked_at_has_both_its_ends(tmp_path, name, low, high):
+    path = tmp_path / "job.toml"
+    text = JOB.read_text(encoding="utf-8")
+
+    def read(value):
+        path.write_text(re.sub(rf"^{name} = \d+", f"{name} = {value}", text, flags=re.M))
+        return read_flank(path).paths[name]
+
+    assert [read(value) for value in (low, high)] == [low, high]
+    for value in (low - 1, high + 1):
+        with pytest.raises(
+            WrongJob, match=rf"^\[paths\] {name}: must be from {low} to {high}; got"
+        ):
+            read(value)
+
+
+def test_what_should_be_a_table_is_one(tmp_path):
+    path = tmp_path / "job.toml"
+    path.write_text("surface = 5", encoding="utf-8")
+    with pytest.raises(WrongJob, match=r"^surface: must be a table, \[surface\]; got 5\.$"):
+        read_flank(path)
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def left(plotter):
 
 def test_the_surface_has_the_colour_of_what_the_mill_has_left(solved):
     job, result = solved
-    plotter = flank_scene.mill_scene(job, result)
+    plotter = flank_scene.mill_scene(job, result, None)
     error, points = left(plotter)
     [mill] = job.tools
     mills = [sweep_error(points, mill, c.tip, c.axis) for c in result.covered.chains]
@@ -71,9 +71,23 @@ def test_before_the_first_cut_the_stock_stands(solved):
     plotter.close()
 
 
+def test_amid_a_chain_what_was_passed_is_cut(solved):
+    job, result = solved
+    first = result.covered.chains[0]
+    passed = len(first) // 2
+    place = np.flatnonzero(result.tours[0].kind == "cut")[passed - 1]
+    plotter = flank_scene.mill_scene(job, result, int(place))
+    error, points = left(plotter)
+    swept = sweep_error(points, job.tools[0], first.tip[:passed], first.axis[:passed])
+    np.testing.assert_allclose(error, np.minimum(swept, job.paths["stock"]), atol=1e-7)
+    plotter.close()
+
+
 def test_a_place_beyond_the_way_is_refused(solved):
     job, result = solved
-    with pytest.raises(ValueError, match="place: must be below"):
+    with pytest.raises(
+        ValueError, match=r"^place: must be below \d+, the places of the way; got \d+\.$"
+    ):
         flank_scene.mill_scene(job, result, len(result.tours[0]))
 
 

@@ -12,6 +12,7 @@ from tunneller_lib.milling import (
     cover,
     find_positions,
     find_scallops,
+    scallops,
     strip_across,
     sweep_error,
     touch_twice,
@@ -72,6 +73,24 @@ def test_no_chains_or_too_short_ones_have_no_scallops(chains):
     assert len(found) == 0 and found.height.shape == (0,)
 
 
+def test_contacts_are_compared_block_by_block(monkeypatch):
+    chains = covering(*(straight(k * MM) for k in range(-3, 4)))
+    whole = find_scallops(PLANE, BALL, chains)
+    assert len(whole) == 6 * 8
+    for pairs in (1, 100, 56 * 56):
+        monkeypatch.setattr(scallops, "PAIRS", pairs)
+        parts = find_scallops(PLANE, BALL, chains)
+        for field in ("chain", "position", "neighbour", "opposite", "height"):
+            np.testing.assert_array_equal(getattr(whole, field), getattr(parts, field))
+
+
+def test_a_line_between_strips_is_looked_at_at_sixty_points():
+    chains = covering(straight(0.0), straight(2 * MM))
+    usual = find_scallops(PLANE, BALL, chains).height
+    np.testing.assert_array_equal(usual, find_scallops(PLANE, BALL, chains, m=60).height)
+    assert np.all(usual < find_scallops(PLANE, BALL, chains, m=101).height)  # has the middle
+
+
 def test_chains_one_behind_the_other_have_no_scallops_between_them():
     one = straight(0.0)
     away = np.array([0.03, 0, 0])
@@ -104,6 +123,15 @@ def test_a_cone_touches_where_it_says_and_lies_in_both_tangent_planes(chain):
     np.testing.assert_allclose(
         np.linalg.norm(twice.contact[:, 0] - twice.contact[:, 1], axis=-1), 4 * MM, rtol=5e-3
     )
+
+
+def test_cones_that_touch_twice_are_looked_at_on_121_by_121_places(chain):
+    untold, told, coarser = (
+        touch_twice(SADDLE, MILL, chain, apart=4 * MM, **n).enters
+        for n in ({}, {"n": 121}, {"n": 60})
+    )
+    np.testing.assert_array_equal(untold, told)
+    assert np.any(told != coarser)
 
 
 def test_as_contacts_fall_together_the_cone_is_that_in_third_order_contact(chain):

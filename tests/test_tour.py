@@ -40,6 +40,15 @@ def chains(found):
     return longest[-2:]
 
 
+def test_an_axis_that_leans_by_more_than_rounding_has_its_own_turn():
+    machine = replace(WIDE, up=(0, 0, 1))
+    lean = np.array([0.2, 0.1, 1e-8, 1e-10])  # the last is taken as upright
+    turn = np.array([0.1, 0.2, 0.5, 1.0])
+    axis = np.stack([lean * np.sin(turn), lean * np.cos(turn), np.sqrt(1 - lean**2)], axis=-1)
+    values = machine.values(np.zeros((4, 3)), axis @ machine.frame)
+    np.testing.assert_allclose(values[:, 4], [0.1, 0.2, 0.5, 0.5], atol=1e-6)
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 50.0])
 def test_a_turned_workpiece_stands_under_the_spindle(scale):
     rng = np.random.default_rng(0)

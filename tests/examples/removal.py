@@ -19,6 +19,9 @@ CALLS = {
     "DexelGrid.overlap": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},
     "volume.advance_for_volume": {"radius": 0.5, "volume": 0.1, "depth": 0.3},
-    "circuit_clearance": {"lowest": -0.3, "highest": 0.4, "arm_radius": 0.1},
-    "solid_clearance": {"solid": Rod((0.5, 0, 0.1), (0.6, 0, 0), 0.1), "turn": np.eye(3)},
+    "arm_clearance.circuit_clearance": {"lowest": -0.3, "highest": 0.4, "arm_radius": 0.1},
+    "arm_clearance.solid_clearance": {
+        "solid": Rod((0.5, 0, 0.1), (0.6, 0, 0), 0.1),
+        "turn": np.eye(3),
+    },
 }

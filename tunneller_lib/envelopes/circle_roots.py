@@ -35,7 +35,8 @@ def real_zeros(function, degree, *, unit):
     the polynomial is greatest: that becomes the leading coefficient, so that no zero is lost at
     infinity. A fixed angle, as in the document's Eq. 13, loses the zero that it hits. A pair of
     zeros is taken for a double one where it is nearer than `SAME`, or where the polynomial
-    doesn't leave 1e-11 of its coefficients between the two.
+    doesn't leave 1e-11 of its coefficients between the two. Where many points are searched,
+    `cone_directions.circle_zeros` finds those of degree 3, in loops that may be compiled.
     """
     n = 2 * degree
     samples = 2 * np.pi * np.arange(n + 1)[None] / (n + 1)

@@ -13,6 +13,7 @@ from .sweep import sweep_error
 from .tools import BallMill, ConicalMill, CylinderMill
 
 CLOSER = 12  # points between two of a line, between which strips meet
+PAIRS = 2**20  # of contacts that are looked at together, to keep within memory
 
 
 @dataclass(frozen=True)
@@ -139,14 +140,18 @@ def _pairs(inner):
     owner = np.repeat(np.arange(len(inner)), count)
     place = np.concatenate([np.arange(n) for n in count])
     across = np.concatenate([part[1] for part in inner])
-    away = contacts - contacts[:, None]
-    distance = norm(away)
-    sideways = dot(away, across[:, None])
     found = set()
-    for side in (1, -1):
-        beside = (owner != owner[:, None]) & (side * sideways > np.sqrt(0.5) * distance)
-        nearest = np.where(beside, distance, np.inf).argmin(axis=1)
-        for k in np.flatnonzero(beside.any(axis=1)):
-            found.add(tuple(sorted((int(k), int(nearest[k])))))
+    step = max(PAIRS // len(contacts), 1)
+    for first in range(0, len(contacts), step):
+        some = slice(first, first + step)
+        away = contacts - contacts[some, None]
+        distance = norm(away)
+        sideways = dot(away, across[some, None])
+        of_others = owner != owner[some, None]
+        for side in (1, -1):
+            beside = of_others & (side * sideways > np.sqrt(0.5) * distance)
+            nearest = np.where(beside, distance, np.inf).argmin(axis=1)
+            for k in np.flatnonzero(beside.any(axis=1)):
+                found.add(tuple(sorted((first + int(k), int(nearest[k])))))
     rows = [(owner[a], place[a], owner[b], place[b]) for a, b in sorted(found)]
     return np.array(rows, dtype=int).reshape(-1, 4)

@@ -233,7 +233,7 @@ def _ends(beside, enter, leave, sure):
 
 
 # What the formulas call in a compiled loop, which has one line at a time.
-ONE_LINE = {**line_loops.NUMBERS, "not_beside": _the_same, "put_back": _ends}
+ONE_LINE = {**line_loops.FOR_LINES, "not_beside": _the_same, "put_back": _ends}
 
 
 class Nearest(NamedTuple):

@@ -2,6 +2,7 @@
 
 import math
 
+from ..elementwise import NUMBERS
 from .vectors import differences
 
 
@@ -46,13 +47,8 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         leave[i] = last
 
 
-# What the formulas call of `elementwise`, for numbers: numba finds no type at run time. Numbers
-# may be none here, as beside a shape, where `dexel_loops` has none of these.
-
-
-def if_so(condition, yes, no):
-    """Return `yes` if a condition holds, else `no`."""
-    return yes if condition else no
+# Numbers may be none here, as beside a shape, and of any size: so these differ from those that
+# other loops have.
 
 
 def least_of(a, b):
@@ -70,11 +66,6 @@ def root_or_none(x):
     return math.sqrt(x) if x >= 0 else math.nan
 
 
-def quotient_or_none(a, b):
-    """Return a / b, which is infinite or not a number where b is zero."""
-    return a / b if b != 0 else a * math.copysign(math.inf, b)
-
-
 def power_of(x):
     """Return the power of two next above a size."""
     return math.frexp(x)[1]
@@ -85,12 +76,12 @@ def shifted(x, power):
     return math.ldexp(x, power)
 
 
-def itself(condition):
-    """Return a condition, which holds for one line or not."""
-    return condition
-
-
-NUMBERS = {
-    "where": if_so, "smaller": least_of, "larger": most_of, "square_root": root_or_none,
-    "ratio": quotient_or_none, "power_above": power_of, "scaled": shifted, "some": itself,
-}  # fmt: skip
+# What `compiled.call` puts in the place of what formulas call.
+FOR_LINES = {
+    **NUMBERS,
+    "smaller": least_of,
+    "larger": most_of,
+    "square_root": root_or_none,
+    "power_above": power_of,
+    "scaled": shifted,
+}
