@@ -164,8 +164,10 @@ def order_four_along(forms, rho, floor, c, s):
     by_c = (3 * f3[0] * c + 2 * f3[1] * s) * c + f3[2] * s * s
     by_s = (f3[1] * c + 2 * f3[2] * s) * c + 3 * f3[3] * s * s
     feew = 2 * (c * by_s - s * by_c)
-    feeee = 24 * ((((f4[0] * c + f4[1] * s) * c + f4[2] * s * s) * c + f4[3] * s * s * s) * c
-                  + f4[4] * s * s * s * s)  # fmt: skip
+    feeee = 24 * (
+        (((f4[0] * c + f4[1] * s) * c + f4[2] * s * s) * c + f4[3] * s * s * s) * c
+        + f4[4] * s * s * s * s
+    )
     four = rho * rho * feeee
     three = 6 * rho * feew
     two = 3 * (fww - fee)

@@ -258,9 +258,20 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
     return (
-        first + point, contact, normal, vertex, axis, side, np.abs(rho * fee), order4, gouges,
-        undecided, multiplicity[point, row].astype(int), count, state,
-    )  # fmt: skip
+        first + point,
+        contact,
+        normal,
+        vertex,
+        axis,
+        side,
+        np.abs(rho * fee),
+        order4,
+        gouges,
+        undecided,
+        multiplicity[point, row].astype(int),
+        count,
+        state,
+    )
 
 
 def third_order(f, rho):

@@ -373,10 +373,8 @@ _FUNCTIONS = {
     np.hypot: lambda a, b: np.sqrt(a * a + b * b),
 } | {
     getattr(np, name): partial(_elementary, getattr(elementary, name))
-    for name in (
-        "reciprocal", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan"
-    )
-}  # fmt: skip
+    for name in ("reciprocal", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan")
+}
 
 
 def _names():

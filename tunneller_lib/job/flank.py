@@ -192,8 +192,11 @@ class FlankJob:
     @checked
     def solved(self, say: Callable[[str], object]):
         """Return the `FlankResult`, or raise ValueError; `say` gets the progress."""
-        look = {"tolerance": self.paths["tolerance"], "others": self.others,
-                "n": self.paths["mesh"]}  # fmt: skip
+        look = {
+            "tolerance": self.paths["tolerance"],
+            "others": self.others,
+            "n": self.paths["mesh"],
+        }
         about = look | {"machine": self.table}
         patch, mills = self.patch, self.tools
         s, t = patch.parameters(self.paths["points"], margin=0.05)

@@ -211,8 +211,11 @@ def ply(mesh: Mesh, name: str, limit: Positive):
     corners = np.zeros(len(value), PLY_POINT)
     corners["place"] = mesh.points
     corners["value"] = value
-    corners["colour"] = np.where((share >= 0)[:, None], np.stack([full, pale, pale], axis=-1),
-                                 np.stack([pale, pale, full], axis=-1))  # fmt: skip
+    corners["colour"] = np.where(
+        (share >= 0)[:, None],
+        np.stack([full, pale, pale], axis=-1),
+        np.stack([pale, pale, full], axis=-1),
+    )
     faces = np.zeros(len(mesh.faces), PLY_FACE)
     faces["count"] = 3
     faces["corners"] = mesh.faces

@@ -204,9 +204,14 @@ def _trace(patch, mill, begin, step, most):
         ends[active[~inside]] = PATCH_ENDS
         active = active[inside]
         between = _taken(
-            patch, mill, middle[0][inside], middle[1][inside], here.axis[inside],
-            here.heading[inside], step,
-        )  # fmt: skip
+            patch,
+            mill,
+            middle[0][inside],
+            middle[1][inside],
+            here.axis[inside],
+            here.heading[inside],
+            step,
+        )
         ends[active[~between.ok]] = NO_CONE
         active = active[between.ok]
         after = s[active] + between.rate[0], t[active] + between.rate[1]

@@ -156,9 +156,9 @@ class TiltingTable:
 
     def _values(self, tip, tilt, turn):
         """Return values (k, 5) of tips (k, 3) at angles (k,)."""
-        return np.column_stack([
-            _turned((tip - np.array(self.pivot)) @ self.frame.T, tilt, turn), tilt, turn
-        ])  # fmt: skip
+        return np.column_stack(
+            [_turned((tip - np.array(self.pivot)) @ self.frame.T, tilt, turn), tilt, turn]
+        )
 
     @checked
     def reaches(self, tip: Points, axis: Directions):

@@ -198,9 +198,13 @@ def _basis(knots, degree, x, order):
 
 @checked
 def fit_nurbs(
-    points: Grid, s: Row, t: Row, *, count: Whole(4, MOST_CONTROL) = 20,
+    points: Grid,
+    s: Row,
+    t: Row,
+    *,
+    count: Whole(4, MOST_CONTROL) = 20,
     degree: Whole(LEAST_DEGREE, MOST_DEGREE) = 5,
-):  # fmt: skip
+):
     """Return a B-spline surface through a grid of points, by least squares, and its worst error.
 
     Parameters

@@ -178,8 +178,11 @@ def _check_free(tour, patch, mill, tolerance, others, n):
     """Raise ValueError where the mill enters something between chains."""
     between = np.flatnonzero(tour.kind != CUT)
     own, holder, other = depths_of(patch, mill, tour.tip[between], tour.axis[between], others, n)
-    allowed = {"the surface": own - tolerance, "the surface with its holder": holder,
-               "a neighbour": other}  # fmt: skip
+    allowed = {
+        "the surface": own - tolerance,
+        "the surface with its holder": holder,
+        "a neighbour": other,
+    }
     for what, deep in allowed.items():
         if np.any(deep > 0):
             worst = between[int(deep.argmax())]

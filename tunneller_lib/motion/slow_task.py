@@ -215,8 +215,12 @@ def _index(text, last):
 
 def _of_expression(text):
     tree = ast.parse(text, mode="eval")
-    indices = {id(inner) for node in ast.walk(tree) if isinstance(node, ast.Subscript)
-               for inner in ast.walk(node.slice)}  # fmt: skip
+    indices = {
+        id(inner)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Subscript)
+        for inner in ast.walk(node.slice)
+    }
     nodes = [node for node in ast.walk(tree) if id(node) not in indices]
     divisions = sum(isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) for node in nodes)
     functions = sum(isinstance(node, ast.Call) for node in nodes)

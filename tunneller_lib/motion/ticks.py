@@ -135,9 +135,19 @@ def run_axis(plant, control, memory, state, setvalues, slopes, states, commands)
 
 
 def run_joints(
-    machine, tick, controls, memories, first, state,
-    setvalues, slopes, pushes, parts, states, commands,
-):  # fmt: skip
+    machine,
+    tick,
+    controls,
+    memories,
+    first,
+    state,
+    setvalues,
+    slopes,
+    pushes,
+    parts,
+    states,
+    commands,
+):
     """Run both axes of a `machine` from tick `first` on, as `run_axis` does one.
 
     Rows are of theta and phi: `controls`, `memories`, `setvalues`, `slopes`, `commands`; those of
@@ -184,9 +194,14 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
         states[:, 0] = start
         commands = np.empty(ticks)
         given = (
-            numbers, control_of(loop), np.zeros(1 + loop.delay), start,
-            *(np.require(row, requirements="CW") for row in (values, rates)), states, commands,
-        )  # fmt: skip
+            numbers,
+            control_of(loop),
+            np.zeros(1 + loop.delay),
+            start,
+            *(np.require(row, requirements="CW") for row in (values, rates)),
+            states,
+            commands,
+        )
         expect(plain_seconds(numbers, ticks), "axes")
         kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
         if kept < ticks:
@@ -233,10 +248,19 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
         done += len(rows)
         state = tuple(map(tuple, states[asked].reshape(3, 5).tolist()))
         given = (
-            machine, tick, controls, memories, asked, state,
-            setvalues[asked:done], slopes[asked:done], rows, parts_in(machine, least, rows, tick),
-            states[asked : done + 1], commands[asked:done],
-        )  # fmt: skip
+            machine,
+            tick,
+            controls,
+            memories,
+            asked,
+            state,
+            setvalues[asked:done],
+            slopes[asked:done],
+            rows,
+            parts_in(machine, least, rows, tick),
+            states[asked : done + 1],
+            commands[asked:done],
+        )
         kept = _run(run_joints, given, own_inverse, commanding=spool_at)
         if kept < len(rows):
             for axis, angle in zip(axes, states[asked + kept + 1, [0, 5]], strict=True):

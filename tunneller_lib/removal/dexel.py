@@ -310,10 +310,20 @@ class DexelGrid:
         enter, leave = np.empty((2, 1 + len(a), size))
         x, cos, sin, aside, _, _ = self.lines
         found, apart = compiled.call(
-            dexel_loops.meet_moves, self.low, self.high, (x, cos, sin, aside),
-            (rows.start, rows.stop, columns.start, columns.stop), (*middle.tolist(), float(about)),
-            radius, self.lines.seen(a, b, columns), i, j, enter, leave, **NUMBERS,
-        )  # fmt: skip
+            dexel_loops.meet_moves,
+            self.low,
+            self.high,
+            (x, cos, sin, aside),
+            (rows.start, rows.stop, columns.start, columns.stop),
+            (*middle.tolist(), float(about)),
+            radius,
+            self.lines.seen(a, b, columns),
+            i,
+            j,
+            enter,
+            leave,
+            **NUMBERS,
+        )
         cuts = slice(1, None) if apart else slice(1)
         both = enter[cuts, :found], leave[cuts, :found]
         return (i[:found], j[:found]), zip(*both, strict=True)
@@ -330,9 +340,20 @@ class DexelGrid:
         split = np.empty((3, len(i)))
         cell, rays = self.lines[-2:]
         pieces = compiled.call(
-            dexel_loops.take_cut, self.low, self.high, i, j, enter, leave, cell, rays,
-            taken, counts, split, **NUMBERS,
-        )  # fmt: skip
+            dexel_loops.take_cut,
+            self.low,
+            self.high,
+            i,
+            j,
+            enter,
+            leave,
+            cell,
+            rays,
+            taken,
+            counts,
+            split,
+            **NUMBERS,
+        )
         if pieces:
             line = split[0, :pieces].astype(int)
             self._add((i[line], j[line]), *split[1:, :pieces])

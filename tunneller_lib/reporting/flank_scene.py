@@ -12,8 +12,15 @@ from .style import COLOURS, ERROR_MAP
 WINDOW = 1200, 900
 LIMIT = 100e-6  # m, left or cut, that has the full colour
 SCALAR = "left on the surface / um"
-BAR = dict(width=0.55, position_x=0.22, position_y=0.05, n_labels=3, fmt="%.0f", color="black",
-           above_label="stock")  # fmt: skip
+BAR = dict(
+    width=0.55,
+    position_x=0.22,
+    position_y=0.05,
+    n_labels=3,
+    fmt="%.0f",
+    color="black",
+    above_label="stock",
+)
 AWAY = 0.6  # of the still picture's size: more of the mill's way is in view
 COARSE = 81  # points of the surface each way
 
@@ -177,10 +184,15 @@ def _put(plotter, job, way, place, error, limit):
     kept = {"reset_camera": False, "render": False}
     plotter.title = f"A conical mill on the surface; colours: {SCALAR}"
     plotter.add_mesh(
-        scene.surface(way.mesh, {SCALAR: left}), name="surface", scalars=SCALAR, cmap=ERROR_MAP,
-        clim=(-micrometres, micrometres), above_color=COLOURS["tunnel"], scalar_bar_args=dict(BAR),
+        scene.surface(way.mesh, {SCALAR: left}),
+        name="surface",
+        scalars=SCALAR,
+        cmap=ERROR_MAP,
+        clim=(-micrometres, micrometres),
+        above_color=COLOURS["tunnel"],
+        scalar_bar_args=dict(BAR),
         **kept,
-    )  # fmt: skip
+    )
     mill, tip, axis = way.mills[way.chain[place]], way.tip[place], way.axis[place]
     near, far = mill.rulings
     cone = scene.cone(tip - mill.below * axis, axis, mill.half_angle, near, far)

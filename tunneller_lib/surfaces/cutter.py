@@ -262,8 +262,10 @@ def _pairs(facets, places, low, high):
         stop = max(np.searchsorted(ends, done + BLOCK, side="right"), start + 1)
         count = (last - first)[start:stop]
         facet = np.repeat(np.arange(start, stop), count)
-        which = order[np.arange(len(facet)) + np.repeat(first[start:stop] - ends[start:stop] + count
-                                                        + done, count)]  # fmt: skip
+        which = order[
+            np.arange(len(facet))
+            + np.repeat(first[start:stop] - ends[start:stop] + count + done, count)
+        ]
         y = places[which, 1]
         near = (y >= least[facet, 1] - high[1] - hair) & (y <= most[facet, 1] - low[1] + hair)
         yield which[near], facet[near]

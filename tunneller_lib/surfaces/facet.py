@@ -133,8 +133,10 @@ def meet_faces(solid, facets, u):
     body = outline(solid)
     corners, along, shift, speed = _nearby(body, facets, u)
     guard = GUARD * (body.size + _reach(corners))
-    sides = [swept_planes(a, b, along, guard)
-             for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]  # fmt: skip
+    sides = [
+        swept_planes(a, b, along, guard)
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
+    ]
     ways = [corner - corners[0] for corner in corners[1:]]
     normal = sum(accurate_cross(a, b) for a, b in pairwise(ways))
     normal, length = unit_of(normal)
@@ -184,5 +186,9 @@ def _with(found, t, over):
 def _in_lengths(found, sound, shift, speed):
     enter, leave = found
     hit = sound & (enter <= leave)
-    return np.array([np.where(hit, shift + enter / speed, np.inf),
-                     np.where(hit, shift + leave / speed, -np.inf)])  # fmt: skip
+    return np.array(
+        [
+            np.where(hit, shift + enter / speed, np.inf),
+            np.where(hit, shift + leave / speed, -np.inf),
+        ]
+    )

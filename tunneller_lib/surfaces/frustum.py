@@ -150,9 +150,13 @@ class Frustum:
         (4.5, 5.5)
         """
         shape = _Numbers(
-            self.a, self.b, differences(self.b, self.a), max(self.radius_a, self.radius_b),
-            self.radius_a, self.radius_b,
-        )  # fmt: skip
+            self.a,
+            self.b,
+            differences(self.b, self.a),
+            max(self.radius_a, self.radius_b),
+            self.radius_a,
+            self.radius_b,
+        )
         length, gain = lengths(shape.axis), self.radius_b - self.radius_a
         # A wall within 27 degrees of the discs is left to the careful way, too.
         plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length

@@ -49,6 +49,8 @@ def meet_box(solid: Rod | Frustum | Box | RoundedDisc, low: Corners, high: Corne
     if not np.all(low <= high):
         raise ValueError("low: must not be above high on either axis; got a corner that is.")
     corners = [(low, low), (high, low), (high, high), (low, high)]
-    section = np.stack([np.stack([x[..., 0], y[..., 1], np.zeros_like(x[..., 0])], axis=-1)
-                        for x, y in corners], axis=-2)  # fmt: skip
+    section = np.stack(
+        [np.stack([x[..., 0], y[..., 1], np.zeros_like(x[..., 0])], axis=-1) for x, y in corners],
+        axis=-2,
+    )
     return meet_facets(solid, section, UP)

@@ -55,9 +55,16 @@ def frame(a, b, direction):
     along = shares(u, size)
     across = shares(normal, where(area > 0, area, 1.0))
     return Frame(
-        start, turned, vector_products(across, along), across, along, area / size,
-        abs(scalar_products(along, v)), length, scaled(size, power),
-    )  # fmt: skip
+        start,
+        turned,
+        vector_products(across, along),
+        across,
+        along,
+        area / size,
+        abs(scalar_products(along, v)),
+        length,
+        scaled(size, power),
+    )
 
 
 def differences_and_rests(a, b):

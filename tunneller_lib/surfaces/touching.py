@@ -67,12 +67,18 @@ def outline(solid):
     if isinstance(solid, RoundedDisc):
         centre = np.zeros(3)
         return Outline(
-            np.array(solid.centre), solid.radius + solid.corner, [], [], [], [],
+            np.array(solid.centre),
+            solid.radius + solid.corner,
+            [],
+            [],
+            [],
+            [],
             [(centre, solid.unit, solid.radius, solid.corner)],
-        )  # fmt: skip
+        )
     a, v = np.array(solid.a), np.subtract(solid.b, solid.a)
-    both = (solid.radius, solid.radius) if isinstance(solid, Rod) else (
-        solid.radius_a, solid.radius_b)  # fmt: skip
+    both = (
+        (solid.radius, solid.radius) if isinstance(solid, Rod) else (solid.radius_a, solid.radius_b)
+    )
     size = max(both) + float(np.linalg.norm(v))
     round_ends = isinstance(solid, Rod) and solid.ends == "round"
     rims, walls, balls = [], [], []
