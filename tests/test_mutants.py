@@ -10,7 +10,7 @@ from tests import mutants
 from tests.mutant_kinds import KINDS, Places, draws, more, rules_in
 from tests.mutants import REASONS, TABLE, Mutant, Verdict
 
-READS = ["tests/mutants.*"]
+READS = ["tests/mutants.*", "tunneller_lib/*"]
 
 ROOMS = {"envelopes", "job", "milling", "motion", "paths", "ream", "removal", "replica",
          "reporting", "surfaces"}  # fmt: skip
@@ -38,6 +38,10 @@ def test_of_planted_faults_at_most_a_twentieth_survives():
     explained = {(entry["file"], entry["after"]) for entry in reasons}
     assert explained == {(row["file"], row["after"]) for row in alive}
     assert all(entry["why"].endswith(".") for entry in reasons)
+    # A fault of a line that is gone can't be planted any more: its module is judged anew.
+    for row in alive:
+        lines = (mutants.ROOT / row["file"]).read_text(encoding="utf-8").splitlines()
+        assert row["before"] in [line.strip() for line in lines], row
 
 
 @pytest.mark.parametrize(
@@ -210,6 +214,8 @@ def test_long_modules_have_more_faults(study):
     mutants.copy()
     assert len(mutants.draw("tunneller_lib/one.py")) == 1 + len(mutants.LENGTHS)
     assert len({mutant.line for mutant in mutants.draw("tunneller_lib/one.py")}) == 3
+    assert mutants.draw("tunneller_lib/one.py", each=5)[:3] == mutants.draw("tunneller_lib/one.py")
+    assert len(mutants.draw("tunneller_lib/one.py", each=5)) == 5
 
 
 def test_tests_are_those_that_lead_to_a_module_the_nearest_first(study):
@@ -259,6 +265,20 @@ def test_few_survivors_of_the_nearest_tests_are_enough_for_a_table(study, monkey
     said = plant(monkeypatch, capsys, "--near").err
     assert "No table: more than a twentieth survived" in said
     assert not (study / "mutants.csv").exists()
+
+
+def test_modules_that_the_table_has_not_join_it(study, monkeypatch, capsys):
+    plant(monkeypatch, capsys, "--of", "two")
+    table = study / "mutants.csv"
+    before = table.read_text()
+    plant(monkeypatch, capsys, "--new")
+    _, rows = mutants.read_table(table.read_text())
+    assert [row["file"] for row in rows] == ["tunneller_lib/one.py", "tunneller_lib/two.py"]
+    assert mutants.read_table(before)[1] == rows[1:]
+    plant(monkeypatch, capsys, "--of", "one")
+    assert len(mutants.read_table(table.read_text())[1]) == 2
+    with pytest.raises(SystemExit, match="No table: its other faults are of another seed"):
+        plant(monkeypatch, capsys, "--of", "one", "--seed", "other")
 
 
 def test_state_of_tests_changes_with_what_they_reach(study):

@@ -125,7 +125,8 @@ ST_HEAD = """(* Controller of a tunnelling robot: setpoints ahead, integer lines
 SHARED = [field for field in RING_STATE if field[0] in ("nHead", "nTail", "bEnd")]
 OWN = [field for field in RING_STATE if field not in SHARED]
 # Of one name in both tasks: arrays that are only alike are of different types.
-RING_TYPE, RING_ARRAY = "T_Ring", f"ARRAY [0..{RING - 1}] OF DINT"
+RING_TYPE = "T_Ring"
+RING_ARRAY = f"ARRAY [0..{RING - 1}] OF DINT"
 NEXT = ("nNext", "DINT", "the ring's place behind nTail")
 
 

@@ -40,7 +40,8 @@ def summarise_flank(job: FlankJob, result: FlankResult):
         ``surface_error`` of a surface through measured points, ``tour`` with places by kind, or
         null, ``seconds``, the least that feed and axes allow, or null, and ``warnings``.
     """
-    found, covered = result.found, result.covered
+    found = result.found
+    covered = result.covered
     warnings = []
     state = found[0].state
     unfit = state[state != "regular"]

@@ -175,7 +175,8 @@ class _Lines:
     def rates(self, turn):
         """Return changes (k, 2, 2) of s and t from the middle to both contacts, and by the turn."""
         c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
-        across, way = self.chain.across, self.way
+        across = self.chain.across
+        way = self.way
         ends = np.array([[self.half], [-self.half]])
         return [
             ends * np.einsum("nij,nj->ni", self.inverse, direction)[:, None]

@@ -74,7 +74,8 @@ def chatter_margins(plan, plant, loop):
     plant, loop : pair of Compressible and of Loop
         Of theta and phi.
     """
-    circuit, ground = plan.circuit, plan.limits.ground
+    circuit = plan.circuit
+    ground = plan.limits.ground
     places = np.linspace(0, circuit.profile.perimeter, PLACES)
     at = circuit.position(places)
     lever = levers(circuit.machine.torus, at)

@@ -75,7 +75,8 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
     # the gain needs at least the resonance Kv/(2 zeta), which the second row says in Hz.
     for joint, name in enumerate(JOINTS):
-        one, control = plant[joint], loop[joint]
+        one = plant[joint]
+        control = loop[joint]
         axis = one.axis
         limit = _known_limit(one, control, tuple(at[:, joint].tolist()))
         least = float(np.min(axis.natural_frequency(at[:, joint])))

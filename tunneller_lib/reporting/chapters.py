@@ -24,7 +24,8 @@ HEADS = "", "question", "what came out", "you need", "minutes"
 # Of prose and of code that are read in a minute. A reader who has calculus took 17 and 19 minutes
 # for essays 64 and 65, and for chapters a quarter more than 150 words and 30 lines a minute give:
 # code takes longer than prose, and these rates give all three.
-WORDS, LINES = 160, 18
+WORDS = 160
+LINES = 18
 THUMB = 1.6  # width of a small picture over its height
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

@@ -193,7 +193,9 @@ def _put(plotter, job, way, place, error, limit):
         scalar_bar_args=dict(BAR),
         **kept,
     )
-    mill, tip, axis = way.mills[way.chain[place]], way.tip[place], way.axis[place]
+    mill = way.mills[way.chain[place]]
+    tip = way.tip[place]
+    axis = way.axis[place]
     near, far = mill.rulings
     cone = scene.cone(tip - mill.below * axis, axis, mill.half_angle, near, far)
     plotter.add_mesh(cone, name="mill", color=COLOURS["cone"], opacity=0.8, **kept)

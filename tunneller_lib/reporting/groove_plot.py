@@ -70,7 +70,8 @@ def draw_sector_and_segment(ax: Axes, radius: Length, depth: Length):
         raise ValueError(f"depth: must be at most the ball's diameter; got {depth:g} m.")
     wall = radius - depth
     beta = np.arccos(wall / radius)
-    around, top = np.linspace(0, 2 * np.pi, 241), np.linspace(-beta, beta, 81)
+    around = np.linspace(0, 2 * np.pi, 241)
+    top = np.linspace(-beta, beta, 81)
     ax.plot(radius * np.sin(around), radius * np.cos(around), color=COLOURS["cutter"], lw=0.8)
     arc = radius * np.sin(top), radius * np.cos(top)
     [sector] = ax.fill(

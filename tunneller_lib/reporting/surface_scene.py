@@ -37,7 +37,8 @@ def tangent_planes_picture(surface: Function(2), line: Finite, places: Series, d
     -------
     picture : (n, m, 3) uint8
     """
-    lines, along = np.linspace(-0.9, 1.1, 81), np.linspace(0.05, 1.3, 41)
+    lines = np.linspace(-0.9, 1.1, 81)
+    along = np.linspace(0.05, 1.3, 41)
     sheet = np.stack(surface(*np.meshgrid(lines, along, indexing="ij")), axis=-1)
     plotter = scene.empty()
     plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"], opacity=0.55)
@@ -72,7 +73,9 @@ def ring_on_graph_picture(f: Function(2), place: Centre, centre: Centre):
     z, a, b = osculating_conic(centre, f(*jet_variables(*place)))
     circle = conic((*place, z), centre, a, b, ROUND)
     x, y = np.meshgrid(np.linspace(0.05, 1.25, 61), np.linspace(-0.6, 0.75, 61), indexing="ij")
-    touch, foot, middle = (*place, z), (*place, -0.3), (*np.add(place, centre), -0.3)
+    touch = (*place, z)
+    foot = (*place, -0.3)
+    middle = (*np.add(place, centre), -0.3)
     plotter = scene.empty()
     graph = scene.surface(np.stack([x, y, f(x, y)], axis=-1))
     plotter.add_mesh(graph, color=COLOURS["design surface"], opacity=0.6)

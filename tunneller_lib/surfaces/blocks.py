@@ -56,7 +56,9 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
     compiled.expect(PLAIN_CALL if one else PLAIN_LINE * math.prod(lines), careful)
     ready = compiled.ready(careful)
     if one and not ready:
-        p, u, sure = point.ravel().tolist(), direction.ravel().tolist(), False
+        p = point.ravel().tolist()
+        u = direction.ravel().tolist()
+        sure = False
         if plain:
             enter, leave, sure = quick(shape, differences(p, shape.start), u)
         if not sure:
@@ -179,7 +181,8 @@ def past_an_axis(shape, q, u):
         The lines' points from the start, in m, and their directions.
     """
     n = vector_products(u, shape.axis)
-    nn, aside = scalar_products(n, n), scalar_products(q, n)
+    nn = scalar_products(n, n)
+    aside = scalar_products(q, n)
     uu = scalar_products(u, u)
     size = scalar_products(q, q) * (uu * scalar_products(shape.axis, shape.axis))
     wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn
@@ -270,7 +273,8 @@ class Nearest(NamedTuple):
 def nearest_to_axis(shape, passing):
     """Return lines where they are `Nearest` to the axis of a shape."""
     q, u, n, nn, aside, uu, size, _ = passing
-    v, radius = shape.axis, shape.radius
+    v = shape.axis
+    radius = shape.radius
     vv, qv, uv = scalar_products(v, v), scalar_products(q, v), scalar_products(u, v)
     middle = ratio(-scalar_products(vector_products(q, v), n), nn)
     room = radius * radius * nn - aside * aside

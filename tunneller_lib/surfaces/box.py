@@ -175,12 +175,16 @@ def _in_order(one, other):
 
 def _quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines from the corner."""
-    size, far = shape.size, FAR * shape.size
-    enter, leave, sure = -np.inf, np.inf, scalar_products(q, q) <= far * far
+    size = shape.size
+    far = FAR * shape.size
+    enter = -np.inf
+    leave = np.inf
+    sure = scalar_products(q, q) <= far * far
     speed = square_root(scalar_products(u, u))
     sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
     for i in range(3):
-        normal, wide = shape.normals[i], shape.half[i]
+        normal = shape.normals[i]
+        wide = shape.half[i]
         at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)
         middle, reach = ratio(-at, pace), ratio(wide, abs(pace))
         level = abs(pace) <= CLOSE * speed
@@ -217,7 +221,8 @@ def _faces(x, y, z):
     """Return the unit normals of boxes' faces, and how far opposite faces are apart, as vectors."""
     _check_edges(x, y, z)
     edges = [near_one(edge) for edge in (x, y, z)]
-    normals, wide = [], []
+    normals = []
+    wide = []
     for i in range(3):
         edge, power = edges[i]
         normal = accurate_products(edges[i - 2][0], edges[i - 1][0])

@@ -45,7 +45,8 @@ class Cone:
     def implicit(self, point: Points):
         """Return the left side of Eq. 13, x^2 + y^2 - k z^2, at points (..., 3), in m^2."""
         x, y, z = np.moveaxis(point, -1, 0)
-        radius, reach = np.hypot(x, y), np.tan(self.half_angle) * np.abs(z)
+        radius = np.hypot(x, y)
+        reach = np.tan(self.half_angle) * np.abs(z)
         return (radius - reach) * (radius + reach)
 
     @checked
@@ -97,7 +98,8 @@ class Cone:
         """
         x, y, z = np.moveaxis(m, -1, 0)
         sin, cos = np.sin(self.half_angle), np.cos(self.half_angle)
-        rho, nappe = np.hypot(x, y), np.where(z > 0, 1.0, -1.0)
+        rho = np.hypot(x, y)
+        nappe = np.where(z > 0, 1.0, -1.0)
         azimuth = np.arctan2(y, x)
         east, north = np.cos(azimuth), np.sin(azimuth)
         both = []

@@ -157,7 +157,8 @@ class Frustum:
             self.radius_a,
             self.radius_b,
         )
-        length, gain = lengths(shape.axis), self.radius_b - self.radius_a
+        length = lengths(shape.axis)
+        gain = self.radius_b - self.radius_a
         # A wall within 27 degrees of the discs is left to the careful way, too.
         plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length
         return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)
@@ -194,7 +195,8 @@ def _inside_frustum(shape, lines):
     """
     gain = shape.end_radius - shape.start_radius
     aside2 = ratio(lines.aside * lines.aside, lines.nn)
-    across, grow = lines.nn / lines.vv, gain * lines.uv / lines.vv
+    across = lines.nn / lines.vv
+    grow = gain * lines.uv / lines.vv
     w = shape.start_radius + gain * share_of_axis(lines)
     first, last, steep = between_planes(lines)
     # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.

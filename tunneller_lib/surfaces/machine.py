@@ -197,7 +197,8 @@ class Machine:
         So the sine grows all the way from crown to floor while it is between -1 and 1. It is so at
         both, and can't leave that range between them: it could come back only by falling.
         """
-        d, reach = self.offset, self.r + self.R
+        d = self.offset
+        reach = self.r + self.R
         (right, floor), (left, crown) = section.box
         # The sine's greatest value within each range of angles.
         swing, lift, drop = (

@@ -64,7 +64,10 @@ class Arc:
     @property
     def swept(self):
         """Return twice the area between the arc and the origin, in m^2."""
-        (y, z), radius, end = (self.y, self.z), self.radius, self.start + self.sweep
+        y = self.y
+        z = self.z
+        radius = self.radius
+        end = self.start + self.sweep
         moment = y * (np.sin(end) - np.sin(self.start)) - z * (np.cos(end) - np.cos(self.start))
         return radius * (radius * self.sweep + moment)
 

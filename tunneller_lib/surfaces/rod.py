@@ -167,11 +167,13 @@ class Rod:
         array([ True, False])
         """
         q = points - self.a
-        v, length = self.axis, self.length
+        v = self.axis
+        length = self.length
         if length == 0:
             return (norm(q) <= self.radius * (1 + GUARD)) & (self.ends == "round")
         guard = GUARD * (self.radius + length)
-        along, off = dot(q, v) / length, norm(cross(q, np.broadcast_to(v, q.shape))) / length
+        along = dot(q, v) / length
+        off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
         beyond = np.maximum(np.maximum(-along, along - length), 0)
         if self.ends == "round":
             return np.hypot(beyond, off) <= self.radius + guard
@@ -218,7 +220,9 @@ class Rod:
             return self._meet_any(point, direction)
         enter = np.empty(point.shape[:-1])
         leave = np.empty(point.shape[:-1])
-        rows, firsts, lasts = point.reshape(-1, 3), enter.reshape(-1), leave.reshape(-1)
+        rows = point.reshape(-1, 3)
+        firsts = enter.reshape(-1)
+        lasts = leave.reshape(-1)
         u = direction.tolist()
         axis = frame(self.a, self.b, u)
         for start in range(0, len(rows), BLOCK):
@@ -238,7 +242,9 @@ class Rod:
     def _meet_parallel(self, axis, p, u, enter, leave):
         """Write `enter` and `leave` of lines p (n, 3) of one direction."""
         bound = max(-p.min(), p.max()) + max(map(abs, axis.start))
-        r, run, rise = self.radius, axis.run, axis.rise
+        r = self.radius
+        run = axis.run
+        rise = axis.rise
         # Off the coordinate axes the product with a far point isn't good enough to go on with.
         noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
         reach = r + 2 * GUARD * (r + run) + noise
@@ -266,7 +272,10 @@ class Rod:
 
     def _meet_plainly(self, axis, p, s, w, u, found):
         """Write to `found` where lines enter and leave that pass at s, with w = r^2 - s^2."""
-        r, run, rise, length = self.radius, axis.run, axis.rise, axis.length
+        r = self.radius
+        run = axis.run
+        rise = axis.rise
+        length = axis.length
         # `flat_interval` with the tests for special cases left out, in as few passes as can be.
         m = _along(p, axis.start, axis.flat)
         off = np.abs(m - run / 2)  # from the middle of the shadow, whose half length is k
@@ -275,7 +284,9 @@ class Rod:
             k = w * (rise / length) + run / 2
         missed = ~(off <= k)
         w *= length / run
-        disc, middle, z = m * (-run / rise), m * (rise / run), _along(p, axis.start, axis.along)
+        disc = m * (-run / rise)
+        middle = m * (rise / run)
+        z = _along(p, axis.start, axis.along)
         apart = length**2 / rise  # the two discs' planes, along the lines
         first, last = np.maximum(disc, middle - w), np.minimum(disc + apart, middle + w)
         # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
@@ -353,7 +364,8 @@ def _inside_capsule(lines, radius):
 
 def _end_on_ball(lines, radius, sign):
     """Return where lines enter (-1) or leave (1) that ball of a capsule, and where it's sure."""
-    share, step = share_of_axis(lines), lines.half * (lines.uv / lines.vv)
+    share = share_of_axis(lines)
+    step = lines.half * (lines.uv / lines.vv)
     beside = within(share + sign * step, 0.0, 1.0) - share
     room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
     room = ratio(room, lines.nn)

@@ -89,7 +89,8 @@ def nearest_offset(start, along, speed, p, direction):
         x, x_low = _moved(q[0], low[0], shift, direction[0])
         y, y_low = _moved(q[1], low[1], shift, direction[1])
         z, z_low = _moved(q[2], low[2], shift, direction[2])
-        q, low = (x, y, z), (x_low, y_low, z_low)
+        q = (x, y, z)
+        low = (x_low, y_low, z_low)
         total = total + shift
     return q, total
 
@@ -131,7 +132,8 @@ def flat_interval(run, rise, length, radius, s, m):
     enter, leave : (...) float
         In m; meaningless where the line misses.
     """
-    solid, across = length > 0, abs(s)
+    solid = length > 0
+    across = abs(s)
     guard, length, parallel, s = _sizes(run, length, radius, s, m)
     # A short rod is a disc, which such a run may tilt by any angle.
     parallel = parallel & (run * radius <= guard * length)

@@ -238,7 +238,8 @@ def _stepped(line, t, sign, guard):
     for _ in range(10):  # Newton's steps; a line that needs more nearly touches
         place = _place(line, t)
         _, beside, height = place
-        distance, grow = square_root(beside * beside + height * height), _growth_at(line, t, place)
+        distance = square_root(beside * beside + height * height)
+        grow = _growth_at(line, t, place)
         # Tangents of a convex function are below it, so that their zeros are never beyond its own.
         outside = (distance - line.corner > guard) & (sign * grow < 0)
         if not some(outside):

@@ -285,7 +285,8 @@ class Torus:
             # Distance beyond the circle's centre; rho + r has no digits to lose.
             beyond = excess if sigma > 0 else rho + self.r
             distance = np.sqrt(beyond * beyond + y * y)
-            on_axis, on_ring = rho == 0, distance == 0
+            on_axis = rho == 0
+            on_ring = distance == 0
             # Adding 1 to both sides of 0/0 picks theta = 0 on the axis, phi = 0 on the ring.
             scale = eps * self.R / (distance + on_ring)
             radius = sigma * self.r + scale * (beyond + on_ring)

@@ -66,7 +66,8 @@ def meet(torus, a, b):
 
 def _distances(s, x, y, z, ex, ey, ez, r, R):
     """Return how far foot + s e lies outside the two circles of its meridian plane."""
-    rho, height = np.hypot(x + s * ex, z + s * ez), y + s * ey
+    rho = np.hypot(x + s * ex, z + s * ez)
+    height = y + s * ey
     return np.hypot(rho - r, height) - R, np.hypot(rho + r, height) - R
 
 
@@ -82,7 +83,8 @@ def _extremes(foot, e, r, R):
     (s^2 + c)^2 - 4 r^2 (R^2 - (y + e_y s)^2) with c = |foot|^2 - r^2 - R^2. A single real root
     comes three times, and is told.
     """
-    height, slope = foot[..., 1], e[..., 1]
+    height = foot[..., 1]
+    slope = e[..., 1]
     P = dot(foot, foot) - r * r - R * R + 2 * (r * slope) ** 2
     Q = 2 * r * r * slope * height
     with np.errstate(all="ignore"):  # a line 1e100 away has a cube that is infinite
