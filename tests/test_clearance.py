@@ -290,6 +290,10 @@ def test_grid_sees_the_same_collision():
             r"turn: must be matrices \(..., 3, 3\)",
         ),
         (
+            lambda: solid_clearance(EGG, BODY.box, turn=np.eye(3) + 1e-8),
+            "turn: must hold rows that",
+        ),
+        (
             lambda: solid_clearance(EGG, BODY.box, turn=2 * np.eye(3)),
             "turn: must hold rows that are perpendicular and 1 long",
         ),
