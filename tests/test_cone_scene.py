@@ -1,5 +1,7 @@
 """Cones, surfaces and blades in space: what is drawn is there, in its colour and place."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from tunneller_lib.envelopes.developable import curve_derivatives, osculating_co
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
 from tunneller_lib.envelopes.fit import noisy_planes
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.reporting import blade_scene
 from tunneller_lib.reporting.blade_scene import (
     each_tool_picture,
     tool_sequence_picture,
@@ -202,9 +205,17 @@ def test_tools_have_the_colours_of_their_verdicts():
     assert share(none, "cone") == 0
 
 
-def test_each_tool_has_a_picture_of_its_own():
+def test_each_tool_has_a_picture_of_its_own(monkeypatch):
     words = ["fits"] * len(ON_BLADE)
+    shown = []
+
+    def noted(ring, cones, show, *rest):
+        shown.append(np.flatnonzero(show).tolist())
+        return tools_scene(ring, cones, show, *rest)
+
+    monkeypatch.setattr(blade_scene, "tools_scene", SimpleNamespace(unchecked=noted))
     picture = each_tool_picture(RING, ON_BLADE, words, **SIZE)
+    assert shown == [[k] for k in range(len(words))]
     cells = len(words) // -3 * -3
     assert picture.shape[1] > picture.shape[0] * 3 / (cells / 3) * 0.8
     assert share(picture, "cone") > 0.01
