@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
-from tunneller_lib.removal import DexelGrid
+from tunneller_lib.removal import DexelGrid, arm_clearance
 from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Box, Egg, Frustum, Rod, RoundedDisc
 
@@ -154,6 +154,19 @@ def test_solid_clearance_of_more_poses_than_a_block():
     np.testing.assert_allclose(many, many[::-1], atol=1e-15)
     np.testing.assert_allclose(many, EGG.depth(aside, 0.0) - 0.1, atol=1e-14)
     assert solid_clearance(EGG, rod, place=np.zeros((0, 3))).shape == (0,)
+
+
+def test_no_more_than_512_poses_are_in_memory(monkeypatch):
+    seen = []
+    looked_at = arm_clearance._least_depths
+
+    def noted(section, body, across, middle):
+        seen.append(len(across))
+        return looked_at(section, body, across, middle)
+
+    monkeypatch.setattr(arm_clearance, "_least_depths", noted)
+    solid_clearance(EGG, BODY.box, place=np.zeros((600, 3)))
+    assert seen == [512, 88]
 
 
 def in_tunnel(circuit, points, pose=None):

@@ -246,6 +246,16 @@ def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
         assert len(loops) == expected
 
 
+def test_lines_one_by_one_are_few_until_there_are_many(monkeypatch):
+    monkeypatch.setattr(compiled._Work, "compiled", True)
+    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
+    ball = shape_of("ball", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
+    for _ in range(300):
+        ball.meet_line((0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
+    [expected] = compiled._Work.of_kind.values()
+    assert expected == pytest.approx(300 * blocks.PLAIN_CALL) and expected < compiled.LONG
+
+
 def test_chunks_of_a_push_are_one_run(both_ways):
     slopes = np.diff(RAMP, axis=0) / T
     reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))

@@ -12,7 +12,7 @@ from tunneller_lib.envelopes.developable import curve_derivatives, osculating_co
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
 from tunneller_lib.envelopes.fit import noisy_planes
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
-from tunneller_lib.reporting import blade_scene
+from tunneller_lib.reporting import blade_scene, scene
 from tunneller_lib.reporting.blade_scene import (
     each_tool_picture,
     tool_sequence_picture,
@@ -135,15 +135,34 @@ def test_tangent_planes_are_pink_pieces_as_many_as_places():
     assert 1.5 * few < many < 2.5 * few
 
 
-def test_ring_on_a_graph_is_green_and_its_top_view_yellow():
+@pytest.fixture
+def curves(monkeypatch):
+    """Return a list that gets the points of each curve that is drawn."""
+    drawn = []
+    curve = scene.curve
+
+    def noted(points, *look):
+        drawn.append(np.array(points))
+        return curve(points, *look)
+
+    monkeypatch.setattr(scene, "curve", noted)
+    return drawn
+
+
+def test_ring_on_a_graph_is_green_and_its_top_view_yellow(curves):
     picture = ring_on_graph_picture(cyclide, PLACE, (0.12, 0.16))
+    ring, top, down = curves
+    np.testing.assert_array_equal(top[:, :2], ring[:, :2])
+    np.testing.assert_allclose(top[:, 2], down[1][2])  # as deep as the contact's own foot
     assert share(picture, "cone") > 1e-3 and share(picture, "top view") > 1e-3
 
 
-def test_cones_along_a_curve_are_generators_of_one_family():
+def test_cones_along_a_curve_are_generators_of_one_family(curves):
     track = np.linspace(0.2, 0.9, 141)
     contacts = np.stack([0.25 + 0.4 * track, track], axis=-1)
     picture = cones_along_curve_picture(cyclide, contacts, ANGLE)
+    arcs = curves[2:]  # after the curve, in space and in the model
+    assert arcs and all(np.abs(arc[:, :2] - (0.45, 0.55)).max() < 0.5 for arc in arcs)
     assert share(picture, "cone") > 0.02 and share(picture, "generator") > 1e-3
 
 

@@ -85,6 +85,21 @@ def test_contacts_are_compared_block_by_block(monkeypatch):
             np.testing.assert_array_equal(getattr(whole, field), getattr(parts, field))
 
 
+def test_no_more_than_a_million_pairs_of_contacts_are_in_memory(monkeypatch):
+    sizes = []
+    norm = scallops.norm
+    monkeypatch.setattr(
+        scallops, "norm", lambda away: sizes.append(away[..., 0].size) or norm(away)
+    )
+    x = np.linspace(-1, 1, 700)
+    inner = [
+        (np.stack([x, 0 * x + y, 0 * x], axis=-1), np.tile([0.0, 1.0, 0.0], (700, 1)))
+        for y in (0.0, 1e-3)
+    ]
+    assert len(scallops._pairs(inner)) == 700
+    assert sum(sizes) == 1400**2 and max(sizes) <= 2**20
+
+
 def test_a_line_between_strips_is_looked_at_at_sixty_points():
     chains = covering(straight(0.0), straight(2 * MM))
     usual = find_scallops(PLANE, BALL, chains).height

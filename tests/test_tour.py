@@ -40,6 +40,11 @@ def chains(found):
     return longest[-2:]
 
 
+def test_values_that_are_no_rows_of_five_are_refused():
+    with pytest.raises(ValueError, match=r"^values: must be rows of x, y, z, A, C \(k, 5\); got"):
+        WIDE.positions(np.zeros((4, 3)))
+
+
 def test_an_axis_that_leans_by_more_than_rounding_has_its_own_turn():
     machine = replace(WIDE, up=(0, 0, 1))
     lean = np.array([0.2, 0.1, 1e-8, 1e-10])  # the last is taken as upright
