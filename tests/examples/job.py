@@ -128,8 +128,8 @@ _log = "time_s,valve,speed_rad_s\n" + "".join(
 
 CALLS = {
     "flank.FlankJob.solved": {"say": lambda text: None},
-    "logged.identified_text": lambda: {"numbers": identify_log(_log)},
-    "logged.identify_log": {"text": _log},
+    "identified_text": lambda: {"numbers": identify_log(_log)},
+    "identify_log": {"text": _log},
     "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
     "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
