@@ -13,16 +13,7 @@ from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axe
 from tunneller_lib.motion.arm import Arm
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import (
-    Limits,
-    Pose,
-    budget,
-    gain_margins,
-    ground_faults,
-    kind,
-    plan,
-    simulate,
-)
+from tunneller_lib.ream import Limits, Pose, budget, gain_margins, ground_faults, plan, simulate
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
 from tunneller_lib.ream.margins import capability
@@ -320,7 +311,7 @@ def test_budget_names_who_answers_for_what():
     found = budget(made, OILY, LOOP, pose=Pose(y=1e-3), arm=ARM, ground=MORTAR)
     kinds = {}
     for fault in found:
-        kinds.setdefault(kind(fault), []).append(fault.source)
+        kinds.setdefault(fault.kind, []).append(fault.source)
     assert kinds["chosen"] == ["knots", "corners", "pose"] and kinds["paper"] == ["tangent spheres"]
     assert kinds["ground"] == ["ground, mean", "ground, picks"]
     assert kinds["machine"][-2:] == ["encoder", "both joints"]
