@@ -18,3 +18,18 @@ def test_lines_across_a_wall_have_the_chord_that_is_known(solid, size):
     half = np.sqrt(0.25 - off**2)
     np.testing.assert_allclose(enter, size * (2 - half) / 3, rtol=1e-13)
     np.testing.assert_allclose(leave, size * (2 + half) / 3, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "solid", [lambda a, b, r: Rod(a, b, r), lambda a, b, r: Frustum(a, b, r, r)]
+)
+def test_lines_that_lean_leave_by_the_end_that_is_known(solid):
+    shape = solid((0, 0, 0), (0, 0, 4), 0.5)
+    off = np.linspace(0, 0.4, 9)
+    point = np.stack([-2 + 0 * off, off, 0 * off + 1.0], axis=-1)
+    half = np.sqrt(0.25 - off**2)
+    enter, leave = shape.meet_line(point, (3.0, 0.0, 4.0))
+    np.testing.assert_allclose(enter, (2 - half) / 3, rtol=1e-13)
+    np.testing.assert_allclose(leave, 0.75, rtol=1e-13)
+    enter, leave = shape.meet_line(point, (3.0, 0.0, 2.0))
+    np.testing.assert_allclose(leave, (2 + half) / 3, rtol=1e-13)
