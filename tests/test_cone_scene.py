@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
-from tunneller_lib.envelopes import ConePose, hyperosculating_cones
+from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
@@ -29,6 +29,7 @@ from tunneller_lib.reporting.cone_scene import (
 )
 from tunneller_lib.reporting.six_cones_scene import (
     _arcs,
+    _arcs_seen,
     cones_at_contact_picture,
     contact_scene,
     double_cones_picture,
@@ -184,6 +185,9 @@ def test_six_rulings_are_green_but_for_two_black_ones():
 def test_arcs_of_a_conic_are_near_a_place():
     parts = _arcs(CONES, 0, PLACE, 0.2)
     assert parts and all(np.hypot(*(part[:, :2] - PLACE).T).max() < 0.2 for part in parts)
+    frame = adapted_frames(cyclide, *PLACE, "isotropic").axes[0]  # the contact's normal is up
+    seen_there = _arcs_seen(CONES, frame, CONES.contact[0])
+    assert seen_there and all(np.hypot(*part[:, :2].T).max() < 0.4 for part in seen_there)
 
 
 def test_each_cone_at_a_contact_has_a_picture_with_its_piece_and_its_contact():
