@@ -1,9 +1,12 @@
 """Errors of derivatives, found from runs that round at random."""
 
+import operator
+
 import numpy as np
 import pytest
 
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
+from tunneller_lib.envelopes.jet import Jet
 from tunneller_lib.envelopes.rough import RUNS, RoughJet, errors, rough_frames, scatter
 
 EPS = np.finfo(float).eps
@@ -19,6 +22,19 @@ def test_a_jet_is_turned_by_a_rounding_at_most():
     turned = (jet + 0.0).c[0] - 1  # a sum of one term
     assert 0.5 * EPS <= np.abs(turned).max() <= 2 * EPS
     assert turned.min() < 0 < turned.max()
+
+
+@pytest.mark.parametrize("operate", [operator.add, operator.sub, operator.mul, operator.truediv])
+@pytest.mark.parametrize("other", [Jet(np.full((15, 1000), 0.7)), 0.7, np.full(1000, 0.7)])
+def test_every_operator_turns_either_operand(operate, other):
+    jet = Jet(np.ones((15, 1000)))
+    rough = RoughJet(jet.c, np.random.default_rng(1))
+    for found, exact in (
+        (operate(rough, other), operate(jet, other)),
+        (operate(other, rough), operate(other, jet)),
+    ):
+        assert isinstance(found, RoughJet)
+        assert np.mean(found.c != exact.c) > 0.05  # some roundings hide a turn
 
 
 @pytest.mark.parametrize("order", [4, 5])

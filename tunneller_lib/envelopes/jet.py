@@ -140,6 +140,10 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         with np.errstate(all="ignore"):
             return _divide(self, other)
 
+    def __rtruediv__(self, other):
+        with np.errstate(all="ignore"):
+            return _divide(other, self)
+
 
 derivative = Jet.derivative.unchecked  # for inner loops, whose orders are sound
 

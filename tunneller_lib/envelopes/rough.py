@@ -7,6 +7,7 @@ arithmetic are a million times too wide here: a jet's coefficients depend on eac
 """
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from .adapted import frames_by
 from .jet import Jet, jet_variables
@@ -30,6 +31,16 @@ class RoughJet(Jet):
     def __init__(self, c, rng):
         super().__init__(c)
         self.rng = rng
+
+    # Operators go by way of numpy, as functions do: those of `Jet` would turn nothing.
+    __add__ = NDArrayOperatorsMixin.__add__
+    __radd__ = NDArrayOperatorsMixin.__radd__
+    __sub__ = NDArrayOperatorsMixin.__sub__
+    __rsub__ = NDArrayOperatorsMixin.__rsub__
+    __mul__ = NDArrayOperatorsMixin.__mul__
+    __rmul__ = NDArrayOperatorsMixin.__rmul__
+    __truediv__ = NDArrayOperatorsMixin.__truediv__
+    __rtruediv__ = NDArrayOperatorsMixin.__rtruediv__
 
     def __array_ufunc__(self, ufunc, method, *arguments, **options):
         arguments = [self._turned(a) if isinstance(a, Jet) else a for a in arguments]
