@@ -42,7 +42,7 @@ def test_comment_reaches_nothing(reached):
 def test_docstring_reaches_the_doctests_and_what_reads_the_text_alone(reached):
     text = (check.ROOT / TORUS).read_text()
     found = reached(TORUS, before=text.replace('"""', '"""Once: ', 1))
-    expected = ["site", "layout", "live_programs", "public", "wheel"]
+    expected = ["site", "layout", "live_programs", "mutants", "public", "wheel"]
     assert found == [*(f"tests/test_{name}.py" for name in expected), TORUS]
 
 

@@ -15,7 +15,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.front import front_page
 from report.site.library import Reference, modules, room
 from report.site.markup import attribute, plain
-from report.site.paper import captions, report_page, tables
+from report.site.paper import GROWTH, captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
 from report.site.search import script, sections
@@ -95,6 +95,7 @@ def build(folder, chosen=None, live=None):
     shutil.rmtree(folder, ignore_errors=True)
     site = Site(folder, live)
     shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
+    shutil.copy(GROWTH, folder / "figures")
     chosen = notebooks() if chosen is None else chosen
     add_report(site, "report", report_page("report"), chosen)
     supplement = report_page("supplement")

@@ -10,6 +10,7 @@ import typst
 from report.compile import inputs, release_date
 from report.sources import ROOT, notebooks, records
 
+GROWTH = ROOT / "tests" / "bench" / "growth.svg"  # the one figure that no notebook makes
 STYLE = re.compile(r"<style>(.*?)</style>", re.S)
 BODY = re.compile(r"<body>(.*)</body>", re.S)
 EMBEDDED = re.compile(r'src="data:image/[\w+]+;base64,([^"]+)"')
@@ -35,7 +36,8 @@ def to_html(source):
 
 def report_page(name):
     """Return a document's body, its figures by their files, and the contents list's entries."""
-    figures = {digest(path.read_bytes()): path.name for path in (ROOT / "figures").iterdir()}
+    made = [*(ROOT / "figures").iterdir(), GROWTH]
+    figures = {digest(path.read_bytes()): path.name for path in made}
     style, body = to_html(ROOT / "report" / f"{name}.typ")
 
     def by_file(match):

@@ -50,7 +50,7 @@ for (const printed of document.querySelectorAll("details.printed")) {
 }
 
 // ---- the first page's machine: it stands still where motion isn't wanted
-const machine = document.querySelector("svg#moving"); // a function may have that name, too
+const machine = document.querySelector("svg#moving"); /* a function may have that name, too */
 if (machine) {
   const button = document.getElementById("still");
   const stop = (still) => {

@@ -98,7 +98,7 @@ def projected_length(torus: Torus, p: Positions, q: Positions):
     Returns
     -------
     length : (...) float
-        In m, to about 1e-9 of itself and to rounding on a working sheet: Gauss-Legendre
+        In m, to about 1e-9 of itself, to rounding on the reference machine: Gauss-Legendre
         quadrature of the foot's exact speed.
 
     Raises
