@@ -526,6 +526,21 @@ def test_geodesic_between_ends_all_but_the_same_is_straight(torus, size, n):
     np.testing.assert_allclose(across.clairaut, -0.6 * (torus.r + torus.R), rtol=1e-13)
 
 
+@pytest.mark.parametrize("n", [1, 50])
+@pytest.mark.parametrize("torus", [MACHINE, SPINDLE, Torus(1e5, 1), Torus(1e-99, 1e-99),
+                                   Torus(1e99, 1e99)], ids=str)  # fmt: skip
+@pytest.mark.parametrize("least", [5e-324, 1e-315])
+def test_least_angles_between_ends_have_a_direction(torus, least, n):
+    def found(start, stop):
+        return geodesic_inverse(torus, np.tile(start, (n, 1)), stop)
+
+    aside = found([0.0, 0.4], [least, 0.4])
+    np.testing.assert_array_equal(aside.azimuth1, np.pi / 2)
+    np.testing.assert_allclose(aside.clairaut, torus.r + torus.R * np.cos(0.4), rtol=1e-14)
+    slanting = found([0.0, 0.0], [least, least]).azimuth1
+    np.testing.assert_allclose(slanting, np.arctan2(torus.r + torus.R, torus.R), rtol=1e-14)
+
+
 @pytest.mark.parametrize("torus", [MACHINE, RING, SPINDLE, Torus(1, 1), Torus(1.01, 1),
                                    Torus(2e4, 1e3), Torus(1e-6, 1e-3)], ids=str)  # fmt: skip
 def test_geodesic_direct_solves_the_geodesic_equations(torus):

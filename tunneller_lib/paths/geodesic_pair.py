@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiled import loop
-from ..elementwise import ratio, smaller, some, square_root, where
+from ..elementwise import larger, ratio, smaller, some, square_root, where
 from ..repeatable import arctangent, sine_cosine
 from .geodesic_classes import ends_of, inner, outer
 from .geodesic_root import (
@@ -33,7 +33,7 @@ OPEN = len(KINDS)  # the loop leaves the pair to arrays
 
 LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
 NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
-LARGE = 2.0**500  # the squares of what is below NEAR are neither too small nor too large times it
+LARGE = 2.0**500  # times it, what is below NEAR keeps its digits, however small it is
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 
 
@@ -136,7 +136,9 @@ def level(torus, pair):
         rho = torus.r + torus.R * level_a
         across = where(near, rho * (LARGE * angle), 1.0)
         down = where(near, torus.R * (LARGE * (a - b)), 0.0)
-        size = square_root(across * across + down * down)
+        most = larger(across, down)  # over it, squares are neither too small nor too large
+        part, rest = ratio(across, most), ratio(down, most)
+        size = most * square_root(part * part + rest * rest)
         kind = where(near, OUTER, kind)
         length = where(near, size / LARGE, length)
         c = where(near, rho * ratio(across, size), c)
