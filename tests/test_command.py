@@ -1,5 +1,6 @@
 """The command line: jobs that are read, refused and run; what goes where."""
 
+import gc
 import json
 import re
 import subprocess
@@ -519,6 +520,15 @@ def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr("tunneller_lib.reporting.sweep.compute_blocks", stop)
     code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
     assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
+
+
+def test_garbage_is_left_at_the_end_of_a_process_of_its_own_alone(capsys, monkeypatch, tmp_path):
+    left, usual = [], gc.get_threshold()
+    monkeypatch.setattr("atexit.register", left.append)
+    arguments = ["cut", str(tmp_path / "missing.toml")]
+    assert main(arguments) == 2 and left == [] and gc.get_threshold() == usual
+    monkeypatch.setattr(sys, "argv", ["tunneller", *arguments])
+    assert main() == 2 and left == [gc.freeze]
 
 
 def test_help_names_the_commands_and_the_exit_codes(capsys):

@@ -30,8 +30,9 @@ must be; with 130 if it is interrupted."""
 def main(arguments=None):
     """Run the command that `arguments`, a list of str, names; return the process' exit code."""
     options = parser().parse_args(arguments)
-    # Python's last look for garbage, among all that packages made, would take half a second.
-    atexit.register(gc.freeze)
+    if arguments is None:
+        # Python's last look for garbage, among all that packages made, would take half a second.
+        atexit.register(gc.freeze)
     try:
         answer = options.run(options)
         if answer is not None:

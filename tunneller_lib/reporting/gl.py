@@ -5,8 +5,10 @@ code is 0 where scenes can be drawn, else 1, with a sentence.
 """
 
 import os
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 
 PACKAGES = ("libegl1", "libgl1-mesa-dri")  # of Debian and Ubuntu
 TRIED = "TUNNELLER_GL"  # set to "works" for the kernels and tests that a run starts
@@ -49,7 +51,13 @@ def drawn_apart(draw):
         return False
     child = os.fork()
     if child:
-        return os.waitpid(child, 0)[1] == 0
+        try:
+            return os.waitpid(child, 0)[1] == 0
+        except BaseException:  # an interrupt: nothing is written after it
+            with suppress(OSError):  # it has ended meanwhile
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+            raise
     done = 1
     try:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # a crash has said enough
