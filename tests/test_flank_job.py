@@ -235,9 +235,10 @@ def test_boxes_are_neighbours(run):
     assert float(again["others_enter_m"][row]) > 0.004
 
 
-def test_a_box_whose_limits_dont_ascend_is_refused(run):
-    box = "".join(f"{c}_min = 0.1\n{c}_max = 0.1\n" for c in "xyz")
-    refused(run({"[machine] ": box.join(["[box]\n", "[machine] "])}), 2, r"\[box\] x, y, z: each")
+@pytest.mark.parametrize(("low", "high"), [(0.1, 0.1), (0.1, "nan"), ("-inf", 0.1), (0.1, "inf")])
+def test_a_box_whose_limits_dont_ascend_or_are_not_finite_is_refused(run, low, high):
+    box = "".join(f"{c}_min = {low}\n{c}_max = {high}\n" for c in "xyz")
+    refused(run({"[machine] ": box.join(["[box]\n", "[machine] "])}), 2, r"\[box\] x, y, z: must")
 
 
 def test_a_machine_limits_the_positions(run):

@@ -301,8 +301,8 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             )
     boxes = _rows(tables, "box", BOX)
     for name, box in zip(_names(boxes, "box"), boxes, strict=True):
-        if not all(box[f"{c}_min"] < box[f"{c}_max"] for c in "xyz"):
-            raise WrongJob(f"[{name}] x, y, z: each _min must be below its _max.")
+        if not all(-np.inf < box[f"{c}_min"] < box[f"{c}_max"] < np.inf for c in "xyz"):
+            raise WrongJob(f"[{name}] x, y, z: must be finite, each _min below its _max.")
     return FlankJob(surface, mills, paths, machine, measured, feed, boxes)
 
 
