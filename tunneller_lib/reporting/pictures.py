@@ -63,9 +63,8 @@ def _png(path, pixels):
 
 def _gif(path, pictures, milliseconds=80):
     """Write pictures in 255 colours, those of the error scale and of the rest of a few pictures."""
-    pictures = list(pictures)
-    few = np.concatenate([*pictures[:: max(1, len(pictures) // 4)], pictures[-1]])
     pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
+    few = np.concatenate([*pictures[:: max(1, len(pictures) // 4)], pictures[-1]])
     scale = matplotlib.colormaps[ERROR_MAP](np.linspace(0, 1, 64), bytes=True)[:, :3]
     others = PIL.Image.fromarray(few).quantize(190, dither=PIL.Image.Dither.NONE).getpalette()
     others = np.reshape(others, (-1, 3))
