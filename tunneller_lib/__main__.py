@@ -283,7 +283,7 @@ def run_cut(options):
 def draw_wall(job, cut, path, say):
     """Write the wall of a job's cut as a picture to a path; return the files written.
 
-    None where a package or the GL library is missing: then `say` is told.
+    None where a package or the GL library is missing; `say` gets the reason.
     """
     try:
         from .reporting import gl, pictures, scene, tunnel_scene

@@ -67,7 +67,7 @@ def loop(inlined=()):
 
 
 def _numba_loads():
-    """Tell whether numba is there and works here: what it lacks it may say by any error."""
+    """Tell whether numba is there and works here; it may fail with any error."""
     return _imported(sys.modules.get("numba", "not yet asked for"))
 
 

@@ -307,7 +307,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
 
 
 def _rows(tables, name, units):
-    """Return what the tables of a name say, a list of dicts, be there one, some or none."""
+    """Return what all tables of a name say, a list of dicts, which may be empty."""
     given = tables.get(name, [])
     given = given if isinstance(given, list) else [given]
     named = zip(_names(given, name), given, strict=True)
@@ -315,7 +315,7 @@ def _rows(tables, name, units):
 
 
 def _names(rows, name="mill"):
-    """Return what messages call each of some tables."""
+    """Return the names of tables in messages, numbered where there are several."""
     return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
 
 

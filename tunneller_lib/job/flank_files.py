@@ -259,7 +259,7 @@ def _toured(tour, first, seconds):
     lines = []
     moved = np.linalg.norm(np.diff(tour.tip, axis=0, prepend=tour.tip[:1]), axis=-1)
     begins = np.append(True, tour.kind[1:] != tour.kind[:-1])
-    told = None
+    last = None
     for k, goto in enumerate(_gotos(tour.tip, tour.axis)):
         if begins[k]:
             lines.append(f"$$ {tour.kind[k].upper()}, CHAIN {tour.chain[k] + first + 1}")
@@ -267,8 +267,8 @@ def _toured(tour, first, seconds):
             lines.append("RAPID")
         elif seconds[k] > 0 and moved[k] > 0:
             feed = f"FEDRAT/{_floored(6e4 * moved[k] / seconds[k])},MMPM"
-            lines += [feed] if feed != told else []
-            told = feed
+            lines += [feed] if feed != last else []
+            last = feed
         lines.append(goto)
     return lines
 
