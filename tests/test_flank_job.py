@@ -155,6 +155,10 @@ def test_several_mills_go_one_after_the_other_each_where_something_is_left(run):
     assert re.findall(r"^LOADTL/(\d)\nCUTTER/([\d.]+)", apt, re.M) == [
         ("1", "6.000000"), ("2", "6.200000")
     ]  # fmt: skip
+    assert (
+        len(re.findall(r"^MULTAX/ON\n\$\$ THE WAY TO THE FIRST PLACE IS NOT PLANNED$", apt, re.M))
+        == 2
+    )
     assert re.findall(r"^\$\$ CUT, CHAIN (\d)", apt, re.M) == [str(k + 1) for k in range(len(by))]
 
 

@@ -256,7 +256,7 @@ def _loaded(mill, number):
 
 def _toured(tour, first, seconds):
     """Return lines for a tour whose first chain has a number, from 0, with feeds where known."""
-    lines = []
+    lines = ["$$ THE WAY TO THE FIRST PLACE IS NOT PLANNED"]
     moved = np.linalg.norm(np.diff(tour.tip, axis=0, prepend=tour.tip[:1]), axis=-1)
     begins = np.append(True, tour.kind[1:] != tour.kind[:-1])
     last = None
