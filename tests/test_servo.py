@@ -47,6 +47,13 @@ def ramp(speed, ticks, tick=T):
     return speed * tick * np.arange(ticks + 1)
 
 
+@pytest.mark.parametrize("shape", [(11,), (11, 1)])
+@every_linear
+def test_answers_of_a_run_share_no_memory(plant, shape):
+    track = follow(plant, Loop(5.0, T), ramp(0.01, 10).reshape(shape))
+    assert not np.shares_memory(track.position, track.states[0])
+
+
 # ---- limits of the gain ---------------------------------------------------------------------
 
 

@@ -67,7 +67,8 @@ def main():
     chosen = [n for n in notebooks() if n.stem in sys.argv[1:] or not sys.argv[1:]]
     asked = ["git", "describe", "--always", "--dirty"]
     commit = subprocess.run(asked, cwd=ROOT, text=True, capture_output=True).stdout.strip()
-    rows = kept()
+    stems = {f"| {notebook.stem}" for notebook in chosen}
+    rows = {key: row for key, row in kept().items() if key[0] not in stems}
     with tempfile.TemporaryDirectory() as place:
         (profile := Path(place, "profile")).mkdir()
         (study := Path(place, "study")).mkdir()
@@ -94,7 +95,7 @@ def main():
         "",
         "| notebook | cell | slider: ms | date, commit, load |",
         "| --- | --- | --- | --- |",
-        *(rows[key] for key in sorted(rows)),
+        *(rows[key] for key in sorted(rows, key=lambda key: (key[0], int(key[1])))),
     ]
     TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -230,7 +230,7 @@ def follow(
         command = np.stack(commands, axis=1)
         limit = np.array([one.limit for one in loops])
     else:
-        position = states[0][:, 0]
+        position = states[0][:, 0].copy()
         command = commands[0]
         limit = loops[0].limit
     stable = (None,) * axes
