@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median
 
 import nbformat
-from chromium import Browser
+from chromium import Browser, wait
 from lab import started
 
 from report.execute import METADATA
@@ -44,6 +44,7 @@ def timed(lab, notebook):
     lab.open(alone)
     lab.start()
     assert lab.finish() == []
+    wait(lambda: len(lab.sliders()) == len(found), said="a slider for each drawing")
     which = 0
     for program, words in zip(found, lab.sliders(), strict=True):
         taken = {}
