@@ -120,6 +120,49 @@ def test_loop_is_found_within_its_errors(gain, lag, share, delay):
     assert abs(found.delay * TICK + found.lag.value - delay * TICK - lag) < TICK
 
 
+@pytest.mark.parametrize("kind", ["speed", "position"])
+def test_axis_may_move_where_its_log_begins(kind):
+    position, speed = axis_log(Lag(0.5, 0.02), openings(np.random.default_rng(1)), 3)
+    valve = openings(np.random.default_rng(1))[500:]
+    measured = (speed if kind == "speed" else position)[500:]
+    assert abs(speed[500]) > 0.05
+    found = identify_axis(valve, measured, TICK, kind=kind)
+    assert found.delay == 3 and found.gain.value == pytest.approx(0.5, rel=1e-4)
+    assert found.lag.value == pytest.approx(0.02, rel=1e-3)
+
+
+def loop_log(seed=4):
+    """Return set and actual positions of a loop of gain 8, lag 30 ms and a delay of 2 ticks."""
+    wanted = set_values(np.random.default_rng(seed))
+    return wanted, follow(Lag(0.5, 0.03), Loop(8.0, TICK, delay=2), wanted).position
+
+
+@pytest.mark.parametrize("noise", [0.0, 5e-5, 1e-3])
+def test_log_of_a_loop_that_begins_in_motion_is_refused(noise):
+    wanted, actual = loop_log()
+    actual = actual + noise * np.random.default_rng(5).standard_normal(len(actual))
+    with pytest.raises(ValueError, match=r"^setvalue: must stay the same in the first 10 rows, "):
+        identify_loop(wanted[400:], actual[400:], TICK)
+    # Between two motions the set-values rest while the axis still comes to them.
+    stop = 766
+    if noise < 1e-3:
+        with pytest.raises(ValueError, match=r"^actual: must rest in the first 10 rows, since"):
+            identify_loop(wanted[stop:], actual[stop:], TICK)
+    # Where it has come the log may begin.
+    found = identify_loop(wanted[stop + 170 :], actual[stop + 170 :], TICK)
+    assert found.gain.value == pytest.approx(8, rel=1e-3 if noise < 1e-3 else 0.05)
+
+
+@pytest.mark.parametrize("count", [0.0, 1e-4, 1.5e-3], ids=["exact", "fine", "coarse"])
+@pytest.mark.parametrize("noise", [0.0, 1e-5, 1e-3])
+def test_noise_and_counts_of_an_axis_at_rest_are_no_motion(count, noise):
+    rng = np.random.default_rng(6)
+    wanted, clean = loop_log()
+    for _ in range(300):
+        actual = clean + rng.uniform(0, 0.01) + noise * rng.standard_normal(len(clean))
+        identify._check_rest(wanted, count * np.rint(actual / count) if count else actual)
+
+
 def test_wrong_logs_are_refused():
     ramp = np.linspace(0, 1, 100)
     with pytest.raises(

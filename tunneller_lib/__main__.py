@@ -147,13 +147,18 @@ def parser():
     )
     flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
+    log.description += "; a log of a loop must begin at rest, for at least 10 rows"
     log.add_argument(
         "log",
         type=Path,
         help="CSV: time_s, and valve with speed_rad_s or position_rad, or set_rad with actual_rad",
     )
     log.add_argument(
-        "--feedforward", type=float, default=0.0, help="share of the slope that a loop adds"
+        "--feedforward",
+        type=float,
+        default=0.0,
+        metavar="SHARE",
+        help="of the slope that a loop adds, 0 by default",
     )
     log.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")

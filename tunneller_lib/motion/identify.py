@@ -22,6 +22,9 @@ SHORTEST, LONGEST = 1e-2, 1e3  # of a lag, in ticks
 STEP = 1e-4  # of a parameter, relative, for derivatives
 TIGHT = 1e-13
 LIKELY = 4.0  # that twice the logarithm of the likelihood falls by: two standard deviations
+SAME = 1e-6  # of a column's way: set-values that move steadily change by more in so few rows
+STILL = 1e-4  # of a column's way, by which an axis may creep while the set-values rest
+CERTAIN = 4.0  # standard deviations of noise, beyond which an axis moves
 WIDE_OPEN = 1e9  # a loop's limit that none is: what the log's valve did isn't known
 
 
@@ -77,7 +80,8 @@ def identify_axis(
     Parameters
     ----------
     valve : (n,) float
-        Opening at the ticks, each held until the next; -1 to 1.
+        Opening at the ticks, each held until the next; -1 to 1. Before the log it was as in the
+        first row; the axis may move there.
     measured : (n,) float
         Speeds in rad/s, or positions in rad, at the same ticks.
     tick : float
@@ -141,7 +145,8 @@ def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: 
     Parameters
     ----------
     setvalue, actual : (n,) float
-        Of one axis at the ticks, in rad; the log begins at rest.
+        Of one axis at the ticks, in rad. The log must begin at rest: in its first 10 rows the
+        set-values stay the same, and the axis moves no more than noise and resolution explain.
     tick : float
         Between rows, in s, which is the loop's.
     feedforward : float
@@ -156,13 +161,15 @@ def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: 
     Raises
     ------
     ValueError
-        If the columns differ in length, or the set-values stay the same.
+        If the columns differ in length, the log doesn't begin at rest, or the set-values stay the
+        same.
     """
     from scipy.optimize import least_squares
 
     _check_alike("actual", actual, "setvalue", setvalue)
     if not np.ptp(setvalue) or not np.ptp(actual):
         raise ValueError("setvalue: must move the axis; got a column that stays the same.")
+    _check_rest(setvalue, actual)
     slopes = np.diff(setvalue) / tick
 
     def residual(numbers, delay):
@@ -200,6 +207,29 @@ def _check_alike(name, column, other, like):
     if len(column) != len(like):
         raise ValueError(
             f"{name}: must have as many rows as {other}, {len(like)}; got {len(column)}."
+        )
+
+
+def _check_rest(setvalue, actual):
+    """Raise ValueError if a loop moves in the rows that the longest delay still acts on."""
+    moved = np.ptp(setvalue[:MOST_DELAY])
+    if moved > SAME * np.ptp(setvalue):
+        raise ValueError(
+            f"setvalue: must stay the same in the first {MOST_DELAY} rows, since a log of a loop "
+            f"must begin at rest; got a change of {moved:.3g} rad."
+        )
+    early, late = actual[:MOST_DELAY].reshape(2, -1)
+    crept = abs(late.mean() - early.mean())
+    # Second differences show white noise sqrt(6)-fold and hardly the motion; the median of their
+    # sizes is 0.6745 of their deviation, whatever jerks there are.
+    noise = np.median(np.abs(np.diff(actual, 2))) / (0.6745 * np.sqrt(6))
+    steps = np.abs(np.diff(actual))
+    resolution = steps[steps > 0].min()
+    explained = CERTAIN * noise * np.sqrt(2 / len(early)) + resolution
+    if crept > explained + STILL * np.ptp(actual):
+        raise ValueError(
+            f"actual: must rest in the first {MOST_DELAY} rows, since a log of a loop must begin "
+            f"at rest; got a way of {crept:.3g} rad between their halves."
         )
 
 
