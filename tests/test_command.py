@@ -21,9 +21,10 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
 
-READS = ["notebooks/reference.toml"]
+READS = ["notebooks/flank.toml", "notebooks/reference.toml"]
 
 ROOT = Path(__file__).resolve().parents[1]
+JOBS_OF_A_CUT = "cut", "scene", "animate"
 REFERENCE = ROOT / "notebooks" / "reference.toml"
 # The reference, soon done.
 QUICK = {"feed = 0.1 ": "feed = 0.2 ", "step = 5e-3": "step = 1e-2", "rest = 1.0": "rest = 0.2",
@@ -529,6 +530,20 @@ def test_garbage_is_left_at_the_end_of_a_process_of_its_own_alone(capsys, monkey
     assert main(arguments) == 2 and left == [] and gc.get_threshold() == usual
     monkeypatch.setattr(sys, "argv", ["tunneller", *arguments])
     assert main() == 2 and left == [gc.freeze]
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "other", "tables"),
+    [
+        *((one, "flank.toml", "flank", "surface, mill, paths") for one in JOBS_OF_A_CUT),
+        ("flank", "reference.toml", "cut", "section, limits, plan, controller"),
+    ],
+)
+def test_job_of_the_other_kind_names_its_command(capsys, command, name, other, tables):
+    path = ROOT / "notebooks" / name
+    code, said, told = run(capsys, command, path)
+    assert (code, said) == (2, "")
+    assert told == f"wrong: {path}: is a job for `tunneller {other}`, by its tables {tables}.\n"
 
 
 def test_help_names_the_commands_and_the_exit_codes(capsys):

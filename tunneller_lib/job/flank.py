@@ -28,7 +28,19 @@ from ..milling.nurbs import Nurbs
 from ..milling.positions import counted_states, reasons_of
 from ..milling.scallops import Scallops
 from .measured_patch import patch_through
-from .reader import TEXT, WHOLE, WrongJob, check_leaves, one_of, parsed_toml, read_table, said_of
+from .reader import (
+    CUT,
+    FLANK,
+    TEXT,
+    WHOLE,
+    WrongJob,
+    check_kind,
+    check_leaves,
+    one_of,
+    parsed_toml,
+    read_table,
+    said_of,
+)
 
 UNITS = {"m": 1.0, "mm": 1e-3}
 SURFACES = {
@@ -37,7 +49,7 @@ SURFACES = {
     "nurbs": dict(unit=TEXT),
     "points": dict(contact_error="m", normal_error="rad"),
 }  # fmt: skip
-TABLES = "surface", "mill", "paths", "machine", "feed", "box"  # the last three may be missing
+TABLES = *FLANK, "machine", "feed", "box"  # the last three may be missing
 SEVERAL = "mill", "box"  # of which there may be some, in double brackets
 MOST_TABLES = 20
 ON_A_FACE = 61  # points each way on a box's face
@@ -246,6 +258,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     """
     tables = parsed_toml(path)
     check_leaves(tables)
+    check_kind(path, tables, FLANK, CUT, "tunneller cut")
     for name, table in tables.items():
         if name not in TABLES:
             raise WrongJob(f"[{name}]: is no table of such a job; known are {', '.join(TABLES)}.")
@@ -254,7 +267,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
         if len(rows) > MOST_TABLES:
             raise WrongJob(f"[[{name}]]: must be at most {MOST_TABLES}; got {len(rows)}.")
-    for name in TABLES[:3]:
+    for name in FLANK:
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
     surface = _read_surface(tables["surface"])

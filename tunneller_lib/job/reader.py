@@ -71,6 +71,8 @@ TOO_MUCH = {
     "tick": (0.5, "ms", 1e-3), "tolerance": (0.3, "mm", 1e-3), "depth": (1.0, "mm", 1e-3),
 }  # fmt: skip
 MOST_RAYS = 100_000  # each way; memory bounds both together
+# Tables that a job must have and that the other kind hasn't.
+CUT, FLANK = ("section", "limits", "plan", "controller"), ("surface", "mill", "paths")
 PLANTS = "T0", "T1", "T2", "T3"
 OILY = "T2", "T3"  # those that ask for cylinders
 VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
@@ -296,13 +298,14 @@ def read_job(path: str | Path):
     """
     tables = parsed_toml(path)
     check_leaves(tables)
+    check_kind(path, tables, CUT, FLANK, "tunneller flank")
     known = [field.name for field in fields(Job)]
     for name, table in tables.items():
         if name not in known:
             raise WrongJob(f"[{brief(name)}]: is no table of a job{hint(name, known)}.")
         if not isinstance(table, dict):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
-    for name in ("machine", "section", "limits", "plan", "controller"):
+    for name in ("machine", *CUT):
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
     given = {name: tables.get(name, {}) for name in known}
@@ -515,6 +518,18 @@ def said_of(table, *, remedy=""):
         if said.startswith(f"[{table}] body: "):
             said = said.replace(f"[{table}] body: ", "[body] ", 1)
         raise ValueError(" ".join(filter(None, (said, remedy)))) from None
+
+
+def check_kind(path, tables, own, others, command):
+    """Refuse a job at `path` that has none of its `own` tables but some that `command` reads.
+
+    `others` names those. A job with tables of both kinds is refused where they are read.
+    """
+    found = [name for name in others if name in tables]
+    if found and not set(own) & set(tables):
+        raise WrongJob(
+            f"{brief(str(path))}: is a job for `{command}`, by its tables {', '.join(found)}."
+        )
 
 
 def one_of(where, word, words):
