@@ -66,18 +66,51 @@ def test_command_says_what_a_log_of_a_loop_tells(tmp_path, capsys):
 @pytest.mark.parametrize(
     "text, said",
     [
-        ("", "text: must have a heading; got none."),
-        ("time,valve\n1,2\n", "text: must have the columns time_s, valve, speed_rad_s; or "),
-        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n3,1,1\n", "text: time_s must be even to 1 %"),
-        ("time_s,valve,speed_rad_s\n0,1,1\n", "text: time_s must be finite times; got [0.0]."),
-        ("time_s,valve,speed_rad_s\n0,1,1\n0,1,1\n", "text: time_s must be even to 1 %"),
-        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "valve: must be one column of 20 to 200000"),
-        ("time_s,valve,speed_rad_s\n0,1,x\n", "text: column 'speed_rad_s' must hold numbers"),
-        (csv(valve=0 * VALVE, speed_rad_s=SPEED), "valve: must move the axis; got a column that"),
+        ("", "must have a heading; got none."),
+        ("time,valve\n1,2\n", "must have the columns time_s, valve, speed_rad_s; or "),
+        (
+            "time_s;valve;speed_rad_s\n0,005;0,1;0,2\n",
+            "its columns must be separated by commas, decimals by points; got the heading "
+            "'time_s;valve;speed_rad_s'.",
+        ),
+        ("time_s\tvalve\n0\t1\n", "its columns must be separated by commas, decimals by points"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n3,1,1\n", "time_s must be even to 1 %"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n", "time_s must be finite times; got [0.0]."),
+        ("time_s,valve,speed_rad_s\n0,1,1\n0,1,1\n", "time_s must be even to 1 %"),
+        ("time_s,valve,speed_rad_s\n0,1,x\n", "column 'speed_rad_s' must hold numbers"),
+        ("time_s,valve,speed_rad_s\n0,1,1\n0,1\n", "row 2 has 2 numbers under 3 names."),
+        ("\x80", "is no text in UTF-8."),
     ],
 )
-def test_wrong_logs_are_refused_in_a_sentence(tmp_path, capsys, text, said):
+def test_file_that_is_no_log_is_named(tmp_path, capsys, text, said):
+    path = tmp_path / "log.csv"
+    path.write_bytes(text.encode("latin-1"))
+    assert main(["identify", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"wrong: {path}: {said}") and told.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "valve: must be one column of 20 to 200000"),
+        (csv(valve=0 * VALVE, speed_rad_s=SPEED), "valve: must move the axis; got a column that"),
+        (
+            csv(set_rad=WANTED[400:], actual_rad=ACTUAL[400:]),
+            "setvalue: must stay the same in the first 10 rows, since a log of a loop must begin",
+        ),
+    ],
+)
+def test_logs_that_tell_nothing_are_refused_in_a_sentence(tmp_path, capsys, text, said):
     path = tmp_path / "log.csv"
     path.write_text(text)
     assert main(["identify", str(path)]) == 1
     assert capsys.readouterr().err.startswith(f"refused: {said}")
+
+
+def test_help_says_what_a_log_must_be(capsys):
+    with pytest.raises(SystemExit):
+        main(["identify", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "a log of a loop must begin at rest, for at least 10 rows" in said
+    assert "0 by default" in said

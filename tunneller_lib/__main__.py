@@ -371,13 +371,20 @@ def run_flank(options):
 
 def run_identify(options):
     """Say what a log tells."""
+    from .job import WrongJob
     from .job.logged import identified_text, identify_log
 
     try:
         text = options.log.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise ValueError(f"{options.log}: is no text in UTF-8.") from None
-    numbers = identify_log(text, feedforward=options.feedforward)
+        raise WrongJob(f"{options.log}: is no text in UTF-8.") from None
+    try:
+        numbers = identify_log(text, feedforward=options.feedforward)
+    except ValueError as error:
+        argument, _, what = str(error).partition(": ")
+        if argument != "text":
+            raise
+        raise WrongJob(f"{options.log}: {what}") from None
     if not options.json:
         tell(identified_text(numbers))
     return numbers if options.json else None

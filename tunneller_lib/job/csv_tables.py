@@ -94,8 +94,8 @@ def read_csv(text: str):
     Raises
     ------
     ValueError
-        If there is no heading, a name stands twice in it, a row has another length, or something
-        is no number.
+        If there is no heading, its names aren't separated by commas, a name stands twice in it, a
+        row has another length, or something is no number.
     """
     head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
     about = {name: _number(name, value) for name, value in (p for p in head if len(p) == 2)}
@@ -103,6 +103,11 @@ def read_csv(text: str):
     if not lines:
         raise ValueError("text: must have a heading; got none.")
     names, *rows = lines
+    if any(mark in name for name in names for mark in ";\t"):
+        raise ValueError(
+            "text: its columns must be separated by commas, decimals by points; got the heading "
+            f"{shown(','.join(names))}."
+        )
     if len(set(names)) < len(names):
         raise ValueError(f"text: must name each column once; got {shown(names)}.")
     for number, row in enumerate(rows, start=1):

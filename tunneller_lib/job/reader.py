@@ -87,7 +87,7 @@ LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # as TOML has them
 
 
 class WrongJob(ValueError):
-    """A job that can't be understood; the message says where and why."""
+    """A job, or a log, that can't be understood; the message says where and why."""
 
 
 @dataclass(frozen=True)
