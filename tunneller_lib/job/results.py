@@ -254,11 +254,15 @@ def summary_text(numbers: Summary):
     if numbers["machine"]:
         lines += ["", "the machine            has      needs"]
     for row in numbers["machine"]:
-        lines.append(f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}")
+        lines.append(
+            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}"
+            + ("" if row["has"] > row["needs"] else ", less than needed")
+        )
     if any(row["what"].startswith("in step") for row in numbers["machine"]):
         lines += [
             "in step: the ground's damper where picks follow each other in one track;",
-            "a joint that has less would chatter in it, at any feed",
+            "a joint that has less would chatter in it, at any feed; the budget is of picks that",
+            "don't follow each other in one track",
         ]
     return "\n".join(lines)
 
