@@ -59,7 +59,9 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     Returns
     -------
     geodesic : Geodesic
-        Length, azimuths, Clairaut's constant, kind, certificate.
+        Length, azimuths, Clairaut's constant, kind, certificate. Where an end isn't on the working
+        sheet, r + R cos(phi) < 0, the kind is "none", the certificate empty, and the numbers are
+        NaN.
 
     Notes
     -----
@@ -95,6 +97,9 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     >>> geodesic = geodesic_inverse(Torus(0.1, 0.9), (0, -0.3), (0, 0.4))
     >>> round(float(geodesic.length), 12), str(geodesic.kind)
     (0.63, 'meridian')
+    >>> off = geodesic_inverse(Torus(0.1, 0.9), (0, -0.3), (0, 2))  # on the inner sheet
+    >>> float(off.length), str(off.kind)
+    (nan, 'none')
     """
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)

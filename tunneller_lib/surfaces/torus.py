@@ -265,13 +265,33 @@ class Torus:
 
     @checked
     def foot(self, m: Points):
-        """Return the tangent-sphere foot (..., 3) on the working sheet: `feet` (+, +).
+        """Return where a sphere about each point touches the working sheet: `feet` (+, +).
 
-        It need not be the nearest: a chord that dips deep below the sheet comes nearer to another
-        one. It is the one of greatest n1, for m1 > 0, only far enough from the ring circle
-        (rho - r > 2 R / sqrt(27) suffices, which chords within the joint limits keep). It is on
-        the working sheet while r + R (rho - r) / distance(M, ring circle) >= 0: on a spindle
-        torus a point M near the axis has its (+, +) foot on the inner sheet.
+        Parameters
+        ----------
+        m : (..., 3) float
+            Centres M of the spheres, in m.
+
+        Returns
+        -------
+        foot : (..., 3) float
+            Points N where the spheres touch, in m. N is on the working sheet while
+            r + R (rho - r) / distance(M, ring circle) >= 0, with rho the distance of M from the
+            axis of revolution; on a spindle torus a point M near that axis has its foot on the
+            inner sheet, beyond the axis. On the axis, where a circle of feet exists, N is the one
+            at theta = 0; on the ring circle, where a meridian circle is equally far, the one at
+            phi = 0.
+
+        Notes
+        -----
+        The foot need not be the nearest: a chord that dips deep below the sheet comes nearer to
+        another one. It is the one of greatest n1, for m1 > 0, only far enough from the ring circle
+        (rho - r > 2 R / sqrt(27) suffices, which chords within the joint limits keep).
+
+        Examples
+        --------
+        >>> Torus(r=1, R=2).foot([(5, 0, 0), (1, 0, 0), (0, 0, 0)])[:, 0]
+        array([ 3.,  3., -1.])
         """
         return self._foot(m, 1, 1)
 
