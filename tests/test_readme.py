@@ -75,6 +75,14 @@ def test_the_list_of_targets_is_complete():
     assert targets <= {name for pair in told for name in pair}
 
 
+def test_make_help_and_the_page_fetch_the_same():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    [told] = re.findall(r"^live:.*\(fetches (\d+ MB) once, or else (\d+ MB)\)$", makefile, re.M)
+    release, wheel = told
+    assert f"The build fetches {release} once from Pyodide's release" in TEXT
+    assert f"a wheel of {wheel} from PyPI" in TEXT
+
+
 def test_the_table_of_times_is_that_of_the_last_runs():
     assert times.with_table(TEXT) == TEXT
     works = {row["work"] for row in times.read()}

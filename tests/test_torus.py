@@ -180,6 +180,25 @@ def test_feet_at_a_node_are_the_node_twice():
     assert np.sum(np.all(np.abs(feet - [0, -4, 0]) <= 1e-15, axis=-1)) == 2
 
 
+@pytest.mark.parametrize("torus", [RING, SPINDLE], ids=["ring", "spindle"])
+def test_foot_is_on_the_sheet_that_its_docstring_says(torus):
+    m = np.random.default_rng(8).uniform(-2, 2, (400, 3)) * (torus.r + torus.R)
+    m[:100, ::2] *= 0.05  # near the axis
+    m[:2] = (0, 0.3 * torus.R, 0), (0, 9 * torus.R, 0)
+    m[2] = torus.r, 0, 0
+    foot = torus.foot(m)
+    rho = np.hypot(*m[:, ::2].T)
+    apart = np.hypot(rho - torus.r, m[:, 1])
+    working = torus.r + torus.R * (rho - torus.r) / np.where(apart, apart, np.inf) >= 0
+    assert np.any(~working) == (torus.R > torus.r)
+    out = np.where(working, 1, -1) * np.hypot(*foot[:, ::2].T)  # beyond the axis on the inner sheet
+    np.testing.assert_allclose(np.hypot(out - torus.r, foot[:, 1]), torus.R, rtol=1e-12)
+    off = rho > 0
+    assert np.all((np.sum(m * foot, axis=-1) - m[:, 1] * foot[:, 1] > 0)[off] == working[off])
+    np.testing.assert_allclose(foot[2], torus.point(0, 0), rtol=1e-12, atol=1e-15)
+    assert np.all(foot[:2, 2] == 0)
+
+
 def test_foot_on_the_axis_near_the_limit():
     on, beside = SPINDLE.foot([(0, 1, 0), (1e-300, 1, 0)])
     np.testing.assert_allclose(on, beside, rtol=1e-14)
