@@ -1,8 +1,8 @@
 """Time every slider of every drawing in JupyterLab: `make sliders`; tests/sliders.md keeps it.
 
-A notebook isn't run to its end for that: its sliders alone are, with what they need, as the pages
-that run have them. Scenes are left out. With names of notebooks only these are timed; the rows of
-others stay as they are.
+A notebook isn't run to its end for that: each drawing stands in one of its own, with what it needs,
+as the pages that run have them. Scenes are left out. With names of notebooks only these are timed;
+the rows of others stay as they are.
 """
 
 import os
@@ -37,25 +37,22 @@ def timed(lab, notebook):
 
     The median from the key to the new picture, and what processors worked in the kernel for a move.
     """
-    found = drawings(notebook)
-    cells = [nbformat.v4.new_code_cell(program.source) for program in found]
-    alone = f"notebooks/{notebook.stem}_sliders.ipynb"
-    nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=METADATA), lab.root / alone)
-    lab.open(alone)
-    lab.start()
-    assert lab.finish() == []
-    wait(lambda: len(lab.sliders()) == len(found), said="a slider for each drawing")
-    which = 0
-    for program, words in zip(found, lab.sliders(), strict=True):
+    for program in drawings(notebook):
+        alone = f"notebooks/{notebook.stem}_{program.cell}.ipynb"
+        cell = nbformat.v4.new_code_cell(program.source)
+        nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata=METADATA), lab.root / alone)
+        lab.open(alone)
+        lab.start()
+        assert lab.finish() == []
+        [words] = wait(lab.sliders, said="sliders")
         taken = {}
-        for word in words:
+        for which, word in enumerate(words):
             before = lab.processor_seconds()
             clock = median(lab.move(MOVES, which, PAUSE))
             taken[word] = 1000 * clock, 1000 * (lab.processor_seconds() - before) / MOVES
-            which += 1
+        assert lab.errors() == []
+        lab.close()
         yield program.cell, taken
-    assert lab.errors() == []
-    lab.close()
 
 
 def kept():
