@@ -145,8 +145,9 @@ def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: 
     Parameters
     ----------
     setvalue, actual : (n,) float
-        Of one axis at the ticks, in rad. The log must begin at rest: in its first 10 rows the
-        set-values stay the same, and the axis moves no more than noise and resolution explain.
+        Of one axis at the ticks, in rad. The log must begin at rest: in its first 10 rows or more
+        the set-values stay the same, and before they change the axis moves no more than noise
+        and resolution explain.
     tick : float
         Between rows, in s, which is the loop's.
     feedforward : float
@@ -218,18 +219,19 @@ def _check_rest(setvalue, actual):
             f"setvalue: must stay the same in the first {MOST_DELAY} rows, since a log of a loop "
             f"must begin at rest; got a change of {moved:.3g} rad."
         )
-    early, late = actual[:MOST_DELAY].reshape(2, -1)
-    crept = abs(late.mean() - early.mean())
+    # All rows before the first change tell of a creep that noise hides in ten.
+    half = int(np.argmax(np.abs(setvalue - setvalue[0]) > SAME * np.ptp(setvalue))) // 2
+    crept = abs(actual[half : 2 * half].mean() - actual[:half].mean())
     # Second differences show white noise sqrt(6)-fold and hardly the motion; the median of their
     # sizes is 0.6745 of their deviation, whatever jerks there are.
     noise = np.median(np.abs(np.diff(actual, 2))) / (0.6745 * np.sqrt(6))
     steps = np.abs(np.diff(actual))
     resolution = steps[steps > 0].min()
-    explained = CERTAIN * noise * np.sqrt(2 / len(early)) + resolution
+    explained = CERTAIN * noise * np.sqrt(2 / half) + resolution
     if crept > explained + STILL * np.ptp(actual):
         raise ValueError(
-            f"actual: must rest in the first {MOST_DELAY} rows, since a log of a loop must begin "
-            f"at rest; got a way of {crept:.3g} rad between their halves."
+            f"actual: must rest in the first {2 * half} rows, as the set-values do, since a log of "
+            f"a loop must begin at rest; got a way of {crept:.3g} rad between their halves."
         )
 
 
