@@ -20,7 +20,7 @@ LIMIT = 64.0  # bytes for a pair
 WORKS = {
     "any lines against a rod, compiled": ("lines, rod", (4, -3)),
     "ball swept through 400 x 720 rays, compiled": ("swept balls", (-40, 7)),
-    "hyperosculating cones of a blade, in space, compiled": ("cones", (5, 0)),
+    "hyperosculating cones of a blade, in space, compiled": ("cones", (-96, -34)),
 }
 COLOURED = ["corrected", "tangent sphere", "correct"]
 
@@ -58,7 +58,7 @@ def draw():
     held = [(n, size) for n, size in zip(pairs, memory, strict=True) if size]
     counts, sizes = zip(*held, strict=True)
     right.loglog(counts, sizes, "o-", color=COLOURS["geodesic"], ms=4)
-    _name(right, "geodesics, sheet", (counts, sizes), "geodesic", (-62, -64))
+    _name(right, "geodesics, sheet", (counts, sizes), "geodesic", (-56, -80))
     limit = counts, [LIMIT * n for n in counts]
     right.loglog(*limit, ":", color=COLOURS["chord"])
     _name(right, f"{LIMIT:.0f} B for each", limit, "chord", (-80, -4))
