@@ -42,7 +42,7 @@ def mill_scene(
     result : FlankResult
         From its `solved`.
     place : int, optional
-        Of the tours one after the other, or of the chains where there is none. Unless told, the
+        Of the tours one after the other, or of the chains where there is none. By default, the
         mill stands amid the longest chain, and all chains are cut.
     limit : float
         What is left, or cut, with the full colour, in m.
