@@ -13,6 +13,7 @@ folder=$(realpath -m "${1:-/var/tmp/machines}")
 shift || true
 wanted=" $* "
 rows=$folder/rows
+commit=$(git -C "$checkout" describe --always)
 mkdir -p "$rows"
 
 # A Debian in a folder, with what the README asks for; the package clients' settings are ours.
@@ -70,7 +71,7 @@ note() { # NAME PROMISE MACHINE CLONE LOG BEGUN CODE
     said=$(grep -aoE '[0-9]+ (passed|failed|skipped)[^=]* in [0-9.]+s' "$log" | tail -1 || true)
     said="${said:-exit $code}, $(((SECONDS - begun) / 60)) min in all"
     [ $code = 0 ] || said="**fails**: $said"
-    echo "| $2 | $3 | $said |" >"$rows/$1"
+    echo "| $2 | $3 | $said | $(date +%F), $commit |" >"$rows/$1"
     cat "$rows/$1"
     [ $code != 0 ] || rm -rf "$home"
 }
@@ -84,8 +85,9 @@ if asked debian12 dispatch noise oldest "${settings[@]/#/blas-}"; then
 fi
 try debian12 'two commands in an ASCII locale, `git status` clean after' 'Debian 12, root' root "export LC_ALL=C PYTHONCOERCECLOCALE=0; make report && $CLEAN && $TEST"
 for blas in "${settings[@]}"; do
+    asked blas-$blas || continue
     if [ $blas = SkylakeX ] && ! grep -q avx512f /proc/cpuinfo; then
-        echo "| the same results with OpenBLAS for $blas | Debian 12, root | not tried: this processor has no AVX-512 |" >"$rows/blas-$blas"
+        echo "| the same results with OpenBLAS for $blas | Debian 12, root | not tried: this processor has no AVX-512 | $(date +%F), $commit |" >"$rows/blas-$blas"
         continue
     fi
     try blas-$blas "the same results with OpenBLAS for $blas" 'Debian 12, root' root "OPENBLAS_CORETYPE=$blas $TEST"
@@ -131,10 +133,10 @@ notes=$(sed -n '/^## /,$p' "$checkout/tests/machines.md")
 {
     echo '# Promises and machines'
     echo
-    echo "From a run of \`tests/machines.sh\` on $(date +%F), $(nproc) cores of$(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2)."
+    echo "By \`tests/machines.sh\`, $(nproc) cores of$(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2)."
     echo
-    echo '| promise | machine | result |'
-    echo '| --- | --- | --- |'
+    echo '| promise | machine | result | date, commit |'
+    echo '| --- | --- | --- | --- |'
     cat "$rows"/*
     echo
     echo "$notes" # written by hand, kept
