@@ -81,7 +81,11 @@ def with_findings(text):
 def with_block(text, name, block):
     """Return a text with another block between the marks of a name, which are comments."""
     begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
-    return re.sub(f"{begin}.*{end}", lambda _: f"{begin}\n{block}\n\n{end}", text, flags=re.S)
+    before, begun, rest = text.partition(begin)
+    _, ended, after = rest.partition(end)
+    if not begun or not ended:
+        raise ValueError(f"text: must have the lines {begin.strip()} and {end.strip()} in it.")
+    return f"{before}{begin}\n{block}\n\n{end}{after}"
 
 
 def _table(columns, rows):

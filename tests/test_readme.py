@@ -107,3 +107,13 @@ def test_layout_names_every_room():
 def test_findings_are_those_of_the_chapters():
     assert "<!-- found: begin -->" in TEXT
     assert lists.with_findings(TEXT) == TEXT, "run `make report`"
+
+
+@pytest.mark.parametrize("missing", ["begin", "end"])
+def test_block_without_its_marks_is_refused(missing):
+    text = "".join(f"<!-- found: {mark} -->\n" for mark in ("begin", "end"))
+    assert lists.with_block(f"a\n{text}b\n", "found", "new").splitlines() == [
+        "a", "<!-- found: begin -->", "", "new", "", "<!-- found: end -->", "b"
+    ]  # fmt: skip
+    with pytest.raises(ValueError, match=r"^text: must have the lines <!-- found: begin --> and"):
+        lists.with_block(text.replace(missing, "other"), "found", "new")
