@@ -5,20 +5,24 @@ import json
 import re
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import PIL.Image
 import pytest
 
-from tunneller_lib.__main__ import main, own_name, parser
+from tunneller_lib import reporting
+from tunneller_lib.__main__ import draw_wall, main, own_name, parser
 from tunneller_lib.job import WrongJob, read_job, results
 from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.reporting import gl
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
 
 READS = ["notebooks/flank.toml", "notebooks/reference.toml"]
@@ -599,6 +603,58 @@ def test_command_names_the_package_that_it_lacks(command, package, name):
     extra = "" if name == "numpy" else "[scene]"
     assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".{extra}"')
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
+
+
+LIBRARY = "libEGL.so.1: cannot open shared object file: No such file or directory"
+
+
+@pytest.fixture
+def library_missing(monkeypatch):
+    """Make VTK one that lacks a library of the system's."""
+    name = "tunneller_lib.reporting.tunnel_scene"
+
+    class Broken:
+        def find_spec(self, asked, path=None, target=None):
+            if asked == name:
+                raise ImportError(LIBRARY, name="vtkmodules.vtkRenderingOpenGL2")
+
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.delattr(reporting, "tunnel_scene", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
+
+
+def test_command_names_the_library_that_vtk_lacks(capsys, library_missing, tmp_path):
+    said = f"VTK can't be loaded ({LIBRARY}): on Debian or Ubuntu, `sudo apt-get install libegl1 "
+    code, _, told = run(capsys, "scene", REFERENCE)
+    assert code == 2 and told.startswith(f"wrong: {said}") and told.count("\n") == 1
+    heard = []
+    assert draw_wall(None, None, tmp_path / "wall.png", heard.append) == []
+    assert len(heard) == 1 and heard[0].startswith(f"wall.png is left out: {said}")
+
+
+def test_command_names_a_package_that_cannot_be_loaded(capsys, monkeypatch):
+    def load(_):
+        raise ImportError("cannot import name 'a' from 'PIL'.\nHelp.", name="PIL.Image")
+
+    monkeypatch.setattr("tunneller_lib.__main__.import_module", load)
+    code, _, told = run(capsys, "scene", REFERENCE)
+    why = "cannot import name 'a' from 'PIL'"
+    assert (code, told) == (2, f"wrong: the package pillow can't be loaded; {why}.\n")
+
+
+def test_picture_whose_drawing_hangs_is_left_out(monkeypatch, tmp_path):
+    monkeypatch.delenv(gl.TRIED, raising=False)
+    monkeypatch.setattr(gl, "LONGEST", 0.5)
+    monkeypatch.setattr("tunneller_lib.reporting.tunnel_scene.cut_picture", hang)
+    job, cut = SimpleNamespace(limit=1e-3), SimpleNamespace(wall=None)
+    heard = []
+    assert draw_wall(job, cut, tmp_path / "wall.png", heard.append) == []
+    assert heard[1:] == ["wall.png is left out: drawing it took more than 0.5 s."]
+    assert not list(tmp_path.iterdir())
+
+
+def hang(*_, **__):
+    time.sleep(60)
 
 
 @pytest.mark.parametrize(("error", "code", "answer"), [

@@ -158,6 +158,21 @@ def test_what_is_drawn_apart_ends_with_an_interrupt(monkeypatch, tmp_path):
         os.kill(int(child.read_text()), 0)
 
 
+def test_what_is_drawn_apart_ends_where_it_hangs(monkeypatch, tmp_path):
+    monkeypatch.delenv(gl.TRIED, raising=False)
+    monkeypatch.setattr(gl, "LONGEST", 0.5)
+    child = tmp_path / "child"
+
+    def draw():
+        child.write_text(str(os.getpid()))
+        time.sleep(60)
+
+    with pytest.raises(TimeoutError, match=r"^drawing it took more than 0\.5 s\.$"):
+        gl.drawn_apart(draw)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(child.read_text()), 0)
+
+
 def test_nothing_is_drawn_apart_where_it_is_known_to_work(monkeypatch):
     monkeypatch.setenv(gl.TRIED, "works")
     assert not gl.drawn_apart(lambda: pytest.fail("drawn"))

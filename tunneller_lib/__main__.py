@@ -43,7 +43,7 @@ def main(arguments=None):
     except BrokenPipeError:  # nobody reads the progress any more
         unread(sys.stderr)
         return 2
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         return ended(options, 2, "wrong", missing(error))
     except MemoryError:
         return ended(options, 1, "refused", "the job needs more memory than there is.")
@@ -63,8 +63,15 @@ PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
 def missing(error):
-    """Return the sentence of a package that isn't installed, from its ModuleNotFoundError."""
-    name = error.name.partition(".")[0]
+    """Return the sentence of a package that isn't installed or can't be loaded."""
+    name = (error.name or "").partition(".")[0]
+    if not isinstance(error, ModuleNotFoundError):
+        why = str(error).partition("\n")[0].rstrip(".")
+        if name != "vtkmodules":
+            return f"the package {PACKAGES.get(name, name)} can't be loaded; {why}."
+        from .reporting import gl
+
+        return f"VTK can't be loaded ({why}): {gl.REMEDY}"
     extra = {"numpy": "", "scipy": "", "distributed": "[cluster]"}.get(name, "[scene]")
     return (
         f"the package {PACKAGES.get(name, name)} is missing; "
@@ -288,11 +295,11 @@ def run_cut(options):
 def draw_wall(job, cut, path, say):
     """Write the wall of a job's cut as a picture to a path; return the files written.
 
-    None where a package or the GL library is missing; `say` gets the reason.
+    None where a package or a library is missing, or the drawing hangs; `say` gets the reason.
     """
     try:
         from .reporting import gl, pictures, scene, tunnel_scene
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         say(f"{path.name} is left out: {missing(error)}")
         return []
     say(f"writing {path}")
@@ -301,7 +308,12 @@ def draw_wall(job, cut, path, say):
         pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
         pictures.write_picture(path, pixels)
 
-    if not gl.drawn_apart(draw):
+    try:
+        drawn = gl.drawn_apart(draw)
+    except TimeoutError as error:
+        say(f"{path.name} is left out: {error}")
+        return []
+    if not drawn:
         if said := gl.problem():
             say(f"{path.name} is left out. {said}")
             return []

@@ -5,12 +5,16 @@ code is 0 where scenes can be drawn, else 1, with a sentence.
 """
 
 import os
+import select
 import signal
 import subprocess
 import sys
+import warnings
 from contextlib import suppress
 
 PACKAGES = ("libegl1", "libgl1-mesa-dri")  # of Debian and Ubuntu
+REMEDY = f"on Debian or Ubuntu, `sudo apt-get install {' '.join(PACKAGES)}` installs it."
+LONGEST = 300.0  # s that a picture may take, which without a graphics card takes a few
 TRIED = "TUNNELLER_GL"  # set to "works" for the kernels and tests that a run starts
 PROBE = """
 import vtkmodules.vtkRenderingOpenGL2
@@ -34,10 +38,7 @@ def problem():
         [sys.executable, "-c", PROBE], env=window | os.environ, capture_output=True
     )
     if tried.returncode:
-        return (
-            "No scene can be drawn here, because there is no off-screen GL library: on Debian or "
-            f"Ubuntu, `sudo apt-get install {' '.join(PACKAGES)}` installs it."
-        )
+        return f"No scene can be drawn here, because there is no off-screen GL library: {REMEDY}"
     os.environ[TRIED] = "works"
 
 
@@ -46,18 +47,34 @@ def drawn_apart(draw):
 
     That spares a try where all works. Nothing is done where there is no such process, or where it
     is known already that scenes can be drawn.
+
+    Raises
+    ------
+    TimeoutError
+        If the child hangs; it is ended.
     """
     if os.environ.get(TRIED) == "works" or not hasattr(os, "fork"):
         return False
-    child = os.fork()
+    ending, held = os.pipe()  # the end that the child holds closes however it ends
+    # Python 3.12 warns of a fork beside threads, whose locks it may copy held. A command has none
+    # but OpenBLAS's, which OpenBLAS itself ends for a fork; a process begun anew would import
+    # everything a second time.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
     if child:
+        os.close(held)
         try:
+            if not select.select([ending], [], [], LONGEST)[0]:
+                raise TimeoutError(f"drawing it took more than {LONGEST:g} s.")
             return os.waitpid(child, 0)[1] == 0
-        except BaseException:  # an interrupt: nothing is written after it
+        except BaseException:  # an interrupt, too: nothing is written after it
             with suppress(OSError):  # it has ended meanwhile
                 os.kill(child, signal.SIGKILL)
                 os.waitpid(child, 0)
             raise
+        finally:
+            os.close(ending)
     done = 1
     try:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # a crash has said enough
