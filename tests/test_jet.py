@@ -1,5 +1,7 @@
 """Jets against mpmath, and their inverse, composition and refusals."""
 
+from operator import iadd
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -128,13 +130,34 @@ def test_jet_is_not_finite_where_the_function_is_not_smooth():
         assert not np.isfinite(jet.c[:, 0]).all()
 
 
-@pytest.mark.parametrize("call", [
-    np.abs, np.arcsin, lambda x: x > 0, lambda x: x // 2, np.add.reduce,
-    lambda x: np.sin(x, where=True),
-])  # fmt: skip
-def test_functions_out_of_reach_are_refused(call):
-    with pytest.raises(ValueError, match=r"^surface: must be built from .* got \w+\.$"):
+@pytest.mark.parametrize(
+    ("call", "got"),
+    [
+        (np.abs, "absolute"),
+        (np.arcsin, "arcsin"),
+        (lambda x: x > 0, "greater"),
+        (lambda x: x // 2, "floor_divide"),
+        (np.add.reduce, "add.reduce"),
+        (lambda x: np.sin(x, where=True), "sin with where="),
+        (lambda x: iadd(np.zeros(()), x), "add with out="),
+    ],
+)
+def test_functions_out_of_reach_are_refused(call, got):
+    with pytest.raises(ValueError, match=rf"^surface: must be built from .* got {got}\.$"):
         call(jet_variables(1.0, 2.0)[0])
+
+
+def test_operators_in_place_make_another_jet():
+    x, y = jet_variables([0.3, 0.5], [1.0, 2.0])
+    kept = x.c.copy()
+    made = x
+    made += y
+    made *= 2
+    made -= 1.5
+    made /= y
+    made **= 2
+    np.testing.assert_array_equal(made.c, ((((x + y) * 2 - 1.5) / y) ** 2).c)
+    np.testing.assert_array_equal(x.c, kept)
 
 
 def test_d_is_the_derivative():

@@ -105,9 +105,11 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc, method, *arguments, **options):
         function = _FUNCTIONS.get(ufunc)
         if function is None or method != "__call__" or options:
+            name = ufunc.__name__ if method == "__call__" else f"{ufunc.__name__}.{method}"
+            given = "".join(f" with {option}=" for option in options)  # out= for array += jet
             raise ValueError(
                 f"surface: must be built from + - * / ** and {', '.join(_names())}; "
-                f"got {ufunc.__name__}."
+                f"got {name}{given}."
             )
         with np.errstate(all="ignore"):
             return function(*arguments)
@@ -143,6 +145,13 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     def __rtruediv__(self, other):
         with np.errstate(all="ignore"):
             return _divide(other, self)
+
+    # A jet is a value: `jet += 1` gives the name to another one.
+    __iadd__ = __add__
+    __isub__ = __sub__
+    __imul__ = __mul__
+    __itruediv__ = __truediv__
+    __ipow__ = np.lib.mixins.NDArrayOperatorsMixin.__pow__
 
 
 derivative = Jet.derivative.unchecked  # for inner loops, whose orders are sound
