@@ -90,7 +90,9 @@ def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
         with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got None\.$"):
             table(None)
     text = "# tick_s = 0.005\ntick,theta,phi\n0,1,2\n1,2\n"
-    with pytest.raises(ValueError, match=r"^text: row 2 has 2 numbers under 3 names\.$"):
+    with pytest.raises(
+        ValueError, match=r"^text: row 2 must have 3 numbers, one under each name; got 2\.$"
+    ):
         read_csv(text)
     with pytest.raises(
         ValueError, match=r"^text: column 'theta' must hold numbers; got \['left'\]\.$"

@@ -74,11 +74,25 @@ def test_command_says_what_a_log_of_a_loop_tells(tmp_path, capsys):
             "'time_s;valve;speed_rad_s'.",
         ),
         ("time_s\tvalve\n0\t1\n", "its columns must be separated by commas, decimals by points"),
-        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n3,1,1\n", "time_s must be even to 1 %"),
-        ("time_s,valve,speed_rad_s\n0,1,1\n", "time_s must be finite times; got [0.0]."),
-        ("time_s,valve,speed_rad_s\n0,1,1\n0,1,1\n", "time_s must be even to 1 %"),
+        (
+            csv(valve=VALVE, speed_rad_s=SPEED).replace("\n0.01", "\n0.012"),
+            "time_s must rise by steps even to 1 %; got steps from ",
+        ),
+        (
+            csv(valve=VALVE, speed_rad_s=SPEED).replace("\n0.0", "\n-0.0"),
+            "time_s must rise by steps even to 1 %; got steps from ",
+        ),
+        (
+            csv(valve=VALVE, speed_rad_s=SPEED).replace("\n0.000000", "\ninf"),
+            "time_s must be finite times; got [inf, 0.005, 0.01].",
+        ),
+        ("time_s,valve,speed_rad_s\n", "must have 20 to 200000 rows; got 0."),
+        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "must have 20 to 200000 rows; got 2."),
         ("time_s,valve,speed_rad_s\n0,1,x\n", "column 'speed_rad_s' must hold numbers"),
-        ("time_s,valve,speed_rad_s\n0,1,1\n0,1\n", "row 2 has 2 numbers under 3 names."),
+        (
+            "time_s,valve,speed_rad_s\n0,1,1\n0,1\n",
+            "row 2 must have 3 numbers, one under each name; got 2.",
+        ),
         ("\x80", "is no text in UTF-8."),
     ],
 )
@@ -93,11 +107,19 @@ def test_file_that_is_no_log_is_named(tmp_path, capsys, text, said):
 @pytest.mark.parametrize(
     "text, said",
     [
-        ("time_s,valve,speed_rad_s\n0,1,1\n1,1,1\n", "valve: must be one column of 20 to 200000"),
         (csv(valve=0 * VALVE, speed_rad_s=SPEED), "valve: must move the axis; got a column that"),
+        (csv(valve=VALVE, position_rad=0 * VALVE), "position_rad: must be of an axis that moves;"),
+        (
+            csv(valve=VALVE, speed_rad_s=SPEED * np.nan),
+            "speed_rad_s: must hold finite numbers; got",
+        ),
         (
             csv(set_rad=WANTED[400:], actual_rad=ACTUAL[400:]),
-            "setvalue: must stay the same in the first 10 rows, since a log of a loop must begin",
+            "set_rad: must stay the same in the first 10 rows, since a log of a loop must begin",
+        ),
+        (
+            csv(set_rad=WANTED, actual_rad=ACTUAL + 0.1 * np.arange(len(WANTED))),
+            "actual_rad: must rest in the first ",
         ),
     ],
 )
@@ -106,6 +128,19 @@ def test_logs_that_tell_nothing_are_refused_in_a_sentence(tmp_path, capsys, text
     path.write_text(text)
     assert main(["identify", str(path)]) == 1
     assert capsys.readouterr().err.startswith(f"refused: {said}")
+
+
+def test_feedforward_of_an_axis_is_refused(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    path.write_text(csv(valve=VALVE, speed_rad_s=SPEED))
+    assert main(["identify", str(path), "--feedforward", "0.5"]) == 1
+    told = capsys.readouterr().err
+    assert told == "refused: feedforward: must be 0 for an axis' log; got 0.5.\n"
+
+
+def test_log_may_have_blanks_after_commas_and_blank_lines():
+    plain = csv(valve=VALVE, speed_rad_s=SPEED)
+    assert identify_log(plain.replace(",", ", ") + "\n \n") == identify_log(plain)
 
 
 def test_help_says_what_a_log_must_be(capsys):

@@ -82,7 +82,7 @@ def read_csv(text: str):
     Parameters
     ----------
     text : str
-        Lines of ``# name = value``, a heading, rows of numbers.
+        Lines of ``# name = value``, a heading, rows of numbers. Blank lines don't count.
 
     Returns
     -------
@@ -99,10 +99,13 @@ def read_csv(text: str):
     """
     head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
     about = {name: _number(name, value) for name, value in (p for p in head if len(p) == 2)}
-    lines = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+    lines = [
+        line.split(",") for line in text.splitlines() if line.strip() and not line.startswith("#")
+    ]
     if not lines:
         raise ValueError("text: must have a heading; got none.")
     names, *rows = lines
+    names = [name.strip() for name in names]
     if any(mark in name for name in names for mark in ";\t"):
         raise ValueError(
             "text: its columns must be separated by commas, decimals by points; got the heading "
@@ -112,8 +115,11 @@ def read_csv(text: str):
         raise ValueError(f"text: must name each column once; got {shown(names)}.")
     for number, row in enumerate(rows, start=1):
         if len(row) != len(names):
-            raise ValueError(f"text: row {number} has {len(row)} numbers under {len(names)} names.")
-    return about, {name: _numbers(name, cells) for name, *cells in zip(*lines, strict=True)}
+            raise ValueError(
+                f"text: row {number} must have {len(names)} numbers, one under each name; "
+                f"got {len(row)}."
+            )
+    return about, {name: _numbers(name, cells) for name, *cells in zip(names, *rows, strict=True)}
 
 
 def _number(name, cell):

@@ -1,12 +1,13 @@
 """A log of one axis as CSV, and the gain and lag that it tells."""
 
+from contextlib import contextmanager
 from dataclasses import asdict
 from typing import Annotated
 
 import numpy as np
 
 from ..arguments import Rule, checked, shown
-from ..motion.identify import identify_axis, identify_loop
+from ..motion.identify import LEAST_ROWS, MOST_ROWS, identify_axis, identify_loop
 from ..motion.quantities import Share
 from .csv_tables import read_csv
 
@@ -49,7 +50,8 @@ def identify_log(text: str, *, feedforward: Share(2) = 0.0):
     Raises
     ------
     ValueError
-        If a column is missing, the times aren't even, or nothing moves.
+        If a column is missing, rows are too few or too many, the times aren't even, or nothing
+        moves; it names columns as the log does.
     """
     _, columns = read_csv(text)
     pair = next((pair for pair in LOGS if {TIME, *pair} <= set(columns)), None)
@@ -57,12 +59,18 @@ def identify_log(text: str, *, feedforward: Share(2) = 0.0):
         known = "; or ".join(", ".join((TIME, *pair)) for pair in LOGS)
         raise ValueError(f"text: must have the columns {known}; got {', '.join(columns)}.")
     given, measured = (columns[name].astype(float) for name in pair)
+    if not LEAST_ROWS <= len(given) <= MOST_ROWS:
+        raise ValueError(f"text: must have {LEAST_ROWS} to {MOST_ROWS} rows; got {len(given)}.")
     tick = _tick(columns[TIME].astype(float))
     if pair[0] == "valve":
+        if feedforward:
+            raise ValueError(f"feedforward: must be 0 for an axis' log; got {feedforward:g}.")
         kind = pair[1].partition("_")[0]
-        found = identify_axis(given, measured, tick, kind=kind)
+        with _named(valve=pair[0], measured=pair[1]):
+            found = identify_axis(given, measured, tick, kind=kind)
     else:
-        found = identify_loop(given, measured, tick, feedforward=feedforward)
+        with _named(setvalue=pair[0], actual=pair[1]):
+            found = identify_loop(given, measured, tick, feedforward=feedforward)
     about = asdict(found)
     return {
         "columns": list(pair),
@@ -90,21 +98,32 @@ def identified_text(numbers: Found):
             f"gain   {numbers['gain']:.4g} ± {numbers['gain_error']:.1g} {per}",
             f"lag    {1e3 * numbers['lag_s']:.4g} ± {1e3 * numbers['lag_error_s']:.1g} ms",
             f"delay  {numbers['delay']} ticks",
-            f"left   {numbers['rms']:.2g} {unit} rms, which noise and all that isn't a lag make",
+            f"left   {numbers['rms']:.2g} {unit} rms: noise, and what the axis does otherwise",
         ]
     )
+
+
+@contextmanager
+def _named(**columns):
+    """Let a refusal name a column as the log does, in the place of an argument."""
+    try:
+        yield
+    except ValueError as error:
+        argument, colon, what = str(error).partition(": ")
+        name = (columns | {"tick": f"steps of {TIME}"}).get(argument, argument)
+        raise ValueError(f"{name}{colon}{what}") from None
 
 
 def _tick(times):
     """Return the even distance of times, in s."""
     steps = np.diff(times)
-    if not len(steps) or not np.all(np.isfinite(steps)):
+    if not np.all(np.isfinite(steps)):
         raise ValueError(f"text: {TIME} must be finite times; got {shown(times[:3].tolist())}.")
     tick = float((times[-1] - times[0]) / len(steps))
     worst = float(np.abs(steps - tick).max())
     if not 0 < tick or worst > UNEVEN * tick:
         raise ValueError(
-            f"text: {TIME} must be even to {100 * UNEVEN:g} % of a tick; got steps from "
+            f"text: {TIME} must rise by steps even to {100 * UNEVEN:g} %; got steps from "
             f"{steps.min():g} to {steps.max():g} s."
         )
     return tick

@@ -113,9 +113,7 @@ def identify_axis(
     """
     from scipy.optimize import minimize_scalar
 
-    _check_alike("measured", measured, "valve", valve)
-    if not np.ptp(valve) or not np.ptp(measured):
-        raise ValueError("valve: must move the axis; got a column that stays the same.")
+    _check_moving("measured", measured, "valve", valve)
 
     def left(logarithm, delay):
         columns = _columns(valve, tick, np.exp(logarithm), delay, kind)
@@ -167,9 +165,7 @@ def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: 
     """
     from scipy.optimize import least_squares
 
-    _check_alike("actual", actual, "setvalue", setvalue)
-    if not np.ptp(setvalue) or not np.ptp(actual):
-        raise ValueError("setvalue: must move the axis; got a column that stays the same.")
+    _check_moving("actual", actual, "setvalue", setvalue)
     _check_rest(setvalue, actual)
     slopes = np.diff(setvalue) / tick
 
@@ -203,11 +199,17 @@ def identify_loop(setvalue: Angles, actual: Angles, tick: Tick, *, feedforward: 
     return Identified(Estimate(gain, gain * errors[0]), Estimate(lag, lag * errors[1]), delay, rms)
 
 
-def _check_alike(name, column, other, like):
-    """Raise ValueError if two columns aren't of one length."""
-    if len(column) != len(like):
+def _check_moving(name, column, input_name, given):
+    """Raise ValueError if an axis' column and its input aren't of one length, or one is still."""
+    if len(column) != len(given):
         raise ValueError(
-            f"{name}: must have as many rows as {other}, {len(like)}; got {len(column)}."
+            f"{name}: must have as many rows as {input_name}, {len(given)}; got {len(column)}."
+        )
+    if not np.ptp(given):
+        raise ValueError(f"{input_name}: must move the axis; got a column that stays the same.")
+    if not np.ptp(column):
+        raise ValueError(
+            f"{name}: must be of an axis that moves; got a column that stays the same."
         )
 
 
@@ -231,7 +233,7 @@ def _check_rest(setvalue, actual):
     if crept > explained + STILL * np.ptp(actual):
         raise ValueError(
             f"actual: must rest in the first {2 * half} rows, as the set-values do, since a log of "
-            f"a loop must begin at rest; got a way of {crept:.3g} rad between their halves."
+            f"a loop must begin at rest; got means of their halves that are {crept:.3g} rad apart."
         )
 
 
