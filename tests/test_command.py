@@ -409,7 +409,11 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert all(part in times for part in ("straight ", "corners ", "entry ", "exit ", "all "))
     used = next(line for line in lines if line.startswith("limits used: "))
     assert "feed 100 %" in used and "acceleration 100 %" in used
-    assert "valve open for 0 % and 0 % of the time" in said
+    assert "time with a valve fully open: theta 0 %, phi 0 %" in lines
+    knots, corners, counts = (lines[table + k].split()[5:] for k in (0, 2, 4))
+    assert knots == ["largest", "knots", "x", "1.41", "your", "choice"]
+    assert corners == ["largest", "blend", "/", "2.00", "your", "choice"]
+    assert counts[:4] == ["rms", "count", "/", "2.00"]
 
 
 REFUSED = [
@@ -425,7 +429,23 @@ REFUSED = [
     (BODY | {"# width = 0.3": "width = 0.9"}, "[body] its box is 0.0"),
     (BODY | {"# high = 0.15": "high = -0.3"}, "[body] low: must be below high; got -0.25 and -0.3"),
     ({"# path = \"corrected": "path = \"correct"}, "[plan] path: must be \"tangent spheres\" or"),
-    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min: must be below theta_max"),
+    ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min_deg: must be below theta_"
+     "max_deg, both in degrees from -180 to 180; got 60 and 35."),
+    ({"theta_min_deg = -60": "theta_min = 1"}, "[machine] theta_min: must be below theta_max, both "
+     "in rad from -pi to pi; got 1 and 0.610865."),
+    ({"count_deg = 0.0054931640625": "count_deg = 0"},
+     "[plan] count_deg: must lie between 5.7296e-08 and 5.7296 degrees; got 0 degrees."),
+    ({"count_deg = 0.0054931640625": "count_deg = -1"},
+     "[plan] count_deg: must be one finite number, not below zero; got -1."),
+    ({"# encoder_deg = 0": "encoder_deg = 10"},
+     "[controller] encoder_deg: must be from 0 to 5.7296 degrees; got 10."),
+    ({"# encoder_deg = 0": "encoder = -1"},
+     "[controller] encoder: must be from 0 to 0.1 rad; got -1."),
+    ({"tick = 5e-3": "tick = 0"}, "[plan] tick: must be"),
+    ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, "[limits] power: needs the ground"),
+    ({"along = 40": "along = 100000", "around = 60": "around = 100000"},
+     "[wall] along, around: 100000 x 100000 lines with room for"),
+    ({"a = 0.5 ": "a = 0.9 "}, "machine: can't cut this section; width, half width"),
     ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one finite number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = 1}]\n#'},
@@ -447,16 +467,18 @@ ADVICE = [
      "[limits] acceleration: must be at most 50 m/s^2; got 500. If that is in mm/s^2, it is 0.5 "
      "m/s^2."),
     ({"theta_min_deg = -60": "theta_min = -60"},
-     "[machine] theta_min: must be at most 7 rad; got -60. In degrees its name is theta_min_deg."),
+     "[machine] theta_min: must be at most 7 rad in size; got -60. In degrees its name is "
+     "theta_min_deg."),
     ({"tolerance = 1e-3 ": "tolerance = 1 "},
      "[plan] tolerance: must be at most 0.3 m; got 1. If that is in mm, it is 0.001 m."),
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 "},
-     "[plan] tolerance: must be at least what a count of 9.59e-05 rad moves the cutter, 8.4e-05 m; "
-     "got 1e-07 m."),
+     "[plan] tolerance: must be at least what a count of 0.00549 degrees moves the cutter, "
+     "8.4e-05 m; got 1e-07 m."),
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 ", "count_deg = 0.0054931640625": ""},
      "[plan] tolerance: must be at least what a count of 9.59e-05 rad moves the cutter, 8.4e-05 m; "
      "got 1e-07 m."),
     ({"height = -0.36": "height = -0.9"}, "[machine] height: may be from -"),
+    ({"a = 0.5 ": "a = 0.9 "}, " m. Another [machine] height doesn't help."),
     ({"gain = 10 ": "gain = 1000 "}, "the gain must be below "),
 ]  # fmt: skip
 

@@ -214,7 +214,7 @@ def test_degenerate_cuts_remove_nothing():
 
 
 def test_grid_too_large_is_refused_with_the_size_that_fits(monkeypatch):
-    message = "shape: 200000 x 200000 lines in 1 slots need 1.28e"
+    message = "shape: 200000 x 200000 lines with room for 1 intervals each need 1.28e"
     with pytest.raises(ValueError, match=message):
         DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (200_000, 200_000), memory=1e9)
     with pytest.raises(ValueError, match=r"5590 x 5590 would fit\.$"):
@@ -222,12 +222,12 @@ def test_grid_too_large_is_refused_with_the_size_that_fits(monkeypatch):
     with pytest.raises(ValueError, match="would fit"):
         DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (10**9, 10**9))
     monkeypatch.setattr("os.sysconf", {"SC_PHYS_PAGES": 1000, "SC_PAGE_SIZE": 4000}.__getitem__)
-    with pytest.raises(ValueError, match=r"of the 0\.002 GB allowed; "):
+    with pytest.raises(ValueError, match=r"and 0\.002 GB are allowed; "):
         DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (1000, 1000))  # half of the computer's
     monkeypatch.undo()
     full = block(40, 50, memory=64_000)  # one slot fits, a second one doesn't
     full.cut(Rod((0, 0, 0), (0, 0, 1), 0.1))
-    with pytest.raises(ValueError, match="in 2 slots"):
+    with pytest.raises(ValueError, match="room for 2 intervals"):
         full.cut(Rod((0.5, 0, 0), (0.5, 0, 0), 0.1, ends="round"))
     assert block(40, 50, memory=64_000).volume == pytest.approx(2 * 2.4 * 2)
 

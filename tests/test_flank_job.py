@@ -175,7 +175,7 @@ def test_a_mill_that_is_given_twice_is_refused(run):
     twice = {"[mill]": "[[mill]]", "[paths]": f"[[mill]]\n{table}\n[paths]"}
     refused(run(twice), 2, r"\[\[mill\]\]: must be different ones")
     wrong = FAMILY | {"half_angle_deg = 12": "half_angle_deg = 95"}
-    refused(run(wrong), 1, r"\[mill 1\] half_angle: must lie")
+    refused(run(wrong), 1, r"\[mill 1\] half_angle_deg: must lie")
 
 
 def test_feeds_keep_the_speeds_of_mill_and_axes(run):
@@ -242,7 +242,11 @@ def test_boxes_are_neighbours(run):
 @pytest.mark.parametrize(("low", "high"), [(0.1, 0.1), (0.1, "nan"), ("-inf", 0.1), (0.1, "inf")])
 def test_a_box_whose_limits_dont_ascend_or_are_not_finite_is_refused(run, low, high):
     box = "".join(f"{c}_min = {low}\n{c}_max = {high}\n" for c in "xyz")
-    refused(run({"[machine] ": box.join(["[box]\n", "[machine] "])}), 2, r"\[box\] x, y, z: must")
+    refused(
+        run({"[machine] ": box.join(["[box]\n", "[machine] "])}),
+        2,
+        r"\[box\] \w_min: must be below \w_max, both finite; got",
+    )
 
 
 def test_a_machine_limits_the_positions(run):
@@ -284,7 +288,7 @@ def test_people_get_lines(usual):
     code, said, _, _ = usual
     assert code == 0
     assert re.search(r"positions: fits\n", said)
-    assert re.search(r"% of the patch is left within 10 um", said)
+    assert re.search(r"% of the patch are milled to within 10 um", said)
 
 
 def nurbs(count=9, **changes):
@@ -360,7 +364,7 @@ def test_a_mesh_of_triangles_is_milled(run, tmp_path):
 def test_a_mesh_that_is_none_is_refused(run, tmp_path):
     path = tmp_path / "part.stl"
     path.write_bytes(b"solid nothing\nendsolid\n")
-    refused(run({}, "--points", path, surface=POINTS), 1, "content: must be an STL file")
+    refused(run({}, "--points", path, surface=POINTS), 2, rf"^wrong: {path}: must be an STL file")
 
 
 def test_a_ball_is_refused_as_umbilic(run):
@@ -440,8 +444,18 @@ def test_normals_of_a_table_are_made_unit_vectors_and_eight_points_are_too_few(t
 def test_points_that_are_no_table_are_refused(run, tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("x_m,y_m\n1,2\n", encoding="utf-8")
-    refused(run({}, "--points", path, surface=POINTS), 1, "points: must have the columns x_m, y_m")
-    refused(run({}, surface=POINTS), 2, "needs a file of them, by --points")
+    said = rf"^wrong: {path}: must have the columns x_m, y_m, z_m, nx, ny, nz; got x_m, y_m\.$"
+    refused(run({}, "--points", path, surface=POINTS), 2, said)
+    path.write_text("x_m,y_m\n1\n", encoding="utf-8")
+    said = rf"^wrong: {path}: row 1 must have 2 numbers, one under each name; got 1\.$"
+    refused(run({}, "--points", path, surface=POINTS), 2, said)
+    mesh = tmp_path / "mesh.stl"
+    mesh.write_bytes(b"solid")
+    refused(run({}, "--points", mesh, surface=POINTS), 2, rf"^wrong: {mesh}: must be an STL file")
+    refused(
+        run({}, "--points", path), 2, r'^wrong: --points: is for a \[surface\] of kind "points";'
+    )
+    refused(run({}, surface=POINTS), 2, r"needs the file of measured points, --points FILE\.$")
     refused(run({}, "--points", tmp_path / "none.csv", surface=POINTS), 2, "can't be read")
 
 
@@ -495,14 +509,17 @@ def test_what_should_be_a_table_is_one(tmp_path):
             r"\[paths\] step, stock, tolerance: must be finite",
         ),
         ({"side = 1  ": "side = 2  "}, 2, r"\[paths\] side: must be 1 or -1; got 2"),
-        ({"half_angle_deg = 12": "half_angle_deg = 95"}, 1, r"\[mill\] half_angle: must lie"),
         ({"hub = 0.060": "hub = 60"}, 2, r"\[surface\] hub: must be at most 50 m; .* in mm"),
         ({'kind = "blade"': 'kind = "step"'}, 2, r"\[surface\] kind: must be"),
         ({"blades = 6": "blade = 6"}, 2, "'blades' is meant, perhaps"),
         ({"clearance = 0.010": ""}, 2, r"\[machine\] clearance: is missing \(m\)"),
         ({"clearance = 0.010": "clearance = 0"}, 2, r"\[machine\] clearance: must be a finite"),
         ({"up_x = 1": "up_x = 0"}, 1, r"\[machine\] up: must"),
-        ({"tilt_max_deg = 120": "tilt_max_deg = -40"}, 1, r"\[machine\] tilt: must be two ascend"),
+        (
+            {"tilt_max_deg = 120": "tilt_max_deg = -40"},
+            2,
+            r"\[machine\] tilt_min_deg: must be below tilt_max_deg, both finite; got -30 and -40",
+        ),
         ({"z_max = 0.4": "z_max = 0.05"}, 1, r"machine: z must reach .* mm, where the table moves"),
         (
             {"tilt_max_deg = 120": "tilt_max_deg = -20"},
@@ -511,7 +528,22 @@ def test_what_should_be_a_table_is_one(tmp_path):
         ),
         ({"contacts = 1": "contacts = 3"}, 2, r"\[paths\] contacts: must be from 1 to 2; got 3"),
         ({"turn_deg = 90": ""}, 2, r"\[feed\] turn: is missing \(rad/s, or turn_deg\)"),
-        ({"turn_deg = 90": "turn_deg = 0"}, 2, r"\[feed\]: must be finite speeds above zero"),
+        (
+            {"turn_deg = 90": "turn_deg = 0"},
+            2,
+            r"\[feed\] turn_deg: must be a finite speed above zero; got 0\.$",
+        ),
+        (
+            {"half_angle_deg = 12": "half_angle_deg = 95"},
+            1,
+            r"\[mill\] half_angle_deg: must lie between 0 and 90, both left out; got 95\.$",
+        ),
+        (
+            {"most_turn_deg = 15": "most_turn_deg = -5"},
+            1,
+            r"\[machine\] most_turn_deg: must be one finite number above zero; got -5\.$",
+        ),
+        ({"blades = 6": "blades = 0"}, 1, r"\[surface\] blades: must be one whole number from 2"),
         ({"stock = 1e-3": "stock = 0"}, 2, r"\[paths\] step, stock, tolerance: must be finite"),
         ({"[mill]": "[tool]"}, 2, r"\[tool\]: is no table of such a job"),
     ],

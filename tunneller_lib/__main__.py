@@ -363,6 +363,8 @@ def run_flank(options):
     folder = options.out or Path("build") / own_name(options.job)
     job = read_flank(options.job, options.points)
     check_writable(folder / "paths.csv")
+    with said_of_file(options.points, "text", "content"):
+        job.patch  # noqa: B018 - measured points are read for it
     result = job.solved(say)
     numbers = summarise_flank(job, result)
     if not options.json:
@@ -390,16 +392,25 @@ def run_identify(options):
         text = options.log.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise WrongJob(f"{options.log}: is no text in UTF-8.") from None
-    try:
+    with said_of_file(options.log, "text"):
         numbers = identify_log(text, feedforward=options.feedforward)
-    except ValueError as error:
-        argument, _, what = str(error).partition(": ")
-        if argument != "text":
-            raise
-        raise WrongJob(f"{options.log}: {what}") from None
     if not options.json:
         tell(identified_text(numbers))
     return numbers if options.json else None
+
+
+@contextmanager
+def said_of_file(path, *arguments):
+    """Begin a refusal of one of these arguments, which a file's content is, with its name."""
+    from .job import WrongJob
+
+    try:
+        yield
+    except ValueError as error:
+        argument, _, what = str(error).partition(": ")
+        if argument not in arguments:
+            raise
+        raise WrongJob(f"{path}: {what}") from None
 
 
 def counted(pictures, count):

@@ -128,7 +128,7 @@ class FlankJob:
         """Return a list of `ConicalMill`."""
         made = []
         for name, about in zip(_names(self.mills), self.mills, strict=True):
-            with said_of(name):
+            with said_of(name, about):
                 made.append(ConicalMill(**about))
         return made
 
@@ -140,14 +140,19 @@ class FlankJob:
         side = self.paths["side"]
         if kind == "points":
             return self._fitted[0]
+        if kind == "blade":
+            return Patch(self._ring.coordinates, (0.0, 1.0), (0.0, 1.0), side)
         with said_of("surface"):
-            if kind == "blade":
-                ring = BladeRing(**about)
-                return Patch(ring.coordinates, (0.0, 1.0), (0.0, 1.0), side)
             scale = UNITS[about.pop("unit")]
             control = scale * np.array(about.pop("control"), dtype=float)
             surface = Nurbs(control, **about)
             return Patch(surface.coordinates, *surface.domain, side)
+
+    @cached_property
+    def _ring(self):
+        """Return the `BladeRing` of a surface of kind "blade"."""
+        with said_of("surface"):
+            return BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
 
     @cached_property
     def _fitted(self):
@@ -175,7 +180,7 @@ class FlankJob:
         if self.machine is None:
             return None
         about = self.machine
-        with said_of("machine"):
+        with said_of("machine", about):
             return TiltingTable(
                 *(tuple(about[f"{name}_{c}"] for c in "xyz") for name in ("pivot", "up")),
                 *((about[f"{name}_min"], about[f"{name}_max"]) for name in LIMITS),
@@ -191,7 +196,7 @@ class FlankJob:
         grids = [face for box in self.boxes for face in _faces(box)]
         if self.surface["kind"] != "blade":
             return grids
-        ring = BladeRing(**{name: v for name, v in self.surface.items() if name != "kind"})
+        ring = self._ring
         return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121), *grids]
 
     @property
@@ -290,13 +295,19 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     if any(one in mills[:k] for k, one in enumerate(mills)):
         raise WrongJob("[[mill]]: must be different ones; got one twice.")
     measured = None
-    if (surface["kind"] == "points") != (points is not None):
-        raise WrongJob('[surface] kind: "points" needs a file of them, by --points, no other has.')
+    if surface["kind"] == "points" and points is None:
+        raise WrongJob('[surface] kind: "points" needs the file of measured points, --points FILE.')
+    if surface["kind"] != "points" and points is not None:
+        raise WrongJob(
+            f'--points: is for a [surface] of kind "points"; got one of kind "{surface["kind"]}".'
+        )
     if points is not None:
         measured = _content(points)
     machine = None
     if "machine" in tables:
         machine = read_table("machine", tables["machine"], MACHINE, MACHINE)
+        with said_of("machine", machine):
+            _check_ranges(machine, LIMITS)
         if not 0 < machine["clearance"] < np.inf:
             raise WrongJob(
                 "[machine] clearance: must be a finite length above zero; "
@@ -307,15 +318,14 @@ def read_flank(path: str | Path, points: str | Path | None = None):
         feed = read_table("feed", tables["feed"], FEED, FEED)
         if machine is None:
             raise WrongJob("[feed]: needs the machine whose axes it is about, [machine].")
-        if not all(0 < speed < np.inf for speed in feed.values()):
-            raise WrongJob(
-                "[feed]: must be finite speeds above zero; "
-                f"got {', '.join(f'{speed:g}' for speed in feed.values())}."
-            )
+        with said_of("feed", feed):
+            for name, speed in feed.items():
+                if not 0 < speed < np.inf:
+                    raise WrongJob(f"{name}: must be a finite speed above zero; got {speed:g}.")
     boxes = _rows(tables, "box", BOX)
     for name, box in zip(_names(boxes, "box"), boxes, strict=True):
-        if not all(-np.inf < box[f"{c}_min"] < box[f"{c}_max"] < np.inf for c in "xyz"):
-            raise WrongJob(f"[{name}] x, y, z: must be finite, each _min below its _max.")
+        with said_of(name):
+            _check_ranges(box, "xyz")
     return FlankJob(surface, mills, paths, machine, measured, feed, boxes)
 
 
@@ -325,6 +335,16 @@ def _rows(tables, name, units):
     given = given if isinstance(given, list) else [given]
     named = zip(_names(given, name), given, strict=True)
     return [read_table(label, one, units, units) for label, one in named]
+
+
+def _check_ranges(about, names):
+    """Refuse what a table says of names if a ``_min`` isn't below its ``_max``, both finite."""
+    for name in names:
+        low, high = about[f"{name}_min"], about[f"{name}_max"]
+        if not -np.inf < low < high < np.inf:
+            raise WrongJob(
+                f"{name}_min: must be below {name}_max, both finite; got {low:g} and {high:g}."
+            )
 
 
 def _names(rows, name="mill"):

@@ -126,7 +126,7 @@ def flank_text(numbers: Flanked):
         ends = "; ".join(chain["ends"])
         lines.append(f"chain {k}: {chain['positions']} positions{by}; its ends: {ends}")
     lines += [
-        f"{100 * share:6.1f} % of the patch is left within {1e6 * float(within):g} um"
+        f"{100 * share:6.1f} % of the patch are milled to within {1e6 * float(within):g} um"
         for within, share in numbers["covered"].items()
     ]
     lines.append(f"{1e6 * numbers['gouge_m']:6.1f} um is the deepest that the mill enters it")

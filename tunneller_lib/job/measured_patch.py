@@ -67,18 +67,18 @@ def _table(text):
     _, columns = read_csv(text)
     if set(COLUMNS) - set(columns):
         raise ValueError(
-            f"points: must have the columns {', '.join(COLUMNS)}; got {', '.join(columns)}."
+            f"text: must have the columns {', '.join(COLUMNS)}; got {', '.join(columns)}."
         )
     try:
         table = np.stack([columns[name].astype(float) for name in COLUMNS], axis=-1)
     except ValueError:
-        raise ValueError("points: must hold numbers alone.") from None
+        raise ValueError("text: must hold numbers alone.") from None
     if not np.all(np.isfinite(table)):
-        raise ValueError("points: must be finite; got one that isn't.")
+        raise ValueError("text: points must be finite; got one that isn't.")
     contact, normal = table[:, :3], table[:, 3:]
     length = norm(normal)
     if not np.all(np.abs(length - 1) < 0.01):
-        raise ValueError("points: nx, ny, nz must be unit normals; got one that isn't.")
+        raise ValueError("text: nx, ny, nz must be unit normals; got one that isn't.")
     return contact, normal / length[:, None]
 
 

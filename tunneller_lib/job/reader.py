@@ -4,6 +4,7 @@ Metres, seconds, radians and what follows from them; the name of an angle may en
 its value is then in degrees. Names and types are checked here; sizes by what they are for.
 """
 
+import re
 import tomllib
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -84,10 +85,21 @@ HYDRAULIC_REMEDY = (
 # The time that TOML's keys of many dots take grows with the square of their number.
 MOST_BYTES, MOST_IN_A_LINE = 100_000, 4_000
 LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # as TOML has them
+USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, as of `ream.plan`
+MOST_ENCODER = 0.1  # rad, as of a plan's count
+IN_RADIANS = re.compile(
+    r"-?\bpi(?:/2)?\b|-?\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b"
+)  # numbers of a message
 
 
 class WrongJob(ValueError):
     """A job, or a log, that can't be understood; the message says where and why."""
+
+
+class Table(dict):
+    """What a table says by its names, in SI units, and which of them it gave in `degrees`."""
+
+    degrees = frozenset()
 
 
 @dataclass(frozen=True)
@@ -140,7 +152,7 @@ class Job:
         """Return the `Machine`, with its `Body` where it has one."""
         with said_of("body"):
             body = Body(**self.body) if self.body else None
-        with said_of("machine"):
+        with said_of("machine", self.machine):
             return Machine(**self.machine, body=body)
 
     @cached_property
@@ -186,6 +198,8 @@ class Job:
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
         bounds = dict(self.limits)
+        if "power" in bounds and not self.ground:
+            raise ValueError("[limits] power: needs the ground that takes it, a table [ground].")
         if self.controller["plant"] in OILY:
             bounds = {"flow": self.sizes.pump, **bounds}
         if "flow" in bounds or "valve" in bounds:
@@ -197,7 +211,7 @@ class Job:
         with said_of("limits"):
             limits = Limits(**bounds)
         self._check_steady(circuit)
-        with said_of("plan"):
+        with said_of("plan", self.plan):
             return plan(circuit, limits, **self.plan)
 
     def _check_steady(self, circuit):
@@ -229,10 +243,20 @@ class Job:
         """Return the plants and the loops of theta and phi, each a list of two."""
         about = dict(self.controller)
         tier = about.pop("plant")
-        count = about.pop("encoder", self.plan.get("count", 2 * np.pi / 2**16))
-        tick = self.plan.get("tick", 5e-3)
+        encoder = about.pop("encoder", None)
+        sampled = {name: self.plan.get(name, usual) for name, usual in USUAL.items()}
         with said_of("controller"):
-            loops = [Loop(tick=tick, count=count, **about)] * 2
+            loop = Loop(tick=USUAL["tick"], **about)
+        with said_of("plan", self.plan):
+            loop = replace(loop, **sampled)
+        if encoder is not None:
+            with said_of("controller", self.controller):
+                if not 0 <= encoder <= MOST_ENCODER:
+                    raise ValueError(
+                        f"encoder: must be from 0 to {MOST_ENCODER:g} rad; got {encoder:g}."
+                    )
+            loop = replace(loop, count=encoder)
+        loops = [loop, loop]
         if tier not in OILY:
             # The first models ask nothing of a cylinder: one full speed for both joints.
             rate = FULL_SPEED / self.made.R
@@ -244,7 +268,7 @@ class Job:
     @cached_property
     def error(self):
         """Return the `Pose` that the machine has and doesn't know of, or None."""
-        with said_of("pose"):
+        with said_of("pose", self.pose):
             return Pose(**self.pose) if self.pose else None
 
     @property
@@ -257,7 +281,8 @@ class Job:
         """Return about how long axes and wall of `simulated` will take, two numbers in s."""
         shape, thickness = self._rays
         about = dict(shape=shape, thickness=thickness, arm=self.arm, ground=self.pushing)
-        return expected_seconds(self.planned, *self.axes, **about)
+        with _rays_said():
+            return expected_seconds(self.planned, *self.axes, **about)
 
     @property
     def _rays(self):
@@ -272,16 +297,17 @@ class Job:
     def simulated(self, say: Callable[[str], object] | None = None):
         """Return the `Cut`, or raise ValueError with the reason; `say` gets the progress."""
         shape, thickness = self._rays
-        return simulate(
-            self.planned,
-            *self.axes,
-            pose=self.error,
-            shape=shape,
-            thickness=thickness,
-            arm=self.arm,
-            ground=self.pushing,
-            say=say,
-        )
+        with _rays_said():
+            return simulate(
+                self.planned,
+                *self.axes,
+                pose=self.error,
+                shape=shape,
+                thickness=thickness,
+                arm=self.arm,
+                ground=self.pushing,
+                say=say,
+            )
 
 
 @checked
@@ -406,10 +432,11 @@ def read_table(table, given, units, needed=()):
 
     Returns
     -------
-    values : dict
+    values : Table
         Angles in rad.
     """
-    values = {}
+    values = Table()
+    degrees = set()
     for name, value in given.items():
         key = name
         where = f"[{table}] {brief(name)}"
@@ -428,10 +455,13 @@ def read_table(table, given, units, needed=()):
         if key == name and unit not in (TEXT, WHOLE):
             _check_unit(where, key, value, unit)
         values[key] = float(np.radians(value)) if key != name else value
+        if key != name:
+            degrees.add(key)
     for key in needed:
         if key not in values:
             unit = f"{units[key]}, or {key}_deg" if units[key] in ANGULAR else units[key]
             raise WrongJob(f"[{table}] {key}: is missing ({unit}).")
+    values.degrees = frozenset(degrees)
     return values
 
 
@@ -454,7 +484,7 @@ def _read_section(given):
         one_of(f"[{where}] kind", kind, PIECES)
         make, units = PIECES[kind]
         sizes = read_table(where, row, units, units)
-        with said_of(where):
+        with said_of(where, sizes):
             pieces.append(make(**sizes))
     return {"shape": shape, "pieces": tuple(pieces)}
 
@@ -474,17 +504,22 @@ def _circuit(machine, section, stance):
         low, high = machine.heights(section)
         if any(stance.values()) or low <= machine.height <= high:
             raise
-        which = f"may be from {low:.3f} to {high:.3f} m" if low < high else "of no size would do"
-        raise ValueError(f"{error} [machine] height: {which}.") from None
+        which = "Another [machine] height doesn't help."
+        if low < high:
+            which = f"[machine] height: may be from {low:.3f} to {high:.3f} m."
+        raise ValueError(f"{error} {which}") from None
 
 
 def _check_tolerance(machine, plan):
     """Raise ValueError where a tolerance is below what one count moves the cutter."""
-    count = plan.get("count", 2 * np.pi / 2**16)
+    count = plan.get("count", USUAL["count"])
     moved = count * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
+        angle = f"{count:.3g} rad"
+        if "count" in getattr(plan, "degrees", ()):
+            angle = f"{np.degrees(count):.3g} degrees"
         raise ValueError(
-            f"[plan] tolerance: must be at least what a count of {count:.3g} rad moves the cutter, "
+            f"[plan] tolerance: must be at least what a count of {angle} moves the cutter, "
             f"{moved:.2g} m; got {plan['tolerance']:g} m."
         )
 
@@ -494,30 +529,65 @@ def _check_unit(where, key, value, unit):
     most, other, factor = TOO_MUCH.get(key, TOO_MUCH.get(unit, (np.inf, "", 1)))
     if not np.inf > abs(value) > most:
         return
+    size = " in size" if value < 0 else ""
     if unit == "rad":
         raise WrongJob(
-            f"{where}: must be at most {most:g} rad; got {value:g}. In degrees its name "
+            f"{where}: must be at most {most:g} rad{size}; got {value:g}. In degrees its name "
             f"is {key}_deg."
         )
     raise WrongJob(
-        f"{where}: must be at most {most:g} {unit}; got {value:g}. "
+        f"{where}: must be at most {most:g} {unit}{size}; got {value:g}. "
         f"If that is in {other}, it is {value * factor:g} {unit}."
     )
 
 
 @contextmanager
-def said_of(table, *, remedy=""):
+def _rays_said():
+    """Let a refusal of too many rays name them as a job does."""
+    try:
+        yield
+    except ValueError as error:
+        argument, _, what = str(error).partition(": ")
+        if argument != "shape":
+            raise
+        raise ValueError(f"[wall] along, around: {what}") from None
+
+
+@contextmanager
+def said_of(table, given=None, *, remedy=""):
     """Begin a refusal with the `table` that it is about, and end it with a `remedy`.
 
-    What is said of the machine's body is about that table, wherever it is found.
+    An angle is said in the unit in which it was `given`, a `Table`. What is said of the machine's
+    body is about that table, wherever it is found.
     """
     try:
         yield
     except ValueError as error:
-        said = f"[{table}] {error}"
+        said = f"[{table}] {_as_given(str(error), getattr(given, 'degrees', ()))}"
         if said.startswith(f"[{table}] body: "):
             said = said.replace(f"[{table}] body: ", "[body] ", 1)
-        raise ValueError(" ".join(filter(None, (said, remedy)))) from None
+        kind = WrongJob if isinstance(error, WrongJob) else ValueError
+        raise kind(" ".join(filter(None, (said, remedy)))) from None
+
+
+def _as_given(said, names):
+    """Return a refusal in degrees if it is of an argument among `names`, which were given so.
+
+    What came is in degrees then, and so is a rule that is in radians.
+    """
+    if said.partition(":")[0] not in names:
+        return said
+    rule, got, came = said.partition("; got ")
+    if re.search(r"\b(rad|pi)\b", rule):
+        rule = IN_RADIANS.sub(_degrees, rule).replace("rad", "degrees")
+    rule = re.sub(rf"\b({'|'.join(names)})\b", r"\1_deg", rule)
+    return rule + got + IN_RADIANS.sub(_degrees, came).replace("rad", "degrees")
+
+
+def _degrees(number):
+    """Return the text of a match of `IN_RADIANS` in degrees."""
+    text = number[0].replace("pi/2", "90").replace("pi", "180")
+    return text if text != number[0] else f"{np.degrees(float(text)):.5g}"
 
 
 def check_kind(path, tables, own, others, command):

@@ -47,6 +47,9 @@ SUMMARY = (
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
 BEYOND = 1.25  # times, either way: what is measured is beyond its closed form's range
+LESS = "count", "blend", "pose", "power"  # what is made smaller to halve a fault
+# Who answers for a fault, for people.
+DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
 LEAST_SEEN = 5e-5  # m, below which a closed form's range matters to nobody
 
 
@@ -205,6 +208,13 @@ def _coarse(job, cut):
     ]
 
 
+def _knob(fault):
+    """Return what halves a fault and by how much it grows or, where less is better, shrinks."""
+    sign = "/" if fault["halved_by"] in LESS else "x"
+    changed = f"{fault['halved_by']} {sign} {fault['factor']:.2f}"
+    return changed if fault["factor"] != 1 else fault["halved_by"]
+
+
 def _mark(fault):
     """Return a mark for a fault whose closed form is off by more than a quarter, and matters."""
     worst = max(fault["over_m"], fault["under_m"])
@@ -230,15 +240,17 @@ def summary_text(numbers: Summary):
             for name, share in numbers["limits_used"].items()
             if share
         ),
-        "valve open for "
-        + " and ".join(f"{100 * share:.2g} %" for share in numbers["saturated_share"])
-        + " of the time (theta and phi)",
+        "time with a valve fully open: "
+        + ", ".join(
+            f"{joint} {100 * share:.2g} %"
+            for joint, share in zip(("theta", "phi"), numbers["saturated_share"], strict=True)
+        ),
         "clear of the wall, in mm: "
         + ", ".join(
             f"{row['part']} {1e3 * row['clearance_m']:.1f}" for row in numbers["clearances"]
         ),
         "",
-        "each alone, in mm     over   under     rms   closed form      halved by",
+        "each alone, in mm     over   under     rms   closed form      halved by         due to",
     ]
     for fault in numbers["faults"]:
         over, under, rms, closed = (
@@ -247,7 +259,7 @@ def summary_text(numbers: Summary):
         form = f"{closed:8.4f} {fault['measure']}"
         lines.append(
             f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:18s}"
-            f"{fault['halved_by']} x {fault['factor']:.2f}, {fault['kind']}{_mark(fault)}"
+            f"{_knob(fault):18s}{DUE_TO[fault['kind']]}{_mark(fault)}"
         )
     if any(_mark(fault) for fault in numbers["faults"]):
         lines.append("* beyond the range of its closed form, which is for slow, small motions")

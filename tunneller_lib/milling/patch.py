@@ -6,7 +6,17 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import NotNegative, Reals, Rule, Sign, Whole, bounded_array, checked, near_points
+from ..arguments import (
+    NotNegative,
+    Reals,
+    Rule,
+    Sign,
+    Whole,
+    bounded_array,
+    checked,
+    near_points,
+    shown,
+)
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.functions import Function
@@ -17,7 +27,7 @@ def _range(name, value):
     """Return `value` as a pair of floats, the first below the second."""
     pair = bounded_array(name, value)
     if pair.shape != (2,) or not pair[0] < pair[1]:
-        raise ValueError(f"{name}: must be two ascending numbers (2,); got shape {pair.shape}.")
+        raise ValueError(f"{name}: must be two ascending numbers (2,); got {shown(value)}.")
     return tuple(pair.tolist())
 
 

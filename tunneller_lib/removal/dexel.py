@@ -466,6 +466,6 @@ def _refuse(shape, slots, memory):
         share = np.sqrt(memory / need)
         n, m = (max(int(size * share), 1) for size in shape)
         raise ValueError(
-            f"shape: {shape[0]} x {shape[1]} lines in {slots} slots need {need / 1e9:.3g} GB of "
-            f"the {memory / 1e9:.3g} GB allowed; {n} x {m} would fit."
+            f"shape: {shape[0]} x {shape[1]} lines with room for {slots} intervals each need "
+            f"{need / 1e9:.3g} GB, and {memory / 1e9:.3g} GB are allowed; {n} x {m} would fit."
         )
