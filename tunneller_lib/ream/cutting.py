@@ -269,6 +269,7 @@ def expected_seconds(
     """
     setvalues, slopes = _whole(plan)
     expect_run(plant, plan.tick, len(slopes))
+    expect(MOVE * len(slopes), "grid")
     # Imports, and compiles, what the run will need.
     follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=ground and Push())
     tried = min(PROBE, len(slopes))
@@ -302,7 +303,6 @@ def expected_seconds(
     wall = intact_wall(plan.circuit, *_ends(centres, reach), shape, thickness=thickness)
     chunks = [centres[a : a + CHUNK + 1] for a in range(0, len(centres) - 1, CHUNK)]
     some = chunks[:: max(len(chunks) // PROBED, 1)]
-    expect(MOVE * len(slopes), "grid")
     wall.copy().cut_path(centres[:2], reach)  # compiled, if it will be
     begun = time.perf_counter()
     for chunk in some:
