@@ -14,7 +14,7 @@ from ..elementwise import NUMBERS, divided
 from ..surfaces import Torus
 from .bounds import check_ratio
 from .geodesic import Geodesic
-from .geodesic_classes import ends_of, inner, outer, second
+from .geodesic_classes import Ends, ends_of, inner, outer, second
 from .geodesic_pair import (
     AGREES,
     INNER,
@@ -23,6 +23,7 @@ from .geodesic_pair import (
     OPEN,
     OUTER,
     POINT,
+    EndPair,
     Way,
     azimuths,
     certificate,
@@ -40,6 +41,7 @@ CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
 NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
 HALVINGS = 30
+AHEAD = 5  # of them, looked at once
 BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
 PLAIN = 8e-6, 35e-6  # s for a pair by arrays, on the working sheet and on a ring
@@ -158,11 +160,14 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     pair = normal_form(size, *_columns(p.reshape(-1, 2), q.reshape(-1, 2)))
     least = _least_second(size, pair)
     long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
-    found = []
-    for way in (pair, long_way):
-        classes = _near_side(size, way), *_second_arrivals(size, way, least), _inside(size, way)
-        found += [(*_finished(size, way, one), one.kind) for one in classes]
-    *answers, kinds = (np.stack(field) for field in zip(*found, strict=True))
+    # Both at once, which takes a pair hardly longer than one.
+    both = EndPair(*map(np.append, pair, long_way))
+    later = _second_arrivals(size, both, np.tile(least, 2))
+    classes = _near_side(size, both), *later, _inside(size, both)
+    found = [(*_finished(size, both, one), one.kind) for one in classes]
+    *answers, kinds = (
+        np.concatenate(np.split(np.stack(field), 2, axis=1)) for field in zip(*found, strict=True)
+    )
     order = np.argsort(answers[0], axis=0)  # NaN comes last
     *answers, kinds = (np.take_along_axis(field, order, axis=0) for field in (*answers, kinds))
     certificates = np.zeros_like(kinds)
@@ -263,16 +268,32 @@ def _least_second(torus, pair):
     ends = ends_of(torus, a, pair.b[index])
     unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
-    low = -FARTHEST * unit
-    high = -NEAREST * unit
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        falling = integrate(torus, second(torus, ends, middle), NODES)[1] < 0
-        low = np.where(falling, middle, low)
-        high = np.where(falling, high, middle)
+    bracket = np.stack([-FARTHEST * unit, -NEAREST * unit])
+    # Arrays are slow to begin: of few pairs all outcomes of the next halvings are looked at once.
+    ahead = AHEAD if index.size <= FEW else 1
+    for _ in range(HALVINGS // ahead):
+        bracket = _halved(torus, ends, bracket, ahead)
+    high = bracket[1]
     least = np.full((2, pair.a.size), np.nan)
     least[:, index] = high, integrate(torus, second(torus, ends, high), NODES)[0]
     return least
+
+
+def _halved(torus, ends, bracket, ahead):
+    """Return a bracket (2, n) about the least turned angle, so many times halved."""
+    edges = bracket
+    for _ in range(ahead):
+        middles = (edges[:-1] + edges[1:]) / 2
+        edges = np.insert(edges, range(1, len(edges)), middles, axis=0)
+    tried = edges[1:-1]
+    each = Ends(*(np.tile(value, len(tried)) for value in ends))
+    rate = integrate(torus, second(torus, each, tried.ravel()), NODES)[1]
+    falling = rate.reshape(tried.shape) < 0
+    place = np.arange(bracket.shape[1])
+    first = np.zeros_like(place)
+    for step in 2 ** np.arange(ahead)[::-1]:
+        first += step * falling[first + step - 1, place]
+    return np.stack([edges[first, place], edges[first + 1, place]])
 
 
 def _half_swing_by_the_node(torus):
