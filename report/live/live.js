@@ -88,9 +88,9 @@ function moving(box, name, controls) {
       behind = false;
       const began = performance.now();
       try {
-        const { picture: png, alt } = await ask("draw", { name, values: values() });
+        const { picture: drawn, alt } = await ask("draw", { name, values: values() });
         URL.revokeObjectURL(picture.src);
-        picture.src = URL.createObjectURL(new Blob([png], { type: "image/png" }));
+        picture.src = URL.createObjectURL(new Blob([drawn], { type: "image/bmp" }));
         await picture.decode();
         picture.alt = alt;
         picture.closest("a")?.removeAttribute("href");

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..arguments import checked, finite, shown
 from .camera import live, refill, shoot
-from .record import preview
+from .record import moved_preview, preview
 
 SWEEPS = itertools.count(1)
 ROOM = 0.05, 0.03, 0.92, 0.94  # left, bottom, width and height of what drawings first fill
@@ -127,7 +127,7 @@ def _moved_drawing(draw, first, alt, controls):
             for ax, place in zip(drawing.axes, places, strict=True):
                 ax.set_position(place)
         here = ", ".join(f"{name} {value:g}" for name, value in values.items())
-        return preview(drawing, f"{alt} Drawn for {here}.")
+        return moved_preview(drawing, f"{alt} Drawn for {here}.")
 
     def show(**values):
         with _swept():
