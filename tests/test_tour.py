@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
+from tunneller_lib.job.flank_feeds import seconds_of
 from tunneller_lib.milling import (
     ConicalMill,
     Patch,
@@ -14,7 +16,7 @@ from tunneller_lib.milling import (
     trace_chains,
 )
 from tunneller_lib.milling.positions import depths_of
-from tunneller_lib.milling.tour import STEP
+from tunneller_lib.milling.tour import STEP, Tour
 
 MM = 1e-3
 PATCH = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
@@ -189,3 +191,39 @@ def test_a_tour_without_room_above_or_beyond_the_axes_is_refused(chains):
     short = replace(WIDE, tilt=(-1e-3, 1e-3))
     with pytest.raises(ValueError, match=r"machine: A must lie from .* at position \d+ of chain 0"):
         plan_tour(PATCH, MILL, chains, short, clearance=0.01, **LOOK)
+
+
+@pytest.mark.parametrize("far", [0.01, 0.4])
+def test_a_straight_way_takes_what_the_ramps_of_its_slowest_axis_take(far):
+    """From rest to rest, at 0.3 m/s and 1 m/s^2 at most: 0.09 m are the ramps alone."""
+    share = np.linspace(0, 1, 41)[:, None]
+    values = share * [far, -far / 2, 0.0, 0.0, 0.1 * far]
+    tip, axis = WIDE.positions(values)
+    tour = Tour(np.full(41, "traverse"), np.zeros(41, int), tip, axis, values)
+    found = seconds_of(tour, MILL.length, 1e-3, [0.3] * 5, [1.0] * 5).sum()
+    ramps = 2 * np.sqrt(far) if far < 0.09 else far / 0.3 + 0.3
+    assert ramps <= found <= 1.01 * ramps
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e2])
+def test_between_places_the_accelerations_are_kept_too(chains, scale):
+    """Along splines through a chain's places, looked at ten times as closely."""
+    [chain] = chains[-1:]
+    values = WIDE.values(chain.tip, chain.axis)
+    tour = Tour(
+        np.full(len(chain), "cut"), np.zeros(len(chain), int), chain.tip, chain.axis, values
+    )
+    speeds, accelerations = [0.3, 0.3, 0.3, 1, 1], scale * np.array([0.1, 0.1, 0.1, 1, 1])
+    seconds = seconds_of(tour, MILL.length, 0.02, speeds, accelerations)
+    way = CubicSpline(np.arange(len(chain)), values)
+    fine = np.linspace(0, len(chain) - 1, 10 * (len(chain) - 1) + 1)
+    many = replace(tour, **dict(zip(("kind", "chain", "values", "tip", "axis"), (
+        np.full(len(fine), "cut"), np.zeros(len(fine), int), way(fine),
+        *WIDE.positions(way(fine))), strict=True)))  # fmt: skip
+    closer = seconds_of(many, MILL.length, 0.02, speeds, accelerations)
+    assert closer.sum() == pytest.approx(seconds.sum(), rel=5e-3)
+    speed = np.diff(many.values, axis=0) / closer[1:, None]
+    changes = np.diff(speed, axis=0) / ((closer[2:] + closer[1:-1]) / 2)[:, None]
+    assert np.abs(speed / speeds).max() <= 1
+    assert np.abs(changes / accelerations).max() <= 1
+    assert np.abs(changes / accelerations).max() > (0.95 if scale < 1 else 0)

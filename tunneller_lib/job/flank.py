@@ -61,7 +61,9 @@ MACHINE = dict(pivot_x="m", pivot_y="m", pivot_z="m", up_x="1", up_y="1", up_z="
                tilt_max="rad", turn_min="rad", turn_max="rad", most_turn="rad",
                clearance="m")  # fmt: skip
 BOX = dict(x_min="m", x_max="m", y_min="m", y_max="m", z_min="m", z_max="m")
-FEED = dict(cutting="m/s", x="m/s", y="m/s", z="m/s", tilt="rad/s", turn="rad/s")
+FEED = dict(cutting="m/s", x="m/s", y="m/s", z="m/s", tilt="rad/s", turn="rad/s",
+            x_acceleration="m/s^2", y_acceleration="m/s^2", z_acceleration="m/s^2",
+            tilt_acceleration="rad/s^2", turn_acceleration="rad/s^2")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,8 @@ class FlankJob:
     measured : str, bytes or None
         A table of points with normals, or a mesh in STL, of kind "points".
     feed : dict or None
-        Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s.
+        Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s, with their
+        accelerations.
     boxes : list of dict
         On the workpiece, that mill and holder must stay off: ``_min`` and ``_max`` of x, y, z.
     """
@@ -319,9 +322,9 @@ def read_flank(path: str | Path, points: str | Path | None = None):
         if machine is None:
             raise WrongJob("[feed]: needs the machine whose axes it is about, [machine].")
         with said_of("feed", feed):
-            for name, speed in feed.items():
-                if not 0 < speed < np.inf:
-                    raise WrongJob(f"{name}: must be a finite speed above zero; got {speed:g}.")
+            for name, most in feed.items():
+                if not 0 < most < np.inf:
+                    raise WrongJob(f"{name}: must be finite and above zero; got {most:g}.")
     boxes = _rows(tables, "box", BOX)
     for name, box in zip(_names(boxes, "box"), boxes, strict=True):
         with said_of(name):

@@ -10,14 +10,16 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..milling.nurbs import MOST_DEGREE
 from ..milling.positions import counted_states, reasons_of
-from ..milling.tour import TRAVERSE, seconds_of
+from ..milling.tour import TRAVERSE
 from .atomic_write import write
 from .flank import FEED, FlankJob, FlankResult
+from .flank_feeds import seconds_of
 from .mesh import Mesh, ply, stl, vertex_normals, vtp
 
 TOLERANCES = 10e-6, 50e-6, 100e-6  # m, within which shares of the patch are said
 COLOURED = 100e-6  # m, left or cut, that has the full colour
 ERROR = "error / um"
+WRITTEN = 1e-9  # m, the last digit of a place in cutter location data
 
 
 @checked
@@ -38,7 +40,8 @@ def summarise_flank(job: FlankJob, result: FlankResult):
         their mill, counted from 1, lengths and ends, ``covered`` shares, ``gouge_m``, ``scallops``
         with their number, median and greatest height and the median ``kink_rad``,
         ``surface_error`` of a surface through measured points, ``tour`` with places by kind, or
-        null, ``seconds``, the least that feed and axes allow, or null, and ``warnings``.
+        null, ``seconds``, the least that feed, speeds and accelerations allow, or null, and
+        ``warnings``.
     """
     found = result.found
     covered = result.covered
@@ -99,8 +102,11 @@ def _seconds(job, result):
     """Return for each tour the least times (k,), in s, of its steps; NaN without a feed."""
     if job.feed is None:
         return [np.full(len(tour), np.nan) for tour in result.tours]
-    feed, *speeds = (job.feed[name] for name in FEED)
-    return [seconds_of(tour, mill.length, feed, speeds) for mill, _, tour in _tours(job, result)]
+    feed, *axes = (job.feed[name] for name in FEED)
+    return [
+        seconds_of(tour, mill.length, feed, axes[:5], axes[5:])
+        for mill, _, tour in _tours(job, result)
+    ]
 
 
 def _numbers_of(name, value):
@@ -141,7 +147,8 @@ def flank_text(numbers: Flanked):
                 f"{1e3 * scallops['kink_rad']:6.1f} mrad is the median kink where they meet"
             )
     if numbers["seconds"] is not None:
-        lines.append(f"{numbers['seconds']:6.1f} s is the least that feed and axes allow")
+        minutes = numbers["seconds"] / 60
+        lines.append(f"{minutes:6.2f} min is the least that feed, speeds and accelerations allow")
     error = numbers["surface_error"]
     if error:
         lines.append(
@@ -220,8 +227,9 @@ def tours_csv(job: FlankJob, result: FlankResult):
 def cl_text(job: FlankJob, result: FlankResult):
     """Return chains, or tours, as cutter location data in the manner of APT, in mm.
 
-    Only what a tour traverses is rapid: an approach may meet the stock. A feed is that of the tip,
-    in mm/min, with which feed and speeds of the machine's axes are kept in each step.
+    Only what a tour traverses is rapid: an approach may meet the stock. A feed is the mean one of
+    the tip over a step, in mm/min, that follows from its least time; where the tip stays where it
+    is, to the last digit that is written, the feed before goes on.
     """
     lines = [
         "PARTNO/FLANK MILLING WITH A CONE",
@@ -257,6 +265,8 @@ def _loaded(mill, number):
 def _toured(tour, first, seconds):
     """Return lines for a tour whose first chain has a number, from 0, with feeds where known."""
     lines = ["$$ THE WAY TO THE FIRST PLACE IS NOT PLANNED"]
+    if np.isfinite(seconds).all():
+        lines.append(f"$$ FROM THERE {seconds.sum() / 60:.2f} MIN AT LEAST, EACH PART REST TO REST")
     moved = np.linalg.norm(np.diff(tour.tip, axis=0, prepend=tour.tip[:1]), axis=-1)
     begins = np.append(True, tour.kind[1:] != tour.kind[:-1])
     last = None
@@ -265,7 +275,7 @@ def _toured(tour, first, seconds):
             lines.append(f"$$ {tour.kind[k].upper()}, CHAIN {tour.chain[k] + first + 1}")
         if tour.kind[k] == TRAVERSE:
             lines.append("RAPID")
-        elif seconds[k] > 0 and moved[k] > 0:
+        elif seconds[k] > 0 and moved[k] > WRITTEN:
             feed = f"FEDRAT/{_floored(6e4 * moved[k] / seconds[k])},MMPM"
             lines += [feed] if feed != last else []
             last = feed

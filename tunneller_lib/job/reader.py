@@ -27,7 +27,7 @@ from ..removal import Ground
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 
 TEXT, WHOLE = "text", "whole number"
-ANGULAR = "rad", "rad/s"  # whose names may end in _deg
+ANGULAR = "rad", "rad/s", "rad/s^2"  # whose names may end in _deg
 # What each table may hold: units, TEXT or WHOLE. What has no default is needed.
 MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
                cutter_radius="m", depth="m", height="m")  # fmt: skip

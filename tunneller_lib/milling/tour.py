@@ -132,34 +132,6 @@ def plan_tour(
     return tour
 
 
-def seconds_of(tour, length, feed, speeds):
-    """Return the least times (k,) in s from the place before, 0 at the first.
-
-    Parameters
-    ----------
-    tour : Tour
-        The way.
-    length : float
-        Of the mill's cutting part, in m.
-    feed : float
-        Greatest speed, in m/s, of the mill's axis over the workpiece, all along its cutting part,
-        but on traverses.
-    speeds : (5,) float
-        Of the machine's axes: three in m/s, two in rad/s.
-
-    Notes
-    -----
-    Speeds are those in the mean of a step; how fast they change isn't looked at.
-    """
-    steps = np.abs(np.diff(tour.values, axis=0))
-    seconds = np.max(steps / np.asarray(speeds), axis=1)
-    # Between the ends of a stiff axis no point is faster than the faster end.
-    ends = [norm(np.diff(tour.tip + k * tour.axis, axis=0)) for k in (0.0, length)]
-    along = np.max(ends, axis=0) / feed
-    seconds = np.where(tour.kind[1:] == TRAVERSE, seconds, np.maximum(seconds, along))
-    return np.append(0.0, seconds)
-
-
 def _raised(values, safe):
     """Return values (5,) at which the tip is as high as `safe`, or where it is if that is more."""
     raised = values.copy()

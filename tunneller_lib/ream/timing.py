@@ -23,13 +23,13 @@ class Places:
     square : (m + 1,) float
         Greatest square of the feed, in m^2/s^2, by limits of speed.
     acceleration : float
-        Of the cutter, in m/s^2: the joints' accelerations, each times its lever.
-    joint : (2,) float
+        Of the cutter, in m/s^2: the joints' accelerations, each times its lever; infinite for none.
+    joint : (j,) float
         Greatest accelerations of the joints, in rad/s^2; infinite for none.
-    slope, bend : (m + 1, 2) float
+    slope, bend : (m + 1, j) float
         First and second derivatives of the joint positions by the length of way.
-    lever : (m + 1, 2) float
-        How far the cutter moves by a radian of each joint, in m; the two moves are at right angles.
+    lever : (m + 1, j) float
+        How far the cutter moves by a radian of each joint, in m; their moves are at right angles.
     """
 
     square: np.ndarray

@@ -1,0 +1,67 @@
+"""How long a mill takes on its tour at least, within speeds and accelerations of the axes."""
+
+import numpy as np
+
+from ..milling.tour import CUT, TRAVERSE
+from ..ream.timing import Places, fastest
+
+FINE = 32  # parts of a step at whose ends the limits are looked at
+USED = 0.995  # of each acceleration: between these ends it is passed by less than the rest
+
+
+def seconds_of(tour, length, feed, speeds, accelerations):
+    """Return the least times (k,) in s from the place before, 0 at the first.
+
+    Parameters
+    ----------
+    tour : Tour
+        The way.
+    length : float
+        Of the mill's cutting part, in m.
+    feed : float
+        Greatest speed, in m/s, of the mill's axis over the workpiece, all along its cutting part,
+        but on traverses.
+    speeds : (5,) float
+        Greatest ones of the machine's axes: three in m/s, two in rad/s.
+    accelerations : (5,) float
+        Likewise, in m/s^2 and rad/s^2.
+
+    Notes
+    -----
+    Each chain, and each way to it or from it, goes from rest to rest; on it the axes follow cubic
+    splines through the places. Along such a way the square x of its rate has bounds from the
+    speeds, and each acceleration q' x'/2 + q'' x is linear in x and its slope: time-optimal path
+    parametrisation, which two passes solve.
+    """
+    seconds = np.zeros(len(tour))
+    begins = np.flatnonzero(np.append(True, tour.kind[1:] != tour.kind[:-1]))
+    for first, stop in zip(begins, [*begins[1:], len(tour)], strict=True):
+        # What isn't a cut begins where the part before it ended.
+        rows = slice(first if tour.kind[first] == CUT else max(first - 1, 0), stop)
+        most = np.inf if tour.kind[first] == TRAVERSE else feed
+        ends = [tour.tip[rows] + k * tour.axis[rows] for k in (0.0, length)]
+        part = _from_rest_to_rest(tour.values[rows], ends, most, speeds, accelerations)
+        seconds[rows.start + 1 : stop] = part
+    return seconds
+
+
+def _from_rest_to_rest(values, ends, feed, speeds, accelerations):
+    """Return the least times (n - 1,) of steps through values (n, 5), `ends` (n, 3) with them."""
+    from scipy.interpolate import CubicSpline
+
+    n = len(values)
+    if not np.any(np.diff(values, axis=0)):
+        return np.zeros(n - 1)
+    at = np.linspace(0, n - 1, (n - 1) * FINE + 1)
+    axes = CubicSpline(np.arange(n), values)
+    slope = axes(at, 1)
+    with np.errstate(divide="ignore"):
+        rate = np.min(np.asarray(speeds) / np.abs(slope), axis=1)
+        # Between the ends of a stiff axis no point is faster than the faster end.
+        for end in ends:
+            way = np.linalg.norm(CubicSpline(np.arange(n), end)(at, 1), axis=1)
+            rate = np.minimum(rate, feed / way)
+    limits = USED * np.asarray(accelerations)
+    places = Places(rate**2, np.inf, limits, slope, axes(at, 2), np.ones_like(slope))
+    rate = np.sqrt(fastest(np.diff(at), places))
+    return (2 * np.diff(at) / (rate[1:] + rate[:-1])).reshape(n - 1, FINE).sum(axis=1)
