@@ -19,7 +19,7 @@ from tunneller_lib.job.flank import read_flank
 from tunneller_lib.job.measured_patch import _check_normals, _table, patch_through
 from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl
 from tunneller_lib.job.reader import WrongJob
-from tunneller_lib.milling import fit_nurbs, sweep_error
+from tunneller_lib.milling import find_positions, fit_nurbs, sweep_error
 
 READS = ["notebooks/flank.toml"]
 
@@ -264,6 +264,34 @@ def test_boxes_are_neighbours(run):
     again = columns_of(out / "positions.csv")
     assert again["reason"][row] == "enters a neighbour"
     assert float(again["others_enter_m"][row]) > 0.004
+
+
+def test_spindle_and_table_refuse_positions(tmp_path):
+    """A wide table across the blade: the spindle's lowest point is below it, or it isn't."""
+    top, radius, length = 0.005, 0.06, 0.2
+    text = JOB.read_text(encoding="utf-8")
+    spindle = f"spindle_radius = {radius}\nspindle_length = {length}\n"
+    sides = "".join(f"{c}_min = -0.45\n{c}_max = 0.45\n" for c in "yz")
+    table = f"[box]\nx_min = -0.02\nx_max = {top}\n{sides}\n"
+    changed = text.replace("\n[paths]", f"{spindle}\n{table}[paths]")
+    found = []
+    for number, content in enumerate((text, changed)):
+        path = tmp_path / f"{number}.toml"
+        path.write_text(content, encoding="utf-8")
+        job = read_flank(path)
+        [mill] = job.tools
+        about = {"tolerance": 10e-6, "others": job.others, "n": 41}
+        at = job.patch.parameters(4, margin=0.05)
+        found.append(find_positions(job.patch, mill, *at, **about))
+    free, again = found
+    ends = free.tip[:, :1] + np.array([0.1, 0.1 + length]) * free.axis[:, :1]  # of the spindle
+    deep = top - (ends.min(axis=1) - radius * np.sqrt(1 - free.axis[:, 0] ** 2))
+    enters = (deep > 0)[free.fits]
+    assert enters.any() and not enters.all()
+    reasons = again.reason[free.fits]
+    np.testing.assert_array_equal(reasons, np.where(enters, "enters a neighbour", "fits"))
+    depth = again.others_enter[free.fits][enters]
+    np.testing.assert_array_less(depth, deep[free.fits][enters] + 1e-9)
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.1, 0.1), (0.1, "nan"), ("-inf", 0.1), (0.1, "inf")])

@@ -156,6 +156,18 @@ def test_the_holder_is_a_cylinder_above_the_mill():
     np.testing.assert_allclose(MILL.holder(height, radius), [0.01, -0.001, -0.001, 0.003, 0.01])
 
 
+def test_a_spindle_is_a_cylinder_above_the_holder():
+    mill = replace(MILL, spindle_radius=50 * MM, spindle_length=100 * MM)
+    height = np.array([0.06, 0.09, 0.19, 0.1])
+    radius = np.array([0.011, 0.0, 0.0, 0.055])
+    np.testing.assert_allclose(mill.holder(height, radius), [-0.001, -0.01, 0.01, 0.005])
+    assert (MILL.height, MILL.widest) == pytest.approx((0.08, MILL.top_radius))
+    assert (mill.height, mill.widest) == pytest.approx((0.18, 0.05))
+    for size in ({"spindle_radius": 0.05}, {"spindle_length": 0.1}):
+        with pytest.raises(ValueError, match=r"^spindle_radius, spindle_length: must both"):
+            replace(MILL, **size)
+
+
 @pytest.fixture(scope="module")
 def on_blade():
     others = np.concatenate([RING.mesh(61, k).reshape(-1, 3) for k in (1, -1)])

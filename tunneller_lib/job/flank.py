@@ -52,8 +52,10 @@ SURFACES = {
 TABLES = *FLANK, "machine", "feed", "box"  # the last three may be missing
 SEVERAL = "mill", "box"  # of which there may be some, in double brackets
 MOST_TABLES = 20
-ON_A_FACE = 61  # points each way on a box's face
+APART = 2.5e-3  # m between points of a box's face, but
+ON_A_FACE = 61, 241  # at least, and at most, so many each way
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
+SPINDLE = dict(spindle_radius="m", spindle_length="m")
 PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
              mesh=WHOLE, stock="m")  # fmt: skip
 MACHINE = dict(pivot_x="m", pivot_y="m", pivot_z="m", up_x="1", up_y="1", up_z="1",
@@ -115,7 +117,8 @@ class FlankJob:
         Greatest speeds: ``cutting``, and those of the machine's axes, in m/s and rad/s, with their
         accelerations.
     boxes : list of dict
-        On the workpiece, that mill and holder must stay off: ``_min`` and ``_max`` of x, y, z.
+        On the workpiece, as clamps and the table are, that mill, holder and spindle must stay off:
+        ``_min`` and ``_max`` of x, y, z.
     """
 
     surface: dict
@@ -294,7 +297,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             "[paths] step, stock, tolerance: must be finite lengths, the first two above zero; "
             f"got {', '.join(f'{length:g}' for length in lengths)}."
         )
-    mills = _rows(tables, "mill", MILL)
+    mills = _rows(tables, "mill", MILL | SPINDLE, MILL)
     if any(one in mills[:k] for k, one in enumerate(mills)):
         raise WrongJob("[[mill]]: must be different ones; got one twice.")
     measured = None
@@ -325,19 +328,19 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             for name, most in feed.items():
                 if not 0 < most < np.inf:
                     raise WrongJob(f"{name}: must be finite and above zero; got {most:g}.")
-    boxes = _rows(tables, "box", BOX)
+    boxes = _rows(tables, "box", BOX, BOX)
     for name, box in zip(_names(boxes, "box"), boxes, strict=True):
         with said_of(name):
             _check_ranges(box, "xyz")
     return FlankJob(surface, mills, paths, machine, measured, feed, boxes)
 
 
-def _rows(tables, name, units):
+def _rows(tables, name, units, needed):
     """Return what all tables of a name say, a list of dicts, which may be empty."""
     given = tables.get(name, [])
     given = given if isinstance(given, list) else [given]
     named = zip(_names(given, name), given, strict=True)
-    return [read_table(label, one, units, units) for label, one in named]
+    return [read_table(label, one, units, needed) for label, one in named]
 
 
 def _check_ranges(about, names):
@@ -356,8 +359,11 @@ def _names(rows, name="mill"):
 
 
 def _faces(box):
-    """Yield grids (n, n, 3) of points of a box's faces, in m."""
-    ways = [np.linspace(box[f"{c}_min"], box[f"{c}_max"], ON_A_FACE) for c in "xyz"]
+    """Yield grids (n, m, 3) of points of a box's faces, in m."""
+    ways = []
+    for c in "xyz":
+        low, high = box[f"{c}_min"], box[f"{c}_max"]
+        ways.append(np.linspace(low, high, int(np.clip((high - low) / APART + 1, *ON_A_FACE))))
     for k in range(3):
         for end in (0, -1):
             one = [way if i != k else way[[end]] for i, way in enumerate(ways)]

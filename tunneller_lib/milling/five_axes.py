@@ -72,6 +72,10 @@ class TiltingTable:
 
     Notes
     -----
+    What the table carries, and the table itself, moves with the workpiece: as points or boxes there
+    it is among the `others` that a mill with its holder and spindle must stay off. A cradle, which
+    tilts and doesn't turn, isn't looked at.
+
     A point p of the workpiece is at Rx(A) Rz(C) F (p - pivot), where the rows of F are three unit
     vectors, the third along `up`. For an axis F u = (sin A sin C, sin A cos C, cos A) there are two
     answers, with A of either sign.

@@ -196,8 +196,6 @@ def depths_of(patch, mill, tip, axis, others, n):
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
     others = np.empty((0, 3)) if others is None else others
-    top = mill.length + mill.holder_length
-    widest = max(mill.top_radius, mill.holder_radius)
     size = max(1, BLOCK // max(len(mesh), len(others)))
     for first in range(0, len(tip), size):
         rows = slice(first, first + size)
@@ -211,7 +209,7 @@ def depths_of(patch, mill, tip, axis, others, n):
         if len(others):
             height, radius = seen_from(others, *at)
             # What is within mill or holder is within one cylinder about both: few points are.
-            near = (height > 0) & (height < top) & (radius < widest)
+            near = (height > 0) & (height < mill.height) & (radius < mill.widest)
             row = np.nonzero(near)[0]
             seen = height[near], radius[near]
             least = np.minimum(mill.cutting(*seen), mill.holder(*seen))

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import HalfAngle, Length, Lengths, checked
+from ..arguments import HalfAngle, Length, Length0, Lengths, checked
 
 
 @dataclass(frozen=True)
 @checked
 class ConicalMill:
-    """A truncated cone that widens upwards, and above it a holder, a cylinder.
+    """A truncated cone that widens upwards, above it a holder, and above that a spindle.
 
     Parameters
     ----------
@@ -28,6 +28,9 @@ class ConicalMill:
         Of the cutting part, along the axis, in m.
     holder_radius, holder_length : float
         Of the cylinder that holds it, in m.
+    spindle_radius, spindle_length : float
+        Of the cylinder above that, the spindle's housing, in m; it counts as part of the holder.
+        There is none by default.
     """
 
     half_angle: HalfAngle
@@ -35,6 +38,15 @@ class ConicalMill:
     length: Length
     holder_radius: Length
     holder_length: Length
+    spindle_radius: Length0 = 0.0
+    spindle_length: Length0 = 0.0
+
+    def __post_init__(self):
+        if (self.spindle_radius > 0) != (self.spindle_length > 0):
+            raise ValueError(
+                "spindle_radius, spindle_length: must both be above zero, or neither; "
+                f"got {self.spindle_radius:g} and {self.spindle_length:g} m."
+            )
 
     @property
     def top_radius(self):
@@ -61,7 +73,21 @@ class ConicalMill:
     def holder(self, height: Lengths, radius: Lengths):
         """Return how far points are from the holder, in m, negative within."""
         top = self.length + self.holder_length
-        return _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
+        holder = _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
+        if not self.spindle_length:
+            return holder
+        wide = self.spindle_radius
+        return np.minimum(holder, _stub(height, radius, top, wide, self.height, wide))
+
+    @property
+    def height(self):
+        """Return how far all of it reaches above the tip, in m."""
+        return self.length + self.holder_length + self.spindle_length
+
+    @property
+    def widest(self):
+        """Return the greatest radius of all of it, in m."""
+        return max(self.top_radius, self.holder_radius, self.spindle_radius)
 
 
 @dataclass(frozen=True)

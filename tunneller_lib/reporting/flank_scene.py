@@ -202,3 +202,7 @@ def _put(plotter, job, way, place, error, limit):
     ends = tip + np.array([[mill.length], [mill.length + mill.holder_length]]) * axis
     holder = scene.curve(ends, mill.holder_radius)
     plotter.add_mesh(holder, name="holder", color=COLOURS["machine"], opacity=0.8, **kept)
+    if mill.spindle_length:
+        ends = tip + np.array([[mill.length + mill.holder_length], [mill.height]]) * axis
+        housing = scene.curve(ends, mill.spindle_radius)
+        plotter.add_mesh(housing, name="spindle", color=COLOURS["machine"], opacity=0.5, **kept)
