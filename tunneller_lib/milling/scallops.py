@@ -93,26 +93,29 @@ def find_scallops(
     )
 
     def left(s, t):
-        """Return what each strip leaves (chains, k, m) on lines, and their steps (k, m - 1)."""
+        """Return what all strips leave (k, m) on lines, what both of theirs do, and their steps."""
         points = patch.points(s, t)
-        every = [
-            sweep_error(points, tool, one.tip, one.axis)
-            for tool, one in zip(mills, covered.chains, strict=True)
-        ]
-        return np.array(every), norm(np.diff(points, axis=1))
+        least = np.full(s.shape, np.inf)
+        pair = np.empty((2, *s.shape))
+        # One strip at a time: of many chains all together would take too much memory.
+        for number, (tool, one) in enumerate(zip(mills, covered.chains, strict=True)):
+            alone = sweep_error(points, tool, one.tip, one.axis)
+            least = np.minimum(least, alone)
+            for own, whose in zip(pair, (chain, neighbour), strict=True):
+                own[whose == number] = alone[whose == number]
+        return least, pair, norm(np.diff(points, axis=1))
 
-    every, steps = left(s, t)
+    least, pair, steps = left(s, t)
     row = np.arange(len(ends))
-    meets, place = _crossing(every[chain, row], every[neighbour, row])
+    meets, place = _crossing(*pair)
     s, t = (np.linspace(part[row, place], part[row, place + 1], CLOSER, axis=1) for part in (s, t))
-    closer, short = left(s, t)
-    pair = closer[chain, row], closer[neighbour, row]
+    _, pair, short = left(s, t)
     _, place = _crossing(*pair)
     first, second = (
         np.arctan2(one[row, place + 1] - one[row, place], short[row, place]) for one in pair
     )
     kink = np.where(meets, first - second, np.nan)
-    height = every.min(axis=0).max(axis=1)
+    height = least.max(axis=1)
     return Scallops(chain, position + 2, neighbour, opposite + 2, steps.sum(axis=1), height, kink)
 
 
