@@ -93,8 +93,8 @@ def _check_normals(contact, normal):
     if np.any(against):
         flipped = np.count_nonzero(dot(normal, normal.mean(axis=0)) < 0) or np.sum(against)
         raise ValueError(
-            "points: normals must point to one side, and turn by less than 90 degrees from point to "
-            f"point; {flipped} of {len(normal)} don't."
+            "points: normals must point to one side, and turn by less than 90 degrees between "
+            f"neighbours; {flipped} of {len(normal)} don't."
         )
 
 
