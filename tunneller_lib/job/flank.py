@@ -199,7 +199,7 @@ class FlankJob:
 
         These are two blades and the hub.
         """
-        grids = [face for box in self.boxes for face in box_faces(box)]
+        grids = [face for box in self.boxes for face in _faces(box)]
         if self.surface["kind"] != "blade":
             return grids
         ring = self._ring
@@ -358,7 +358,7 @@ def _names(rows, name="mill"):
     return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
 
 
-def box_faces(box):
+def _faces(box):
     """Yield grids (n, m, 3) of points of a box's faces, in m."""
     ways = []
     for c in "xyz":
