@@ -148,7 +148,7 @@ def test_job_takes_pieces_and_circles(job):
 
 
 WRONG = [
-    ({"r = 0.08": "r : 0.08"}, r"job\.toml: isn't TOML; Expected '=' after a key.*line 7"),
+    ({"r = 0.08": "r : 0.08"}, r"job\.toml: isn't TOML; Expected '=' after a key.*line 8"),
     ({"r = 0.08": "q = 0.08"}, r"^\[machine\] q: isn't known; known are r, R, theta_min"),
     ({"cutter_radius": "cutter_radios"}, r"cutter_radios: isn't known; 'cutter_radius' is meant"),
     ({"phi_max_deg": "phi_max_dge"}, r"phi_max_dge: isn't known; 'phi_max' is meant, perhaps\.$"),

@@ -1,6 +1,7 @@
 """The planner and the calculator of the pages: the same answers as the command and the library."""
 
 import re
+from dataclasses import astuple, fields
 
 import numpy as np
 import pytest
@@ -9,12 +10,31 @@ from report.live import planner
 from report.sources import ROOT
 from tests.pictures import pixels
 from tunneller_lib.__main__ import main
+from tunneller_lib.job import read_job, reader
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
 READS = ["notebooks/*"]
 
 REFERENCE = (ROOT / "notebooks" / "reference.toml").read_text()
+
+
+# A line of the job, left out or not, and the words behind it.
+LINE = re.compile(r"^(?:# )?(?:\[(\w+)\]|(\w+) = \S.*?)(?:\s+# (.+))?$")
+
+
+def said():
+    """Return the words behind each line of the reference job by the line's table and name."""
+    table, words = None, {}
+    for line in REFERENCE.split("\n"):
+        if not (found := LINE.match(line)):
+            continue
+        if found[1]:
+            table = found[1]
+        elif table:
+            assert (table, found[2]) not in words
+            words[table, found[2]] = found[3]
+    return words
 
 
 def quick():
@@ -45,6 +65,35 @@ def test_planner_prints_and_writes_what_the_command_does(planned, capsys):
             assert files[path.name] == path.read_bytes(), path.name
     for name in ("plan.png", "wall.png"):
         assert pixels(files[name]).std() > 10
+
+
+def test_reference_job_has_a_line_for_each_name_of_a_job_which_says_its_unit_first():
+    sizes = {name: unit for _, own in reader.SHAPES.values() for name, unit in own.items()}
+    known = {field.name: getattr(reader, field.name.upper(), sizes) for field in fields(reader.Job)}
+    known["section"] = {"shape": reader.TEXT} | sizes
+    words = said()
+    assert {(table, name.removesuffix("_deg")) for table, name in words} == {
+        (table, name) for table, units in known.items() for name in units
+    }
+    for (table, name), line in words.items():
+        key = name.removesuffix("_deg")
+        unit = known[table][key].replace("rad", "deg" if name != key else "rad")
+        assert unit in ("1", reader.TEXT) or line.startswith(f"{unit}, "), (table, name)
+
+
+def test_hydraulics_left_out_of_the_reference_job_are_the_usual_ones(tmp_path):
+    begin, end = REFERENCE.index("# [hydraulics]"), REFERENCE.index("[plan]")
+    counted = re.sub("^# ", "", REFERENCE[begin:end], flags=re.M)
+    path = tmp_path / "all.toml"
+    path.write_text(REFERENCE[:begin] + counted + REFERENCE[end:])
+    job, usual = read_job(path), read_job(ROOT / "notebooks" / "reference.toml").sizes
+    assert len(job.hydraulics) == len(reader.HYDRAULICS)
+    assert flat(job.sizes) == pytest.approx(flat(usual), rel=1e-3)
+
+
+def flat(sizes):
+    cylinders = [astuple(sizes.lift), astuple(sizes.swing)]
+    return [number for row in (*cylinders, astuple(sizes)[2:]) for number in row]
 
 
 @pytest.mark.parametrize(

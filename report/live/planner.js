@@ -7,80 +7,108 @@
   const answer = document.getElementById("answer");
   let jobName = "job.toml";
 
-  // A line that gives a value, perhaps left out: "# name = value  # what it is".
-  const LINE = /^(# )?(\w+) = ("[^"]*"|[^\s#]+)\s*(?:# (.*))?$/;
-  // Words that go on with those of the line before.
-  const MORE = /#  +(.*)$/;
-  const TABLE = /^(# )?\[([\w.]+)\]\s*(?:# (.*))?$/;
+  function element(name, content, about = {}) {
+    return Object.assign(document.createElement(name), { textContent: content }, about);
+  }
 
-  // Each line of the form's: its table, name, value, and whether it is there.
-  function linesOf(job) {
-    let table = "";
-    let tableLine;
-    const found = [];
+  // A table's head, and a line that gives a value; either may be left out: "# name = value  # words".
+  const TABLE = /^(# |\s*)\[([\w.]+)\]\s*(?:# (.*))?$/;
+  const VALUE = /=\s*("[^"]*"|'[^']*'|[^\s#]+)/;
+  const LINE = /^(# |\s*)(\w+)\s*=\s*("[^"]*"|'[^']*'|[^\s#]+)\s*(?:# (.*))?$/;
+
+  // The heads and the lines of a job. A line counts for the last head that does; one that is left
+  // out would count for the last head of all.
+  function parsed(job) {
+    const [heads, lines] = [[], []];
+    let latest, counting;
     job.split("\n").forEach((line, at) => {
+      if (/^\s*\[\[/.test(line)) latest = counting = undefined; // of a list of tables
       const head = TABLE.exec(line);
-      if (head) [table, tableLine] = [head[2], { at, off: !!head[1] }];
       const given = LINE.exec(line);
-      if (given && table) {
-        const [, off, name, value, words = ""] = given;
-        const about = { at, table, tableLine, off: !!off || tableLine.off, name, value, words };
-        found.push({ ...about, hint: MORE.test(line) ? "" : words });
+      if (head) {
+        latest = { at, off: head[1] === "# ", name: head[2], words: head[3] || "" };
+        if (!latest.off) counting = latest;
+        heads.push(latest);
+      } else if (given) {
+        const [, sign, name, value, words = ""] = given;
+        const off = sign === "# ";
+        const owner = off ? latest : counting;
+        if (owner) lines.push({ at, off, owner, table: owner.name, name, value, words });
       }
-      const more = MORE.exec(line);
-      const owner = found.findLast(({ hint }) => hint);
-      if (more && owner?.table === table) owner.hint += `; ${more[1]}`;
     });
-    return found;
+    return { heads, lines };
   }
 
-  function field(about) {
-    const label = document.createElement("label");
-    const name = document.createElement("span");
-    const input = document.createElement("input");
-    const words = document.createElement("small");
-    const quoted = about.value.startsWith('"');
-    const plain = quoted ? about.value.slice(1, -1) : about.value;
-    name.textContent = about.name;
-    words.textContent = about.hint;
-    Object.assign(input, { type: "text", spellcheck: false, name: `${about.table}.${about.name}` });
-    if (about.off) input.placeholder = plain;
-    else input.value = plain;
-    input.addEventListener("change", () => put(about, input.value.trim(), quoted));
-    label.append(name, input, words);
-    return label;
+  const bare = (name) => name.replace(/_deg$/, "");
+  const headOf = ({ heads }, table) => heads.filter(({ name }) => name === table).sort((a, b) => a.off - b.off)[0];
+
+  // The line of a job that gives a value, or else that would; an angle's has one of two names.
+  function lineOf(job, { table, name }) {
+    const head = headOf(job, table);
+    const those = job.lines.filter((line) => line.owner === head && bare(line.name) === bare(name));
+    return those.sort((a, b) => a.off - b.off)[0];
   }
 
-  // Write a value into its line of the text; an empty one leaves the line out.
-  function put(about, value, quoted) {
+  // Write a value into the text; an empty one leaves its line out.
+  function put(known, value) {
+    const job = parsed(text.value);
+    const [line, head] = [lineOf(job, known), headOf(job, known.table)];
     const lines = text.value.split("\n");
-    const words = about.words && `  # ${about.words}`;
-    const set = value ? (quoted ? `"${value}"` : value) : about.value;
-    lines[about.at] = `${value ? "" : "# "}${about.name} = ${set}${words}`;
-    if (value && about.tableLine.off) {
-      lines[about.tableLine.at] = lines[about.tableLine.at].slice(2);
+    const set = known.value.startsWith('"') ? `"${value}"` : value;
+    if (line) {
+      const counts = lines[line.at].replace(/^# /, "");
+      lines[line.at] = value ? counts.replace(VALUE, () => `= ${set}`) : `# ${counts.trimStart()}`;
+    } else if (value) {
+      const last = job.lines.filter(({ owner }) => owner === head).pop() || head;
+      const added = `${known.name} = ${set}`;
+      if (last) lines.splice(last.at + 1, 0, added);
+      else lines.push(`[${known.table}]`, added, "");
     }
+    if (value && head?.off) lines[head.at] = lines[head.at].slice(2);
     text.value = lines.join("\n");
     showForm();
   }
 
+  // ---- the form: a field for each line of the reference job, with that line's words
+  const fields = [];
+
+  function field(known) {
+    const label = document.createElement("label");
+    const name = document.createElement("span");
+    const input = document.createElement("input");
+    const words = document.createElement("small");
+    const example = known.value.replaceAll('"', "");
+    Object.assign(input, { type: "text", spellcheck: false, name: `${known.table}.${known.name}`, placeholder: `e.g. ${example}` });
+    input.addEventListener("change", () => put(known, input.value.trim()));
+    fields.push((job) => {
+      const line = lineOf(job, known);
+      name.textContent = line?.name || known.name;
+      words.textContent = name.textContent === known.name ? known.words : known.words.replace(/^deg/, "rad");
+      input.value = line && !line.off ? line.value.replace(/^(["'])(.*)\1$/, "$2") : "";
+    });
+    label.append(name, input, words);
+    return label;
+  }
+
+  // A table that a job may lack is shut until the job has it.
+  function group(head, known) {
+    const box = document.createElement("fieldset");
+    const within = document.createElement(head.off ? "details" : "div");
+    if (head.words || head.off) within.append(element(head.off ? "summary" : "p", head.words));
+    if (head.off) fields.push((job) => (within.open ||= headOf(job, head.name)?.off === false));
+    within.append(...known.map(field));
+    box.append(element("legend", head.name), within);
+    return box;
+  }
+
+  function buildForm() {
+    const { heads, lines } = parsed(window.referenceJob);
+    form.append(...heads.map((head) => group(head, lines.filter(({ owner }) => owner === head))));
+  }
+
   function showForm() {
-    const focused = document.activeElement?.name;
-    const groups = new Map();
-    for (const about of linesOf(text.value)) {
-      if (!groups.has(about.table)) groups.set(about.table, []);
-      groups.get(about.table).push(field(about));
-    }
-    form.replaceChildren(
-      ...[...groups].map(([table, fields]) => {
-        const group = document.createElement("fieldset");
-        const legend = document.createElement("legend");
-        legend.textContent = table;
-        group.append(legend, ...fields);
-        return group;
-      }),
-    );
-    if (focused) form.querySelector(`[name="${focused}"]`)?.focus();
+    const job = parsed(text.value);
+    for (const show of fields) show(job);
   }
 
   // ---- a job from a file: chosen, or dropped on the page
@@ -92,18 +120,16 @@
     showForm();
   }
   document.getElementById("file").addEventListener("change", (event) => take(event.target.files[0]));
-  addEventListener("dragover", (event) => event.preventDefault());
-  addEventListener("drop", (event) => {
-    event.preventDefault();
-    take(event.dataTransfer.files[0]);
-  });
+  for (const kind of ["dragover", "drop"]) {
+    addEventListener(kind, (event) => {
+      if (!event.dataTransfer.types.includes("Files")) return; // letters, moved within the text
+      event.preventDefault();
+      if (kind === "drop") take(event.dataTransfer.files[0]);
+    });
+  }
   text.addEventListener("input", showForm);
 
   // ---- the command's answer
-  function element(name, content, about = {}) {
-    return Object.assign(document.createElement(name), { textContent: content }, about);
-  }
-
   function download(name, content) {
     const type = name.endsWith(".png") ? "image/png" : "application/octet-stream";
     const href = URL.createObjectURL(new Blob([content], { type }));
@@ -153,6 +179,7 @@
     });
   }
   document.getElementById("plan").addEventListener("click", plan);
+  buildForm();
   text.value = window.referenceJob;
   showForm();
 }

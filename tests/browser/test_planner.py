@@ -4,12 +4,14 @@ import json
 import os
 import re
 import time
+import tomllib
 
 from chromium import wait
 
 from report.live import planner
 from report.live.build import LIVE
 from report.sources import ROOT
+from tests.test_live_planner import said
 
 REFERENCE = ROOT / "notebooks" / "reference.toml"
 ANSWER = "document.getElementById('answer')"
@@ -97,7 +99,7 @@ def same(one, other, least):
 def test_planner_refuses_in_the_command_s_words(browser):
     open_page(browser, "planner.html")
     write(browser, "machine.R", "800")
-    assert "R = 800  # tangential" in browser.run("document.getElementById('job').value")
+    assert "\nR = 800              # m, tangential" in job_of(browser)
     plan(browser)
     said = browser.run(f"{ANSWER}.textContent")
     assert said.startswith("Not understood") and "[machine] R: must be at most 50 m" in said
@@ -106,8 +108,77 @@ def test_planner_refuses_in_the_command_s_words(browser):
 def test_planner_writes_what_was_left_out(browser):
     open_page(browser, "planner.html")
     write(browser, "pose.z", "2e-3")
-    job = browser.run("document.getElementById('job').value")
-    assert "\n[pose] " in job and "\nz = 2e-3\n" in job and "\n# y = 1e-3" in job
+    job = job_of(browser)
+    assert "\n[pose] " in job and "\nz = 2e-3 " in job and "\n# y = 1e-3 " in job
+
+
+def job_of(browser):
+    return browser.run("document.getElementById('job').value")
+
+
+def show_job(browser, text):
+    """Write a job into the page's text as a person does."""
+    browser.run(
+        f"(() => {{ const job = document.getElementById('job'); job.value = {json.dumps(text)};"
+        "job.dispatchEvent(new Event('input')); })()"
+    )
+
+
+def value_of(browser, name):
+    return browser.run(f"document.querySelector('[name=\"{name}\"]').value")
+
+
+def test_form_s_fields_have_the_words_of_their_own_lines(browser):
+    open_page(browser, "planner.html")
+    shown = browser.run(
+        "[...document.querySelectorAll('#form label')].map((one) => [one.control.name,"
+        "one.querySelector('span').textContent, one.querySelector('small').textContent])"
+    )
+    words = said()
+    assert [tuple(name.split(".")) for name, _, _ in shown] == list(words)
+    for full, name, text in shown:
+        table, key = full.split(".")
+        assert (name, text) == (key, words[table, key]), full
+
+
+def test_form_finds_the_values_of_a_job_in_another_form(browser):
+    open_page(browser, "planner.html")
+    show_job(browser, "\n".join([
+        "[machine]", "  R=0.9# long", "theta_min = -1.0", "[section]", "shape = 'pieces'",
+        "[[section.pieces]]", "kind = \"arc\"", "radius = 0.7", "# [body]", "# low = -0.3",
+        "[pose]", "# y = 3e-3",
+    ]))  # fmt: skip
+    fields = ["machine.R", "machine.theta_min_deg", "section.shape", "section.radius", "body.low",
+              "pose.y"]  # fmt: skip
+    assert [value_of(browser, name) for name in fields] == ["0.9", "-1.0", "pieces", "", "", ""]
+    told = "document.querySelector('[name=\"machine.theta_min_deg\"]').parentElement.textContent"
+    assert browser.run(told).startswith("theta_minrad, ")
+    shut = "[...document.querySelectorAll('#form fieldset:has(details:not([open])) legend')]"
+    assert browser.run(f"{shut}.map((one) => one.textContent)") == ["body", "stance", "hydraulics"]
+
+
+def test_form_writes_where_a_line_counts(browser):
+    open_page(browser, "planner.html")
+    show_job(browser, "[limits]\nfeed = 0.1\n\n[pose]\n# y = 3e-3\n")
+    for name, value in (("limits.feed", "0.2"), ("limits.power", "3e3"), ("pose.y", "1e-3"),
+                        ("machine.R", "0.9"), ("pose.z", "4"), ("limits.feed", "")):  # fmt: skip
+        write(browser, name, value)
+    assert job_of(browser).split("\n") == [
+        "[limits]", "# feed = 0.2", "power = 3e3", "", "[pose]", "y = 1e-3", "z = 4", "",
+        "[machine]", "R = 0.9", "",
+    ]  # fmt: skip
+    assert tomllib.loads(job_of(browser))["pose"] == {"y": 1e-3, "z": 4}
+
+
+def test_every_field_of_the_form_reaches_the_job(browser):
+    open_page(browser, "planner.html")
+    for table, name in said():
+        write(browser, f"{table}.{name}", "7")
+    sevens = {"shape": "7", "path": "7", "plant": "7"}
+    assert tomllib.loads(job_of(browser)) == {
+        table: {name: sevens.get(name, 7) for within, name in said() if within == table}
+        for table, _ in said()
+    }
 
 
 def test_calculator_gives_the_library_s_digits(browser):
