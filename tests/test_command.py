@@ -99,8 +99,9 @@ def test_job_takes_the_tiers(job):
 def test_job_takes_everything_that_the_reference_only_names(job):
     changed = job({"# [stance]": "[stance]", "# pitch_deg = 0": "pitch_deg = 1",
                    "# yaw_deg = 0": "yaw = 0.01", "# volume": "volume", "# flow": "flow",
-                   "# valve = 0.8": "valve = 0.8", "# integral = 0": "integral = 1", "# encoder_deg": "encoder",
-                   "# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3", "# z = -5e-4": "z = -5e-4",
+                   "# valve = 0.8": "valve = 0.8", "# integral = 0": "integral = 1",
+                   "# encoder_deg": "encoder", "# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3",
+                   "# z = -5e-4": "z = -5e-4",
                    "# roll_deg": "roll_deg"})  # fmt: skip
     made = read_job(changed)
     assert made.planned.circuit.pitch == np.radians(1) and made.planned.circuit.yaw == 0.01

@@ -124,15 +124,18 @@ async function whenReady(box, next) {
     else bar.value = share;
     if (told.textContent !== `${text} …`) told.textContent = `${text} …`;
   };
+  let failed = "Python didn't start";
+  let again = " To load the page anew tries again.";
   try {
     const began = performance.now();
     said(0, "Loading Python");
     await (ready ??= loadPython(said));
+    [failed, again] = ["That failed", ""];
     await next(said);
     box.dataset.ready = Math.round(performance.now() - began);
   } catch (error) {
     const why = error.message || "a file didn't load";
-    told.textContent = `Python didn't start (${why}). ${stays} To load the page anew tries again.`;
+    told.textContent = `${failed} (${why}). ${stays}${again}`;
     box.replaceChildren(told);
   }
 }

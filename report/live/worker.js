@@ -26,10 +26,11 @@ function answerFrom(files) {
   };
 }
 
-// What Python has translated, as a function: a script, run at once.
+// What Python has translated, as a function: a script, run at once. Firefox wants its type.
 const runNow = self.importScripts.bind(self);
 self.compiled = (script) => {
-  const address = URL.createObjectURL(new Blob([`self.latest = (() => {\n"use strict";\n${script}})();`]));
+  const text = `self.latest = (() => {\n"use strict";\n${script}})();`;
+  const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
   runNow(address);
   URL.revokeObjectURL(address);
   return self.latest;
