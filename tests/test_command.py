@@ -532,6 +532,7 @@ def test_scene_writes_a_page(capsys, job, tmp_path):
         r"The machine in the tunnel after \d\.\d s; colours: over-break / mm", title
     )
     assert f'aria-label="{title}"' in page and f"{title}. Drag to turn" in page
+    assert "position: fixed" not in page[page.index("<body") : page.index("<script")]
     assert '"to cut"' in page and '"Below"' not in page
     assert "<title>" not in page[page.index("</title>") :] and "VTK.js | Example" not in page
 

@@ -1,6 +1,7 @@
 """Pages that run, opened as files: sliders of chapters move pictures, in a moment, offline."""
 
 import os
+import time
 
 import pytest
 from chromium import wait
@@ -66,6 +67,19 @@ def test_slider_moves_a_picture_in_firefox(fox):
     assert (fox.picture(PICTURE) != before).mean() > 1e-4
     moment, load = fox.run(f"{BOX}.dataset.moment"), os.getloadavg()[0]
     print(f"\nFirefox: ready after {ready:.1f} s, {moment} ms, at a load of {load:.1f}")
+    assert fox.errors == [] and elsewhere(fox) == []
+
+
+def test_scene_is_drawn_and_turned_in_firefox(fox):
+    fox.open((LIVE / "chapters" / "02_torus.html").as_uri())
+    fox.run("document.querySelector('.scene button').click()")
+    fox.until("!!document.querySelector('.stage canvas')")
+    stage = "document.querySelector('.stage')"
+    wait(lambda: fox.picture(stage).std() > 3, said="a picture of the scene")
+    time.sleep(1)
+    before = fox.picture(stage)
+    fox.run("document.querySelector('.scene [aria-label^=\"Turn left\"]').click()")
+    wait(lambda: (fox.picture(stage) != before).mean() > 0.005, said="another one")
     assert fox.errors == [] and elsewhere(fox) == []
 
 

@@ -13,9 +13,11 @@ from ..job.atomic_write import replacement
 from .style import ERROR_MAP
 
 # The viewer takes the page's element of the class content, or else all of its body.
-PAGE = """<body>
-    <main class="content" role="img" aria-label="{0}" style="width: 100vw; height: 100vh"></main>
-    <p style="position: fixed; left: 1em; bottom: 0; color: #444; pointer-events: none">
+# The words stand below it, for its bar of colours reaches down to the scene's edge.
+PAGE = """<body style="display: flex; flex-direction: column; height: 100vh">
+    <main class="content" role="img" aria-label="{0}"
+      style="position: relative; flex: 1; min-height: 0"></main>
+    <p style="margin: 0.5em 1em; color: #444">
       {0}. Drag to turn, turn the wheel to zoom, drag with shift to move.
     </p>"""
 
