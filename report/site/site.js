@@ -276,7 +276,12 @@ function show(box) {
   if (still) still.replaceWith(stage);
   const bar = document.createElement("p");
   box.replaceChildren(...(still ? [] : [stage]), bar, told);
-  window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
+  try {
+    window.OfflineLocalView.load(stage, { base64Str: window.scenes[box.dataset.scene] });
+  } catch (error) {
+    if (still) stage.replaceWith(still);
+    throw error;
+  }
   // The viewer leaves its latest there.
   const view = window.renderWindow;
   for (const inner of stage.querySelectorAll("[tabindex]")) inner.tabIndex = -1;
