@@ -175,7 +175,23 @@ EVERY = {f"{room}.{call.name}": call for room in ROOMS for call in calls(room)}
 every_call = pytest.mark.parametrize("call", EVERY.values(), ids=EVERY)
 
 
-@every_call
+def of_all(statement):
+    """Return one test of a statement about all calls, which names each that breaks it."""
+
+    def test():
+        broken = []
+        for name, call in EVERY.items():
+            try:
+                statement(call)
+            except Exception as error:
+                broken.append(f"{name}: {error!r}")
+        assert not broken, "\n".join(broken)
+
+    test.__name__, test.__doc__ = statement.__name__, statement.__doc__
+    return test
+
+
+@of_all
 def test_every_argument_says_what_it_may_be(call):
     for name, about in call.parameters.items():
         assert about.annotation is not inspect.Parameter.empty, f"{name} says nothing"
@@ -185,7 +201,7 @@ def test_every_argument_says_what_it_may_be(call):
         assert hasattr(call.function, "unchecked"), "nobody looks at its arguments"
 
 
-@every_call
+@of_all
 def test_docstrings_give_the_shapes_and_units_of_the_rules(call):
     text = inspect.getdoc(call.function)
     for name, about in call.parameters.items():
@@ -199,7 +215,7 @@ def test_docstrings_give_the_shapes_and_units_of_the_rules(call):
             assert re.search(rf"\b{rule.unit}\b", text), f"{name} is in {rule.unit}"
 
 
-@every_call
+@of_all
 def test_angles_are_in_radians(call):
     for name in ("angle", "azimuth", "half_angle", "phi", "theta"):
         if name in call.parameters:
@@ -209,7 +225,7 @@ def test_angles_are_in_radians(call):
         assert rule.unit == "rad" or rule.says.startswith("(..., 2)")
 
 
-@every_call
+@of_all
 def test_directions_are_no_zero_vectors(call):
     if "direction" in call.parameters:
         assert rule_of(call.parameters["direction"].annotation).check is arguments.directions
@@ -220,7 +236,7 @@ def test_the_example_of_a_call_is_answered(call):
     call(call.valid)
 
 
-@every_call
+@of_all
 def test_defaults_may_be_given_by_hand(call):
     """What stands for an argument that is left out keeps the argument's rule itself."""
     defaults = {name: about.default for name, about in call.parameters.items()

@@ -247,7 +247,15 @@ def instance(name, value, kind):
     return value
 
 
-_BRIEFLY = reprlib.Repr()  # which doesn't look at every element of what is long
+class _Briefly(reprlib.Repr):
+    """It doesn't look at every element of what is long."""
+
+    def repr_ndarray(self, array, level):
+        with np.printoptions(threshold=30):
+            return repr(array)
+
+
+_BRIEFLY = _Briefly()
 _BRIEFLY.maxstring = _BRIEFLY.maxother = 200
 
 

@@ -77,7 +77,9 @@ def _rows(vectors, lines):
     """Return vectors as rows (n, 3) of so many lines, or as one row for all."""
     if vectors.size == 3:
         return vectors.reshape(1, 3)
-    return np.broadcast_to(vectors, (*lines, 3)).reshape(-1, 3)
+    if vectors.shape[:-1] != lines:  # else read-only: to a compiler a type of its own
+        vectors = np.broadcast_to(vectors, (*lines, 3))
+    return vectors.reshape(-1, 3)
 
 
 def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
