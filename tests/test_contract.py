@@ -305,9 +305,9 @@ def odd(random):
 
 @every_call
 def test_odd_arguments_are_answered_or_refused_in_a_sentence(call):
-    """Of each call, with one to three odd arguments: 50 cases, in `make long` 1000."""
+    """Of each call, with one to three odd arguments: 25 cases, in `make long` 1000."""
     names = sorted(call.parameters)
-    for case in range(many(50, 1000) if names else 0):
+    for case in range(many(25, 1000) if names else 0):
         random = Random(f"{call.room}.{call.name}, {case}")
         some = random.sample(names, min(random.randint(1, 3), len(names)))
         given = {name: odd(random) for name in some}
