@@ -17,16 +17,16 @@ def along(p, c, s):
 
 
 def derivatives(forms, c, s):
-    """Return f_ee, f_ww, f_eee, f_ew, f_eew and f_eeee for e = (c, s) by the forms' values.
+    """Return f_ee, f_ww, f_eee, f_ew, f_eew and f_eeee for e = (c, s), numbers or rows of them.
 
-    As e goes to e + x w a form of degree d goes to a polynomial in x, whose coefficient of x^k is
+    By the forms' values: as e goes to e + x w a form of degree d goes to a polynomial in x, whose coefficient of x^k is
     the derivative k times along w, and d - k times along e, over k! (d - k)!.
     """
     x = np.linspace(-1, 1, 5)
 
     def coefficients(p):
         degree = len(p) - 1
-        values = along(p, c - x * s, s + x * c)
+        values = along(p, c - np.multiply.outer(x, s), s + np.multiply.outer(x, c))
         found = np.polynomial.polynomial.polyfit(x, values, degree)
         return [found[k] * factorial(k) * factorial(degree - k) for k in range(degree + 1)]
 
@@ -63,8 +63,8 @@ def test_cones_are_in_contact_of_order_three_and_none_is_left_out(case):
         terms = RHO**2 * eeee, 6 * RHO * eew, 3 * (ww - ee)
         assert residual == pytest.approx(sum(terms) / sum(map(abs, terms)), abs=1e-9)
     turns = np.linspace(0, 2 * np.pi, 2001)
-    values = [derivatives(forms, np.cos(a), np.sin(a)) for a in turns]
-    signs = np.sign([RHO * eee + 3 * ew for _, _, eee, ew, _, _ in values])
+    _, _, eee, ew, _, _ = derivatives(forms, np.cos(turns), np.sin(turns))
+    signs = np.sign(RHO * eee + 3 * ew)
     assert sum(cone[2] for cone in there) == np.count_nonzero(np.diff(signs))
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import fsolve
 
+from tests.long import many
 from tunneller_lib import compiled
 from tunneller_lib.paths import (
     CHORD_PATHS,
@@ -101,7 +102,7 @@ def test_geodesic_by_no_trial(judge):
     # Always found: near and far, on tori that differ by a thousand times.
     found = []
     for ratio in (4, 40, 4000):
-        ways = geodesic_inverse(Torus(1 / ratio, 1), *pairs(20_000))
+        ways = geodesic_inverse(Torus(1 / ratio, 1), *pairs(many(5_000, 20_000)))
         assert ways.certified.all()
         found.append(ways.converged)
     # A second way, without Clairaut: geodesics in a fan of directions meet the end's parallel
@@ -119,7 +120,7 @@ def test_geodesic_by_no_trial(judge):
     # And for many pairs, from the end that is farther from the equator: from there every
     # direction comes to the other's parallel, but for those that turn up by the node.
     fan = np.linspace(np.pi - 0.005, 0.4, 160)
-    for p, q in zip(*pairs(25), strict=True):
+    for p, q in zip(*pairs(many(8, 25)), strict=True):
         (_, far), (_, near) = sorted([p, q], key=lambda end: -abs(end[1]))
         start, end = (0, abs(far)), (abs(p[0] - q[0]), near * np.sign(far))
         met = first_arrival(geodesic_direct(torus, start, fan, 3.0, 601), end[1])

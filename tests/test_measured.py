@@ -51,7 +51,7 @@ def test_a_fit_passes_exact_points_and_has_their_normals(scale):
 
 
 def test_errors_of_jets_are_those_of_coefficients_drawn_at_random():
-    """Spread of 2000 draws in place of the covariance's square root; in metres and millimetres."""
+    """Spread of 500 draws, in `make long` 2000, in place of the covariance's square root; in metres and millimetres."""
     for scale in (1.0, 1e-3):
         contact, n = patch(400)
         errors = {"contact_error": 1e-4 * scale, "normal_error": 1e-3}
@@ -60,7 +60,7 @@ def test_errors_of_jets_are_those_of_coefficients_drawn_at_random():
         said = fit.jet_errors(x, y)
         rng = np.random.default_rng(3)
         seen = []
-        for c in drawn(fit, rng, 2000):
+        for c in drawn(fit, rng, many(500, 2000)):
             r = point_of(fit, *jet_variables(x, y), c)
             seen.append(sum(part.c * axis for part, axis in zip(r, fit.axes[2], strict=True)))
         np.testing.assert_allclose(np.std(seen, axis=0), said, rtol=0.1)
