@@ -19,8 +19,8 @@ def along(p, c, s):
 def derivatives(forms, c, s):
     """Return f_ee, f_ww, f_eee, f_ew, f_eew and f_eeee for e = (c, s), numbers or rows of them.
 
-    By the forms' values: as e goes to e + x w a form of degree d goes to a polynomial in x, whose coefficient of x^k is
-    the derivative k times along w, and d - k times along e, over k! (d - k)!.
+    By the forms' values: as e goes to e + x w a form of degree d goes to a polynomial in x, whose
+    coefficient of x^k is the derivative k times along w, and d - k times along e, over k! (d - k)!.
     """
     x = np.linspace(-1, 1, 5)
 

@@ -51,7 +51,7 @@ def test_a_fit_passes_exact_points_and_has_their_normals(scale):
 
 
 def test_errors_of_jets_are_those_of_coefficients_drawn_at_random():
-    """Spread of 500 draws, in `make long` 2000, in place of the covariance's square root; in metres and millimetres."""
+    """Spread of 500 draws in place of the covariance's square root; in metres and millimetres."""
     for scale in (1.0, 1e-3):
         contact, n = patch(400)
         errors = {"contact_error": 1e-4 * scale, "normal_error": 1e-3}
