@@ -122,6 +122,14 @@ def test_site_shows_recorded_figures_with_text_and_caption(site):
     assert re.search(r'<a href="../supplement.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
 
 
+def test_captions_do_not_repeat_the_title_of_the_page(site):
+    for notebook in notebooks():
+        text = (site / page_name(notebook)).read_text()
+        title = plain(re.search(r"<h1[^>]*>(.*?)</h1>", text)[1])
+        said = [plain(caption) for caption in re.findall(r"<figcaption>(.*?)</figcaption>", text)]
+        assert title not in said and "" not in said
+
+
 def test_site_numbers_cells_and_keeps_their_names_outside_the_code(site):
     text = page(site, "08")
     assert (

@@ -54,7 +54,7 @@ class Chapter:
             for name, t in made.get("tables", {}).items()
         }
         self.pictures = {}  # file name: content, of pictures that are in the notebook only
-        self.heading = ""
+        self.heading = self.caption = ""
 
     def html(self):
         """Return the page's body."""
@@ -69,8 +69,10 @@ class Chapter:
 
     def prose(self, text):
         html = markdown(text, self.link)
-        if headings := re.findall(r"<h\d[^>]*>(.*?)</h\d>", html):
-            self.heading = plain(headings[-1])
+        if headings := re.findall(r"<h(\d)[^>]*>(.*?)</h\d>", html):
+            level, said = headings[-1]
+            self.heading = plain(said)
+            self.caption = "" if level == "1" else escape(self.heading)  # a title is said once
         return html
 
     def code(self, cell, number):
@@ -105,13 +107,14 @@ class Chapter:
             file = self.figures[alt]
             caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
-            file, caption = f"{self.stem}-{len(self.pictures)}.png", escape(self.heading)
+            file, caption = f"{self.stem}-{len(self.pictures)}.png", self.caption
             self.pictures[file] = content
         source = f"{self.to_root}figures/{file}"
         said = attribute(alt or f"Drawing: {self.heading}.")
+        below = f"<figcaption>{caption}</figcaption>" if caption else ""
         return (
             f'<figure><a href="{source}"><img src="{source}" alt="{said}" loading="lazy"></a>'
-            f"<figcaption>{caption}</figcaption></figure>\n"
+            f"{below}</figure>\n"
         )
 
     def scenes_of(self, number):
