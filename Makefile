@@ -62,7 +62,7 @@ lab: environment ## open JupyterLab on the index of the notebooks
 	@$(ALONE) PYVISTA_TRAME_SERVER_PROXY_PREFIX=/proxy/ $(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) \
 		--LabApp.default_url=/lab/tree/notebooks/00_index.ipynb
 
-browser: site live ## try pages and notebooks in a headless Chromium, where there is one
+browser: site live ## try pages and notebooks in headless Chromium and Firefox, where they are
 	@$(BIN)/python -m pytest tests/browser -s
 
 sliders: environment ## time every slider in JupyterLab, for tests/sliders.md, or those of CHAPTERS="43_better ..."

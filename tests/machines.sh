@@ -133,7 +133,7 @@ notes=$(sed -n '/^## /,$p' "$checkout/tests/machines.md")
 {
     echo '# Promises and machines'
     echo
-    echo "By \`tests/machines.sh\`, $(nproc) cores of$(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2)."
+    echo "By \`tests/machines.sh\` on $(nproc) cores of$(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2). A dash: the commit wasn't noted; those rows are of several commits of that day."
     echo
     echo '| promise | machine | result | date, commit |'
     echo '| --- | --- | --- | --- |'

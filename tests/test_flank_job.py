@@ -343,7 +343,7 @@ def test_people_get_lines(usual):
     code, said, _, _ = usual
     assert code == 0
     assert re.search(r"positions: fits\n", said)
-    assert re.search(r"% of the patch are milled to within 10 um", said)
+    assert re.search(r"% of the patch is milled to within 10 um", said)
 
 
 def nurbs(count=9, **changes):

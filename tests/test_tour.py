@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from tunneller_lib.job import flank_feeds
 from tunneller_lib.job.flank_feeds import seconds_of
 from tunneller_lib.milling import (
     ConicalMill,
@@ -17,6 +18,7 @@ from tunneller_lib.milling import (
 )
 from tunneller_lib.milling.positions import depths_of
 from tunneller_lib.milling.tour import STEP, Tour
+from tunneller_lib.ream.timing import fastest
 
 MM = 1e-3
 PATCH = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
@@ -206,24 +208,34 @@ def test_a_straight_way_takes_what_the_ramps_of_its_slowest_axis_take(far):
 
 
 @pytest.mark.parametrize("scale", [1e-2, 1.0, 1e2])
-def test_between_places_the_accelerations_are_kept_too(chains, scale):
-    """Along splines through a chain's places, looked at ten times as closely."""
+@pytest.mark.parametrize("slow", [None, 0, 1, 2, 3, 4])
+def test_between_places_the_accelerations_are_kept_too(chains, monkeypatch, scale, slow):
+    """Of the times' own profile, whose squared rate is linear between the places looked at."""
     [chain] = chains[-1:]
+    count = len(chain)
     values = WIDE.values(chain.tip, chain.axis)
-    tour = Tour(
-        np.full(len(chain), "cut"), np.zeros(len(chain), int), chain.tip, chain.axis, values
-    )
-    speeds, accelerations = [0.3, 0.3, 0.3, 1, 1], scale * np.array([0.1, 0.1, 0.1, 1, 1])
-    seconds = seconds_of(tour, MILL.length, 0.02, speeds, accelerations)
-    way = CubicSpline(np.arange(len(chain)), values)
-    fine = np.linspace(0, len(chain) - 1, 10 * (len(chain) - 1) + 1)
-    many = replace(tour, **dict(zip(("kind", "chain", "values", "tip", "axis"), (
-        np.full(len(fine), "cut"), np.zeros(len(fine), int), way(fine),
-        *WIDE.positions(way(fine))), strict=True)))  # fmt: skip
-    closer = seconds_of(many, MILL.length, 0.02, speeds, accelerations)
-    assert closer.sum() == pytest.approx(seconds.sum(), rel=5e-3)
-    speed = np.diff(many.values, axis=0) / closer[1:, None]
-    changes = np.diff(speed, axis=0) / ((closer[2:] + closer[1:-1]) / 2)[:, None]
+    tour = Tour(np.full(count, "cut"), np.zeros(count, int), chain.tip, chain.axis, values)
+    accelerations = scale * np.array([0.1, 0.1, 0.1, 1, 1])
+    if slow is not None:
+        accelerations[slow] /= 10
+    profiles = []
+
+    def kept(steps, places):
+        profiles.append(fastest(steps, places))
+        return profiles[-1]
+
+    monkeypatch.setattr(flank_feeds, "fastest", kept)
+    speeds = np.array([0.3, 0.3, 0.3, 1, 1])
+    seconds_of(tour, MILL.length, 0.02, speeds, accelerations)
+    [squared] = profiles
+    looked = np.linspace(0, count - 1, len(squared))
+    between = np.linspace(0, count - 1, 10 * (len(squared) - 1) + 1)[:-1] + 1e-9
+    way = CubicSpline(np.arange(count), values)
+    x = np.interp(between, looked, squared)[:, None]
+    change = np.repeat(np.diff(squared) / np.diff(looked), 10)[:, None]
+    speed = way(between, 1) * np.sqrt(x)
+    acceleration = way(between, 1) * change / 2 + way(between, 2) * x
     assert np.abs(speed / speeds).max() <= 1
-    assert np.abs(changes / accelerations).max() <= 1
-    assert np.abs(changes / accelerations).max() > (0.95 if scale < 1 else 0)
+    share = np.abs(acceleration / accelerations).max()
+    assert share <= 1
+    assert share > (0.95 if scale < 1 else 0)

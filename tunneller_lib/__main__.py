@@ -66,9 +66,11 @@ def missing(error):
     """Return the sentence of a package that isn't installed or can't be loaded."""
     name = (error.name or "").partition(".")[0]
     if not isinstance(error, ModuleNotFoundError):
-        why = str(error).partition("\n")[0].rstrip(".")
+        said = str(error).strip().partition("\n")[0].rstrip(".")
+        why = said or "no reason is given"
         if name != "vtkmodules":
-            return f"the package {PACKAGES.get(name, name)} can't be loaded; {why}."
+            which = f"the package {PACKAGES.get(name, name)}" if name else "a package"
+            return f"{which} can't be loaded; {why}."
         from .reporting import gl
 
         return f"VTK can't be loaded ({why}): {gl.REMEDY}"

@@ -125,7 +125,7 @@ async function whenReady(box, next) {
     if (told.textContent !== `${text} …`) told.textContent = `${text} …`;
   };
   let failed = "Python didn't start";
-  let again = " To load the page anew tries again.";
+  let again = " Reload the page to try again.";
   try {
     const began = performance.now();
     said(0, "Loading Python");

@@ -12,9 +12,9 @@
   }
 
   // A table's head, and a line that gives a value; either may be left out: "# name = value  # words".
-  const TABLE = /^(# |\s*)\[([\w.]+)\]\s*(?:# (.*))?$/;
+  const TABLE = /^(# |\s*)\[\s*([\w.]+)\s*\]\s*(?:#\s?(.*))?$/;
   const VALUE = /=\s*("[^"]*"|'[^']*'|[^\s#]+)/;
-  const LINE = /^(# |\s*)(\w+)\s*=\s*("[^"]*"|'[^']*'|[^\s#]+)\s*(?:# (.*))?$/;
+  const LINE = /^(# |\s*)"?(\w+)"?\s*=\s*("[^"]*"|'[^']*'|[^\s#]+)\s*(?:#\s?(.*))?$/;
 
   // The heads and the lines of a job. A line counts for the last head that does; one that is left
   // out would count for the last head of all.

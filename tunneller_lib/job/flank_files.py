@@ -132,7 +132,7 @@ def flank_text(numbers: Flanked):
         ends = "; ".join(chain["ends"])
         lines.append(f"chain {k}: {chain['positions']} positions{by}; its ends: {ends}")
     lines += [
-        f"{100 * share:6.1f} % of the patch are milled to within {1e6 * float(within):g} um"
+        f"{100 * share:6.1f} % of the patch is milled to within {1e6 * float(within):g} um"
         for within, share in numbers["covered"].items()
     ]
     lines.append(f"{1e6 * numbers['gouge_m']:6.1f} um is the deepest that the mill enters it")
@@ -148,7 +148,9 @@ def flank_text(numbers: Flanked):
             )
     if numbers["seconds"] is not None:
         minutes = numbers["seconds"] / 60
-        lines.append(f"{minutes:6.2f} min is the least that feed, speeds and accelerations allow")
+        lines.append(
+            f"{minutes:6.2f} min is the least time that feed, speeds and accelerations allow"
+        )
     error = numbers["surface_error"]
     if error:
         lines.append(
@@ -238,13 +240,14 @@ def cl_text(job: FlankJob, result: FlankResult):
     ]
     covered = result.covered
     loaded = None
+    seconds = _seconds(job, result)
     for k, (mill, chain) in enumerate(zip(covered.mills, covered.chains, strict=True)):
         if mill != loaded:
             lines += _loaded(mill, *_numbers(job, [mill]))
             loaded = mill
             if result.tours:
                 place = result.begins.index(k)
-                lines += _toured(result.tours[place], k, _seconds(job, result)[place])
+                lines += _toured(result.tours[place], k, seconds[place])
         if not result.tours:
             lines.append(f"$$ CHAIN {k + 1}; THE WAY TO IT AND FROM IT IS NOT PLANNED")
             lines += _gotos(chain.tip, chain.axis)

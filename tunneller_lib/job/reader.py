@@ -575,9 +575,10 @@ def _as_given(said, names):
 
     What came is in degrees then, and so is a rule that is in radians.
     """
-    if said.partition(":")[0] not in names:
-        return said
     rule, got, came = said.partition("; got ")
+    ours = set(re.findall(r"\b\w+_(?:min|max)\b", rule)) | {said.partition(":")[0]}
+    if not ours <= set(names):  # one of a pair may be in radians: then both are
+        return said
     if re.search(r"\b(rad|pi)\b", rule):
         rule = IN_RADIANS.sub(_degrees, rule).replace("rad", "degrees")
     rule = re.sub(rf"\b({'|'.join(names)})\b", r"\1_deg", rule)
