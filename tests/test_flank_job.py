@@ -217,7 +217,7 @@ def test_feeds_keep_speeds_and_accelerations_of_mill_and_axes(run, slow):
         assert max(found) <= 1 + 2e-3  # the table has six digits of each
         assert max(found) > 0.95
     if slow == "acceleration":
-        assert found[3] > 0.99  # z, at the last retraction
+        assert found[3] > 0.985  # z, at the last retraction, of 0.99 that are used
     else:
         assert shares[4].max() == pytest.approx(1, abs=2e-3)  # C
     assert shares[5].max() == pytest.approx(1, abs=2e-3)  # the mill's tip
