@@ -18,7 +18,7 @@ from report.live.build import LivePages
 from report.site import build as pages
 from report.site import front, paper
 from report.site.chapter import Chapter, page_name, title
-from report.site.library import ROOMS, Reference, inline, modules
+from report.site.library import ROOMS, inline
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
 from report.site.paper import captions
@@ -46,9 +46,11 @@ RUN = [n for n in notebooks() if n.stem[:2] in ("00", "02", "12", "56")]
 
 @pytest.fixture(scope="module")
 def build():
-    """Return what makes pages, of documents that are set once for all."""
+    """Return what makes pages, of documents, modules and proofs that are read once for all."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(paper, "to_html", cache(paper.to_html))
+        patch.setattr(pages, "modules", cache(pages.modules))
+        patch.setattr(pages, "proof_html", cache(pages.proof_html))
         yield pages.build
 
 
@@ -233,8 +235,7 @@ def test_library_lists_every_room():
 
 
 def test_library_has_every_public_name(site):
-    reference = Reference(modules())
-    for module in reference.modules:
+    for module in pages.modules():
         text = (site / module.page).read_text()
         for entry in module.entries:
             assert f'id="{entry.name}"' in text

@@ -1,9 +1,11 @@
 """What a folder of pages leads to: every address in it, and which of them lead nowhere."""
 
 import re
+from functools import cache
 from html.parser import HTMLParser
 from urllib.parse import unquote, urlsplit
 
+COLOURED = re.compile(r'<span class="\w+">|</span>')  # words of code, most of a page's elements
 LOADED = re.compile(r"url\(\s*['\"]?([^'\")]+)|@import\s+['\"]([^'\"]+)")
 
 
@@ -13,7 +15,7 @@ class Page(HTMLParser):
     def __init__(self, path):
         super().__init__()
         self.links, self.loads, self.names, self.unsaid, self.twice = [], [], {""}, [], []
-        self.feed(path.read_text())
+        self.feed(COLOURED.sub("", path.read_text()))
 
     def handle_starttag(self, tag, attrs):
         values = dict(attrs)
@@ -41,10 +43,18 @@ def faults(folder):
     folder : pathlib.Path
         The site; nothing but files below it is looked at.
     """
-    pages = {path.resolve(): Page(path) for path in sorted(folder.rglob("*.html"))}
+    folder = folder.resolve()
+    pages = {path: Page(path) for path in sorted(folder.rglob("*.html"))}
     told = []
+
+    @cache
+    def leads_to(place, address):
+        """Return the file below the folder that an address leads to, or None."""
+        target = (place / unquote(address)).resolve()
+        return target if target.is_file() and target.is_relative_to(folder) else None
+
     for path, page in pages.items():
-        name = path.relative_to(folder.resolve())
+        name = path.relative_to(folder)
         for address in page.links + page.loads:
             parts = urlsplit(address)
             if parts.scheme == "data" or (parts.scheme and address in page.links):
@@ -52,8 +62,8 @@ def faults(folder):
             if parts.scheme or parts.netloc:
                 told.append(f"{name} loads {address} from elsewhere")
                 continue
-            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            if not target.is_file() or not target.is_relative_to(folder.resolve()):
+            target = leads_to(path.parent, parts.path) if parts.path else path
+            if target is None:
                 told.append(f"{name} leads to {address}, which isn't there")
             elif target in pages and unquote(parts.fragment) not in pages[target].names:
                 told.append(f"{name} leads to {address}, a page without that name")
