@@ -6,7 +6,6 @@ above `DEGREE` being 0; h and k count from a place (x0, y0) of the model.
 """
 
 import numpy as np
-from scipy.signal import convolve2d
 
 DEGREE = 8
 _SIZE = DEGREE + 1
@@ -149,6 +148,9 @@ def series(*coefficients):
 
 def product(a, b):
     """Return the product of two series."""
+    # Here: importing scipy.signal takes a second, which workers of other tests are spared.
+    from scipy.signal import convolve2d
+
     return np.where(_ORDER <= DEGREE, convolve2d(a, b)[:_SIZE, :_SIZE], 0.0)
 
 

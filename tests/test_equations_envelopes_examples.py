@@ -4,6 +4,8 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
+from functools import cache
+
 import numpy as np
 import sympy as sp
 
@@ -58,10 +60,20 @@ from tunneller_lib.milling import (
 
 READS = ["report/ledger/*"]
 
-ON_EX31 = {s: EX31.diff(*[x] * i, *[y] * j) for (i, j), s in NAMES.items() if i + j} | {
-    F(""): EX31}  # fmt: skip
 PRINCIPAL = u * (x**2 - y**2) + 2 * v * x * y, v * (x**2 - y**2) - 2 * u * x * y
 THROUGH = x**2 + y**2 + 2 * x * u + 2 * y * v  # the circle passes through the origin
+
+
+@cache
+def derivatives31():
+    """Return what stands for the derivatives of f in Example 31."""
+    every = {name: EX31.diff(*[x] * i, *[y] * j) for (i, j), name in NAMES.items() if i + j}
+    return every | {F(""): EX31}
+
+
+def on_example31(expression):
+    """Return an expression in f and its derivatives as it is in Example 31."""
+    return expression.subs(derivatives31())
 
 
 def test_example31_two_generators(judge):
@@ -78,7 +90,7 @@ def test_example31_two_generators(judge):
     judge("cones-ex31", exact.sum() == 2 and len(over) == 4 and all(over))
     # Exactly: these circles solve (11) and (12), and (9) where u^2 + v^2 = cot^2/4.
     for equation in (EQ11, EQ12):
-        left = sp.numer(sp.together(equation.subs(ON_EX31)))
+        left = sp.numer(sp.together(on_example31(equation)))
         assert sp.rem(left, THROUGH, u) == 0
     assert sp.rem(sp.expand(EQ9 - (1 - 4 * tan**2 * (u**2 + v**2))), THROUGH, u) == 0
     # The line THROUGH is |(x, y)|/2 from the origin, so that it has two such points within cot.
@@ -117,7 +129,7 @@ def test_example31_six_positions(judge):
 def test_example31_four_principal_positions(judge):
     """Exactly: two lines of principal directions with two cones each, all of which gouge."""
     square = x**2 + y**2
-    eleven = sp.factor(EQ11.subs(ON_EX31))
+    eleven = sp.factor(on_example31(EQ11))
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
     r = sp.Matrix(contact_point.unchecked(x, y, f_, fx, fy))
@@ -129,12 +141,12 @@ def test_example31_four_principal_positions(judge):
         here = {s: sp.factor(size * c) for s, c in along.items()}
         # A root of (9) for either sign of t, and of (11).
         touch.append(zero((W - 2 * size / t).subs(here)) and zero(eleven.subs(here)))
-        a, b = (e.subs(ON_EX31).subs(here) for e in EQ10)
+        a, b = (on_example31(e).subs(here) for e in EQ10)
         m = sp.Matrix(eq22(f_, a, b)).subs(here)
         opposite = [2 * (x + 2 * here[u]), 2 * (y + 2 * here[v]),
                     1 - (x + 2 * here[u]) ** 2 - (y + 2 * here[v]) ** 2]  # fmt: skip
         side = sp.factor(sp.Matrix(opposite).dot(r - m))  # Proposition 20
-        gap = sp.factor(side * EQ12.subs(ON_EX31).subs(here))
+        gap = sp.factor(side * on_example31(EQ12).subs(here))
         # Minus squares, but where square = |shift| cot: there it meets a generator.
         gouge.append(_is_minus_a_square(gap, (square + shift * t) ** 2))
     assert len(touch) == 2 and all(gouge)
@@ -222,7 +234,7 @@ def test_example31_cyclide(judge):
     X, Y, Z = contact_point.unchecked(x, y, EX31, EX31.diff(x), EX31.diff(y))
     assert zero(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2))
     quadratic = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
-    quadratic, cubic = (e.subs(ON_EX31) for e in (quadratic, EQ11 - 3 * quadratic))
+    quadratic, cubic = (on_example31(e) for e in (quadratic, EQ11 - 3 * quadratic))
     assert zero(cubic / quadratic - 6 * (x * u + y * v) / (x**2 + y**2))
     # Its normals are those of the model: the gradient is across the surface's tangents.
     n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
