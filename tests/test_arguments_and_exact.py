@@ -197,3 +197,12 @@ def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
     given = np.arange(3.0 * rows).reshape(rows, 3)
     np.testing.assert_array_equal(exact.in_blocks(double, given), 2 * given)
     assert max(sizes, default=0) * 3 * 8 <= 2**18  # a quarter of a MiB, of rows of three
+
+
+@pytest.mark.parametrize("axes", [4, 8, 64])
+def test_array_of_many_axes_is_shown_by_its_shape(axes):
+    """At once: numpy would write the ends of each axis, in minutes."""
+    many = np.broadcast_to(0.5, (7,) * axes)
+    text = arguments.shown(many)
+    assert text.startswith("an array of shape (7, 7, 7, 7") and len(text) <= 100
+    assert arguments.shown(many[(0,) * (axes - 1)]).startswith("array([0.5, 0.5, 0.5, 0.5")

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 LEAST, MOST = 1e-100, 1e100  # lengths whose squares, and products of three, are sound floats
 GREATEST = float(np.finfo(float).max)
 FEW = 3  # numbers, as of one point, that Python looks at one by one before numpy begins
+MOST_AXES = 3  # of an array whose numbers a message shows
 
 
 @dataclass(frozen=True)
@@ -251,6 +252,9 @@ class _Briefly(reprlib.Repr):
     """It doesn't look at every element of what is long."""
 
     def repr_ndarray(self, array, level):
+        # numpy would write some of each axis' rows: of many axes more than anybody reads.
+        if array.ndim > MOST_AXES:
+            return f"an array of shape {array.shape}"
         with np.printoptions(threshold=30):
             return repr(array)
 
