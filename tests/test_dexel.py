@@ -214,7 +214,7 @@ def test_degenerate_cuts_remove_nothing():
 
 
 def test_grid_too_large_is_refused_with_the_size_that_fits(monkeypatch):
-    message = "shape: 200000 x 200000 lines with room for 1 intervals each need 1.28e"
+    message = "shape: 200000 x 200000 lines with room for 1 interval each need 1.28e"
     with pytest.raises(ValueError, match=message):
         DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (200_000, 200_000), memory=1e9)
     with pytest.raises(ValueError, match=r"5590 x 5590 would fit\.$"):

@@ -465,7 +465,8 @@ def _refuse(shape, slots, memory):
     if need > memory:
         share = np.sqrt(memory / need)
         n, m = (max(int(size * share), 1) for size in shape)
+        room = f"{slots} interval{'' if slots == 1 else 's'}"
         raise ValueError(
-            f"shape: {shape[0]} x {shape[1]} lines with room for {slots} intervals each need "
+            f"shape: {shape[0]} x {shape[1]} lines with room for {room} each need "
             f"{need / 1e9:.3g} GB, and {memory / 1e9:.3g} GB are allowed; {n} x {m} would fit."
         )
