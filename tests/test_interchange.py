@@ -89,9 +89,9 @@ def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
     for table in (knots_csv, setpoints_csv, setvalues_csv):
         with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got None\.$"):
             table(None)
-    text = "# tick_s = 0.005\ntick,theta,phi\n0,1,2\n1,2\n"
+    text = "# tick_s = 0.005\n\ntick,theta,phi\n0,1,2\n\n# after a stop\n1,2\n"
     with pytest.raises(
-        ValueError, match=r"^text: row 2 must have 3 numbers, one under each name; got 2\.$"
+        ValueError, match=r"^text: line 7 must have 3 numbers, one under each name; got 2\.$"
     ):
         read_csv(text)
     with pytest.raises(

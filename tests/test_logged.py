@@ -91,7 +91,7 @@ def test_command_says_what_a_log_of_a_loop_tells(tmp_path, capsys):
         ("time_s,valve,speed_rad_s\n0,1,x\n", "column 'speed_rad_s' must hold numbers"),
         (
             "time_s,valve,speed_rad_s\n0,1,1\n0,1\n",
-            "row 2 must have 3 numbers, one under each name; got 2.",
+            "line 3 must have 3 numbers, one under each name; got 2.",
         ),
         ("\x80", "is no text in UTF-8."),
     ],

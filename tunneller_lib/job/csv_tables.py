@@ -95,16 +95,18 @@ def read_csv(text: str):
     ------
     ValueError
         If there is no heading, its names aren't separated by commas, a name stands twice in it, a
-        row has another length, or something is no number.
+        line has another length, or something is no number.
     """
     head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
     about = {name: _number(name, value) for name, value in (p for p in head if len(p) == 2)}
-    lines = [
-        line.split(",") for line in text.splitlines() if line.strip() and not line.startswith("#")
-    ]
+    lines = {
+        number: line.split(",")
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.startswith("#")
+    }
     if not lines:
         raise ValueError("text: must have a heading; got none.")
-    names, *rows = lines
+    names = lines.pop(min(lines))
     names = [name.strip() for name in names]
     if any(mark in name for name in names for mark in ";\t"):
         raise ValueError(
@@ -113,13 +115,14 @@ def read_csv(text: str):
         )
     if len(set(names)) < len(names):
         raise ValueError(f"text: must name each column once; got {shown(names)}.")
-    for number, row in enumerate(rows, start=1):
+    for number, row in lines.items():
         if len(row) != len(names):
             raise ValueError(
-                f"text: row {number} must have {len(names)} numbers, one under each name; "
+                f"text: line {number} must have {len(names)} numbers, one under each name; "
                 f"got {len(row)}."
             )
-    return about, {name: _numbers(name, cells) for name, *cells in zip(names, *rows, strict=True)}
+    columns = zip(names, *lines.values(), strict=True)
+    return about, {name: _numbers(name, cells) for name, *cells in columns}
 
 
 def _number(name, cell):
