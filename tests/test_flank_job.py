@@ -222,7 +222,7 @@ def test_feeds_keep_speeds_and_accelerations_of_mill_and_axes(run, slow):
         assert shares[4].max() == pytest.approx(1, abs=2e-3)  # C
     assert shares[5].max() == pytest.approx(1, abs=2e-3)  # the mill's tip
     text = (out / "paths.apt").read_text()
-    assert f"{seconds.sum() / 60:.2f} MIN AT LEAST" in text
+    assert 2 < seconds.sum() < 120 and f"{seconds.sum():.1f} S AT LEAST" in text
     told = np.nan
     feeds = []
     for line in text.splitlines():
@@ -502,7 +502,7 @@ def test_points_that_are_no_table_are_refused(run, tmp_path):
     said = rf"^wrong: {path}: must have the columns x_m, y_m, z_m, nx, ny, nz; got x_m, y_m\.$"
     refused(run({}, "--points", path, surface=POINTS), 2, said)
     path.write_text("x_m,y_m\n1\n", encoding="utf-8")
-    said = rf"^wrong: {path}: row 1 must have 2 numbers, one under each name; got 1\.$"
+    said = rf"^wrong: {path}: line 2 must have 2 numbers, one under each name; got 1\.$"
     refused(run({}, "--points", path, surface=POINTS), 2, said)
     mesh = tmp_path / "mesh.stl"
     mesh.write_bytes(b"solid")

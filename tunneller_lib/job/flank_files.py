@@ -19,6 +19,7 @@ from .mesh import Mesh, ply, stl, vertex_normals, vtp
 TOLERANCES = 10e-6, 50e-6, 100e-6  # m, within which shares of the patch are said
 COLOURED = 100e-6  # m, left or cut, that has the full colour
 ERROR = "error / um"
+SHORT = 120.0  # s, below which times are in seconds for people, else in minutes
 WRITTEN = 1e-9  # m, the last digit of a place in cutter location data
 
 
@@ -109,6 +110,11 @@ def _seconds(job, result):
     ]
 
 
+def _lasting(seconds):
+    """Return a number and its unit, s or min, for how long something lasts."""
+    return (seconds, "s") if seconds < SHORT else (seconds / 60, "min")
+
+
 def _numbers_of(name, value):
     """Return `value`, which must be a dict as `summarise_flank` makes it."""
     if not isinstance(value, dict) or "gouge_m" not in value:
@@ -147,9 +153,9 @@ def flank_text(numbers: Flanked):
                 f"{1e3 * scallops['kink_rad']:6.1f} mrad is the median kink where they meet"
             )
     if numbers["seconds"] is not None:
-        minutes = numbers["seconds"] / 60
+        number, unit = _lasting(numbers["seconds"])
         lines.append(
-            f"{minutes:6.2f} min is the least time that feed, speeds and accelerations allow"
+            f"{number:6.1f} {unit} is the least time that feed, speeds and accelerations allow"
         )
     error = numbers["surface_error"]
     if error:
@@ -269,7 +275,8 @@ def _toured(tour, first, seconds):
     """Return lines for a tour whose first chain has a number, from 0, with feeds where known."""
     lines = ["$$ THE WAY TO THE FIRST PLACE IS NOT PLANNED"]
     if np.isfinite(seconds).all():
-        lines.append(f"$$ FROM THERE {seconds.sum() / 60:.2f} MIN AT LEAST, EACH PART REST TO REST")
+        number, unit = _lasting(seconds.sum())
+        lines.append(f"$$ FROM THERE {number:.1f} {unit.upper()} AT LEAST, EACH PART REST TO REST")
     moved = np.linalg.norm(np.diff(tour.tip, axis=0, prepend=tour.tip[:1]), axis=-1)
     begins = np.append(True, tour.kind[1:] != tour.kind[:-1])
     last = None
