@@ -425,6 +425,10 @@ REFUSED = [
     ({"thickness = 0.1": "thickness = -1"}, "[wall] thickness: must be"),
     ({"delay = 1": "delay = -1"}, "[controller] delay: must be one whole number from 0 to 100"),
     ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, "[pose] y: must be"),
+    ({"# [stance]": "[stance]", "# pitch_deg = 0 ": "pitch_deg = nan "},
+     "[stance] pitch_deg: must be one finite number; got nan."),
+    ({"# [stance]": "[stance]", "# yaw_deg = 0 ": "yaw = inf "},
+     "[stance] yaw: must be one finite number; got inf."),
     ({"gain = 10": "gain = 1000"}, "loop: must be stable; that of theta isn't at its gain"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
     (BODY | {"# width = 0.3": "width = 0.9"}, "[body] its box is 0.0"),
@@ -649,6 +653,7 @@ def library_missing(monkeypatch):
 
 def test_command_names_the_library_that_vtk_lacks(capsys, library_missing, tmp_path):
     said = f"VTK can't be loaded ({LIBRARY}): on Debian or Ubuntu, `sudo apt-get install libegl1 "
+    assert gl.REMEDY.endswith("` installs the off-screen GL library that scenes need.")
     code, _, told = run(capsys, "scene", REFERENCE)
     assert code == 2 and told.startswith(f"wrong: {said}") and told.count("\n") == 1
     heard = []

@@ -501,6 +501,9 @@ def _circuit(machine, section, stance):
     try:
         return cutting_circuit(machine, section, **stance)
     except ValueError as error:
+        if str(error).partition(":")[0] in STANCE:
+            with said_of("stance", stance):
+                raise
         low, high = machine.heights(section)
         if any(stance.values()) or low <= machine.height <= high:
             raise

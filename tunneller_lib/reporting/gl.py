@@ -13,7 +13,10 @@ import warnings
 from contextlib import suppress
 
 PACKAGES = ("libegl1", "libgl1-mesa-dri")  # of Debian and Ubuntu
-REMEDY = f"on Debian or Ubuntu, `sudo apt-get install {' '.join(PACKAGES)}` installs it."
+REMEDY = (
+    f"on Debian or Ubuntu, `sudo apt-get install {' '.join(PACKAGES)}` installs the off-screen GL "
+    "library that scenes need."
+)
 LONGEST = 300.0  # s that a picture may take, which without a graphics card takes a few
 TRIED = "TUNNELLER_GL"  # set to "works" for the kernels and tests that a run starts
 PROBE = """
@@ -38,7 +41,7 @@ def problem():
         [sys.executable, "-c", PROBE], env=window | os.environ, capture_output=True
     )
     if tried.returncode:
-        return f"No scene can be drawn here, because there is no off-screen GL library: {REMEDY}"
+        return f"No scene can be drawn here: {REMEDY}"
     os.environ[TRIED] = "works"
 
 
