@@ -49,7 +49,14 @@
     return those.sort((a, b) => a.off - b.off)[0];
   }
 
-  // Write a value into the text; an empty one leaves its line out.
+  // Whether nothing but comments stands below a table's head.
+  function isEmpty(lines, at) {
+    const below = lines.slice(at + 1);
+    const end = below.findIndex((line) => /^\s*\[/.test(line));
+    return below.slice(0, end < 0 ? undefined : end).every((line) => /^\s*(#|$)/.test(line));
+  }
+
+  // Write a value into the text; an empty one leaves its line out, and a table without any.
   function put(known, value) {
     const job = parsed(text.value);
     const [line, head] = [lineOf(job, known), headOf(job, known.table)];
@@ -65,6 +72,7 @@
       else lines.push(`[${known.table}]`, added, "");
     }
     if (value && head?.off) lines[head.at] = lines[head.at].slice(2);
+    if (!value && line && isEmpty(lines, head.at)) lines[head.at] = `# ${lines[head.at].trimStart()}`;
     text.value = lines.join("\n");
     showForm();
   }
@@ -78,12 +86,14 @@
     const input = document.createElement("input");
     const words = document.createElement("small");
     const example = known.value.replaceAll('"', "");
-    Object.assign(input, { type: "text", spellcheck: false, name: `${known.table}.${known.name}`, placeholder: `e.g. ${example}` });
+    Object.assign(input, { type: "text", spellcheck: false, name: `${known.table}.${known.name}` });
     input.addEventListener("change", () => put(known, input.value.trim()));
     fields.push((job) => {
       const line = lineOf(job, known);
       name.textContent = line?.name || known.name;
-      words.textContent = name.textContent === known.name ? known.words : known.words.replace(/^deg/, "rad");
+      const inRadians = name.textContent !== known.name;
+      words.textContent = inRadians ? known.words.replace(/^deg/, "rad") : known.words;
+      input.placeholder = `e.g. ${inRadians ? +((+example * Math.PI) / 180).toPrecision(3) : example}`;
       input.value = line && !line.off ? line.value.replace(/^(["'])(.*)\1$/, "$2") : "";
     });
     label.append(name, input, words);

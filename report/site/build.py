@@ -1,5 +1,6 @@
 """Put the site together: chapters, report, proofs, reference, figures, scenes, search."""
 
+import json
 import re
 import shutil
 import unicodedata
@@ -202,7 +203,9 @@ def add_chapters(site, chosen, figure_captions):
             here, title(notebook), body, kind="chapter", here="chapters/00_index.html",
             contents=contents, contents_name="Chapters", file=notebook.name, **near,
         )  # fmt: skip
-        site.write(f"notebooks/{notebook.name}", to_run(notebook))  # the PDF leads there
+        file = to_run(notebook)
+        site.write(f"notebooks/{notebook.name}", file)  # the PDF leads there
+        site.write(f"notebooks/{notebook.name}.js", f"window.notebook = {json.dumps(file)};\n")
         for file, content in chapter.pictures.items():
             site.write(f"figures/{file}", content)
         for path in scenes:

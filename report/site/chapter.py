@@ -8,6 +8,7 @@ from html import escape
 import nbformat
 
 from report.site.markup import attribute, code, formula, markdown, plain
+from report.site.pictures import packed, sizes
 from report.sources import records
 
 
@@ -107,13 +108,14 @@ class Chapter:
             file = self.figures[alt]
             caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
-            file, caption = f"{self.stem}-{len(self.pictures)}.png", self.caption
-            self.pictures[file] = content
+            file, caption = f"{self.stem}-{len(self.pictures)}.webp", self.caption
+            self.pictures[file] = packed(content)
         source = f"{self.to_root}figures/{file}"
         said = attribute(alt or f"Drawing: {self.heading}.")
         below = f"<figcaption>{caption}</figcaption>" if caption else ""
         return (
-            f'<figure><a href="{source}"><img src="{source}" alt="{said}" loading="lazy"></a>'
+            f'<figure><a href="{source}"><img src="{source}" alt="{said}" {sizes(content)} '
+            'loading="lazy"></a>'
             f"{below}</figure>\n"
         )
 

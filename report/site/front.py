@@ -1,16 +1,15 @@
 """The first page: the machine moving, one sentence, three doors, a picture of each chapter."""
 
 import base64
-import io
 import tomllib
 from html import escape
 
 import nbformat
 import numpy as np
-import PIL.Image
 
 from report.site.chapter import page_name, title
 from report.site.markup import attribute
+from report.site.pictures import packed
 from report.site.publish import NotToBeHad
 from report.sources import INDEX, ROOT
 from tunneller_lib.paths import cutting_circuit
@@ -95,11 +94,7 @@ def first_picture(notebook):
     for cell in nbformat.read(notebook, as_version=4).cells:
         for output in cell.get("outputs", []):
             if content := output.get("data", {}).get("image/png"):
-                picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
-                picture.thumbnail((WIDE, WIDE))
-                small = io.BytesIO()
-                picture.save(small, "WEBP", quality=70)
-                return small.getvalue()
+                return packed(base64.b64decode(content), WIDE)
     raise NotToBeHad(f"{notebook.name}: it holds no picture.")
 
 

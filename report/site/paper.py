@@ -4,10 +4,13 @@ import base64
 import hashlib
 import json
 import re
+from itertools import chain, count
 
 import typst
 
 from report.compile import inputs, release_date
+from report.site.markup import anchor
+from report.site.pictures import sizes
 from report.sources import ROOT, notebooks, records
 
 GROWTH = ROOT / "tests" / "bench" / "growth.svg"  # the one figure that no notebook makes
@@ -16,7 +19,7 @@ BODY = re.compile(r"<body>(.*)</body>", re.S)
 EMBEDDED = re.compile(r'src="data:image/[\w+]+;base64,([^"]+)"')
 FIGURE = re.compile(r'<figure(?: id="([^"]*)")?>(.*?)<figcaption>(.*?)</figcaption>', re.S)
 NUMBERED = re.compile(r"^(\w+\s\d+):(?:<span[^>]*>[^<]*</span>)?\s*")
-HEADING = re.compile(r"<h([23])([^>]*)>(.*?)</h\1>", re.S)
+HEADING = re.compile(r"<h([2-4])([^>]*)>(.*?)</h\1>", re.S)
 
 
 def to_html(source):
@@ -41,21 +44,30 @@ def report_page(name):
     style, body = to_html(ROOT / "report" / f"{name}.typ")
 
     def by_file(match):
-        name = figures[digest(base64.b64decode(match[1]))]
-        return f'loading="lazy" src="figures/{name}"'
+        content = base64.b64decode(match[1])
+        name = figures[digest(content)]
+        return f'loading="lazy" {sizes(content)} src="figures/{name}"'
 
-    contents = []
+    contents, names = [], set(re.findall(r'\bid="([^"]+)"', body))
 
     def named(match):
         level, attributes, text = match.groups()
         found = re.search(r'id="([^"]+)"', attributes)
-        name = found[1] if found else f"section-{len(contents) + 1}"
-        contents.append((int(level), name, text))
+        name = found[1] if found else unused(anchor(text), names)
+        names.add(name)
+        if level < "4":
+            contents.append((int(level), name, text))
         kept = attributes if found else f'{attributes} id="{name}"'
         return f"<h{level}{kept}>{text}</h{level}>"
 
     body = HEADING.sub(named, EMBEDDED.sub(by_file, body))
     return style, body, contents
+
+
+def unused(name, names):
+    """Return a name that none of others is: itself, or with the first number that is free."""
+    numbered = (f"{name}-{number}" for number in count(2))
+    return next(one for one in chain([name], numbered) if one not in names)
 
 
 def captions(body):

@@ -43,11 +43,36 @@ for (const box of document.querySelectorAll("main pre, main table, main .wide, m
   wide.observe(box);
 }
 
-// ---- what a document prints: shown while a hand rests on the equation, or by a click beside it
+// ---- what a document prints: shown while a mouse rests on the equation or keys are there, or by a
+// click or a tap beside it; Escape hides it
 for (const printed of document.querySelectorAll("details.printed")) {
-  const open = (event) => event.pointerType === "mouse" && (printed.open = event.type === "pointerenter");
-  for (const kind of ["pointerenter", "pointerleave"]) printed.parentElement.addEventListener(kind, open);
+  const box = printed.parentElement;
+  const hands = {
+    pointerenter: (event) => event.pointerType === "mouse" && (printed.open = true),
+    pointerleave: (event) => event.pointerType === "mouse" && (printed.open = false),
+    focusin: ({ target }) => target.matches(":focus-visible") && (printed.open = true),
+    focusout: () => (printed.open = false),
+    keydown: ({ key }) => key === "Escape" && (printed.open = false),
+  };
+  for (const [kind, act] of Object.entries(hands)) box.addEventListener(kind, act);
 }
+
+// ---- a notebook is saved; from the disk a link would open it, so there it comes as a script
+const download = document.querySelector(".download a");
+download?.addEventListener("click", async (event) => {
+  if (location.protocol !== "file:") return;
+  event.preventDefault();
+  const { href } = download;
+  try {
+    await load(`${href}.js`);
+  } catch {
+    return location.assign(href);
+  }
+  const link = document.createElement("a");
+  link.download = decodeURIComponent(href.split("/").pop());
+  link.href = URL.createObjectURL(new Blob([window.notebook], { type: "application/x-ipynb+json" }));
+  link.click();
+});
 
 // ---- the first page's machine: it stands still where motion isn't wanted
 const machine = document.querySelector("svg#moving"); /* a function may have that name, too */
@@ -232,12 +257,17 @@ function take(stage, view) {
       steer(view, all);
     });
   };
+  let [x, y] = [0, 0];
   const hands = {
-    pointerdown: (event) => stage.setPointerCapture(event.pointerId),
+    pointerdown: (event) => {
+      stage.setPointerCapture(event.pointerId);
+      [x, y] = [event.clientX, event.clientY];
+    },
     pointermove: (event) => {
       if (!event.buttons) return;
-      across -= pixel * event.movementX;
-      up += pixel * event.movementY;
+      across -= pixel * (event.clientX - x);
+      up += pixel * (event.clientY - y);
+      [x, y] = [event.clientX, event.clientY];
       move();
     },
     wheel: (event) => {

@@ -126,6 +126,10 @@ class Browser:
         shot = self.send("Page.captureScreenshot", clip=box | {"scale": 1})
         return base64.b64decode(shot["data"])
 
+    def save_in(self, folder):
+        """Let what pages offer for saving be saved there."""
+        self.send("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+
     def middle(self, script):
         """Return the middle of an element in the window."""
         return self.run(

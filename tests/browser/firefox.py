@@ -63,6 +63,11 @@ class Firefox(Browser):
         assert answer["type"] == "success", answer["exceptionDetails"]["text"]
         return json.loads(answer["result"].get("value", "null"))
 
+    def save_in(self, folder):
+        """Let what pages offer for saving be saved there."""
+        behavior = {"type": "allowed", "destinationFolder": str(folder)}
+        self.send("browser.setDownloadBehavior", downloadBehavior=behavior)
+
     def shot(self, box):
         """Return what is seen in a box of the page, as PNG."""
         clip = {"type": "box", **box}

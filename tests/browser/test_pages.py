@@ -1,7 +1,12 @@
 """The pages, opened as files: quiet, whole, turned and searched by hand."""
 
+import base64
+import shutil
+import subprocess
 import time
 
+import numpy as np
+import PIL.Image
 import pytest
 from chromium import wait
 
@@ -68,6 +73,173 @@ def test_scene_stands_in_its_pictures_place_and_leaves_the_wheel_to_the_page(bro
     assert len(set(browser.run(names))) == 6
     browser.send("Emulation.clearDeviceMetricsOverride")
     assert browser.errors == []
+
+
+# Drawing takes 0.3 s, as on a computer without a graphics card.
+SLOW = """(() => {
+  const { prototype } = WebGL2RenderingContext;
+  const { clear } = prototype;
+  let waited = false;
+  prototype.clear = function (mask) {
+    if (!waited) {
+      waited = true;
+      setTimeout(() => (waited = false));
+      const end = performance.now() + 300;
+      while (performance.now() < end);
+      window.drawn = (window.drawn ?? 0) + 1;
+    }
+    return clear.call(this, mask);
+  };
+})()"""
+
+
+def test_slow_scene_turns_as_far_as_the_hand_goes_and_the_wheel_scrolls_the_page(browser):
+    browser.open(next(page for page in WITH_SCENES if page.stem == "02_torus").as_uri())
+    browser.run(SLOW)
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('.stage canvas')")
+    stage = "document.querySelector('.stage')"
+    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
+    camera = "renderWindow.getRenderers()[0].getActiveCamera().getDirectionOfProjection()"
+    before, drawn = browser.run(camera), browser.run("drawn")
+    browser.drag(stage, 150, 0)
+    # 0.4 degrees a pixel, about the view's upright.
+    turned = np.cos(np.radians(0.4 * 150))
+    wait(lambda: abs(np.dot(browser.run(camera), before) - turned) < 0.02, 20, "60 degrees")
+    assert browser.run("drawn") > drawn, "drawings were slow meanwhile"
+    x, y = browser.middle(stage)
+    there = browser.run("scrollY")
+    browser.send("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=200)
+    browser.until(f"scrollY > {there}")
+    names = browser.run("[...document.querySelectorAll('.scene p button')].map((b) => b.ariaLabel)")
+    assert len(set(names)) == 6 and all(": Scene 1, " in name for name in names)
+    assert browser.errors == []
+
+
+@pytest.mark.parametrize("kind", ["browser", "fox"])
+@pytest.mark.parametrize(
+    "name", ["chapters/02_torus", "chapters/42_budget", "supplement", "library/surfaces.torus"]
+)
+def test_permalinks_lead_to_their_headings_also_after_a_reload(request, kind, name):
+    browser = request.getfixturevalue(kind)
+    address = (SITE / f"{name}.html").as_uri()
+    browser.open(address)
+    headings = browser.run(
+        "[...document.querySelectorAll('main :is(h2, h3, h4)[id]')].map((head) =>"
+        "[head.id, head.querySelector('.permalink').getAttribute('href')])"
+    )
+    assert len(headings) > 5 and all(link == f"#{own}" for own, link in headings)
+    own, link = headings[len(headings) // 2]
+    place = f"document.getElementById('{own}').getBoundingClientRect().top"
+    seen = "new Promise((done) => setTimeout(() => done(true), 300))"  # pictures come meanwhile
+    browser.run(f"document.querySelector('.permalink[href=\"{link}\"]').click()")
+    for again in (
+        "true",
+        "(location.reload(), true)",
+        f"(location.replace('{address}{link}'), true)",
+    ):
+        browser.run(again)
+        time.sleep(0.5)
+        browser.until("document.readyState === 'complete'")
+        browser.run(seen)
+        assert browser.run("location.hash") == link
+        assert 0 <= browser.run(place) < 100, again
+
+
+@pytest.mark.parametrize("kind", ["browser", "fox"])
+def test_notebook_is_saved_from_the_disk(request, kind, tmp_path):
+    browser = request.getfixturevalue(kind)
+    browser.save_in(tmp_path)
+    browser.open((SITE / "chapters" / "02_torus.html").as_uri())
+    browser.run("document.querySelector('.download a').click()")
+    there = tmp_path / "02_torus.ipynb"
+    wait(lambda: there.exists() and there.stat().st_size, said="the notebook")
+    assert there.read_bytes() == (SITE / "notebooks" / there.name).read_bytes()
+    assert browser.run("location.href").endswith("chapters/02_torus.html")
+
+
+PRINTED = "document.querySelector('details.printed')"
+
+
+def test_equation_as_printed_is_shown_by_mouse_key_and_finger(browser):
+    browser.open((SITE / "supplement.html").as_uri())
+    browser.run(f"{PRINTED}.scrollIntoView({{ block: 'center' }})")
+    shown = f"{PRINTED}.open && {PRINTED}.querySelector('math').checkVisibility()"
+    x, y = browser.middle(f"{PRINTED}.parentElement.querySelector('math')")
+    for place, opened in (((x, y), True), ((1, 1), False)):
+        browser.send("Input.dispatchMouseEvent", type="mouseMoved", x=place[0], y=place[1])
+        browser.until(f"!!({shown}) === {str(opened).lower()}")
+    before = "[...document.querySelectorAll('a, summary')]"
+    browser.run(f"{before}[{before}.indexOf({PRINTED}.querySelector('summary')) - 1].focus()")
+    browser.press("Tab", 9)
+    assert browser.run(f"document.activeElement === {PRINTED}.querySelector('summary')")
+    assert browser.run(shown)
+    browser.press("Escape", 27)
+    assert not browser.run(shown)
+    browser.press("Enter", 13)
+    browser.until(shown)
+    browser.press("Tab", 9)
+    browser.until(f"!{PRINTED}.open")
+
+
+def test_equation_as_printed_is_shown_by_a_finger(browser):
+    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1,
+                 mobile=True)  # fmt: skip
+    browser.send("Emulation.setTouchEmulationEnabled", enabled=True)
+    try:
+        browser.open((SITE / "supplement.html").as_uri())
+        browser.run(f"{PRINTED}.scrollIntoView({{ block: 'center' }})")
+        box = browser.run(f"{PRINTED}.querySelector('summary').getBoundingClientRect().toJSON()")
+        assert box["height"] >= 24
+        x, y = box["x"] + box["width"] - 9, box["y"] + box["height"] / 2
+        for opened in ("true", "false"):
+            browser.send(
+                "Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}]
+            )
+            browser.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+            browser.until(f"{PRINTED}.open === {opened}")
+            if opened == "true":
+                ends = browser.run(
+                    f"{PRINTED}.querySelector('math').getBoundingClientRect().toJSON()"
+                )
+                assert ends["left"] >= 0 and ends["right"] <= 390
+    finally:
+        browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
+        browser.send("Emulation.clearDeviceMetricsOverride")
+
+
+@pytest.mark.parametrize("name", ["report", "supplement", "chapters/42_budget"])
+def test_tables_on_a_phone_show_that_they_scroll(browser, name):
+    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1,
+                 mobile=True)  # fmt: skip
+    browser.open((SITE / f"{name}.html").as_uri())
+    browser.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+    tables = browser.run(
+        "[...document.querySelectorAll('main table')].map((table) =>"
+        "[table.scrollWidth > table.clientWidth, getComputedStyle(table, '::before').content,"
+        "table.tabIndex])"
+    )
+    browser.send("Emulation.clearDeviceMetricsOverride")
+    assert any(wide for wide, _, _ in tables)
+    for wide, said, reached in tables:
+        assert ("scrolls sideways" in said) == wide == (reached == 0)
+
+
+@pytest.mark.skipif(shutil.which("pdftoppm") is None, reason="Debian's poppler-utils looks at PDFs")
+@pytest.mark.parametrize(
+    "name", ["index", "report", "supplement", "chapters/02_torus", "chapters/31_rod"]
+)
+def test_print_has_no_empty_halves(browser, name, tmp_path):
+    browser.open((SITE / f"{name}.html").as_uri())
+    browser.run("Promise.all([...document.images].map((i) => ((i.loading = 'eager'), i.decode())))"
+                ".then(() => true)")  # fmt: skip
+    made = browser.send("Page.printToPDF", paperWidth=8.27, paperHeight=11.69)  # A4, in inches
+    (tmp_path / "a.pdf").write_bytes(base64.b64decode(made["data"]))
+    see = ["pdftoppm", "-r", "20", "-gray", "a.pdf", "page"]
+    subprocess.run(see, cwd=tmp_path, check=True)
+    *pages, _ = [np.asarray(PIL.Image.open(one)) for one in sorted(tmp_path.glob("page*"))]
+    filled = [np.flatnonzero((page < 200).any(axis=1))[-1] / len(page) for page in pages]
+    assert min(filled) > 0.5, [n for n, share in enumerate(filled, 1) if share <= 0.5]
 
 
 def test_first_page_s_machine_moves_until_it_is_stopped(browser):

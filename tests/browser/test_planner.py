@@ -144,7 +144,7 @@ def drop(browser, name, text):
 
 def fetched(browser, name, folder):
     """Return what the browser saves when a file's link is followed."""
-    browser.send("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    browser.save_in(folder)
     link = f"document.querySelector('a[download=\"{name}\"]')"
     browser.run(f"{link}.scrollIntoView({{ block: 'center' }})")
     browser.drag(link, 0, 0)  # by hand: of clicks by script some are held back after the tenth
@@ -234,6 +234,34 @@ def test_form_writes_where_a_line_counts(browser):
         "[machine]", "R = 0.9", "",
     ]  # fmt: skip
     assert tomllib.loads(job_of(browser))["pose"] == {"y": 1e-3, "z": 4}
+
+
+def test_field_s_example_has_the_unit_of_its_line(browser):
+    open_page(browser, "planner.html")
+    show_job(browser, "[machine]\n# theta_min = -1.0\n# phi_max_deg = 40\n[plan]\n# count = 1e-4\n")
+    examples = [
+        browser.run(f"document.querySelector('[name=\"{name}\"]').placeholder")
+        for name in ("machine.theta_min_deg", "machine.phi_max_deg", "plan.count_deg")
+    ]
+    assert examples == ["e.g. -1.05", "e.g. 40", "e.g. 0.0000959"]
+
+
+def test_form_takes_away_a_table_that_it_has_made(browser):
+    open_page(browser, "planner.html")
+    before = tomllib.loads(job_of(browser))
+    for table, names in {"pose": ("y", "z"), "body": ("length", "width")}.items():
+        for name in names:
+            write(browser, f"{table}.{name}", "1e-3")
+        assert set(tomllib.loads(job_of(browser))[table]) == set(names)
+        for name in names:
+            write(browser, f"{table}.{name}", "")
+        assert tomllib.loads(job_of(browser)) == before
+        write(browser, f"{table}.{names[0]}", "2e-3")
+        assert tomllib.loads(job_of(browser))[table] == {names[0]: 2e-3}
+        write(browser, f"{table}.{names[0]}", "")
+    show_job(browser, "[limits]\nfeed = 0.1\nothers = [\n  1,\n]\n")
+    write(browser, "limits.feed", "")
+    assert tomllib.loads(job_of(browser)) == {"limits": {"others": [1]}}
 
 
 def test_every_field_of_the_form_reaches_the_job(browser):
