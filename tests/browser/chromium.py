@@ -154,6 +154,8 @@ class Browser:
         for kind in ("rawKeyDown", "keyUp"):
             self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key,
                       windowsVirtualKeyCode=code)  # fmt: skip
+            if (key, kind) == ("Enter", "rawKeyDown"):  # what activates is the letter
+                self.send("Input.dispatchKeyEvent", type="char", text="\r")
 
 
 def wait(question, seconds=WAIT, said=""):

@@ -161,7 +161,7 @@ def test_notebook_is_saved_from_the_disk(request, kind, tmp_path):
 PRINTED = "document.querySelector('details.printed')"
 
 
-def test_equation_as_printed_is_shown_by_mouse_key_and_finger(browser):
+def test_equation_as_printed_is_shown_by_mouse_and_keys(browser):
     browser.open((SITE / "supplement.html").as_uri())
     browser.run(f"{PRINTED}.scrollIntoView({{ block: 'center' }})")
     shown = f"{PRINTED}.open && {PRINTED}.querySelector('math').checkVisibility()"
