@@ -110,8 +110,9 @@ def zeros(function, degree, off):
         simple = 4 * off / slope
         double = 2 * np.sqrt(8 * off / bend) + 4 * slope / bend
         triple = 2 * np.cbrt(24 * off / third) + 4 * np.sqrt(2 * slope / third) + 4 * bend / third
-    single = bend * simple + third * simple**2 <= slope
-    spread = np.where(single, simple, np.where(third * double <= bend, double, triple))
+        # What vanishes times what is unbounded says nothing: no comparison holds.
+        single = bend * simple + third * simple**2 <= slope
+        spread = np.where(single, simple, np.where(third * double <= bend, double, triple))
     spread = np.where(np.isfinite(spread), np.minimum(spread, np.pi), np.pi)
     return angle, np.where(np.isnan(angle), np.nan, spread), ~single & ~np.isnan(angle)
 
