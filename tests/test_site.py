@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import nbformat
 import numpy as np
+import PIL.Image
 import pytest
 from fontTools.ttLib import TTFont
 
@@ -21,7 +22,8 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.library import ROOMS, inline
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
-from report.site.paper import captions
+from report.site.paper import captions, unused
+from report.site.pictures import packed, sizes
 from report.site.policy import digest
 from report.site.scenes import viewer_style
 from report.site.search import script, sections, words
@@ -326,6 +328,37 @@ def test_captions_lead_into_the_report():
     assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the supplement: b'}
 
 
+def test_sections_are_named_by_their_words_each_once(site):
+    assert unused("a", {"b"}) == "a" and unused("a", {"a", "a-2"}) == "a-3"
+    for name in ("report", "supplement"):
+        text = (site / f"{name}.html").read_text()
+        assert not re.search(r'id="section-\d', text)
+    assert '<h2 id="the-torus">6 The torus<a class="permalink" href="#the-torus"' in text
+
+
+def test_pictures_have_their_size_and_keep_their_pixels(site):
+    for path in site.rglob("*.html"):
+        for picture in re.findall(
+            r'<figure>.*?(<img[^>]*src="[^"]*figures/[^>]*>)', path.read_text()
+        ):
+            [(width, height)] = re.findall(r'width="(\d+)" height="(\d+)"', picture)
+            assert 0 < int(height) <= 576 and int(width) > 0, (path.name, picture)
+    drawn = np.random.default_rng(7).integers(0, 256, (900, 300, 3), dtype=np.uint8)
+    png = io.BytesIO()
+    PIL.Image.fromarray(drawn).save(png, "PNG")
+    assert sizes(png.getvalue()) == 'width="192" height="576"'
+    assert sizes(b'<svg width="300pt" height="150pt">') == 'width="400" height="200"'
+    kept = PIL.Image.open(io.BytesIO(packed(png.getvalue())))
+    assert np.array_equal(np.asarray(kept), drawn)
+    assert PIL.Image.open(io.BytesIO(packed(png.getvalue(), 90))).size == (30, 90)
+
+
+def test_notebooks_come_as_scripts_too(site):
+    for path in (site / "notebooks").glob("*.ipynb"):
+        text = path.with_name(f"{path.name}.js").read_text()
+        assert json.loads(text.removeprefix("window.notebook = ").rstrip(";\n")) == path.read_text()
+
+
 def policy(text):
     """Return the policy of a page: its directives, each with its words."""
     said = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1])
@@ -397,7 +430,9 @@ def test_chapter_escapes_what_cells_say_and_print(tmp_path):
     stream = nbformat.v4.new_output("stream", text=evil)
     value = nbformat.v4.new_output("execute_result", data={"text/plain": evil, "text/html": evil})
     said = nbformat.v4.new_output("display_data", data={"text/markdown": evil})
-    png = {"image/png": base64.b64encode(b"png").decode()}
+    white = io.BytesIO()
+    PIL.Image.new("RGB", (4, 3)).save(white, "PNG")
+    png = {"image/png": base64.b64encode(white.getvalue()).decode()}
     drawn = nbformat.v4.new_output("display_data", data=png,
                                    metadata={"image/png": {"alt": f'"{evil}'}})  # fmt: skip
     book.cells = [

@@ -19,6 +19,7 @@ BODY = re.compile(r"<body>(.*)</body>", re.S)
 EMBEDDED = re.compile(r'src="data:image/[\w+]+;base64,([^"]+)"')
 FIGURE = re.compile(r'<figure(?: id="([^"]*)")?>(.*?)<figcaption>(.*?)</figcaption>', re.S)
 NUMBERED = re.compile(r"^(\w+\s\d+):(?:<span[^>]*>[^<]*</span>)?\s*")
+NUMBER = re.compile(r"^\s*\d[\d.]*\s+")  # of a section, which another may have tomorrow
 HEADING = re.compile(r"<h([2-4])([^>]*)>(.*?)</h\1>", re.S)
 
 
@@ -53,7 +54,7 @@ def report_page(name):
     def named(match):
         level, attributes, text = match.groups()
         found = re.search(r'id="([^"]+)"', attributes)
-        name = found[1] if found else unused(anchor(text), names)
+        name = found[1] if found else unused(anchor(NUMBER.sub("", text)), names)
         names.add(name)
         if level < "4":
             contents.append((int(level), name, text))

@@ -56,6 +56,55 @@ def test_slider_moves_a_picture_at_once(browser, page):
     assert ready < 20 and median < 300
 
 
+WITH_SLIDERS = [
+    p for p in sorted((LIVE / "chapters").glob("*.html")) if "data-program" in p.read_text()
+]
+
+
+@pytest.mark.parametrize("page", WITH_SLIDERS, ids=lambda page: page.stem)
+def test_every_slider_redraws_and_nothing_is_asked_outside(browser, page):
+    taken = moved_all(browser, page)
+    median = sorted(taken)[len(taken) // 2]
+    print(f"\n{page.stem}: {len(taken)} moves, {median:.0f} ms in the median, {max(taken):.0f} "
+          f"at worst, at a load of {os.getloadavg()[0]:.1f}")  # fmt: skip
+
+
+@pytest.mark.parametrize("stem", ["23_gain", "24_follow", "31_rod"])
+def test_chapters_with_translated_loops_redraw_in_firefox(fox, stem):
+    [page] = [page for page in WITH_SLIDERS if page.stem == stem]
+    taken = moved_all(fox, page)
+    print(f"\nFirefox, {stem}: {sorted(taken)[len(taken) // 2]:.0f} ms in the median")
+
+
+def moved_all(browser, page):
+    """Move every slider of a page twice, there and back; return each redrawing's time in ms."""
+    browser.requests.clear()
+    browser.open(page.as_uri())
+    taken = []
+    for number in range(browser.run("document.querySelectorAll('[data-program]').length")):
+        box = f"document.querySelectorAll('[data-program]')[{number}]"
+        browser.run(f"{box}.querySelector('button').click()")
+        browser.until(f"+{box}.dataset.ready", 120)
+        picture = f"[...{box}.parentElement.querySelectorAll('figure img')].pop()"
+        sliders = browser.run(f"{box}.querySelectorAll('input').length")
+        assert sliders > 0
+        for which in range(sliders):
+            words = {browser.run(f"{picture}.alt")}
+            for share in (0.25, 0.8):
+                drawn = browser.run(f"{box}.dataset.drawn")
+                move = MOVE.format(box, share).replace(
+                    "querySelector('input')", f"querySelectorAll('input')[{which}]"
+                )
+                browser.run(move)
+                browser.until(f"{box}.dataset.drawn > {drawn}", 120)
+                taken.append(float(browser.run(f"{box}.dataset.moment")))
+                words.add(browser.run(f"{picture}.alt"))
+            assert len(words) > 1, "the picture says where its sliders stand"
+        assert browser.run(f"{box}.querySelector('[role=status]').textContent") == ""
+    assert browser.errors == [] and elsewhere(browser) == []
+    return taken
+
+
 def test_slider_moves_a_picture_in_firefox(fox):
     fox.run("fetch('http://127.0.0.1:5999/', { mode: 'no-cors' }).catch(() => 0)")
     assert elsewhere(fox) == ["http://127.0.0.1:5999/"], "what is asked for is noted"

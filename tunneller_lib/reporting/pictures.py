@@ -45,7 +45,34 @@ def write_picture(path, content):
     return path
 
 
+# A camera's angle is that of the height: where the window is taller than the scene was made for, it
+# grows, so that nothing is cut off at the sides.
+FIT = """<script>
+(() => {{
+  const place = document.querySelector("main.content");
+  let grown = 1;
+  function fit() {{
+    const view = window.global.renderWindow; // where the viewer leaves it
+    if (!view) return void setTimeout(fit, 50);
+    const wanted = Math.max(1, ({0} * place.clientHeight) / place.clientWidth);
+    for (const renderer of view.getRenderers()) {{
+      const camera = renderer.getActiveCamera();
+      const half = Math.tan((camera.getViewAngle() * Math.PI) / 360);
+      camera.setViewAngle((360 / Math.PI) * Math.atan((half * wanted) / grown));
+      camera.setParallelScale((camera.getParallelScale() * wanted) / grown);
+    }}
+    grown = wanted;
+    view.render();
+  }}
+  addEventListener("resize", fit);
+  fit();
+}})();
+</script>
+</body>"""
+
+
 def _html(path, plotter):
+    width, height = plotter.window_size
     page = plotter.trame.export_html(None).getvalue()
     title = escape(plotter.title)
     for bar in plotter.scalar_bars.values():  # the viewer has a word of its own for them all
@@ -53,6 +80,8 @@ def _html(path, plotter):
     plotter.close()
     page = re.sub("<title>.*?</title>", f"<title>{title}</title>", page, count=1)
     page = page.replace("<body>", PAGE.format(title), 1)
+    head, _, tail = page.rpartition("</body>")
+    page = head + FIT.format(width / height) + tail
     # The viewer inside asks its makers' site for the icon of the page; nothing else is loaded.
     page = re.sub(r"https://kitware\.github\.io/[^`\"']*", "data:,", page)
     path.write_text(page, encoding="utf-8", newline="\n")
