@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from tests.test_strips import BALL, MILL, MM, PLANE, SADDLE, covering, straight
-from tunneller_lib.milling import cover, find_positions, find_scallops, plan_tour, sweep_error
+from tunneller_lib.milling import (
+    cover,
+    find_positions,
+    find_scallops,
+    plan_tour,
+    sweep_error,
+    touch_twice,
+)
 from tunneller_lib.milling.five_axes import TiltingTable
 from tunneller_lib.milling.positions import depths_of
 from tunneller_lib.milling.tangency import touch_along
@@ -71,6 +78,16 @@ def test_chains_that_touch_twice_are_taken_where_they_add_more(found, first):
 def test_without_a_tolerance_no_cone_touches_twice(first):
     [chain] = first.chains
     assert touch_along(SADDLE, MILL, chain, 0.0, None, None, 31) is None  # it may leave nothing
+
+
+def test_a_chain_touches_twice_at_the_distances_that_are_given(first):
+    [chain] = first.chains
+    apart = np.linspace(2 * MM, 3 * MM, len(chain))
+    twin = touch_along(SADDLE, MILL, chain, 1e-7, None, None, 31, apart)
+    rows = np.isin(chain.s, twin.s)
+    whole = touch_twice(SADDLE, MILL, chain, apart=apart, n=31)
+    assert len(twin) >= 6
+    np.testing.assert_array_equal(twin.tip, whole.tip[rows])
 
 
 @pytest.mark.parametrize("pitch", [0.5 * MM, 2 * MM])

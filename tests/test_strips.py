@@ -172,6 +172,45 @@ def test_twice_touching_strips_are_wider_by_the_root_of_two_at_best(chain):
     assert np.linspace(0.3, 1.3, 21)[np.argmax(ratios)] == pytest.approx(1, abs=0.11)
 
 
+def test_strips_that_touch_along_one_curve_join_without_a_kink(chain):
+    """With its own distance at each position the contacts follow a curve, which the sweep touches.
+
+    So do strips from either side of that curve: both leave nothing there, and rise with a square.
+    """
+    apart = np.linspace(3 * MM, 5 * MM, len(chain))
+    twice = touch_twice(SADDLE, MILL, chain, apart=apart)
+    assert twice.found.all()
+    away = np.linalg.norm(twice.contact[:, 0] - twice.contact[:, 1], axis=-1)
+    np.testing.assert_allclose(away, apart, rtol=5e-3)
+    step = 0.02 * MM
+    # Nearer to its ends a chain cuts with less than its envelope.
+    for side in (0, 1):
+        s, t = twice.s[3:-3, side], twice.t[3:-3, side]
+        way = np.sign(s - chain.s[3:-3])
+        seam, *beside = (
+            sweep_error(SADDLE.points(s + k * way * step, t), MILL, twice.tip, twice.axis)
+            for k in (0, 1, -1)
+        )
+        assert np.abs(seam).max() < 1e-10
+        slope = np.abs(beside[0] - beside[1]) / (2 * step)
+        single = sweep_error(SADDLE.points(s, t), MILL, chain.tip, chain.axis)
+        # With one contact what is left rises as 4 h / a at a distance a from it.
+        assert slope.max() < 0.02 * (4 * single / (apart[3:-3] / 2)).min()
+
+
+@pytest.mark.parametrize("apart", [0.0, -1 * MM, [1 * MM, 0.0], [[1 * MM]]])
+def test_contacts_that_arent_apart_are_refused(chain, apart):
+    with pytest.raises(
+        ValueError, match=r"^apart: must be above zero, one length or one a pos.*\.$"
+    ):
+        touch_twice(SADDLE, MILL, chain, apart=apart)
+
+
+def test_distances_of_contacts_are_as_many_as_positions(chain):
+    with pytest.raises(ValueError, match=rf"^apart: must be one length or {len(chain)}; got 2\.$"):
+        touch_twice(SADDLE, MILL, chain, apart=[1 * MM, 2 * MM])
+
+
 def test_where_a_contact_would_be_beyond_the_patch_the_row_is_the_chains(chain):
     twice = touch_twice(SADDLE, MILL, chain, apart=50 * MM)
     assert not twice.found.any()

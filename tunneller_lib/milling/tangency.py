@@ -1,10 +1,12 @@
 """Cones that touch a patch twice, near those in third-order contact, and make wider strips."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import Length, Whole, checked
+from ..arguments import Rule, Whole, bounded_array, checked, shown
 from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
 from .chains import Chain, conjugate_frame, fitting
@@ -19,6 +21,20 @@ NO_PAIR = "no pair of contacts fits"
 ROUNDS = 12  # of Newton's method, which doubles the digits in each
 SMALL = 1e-11  # a residual, over the distance of the contacts, that is rounding
 _H = 1e-30  # of a complex step, which makes derivatives to the last digit
+
+
+def _apart(name, value):
+    """Return `value`, one length or a row of them, all above zero."""
+    array = bounded_array(name, value)
+    if array.ndim > 1 or not np.all(array > 0):
+        raise ValueError(
+            f"{name}: must be above zero, one length or one a position; got {shown(value)}."
+        )
+    return array
+
+
+# What arguments may be, in this room and above it.
+Apart = Annotated[ArrayLike, Rule("float or (k,) float", _apart, "m")]
 
 
 @dataclass(frozen=True)
@@ -59,7 +75,7 @@ def touch_twice(
     mill: ConicalMill,
     chain: Chain,
     *,
-    apart: Length,
+    apart: Apart,
     others: Cloud | None = None,
     n: Whole(2, 500) = 121,
 ):
@@ -69,8 +85,9 @@ def touch_twice(
     ----------
     patch, mill, chain
         A chain of this mill on this patch, in third-order contact.
-    apart : float
-        Between the two contacts, in m, measured in the tangent plane amid them.
+    apart : float or (k,) float
+        Between the two contacts, in m, measured in the tangent plane amid them: the same at all
+        positions, or at each its own.
     others, n
         As for `find_positions`.
 
@@ -78,6 +95,11 @@ def touch_twice(
     -------
     twice : TwoContacts
         A row a position of the chain. There is none where a contact would be beyond the patch.
+
+    Raises
+    ------
+    ValueError
+        If the distances aren't above zero, or not as many as the positions.
 
     Notes
     -----
@@ -104,6 +126,9 @@ def touch_twice(
     vertex = chain.tip - mill.below * chain.axis
     ruling = chain.contact - vertex
     way, inverse = conjugate_frame(patch, chain.s, chain.t, ruling / norm(ruling)[:, None])
+    if np.size(apart) not in (1, len(chain)):
+        raise ValueError(f"apart: must be one length or {len(chain)}; got {np.size(apart)}.")
+    apart = np.broadcast_to(apart, len(chain))[:, None]
     lines = _Lines(patch, chain, way, inverse, apart / 2)
     axis = chain.axis.copy()
     turn = np.zeros(len(chain))
@@ -125,7 +150,7 @@ def touch_twice(
     return TwoContacts(found, s, t, patch.points(s, t), tip, axis, *depths)
 
 
-def touch_along(patch, mill, chain, tolerance, others, machine, n):
+def touch_along(patch, mill, chain, tolerance, others, machine, n, apart=None):
     """Return the `Chain` of cones that touch twice, near another chain, as far as they fit.
 
     Parameters
@@ -134,6 +159,8 @@ def touch_along(patch, mill, chain, tolerance, others, machine, n):
         As for `touch_twice`; of six positions or more.
     tolerance, others, machine, n
         As for `find_positions`.
+    apart
+        As for `touch_twice`; None for nearly the width of the chain's strip within the tolerance.
 
     Returns
     -------
@@ -141,11 +168,12 @@ def touch_along(patch, mill, chain, tolerance, others, machine, n):
         The longest row of such positions next to each other, if there is one. Its contacts are
         those of the given chain, amid the two.
     """
-    size = np.ptp(patch.mesh(9).reshape(-1, 3), axis=0).max()
-    strip = strip_across(patch, mill, chain, chain.tip, chain.axis, reach=size / 2, m=LOOKS)
-    apart = SHARE * np.median(strip.widths(tolerance)) if tolerance else 0.0
-    if not apart:
-        return None
+    if apart is None:
+        size = np.ptp(patch.mesh(9).reshape(-1, 3), axis=0).max()
+        strip = strip_across(patch, mill, chain, chain.tip, chain.axis, reach=size / 2, m=LOOKS)
+        apart = SHARE * np.median(strip.widths(tolerance)) if tolerance else 0.0
+        if not apart:
+            return None
     two = touch_twice.unchecked(patch, mill, chain, apart=apart, others=others, n=n)
     fits = two.found & (two.enters <= tolerance)
     fits &= (two.holder_enters == 0) & (two.others_enter == 0)
@@ -170,14 +198,14 @@ class _Lines:
     chain: Chain
     way: np.ndarray
     inverse: np.ndarray
-    half: float
+    half: np.ndarray  # (k, 1), the distance from the middle to either contact, in m
 
     def rates(self, turn):
         """Return changes (k, 2, 2) of s and t from the middle to both contacts, and by the turn."""
         c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
         across = self.chain.across
         way = self.way
-        ends = np.array([[self.half], [-self.half]])
+        ends = np.stack([self.half, -self.half], axis=1)
         return [
             ends * np.einsum("nij,nj->ni", self.inverse, direction)[:, None]
             for direction in (c * across + s * way, c * way - s * across)
