@@ -294,13 +294,31 @@ def test_spindle_and_table_refuse_positions(tmp_path):
     np.testing.assert_array_less(depth, deep[free.fits][enters] + 1e-9)
 
 
+def test_a_cradle_is_points_of_boxes_that_the_machine_has(tmp_path, run):
+    box = "[[cradle]]\n" + "".join(f"{c}_min = -0.3\n{c}_max = -0.25\n" for c in "xyz")
+    text = JOB.read_text(encoding="utf-8")
+    path = tmp_path / "cradle.toml"
+    path.write_text(text + box, encoding="utf-8")
+    cradle = read_flank(path).table.cradle
+    np.testing.assert_allclose([cradle.min(axis=0), cradle.max(axis=0)], [[-0.3] * 3, [-0.25] * 3])
+    on_a_face = np.isclose(cradle, -0.3) | np.isclose(cradle, -0.25)
+    assert on_a_face.any(axis=1).all() and not on_a_face.all(axis=1).all()
+    path.write_text(text, encoding="utf-8")
+    assert read_flank(path).table.cradle is None
+    machine = text[text.index("[machine] ") : text.index("# Tables [[box]]")]
+    refused(
+        run({machine: box}), 2, r"\[cradle\]: needs the machine that it belongs to, \[machine\]"
+    )
+
+
 @pytest.mark.parametrize(("low", "high"), [(0.1, 0.1), (0.1, "nan"), ("-inf", 0.1), (0.1, "inf")])
-def test_a_box_whose_limits_dont_ascend_or_are_not_finite_is_refused(run, low, high):
+@pytest.mark.parametrize("name", ["box", "cradle"])
+def test_a_box_whose_limits_dont_ascend_or_are_not_finite_is_refused(run, name, low, high):
     box = "".join(f"{c}_min = {low}\n{c}_max = {high}\n" for c in "xyz")
     refused(
-        run({"[machine] ": box.join(["[box]\n", "[machine] "])}),
+        run({"[machine] ": box.join([f"[{name}]\n", "[machine] "])}),
         2,
-        r"\[box\] \w_min: must be below \w_max, both finite; got",
+        rf"\[{name}\] \w_min: must be below \w_max, both finite; got",
     )
 
 

@@ -16,7 +16,9 @@ from tunneller_lib.milling import (
     plan_tour,
     trace_chains,
 )
+from tunneller_lib.milling.five_axes import cradle_depth
 from tunneller_lib.milling.positions import depths_of
+from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.milling.tour import STEP, Tour
 from tunneller_lib.ream.timing import fastest
 
@@ -184,6 +186,57 @@ def test_a_tour_past_an_obstacle_is_refused(chains):
     above = chain.tip[-1] + (MILL.length + MILL.holder_length + 0.02) * chain.axis[-1]
     with pytest.raises(ValueError, match="on the retract of chain 0 the mill would enter a neigh"):
         plan_tour(PATCH, MILL, [chain], WIDE, clearance=0.01, others=[above], **LOOK)
+
+
+def test_the_cradle_tilts_with_the_workpiece_and_doesnt_turn_with_it(found):
+    """Carried to the workpiece, the cradle's points turn back by C about `up`, through the pivot."""
+    rng = np.random.default_rng(0)
+    cradle = rng.uniform(-0.3, 0.3, (400, 3))
+    machine = replace(WIDE, cradle=cradle)
+    values = machine.values(found.tip, found.axis, MILL)
+    depth = cradle_depth(machine, MILL, values)
+    for tip, axis, turn, ours in zip(found.tip, found.axis, values[:, 4], depth, strict=True):
+        there = cradle @ rotation(-turn, (0, 0, 1)).T @ machine.frame + np.array(machine.pivot)
+        seen = seen_from(there, tip[None], axis[None])
+        theirs = np.minimum(MILL.cutting(*seen), MILL.holder(*seen)).min()
+        assert ours == pytest.approx(max(-theirs, 0), abs=1e-14)
+    assert 0 < np.sum(depth > 0) < len(depth)
+    assert not cradle_depth(WIDE, MILL, values).any()
+    assert not cradle_depth(machine, None, values).any()
+
+
+def post_of(values, row):
+    """Return a point of the cradle that is within the holder at a row of values."""
+    return rotation(-values[row, 3], (1, 0, 0)) @ (values[row, :3] + [0, 0, MILL.length + 0.02])
+
+
+def test_positions_in_the_cradle_are_refused_unless_the_other_sign_of_a_clears_it(found):
+    row = np.flatnonzero(found.fits)[0]
+    ways = [replace(WIDE, tilt=tilt) for tilt in ((0, 3.2), (-3.2, 0))]  # one sign of A each
+    whole = np.repeat(found.tip[row : row + 1], 4, axis=0), np.repeat(found.axis[[row]], 4, axis=0)
+    posts = np.array([post_of(way.values(*whole), 0) for way in ways])
+    for cradle, refused in ((posts[:1], False), (posts, True)):
+        machine = replace(WIDE, cradle=cradle)
+        again = find_positions(
+            PATCH, MILL, *PATCH.parameters(3, margin=0.2), machine=machine, **LOOK
+        )
+        assert again.reason[row] == ("enters the machine's cradle" if refused else "fits")
+        assert machine.reaches(*(part[0] for part in whole), MILL) == (not refused)
+        assert machine.reaches(*(part[0] for part in whole))
+
+
+def test_a_chain_ends_before_the_cradle_and_a_tour_into_it_is_refused(found, chains):
+    chain = chains[-1]
+    one_sign = replace(WIDE, tilt=(0, 3.2))
+    values = one_sign.values(chain.tip, chain.axis)
+    machine = replace(one_sign, cradle=[post_of(values, len(chain) - 1)])
+    only = np.arange(len(found)) == _start(found, chain)
+    starts = replace(found, reason=np.where(only, "fits", ""))
+    [cut] = trace_chains(PATCH, MILL, starts, step=1 * MM, machine=machine, **LOOK)
+    assert "the cradle is in the way" in cut.ends and 4 <= len(cut) < len(chain)
+    assert not cradle_depth(machine, MILL, machine.values(cut.tip, cut.axis, MILL)).any()
+    with pytest.raises(ValueError, match=r"chain 0 the mill would enter the machine's cradle, by"):
+        plan_tour(PATCH, MILL, [chain], machine, clearance=0.01, **LOOK)
 
 
 def test_a_tour_without_room_above_or_beyond_the_axes_is_refused(chains):

@@ -49,8 +49,8 @@ SURFACES = {
     "nurbs": dict(unit=TEXT),
     "points": dict(contact_error="m", normal_error="rad"),
 }  # fmt: skip
-TABLES = *FLANK, "machine", "feed", "box"  # the last three may be missing
-SEVERAL = "mill", "box"  # of which there may be some, in double brackets
+TABLES = *FLANK, "machine", "feed", "box", "cradle"  # the last four may be missing
+SEVERAL = "mill", "box", "cradle"  # of which there may be some, in double brackets
 MOST_TABLES = 20
 APART = 2.5e-3  # m between points of a box's face, but
 ON_A_FACE = 61, 241  # at least, and at most, so many each way
@@ -119,6 +119,9 @@ class FlankJob:
     boxes : list of dict
         On the workpiece, as clamps and the table are, that mill, holder and spindle must stay off:
         ``_min`` and ``_max`` of x, y, z.
+    cradle : list of dict
+        Boxes likewise, in the machine's coordinates from the pivot while A is 0, of what tilts
+        with the table and doesn't turn.
     """
 
     surface: dict
@@ -128,6 +131,7 @@ class FlankJob:
     measured: str | bytes | None
     feed: dict | None = None
     boxes: list = field(default_factory=list)
+    cradle: list = field(default_factory=list)
 
     @cached_property
     def tools(self):
@@ -191,6 +195,7 @@ class FlankJob:
                 *(tuple(about[f"{name}_{c}"] for c in "xyz") for name in ("pivot", "up")),
                 *((about[f"{name}_min"], about[f"{name}_max"]) for name in LIMITS),
                 about["most_turn"],
+                _points([face for box in self.cradle for face in _faces(box)]),
             )
 
     @cached_property
@@ -208,9 +213,7 @@ class FlankJob:
     @property
     def others(self):
         """Return points (n, 3) of all neighbours, in m, or None where there is none."""
-        if not self.neighbours:
-            return None
-        return np.concatenate([grid.reshape(-1, 3) for grid in self.neighbours])
+        return _points(self.neighbours)
 
     @checked
     def solved(self, say: Callable[[str], object]):
@@ -328,11 +331,19 @@ def read_flank(path: str | Path, points: str | Path | None = None):
             for name, most in feed.items():
                 if not 0 < most < np.inf:
                     raise WrongJob(f"{name}: must be finite and above zero; got {most:g}.")
-    boxes = _rows(tables, "box", BOX, BOX)
-    for name, box in zip(_names(boxes, "box"), boxes, strict=True):
-        with said_of(name):
+    boxes, cradle = (_read_boxes(tables, name) for name in ("box", "cradle"))
+    if cradle and machine is None:
+        raise WrongJob("[cradle]: needs the machine that it belongs to, [machine].")
+    return FlankJob(surface, mills, paths, machine, measured, feed, boxes, cradle)
+
+
+def _read_boxes(tables, name):
+    """Return the boxes that tables of a name say, a list of dicts, which may be empty."""
+    boxes = _rows(tables, name, BOX, BOX)
+    for label, box in zip(_names(boxes, name), boxes, strict=True):
+        with said_of(label):
             _check_ranges(box, "xyz")
-    return FlankJob(surface, mills, paths, machine, measured, feed, boxes)
+    return boxes
 
 
 def _rows(tables, name, units, needed):
@@ -356,6 +367,11 @@ def _check_ranges(about, names):
 def _names(rows, name="mill"):
     """Return the names of tables in messages, numbered where there are several."""
     return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
+
+
+def _points(grids):
+    """Return the points (n, 3) of grids (.., 3), or None where there is none."""
+    return np.concatenate([grid.reshape(-1, 3) for grid in grids]) if grids else None
 
 
 def _faces(box):

@@ -7,7 +7,7 @@ import numpy as np
 from ..arguments import Length, Length0, Whole, checked
 from ..envelopes import adapted_frames, hyperosculating_cones
 from ..exact import dot, norm
-from .five_axes import TiltingTable, stretch
+from .five_axes import TiltingTable, cradle_depth, stretch
 from .motion import moved
 from .patch import Cloud, Patch
 from .positions import Positions, depths_of
@@ -19,6 +19,7 @@ NO_CONE = "no cone continues"
 NO_FIT = "the next one doesn't fit"
 ON_THE_WAY = "the mill would gouge on its way"
 NO_AXES = "the machine's axes end"
+IN_CRADLE = "the cradle is in the way"
 BETWEEN = 4  # places from one position to the next at which that is looked at
 
 
@@ -41,7 +42,8 @@ class Chain:
     ends : tuple of two str
         Why it ends at its first and at its last position: "the patch ends", "no cone continues",
         "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end",
-        "no pair of contacts fits" of cones that touch twice, or "long enough".
+        "the cradle is in the way", "no pair of contacts fits" of cones that touch twice, or "long
+        enough".
     """
 
     s: np.ndarray
@@ -83,8 +85,8 @@ def trace_chains(
     tolerance, others
         As for `find_positions`: where a position doesn't fit the chain ends.
     machine : TiltingTable, optional
-        A chain ends where an axis of the machine does, or would turn too far in a step; it may have
-        no position then.
+        A chain ends where an axis of the machine does, or would turn too far in a step, or the
+        mill would enter the cradle; it may have no position then.
     most : int
         Positions to either side of the start.
     n : int
@@ -170,17 +172,22 @@ def fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
     while last - first >= 4:
         way = moved(tip[first:last], axis[first:last], between=BETWEEN)
         own, holder, other = depths_of(patch, mill, *way, others, n)
-        wrong = first + np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0)) / BETWEEN
-        if not len(wrong):
+        blocked = np.zeros(len(own), dtype=bool)
+        if machine is not None and machine.cradle is not None:
+            blocked = cradle_depth(machine, mill, machine.values(*way, mill)) > 0
+        bad = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0) | blocked)
+        if not len(bad):
             break
-        before = wrong[wrong <= start]
-        after = wrong[wrong > start]
+        wrong = first + bad / BETWEEN
+        why = np.where(blocked[bad], IN_CRADLE, ON_THE_WAY).tolist()
+        before = np.flatnonzero(wrong <= start)
+        after = np.flatnonzero(wrong > start)
         if len(before):
-            first = int(np.floor(before.max())) + 1
-            ends[0] = ON_THE_WAY
+            first = int(np.floor(wrong[before[-1]])) + 1
+            ends[0] = why[before[-1]]
         if len(after):
-            last = int(np.ceil(after.min()))
-            ends[1] = ON_THE_WAY
+            last = int(np.ceil(wrong[after[0]]))
+            ends[1] = why[after[0]]
     return Chain(*(part[first:last] for part in parts), tuple(ends))
 
 

@@ -4,7 +4,7 @@ The spindle stands along z and moves along x, y and z against a table. The table
 the angle A and turns on itself by the angle C.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
@@ -22,9 +22,11 @@ from ..arguments import (
 )
 from ..exact import norm
 from .motion import Axes, Tips
-from .patch import Range
+from .patch import Cloud, Range
+from .tools import ConicalMill
 
 LIMITS = ("x", "y", "z", "tilt", "turn")  # of the machine's axes, in the order of their values
+BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
 UPRIGHT = 1e-9  # rad: an axis that leans less than this leaves C free
 
 
@@ -69,12 +71,14 @@ class TiltingTable:
         Least and greatest C, in rad.
     most_turn : float
         By how much A or C may change from one position to the next, in rad.
+    cradle : (n, 3) float, optional
+        Points, in m, of what tilts by A and doesn't turn by C, as the cradle that carries the
+        table; in the machine's coordinates while A is 0. Mill, holder and spindle must stay off.
 
     Notes
     -----
     What the table carries, and the table itself, moves with the workpiece: as points or boxes there
-    it is among the `others` that a mill with its holder and spindle must stay off. A cradle, which
-    tilts and doesn't turn, isn't looked at.
+    it is among the `others` that a mill with its holder and spindle must stay off.
 
     A point p of the workpiece is at Rx(A) Rz(C) F (p - pivot), where the rows of F are three unit
     vectors, the third along `up`. For an axis F u = (sin A sin C, sin A cos C, cos A) there are two
@@ -96,6 +100,7 @@ class TiltingTable:
     tilt: Range
     turn: Range
     most_turn: Positive
+    cradle: Cloud | None = field(default=None, compare=False)
 
     @property
     def frame(self):
@@ -108,24 +113,29 @@ class TiltingTable:
         return np.array([first, np.cross(third, first), third])
 
     @checked
-    def values(self, tip: Tips, axis: Axes):
+    def values(self, tip: Tips, axis: Axes, mill: ConicalMill | None = None):
         """Return what the machine's axes are at positions one after the other.
 
         Parameters
         ----------
         tip, axis
             As for `moved`.
+        mill : ConicalMill, optional
+            That should stay off the cradle.
 
         Returns
         -------
         values : (k, 5) float
             x, y, z in m, A and C in rad. From one position to the next that sign of A is taken with
             which A and C turn less; of the two signs at the first position, the one with which
-            fewer positions are beyond the limits. Where the axis is along `up` C is that of the
-            position before.
+            fewer positions are beyond the limits or in the cradle. Where the axis is along `up` C
+            is that of the position before.
         """
-        tried = self._ways(tip, axis)
-        return min(tried, key=lambda values: int(np.sum(self._beyond(values).any(axis=1))))
+
+        def wrong(values):
+            return np.sum(self._beyond(values).any(axis=1) | (cradle_depth(self, mill, values) > 0))
+
+        return min(self._ways(tip, axis), key=wrong)
 
     def _ways(self, tip, axis):
         """Return the values (k, 5) with either sign of A at first, C amid its limits."""
@@ -165,13 +175,15 @@ class TiltingTable:
         )
 
     @checked
-    def reaches(self, tip: Points, axis: Directions):
+    def reaches(self, tip: Points, axis: Directions, mill: ConicalMill | None = None):
         """Return whether the machine can stand at each of some positions (...) by itself.
 
         Parameters
         ----------
         tip, axis : (..., 3) float
             Of the tool, in m, and towards the spindle.
+        mill : ConicalMill, optional
+            That must stay off the cradle, too.
         """
         flat = [
             np.broadcast_to(part, np.broadcast_shapes(tip.shape, axis.shape))
@@ -185,7 +197,8 @@ class TiltingTable:
             # C within its limits, if a whole turn brings it there or if it is free.
             turned = low + np.mod(turn + (np.pi if sign < 0 else 0.0) - low, 2 * np.pi)
             turned = np.where(np.sin(tilt) < UPRIGHT, low, turned)
-            within |= ~self._outside(self._values(rows[0], sign * tilt, turned)).any(axis=1)
+            values = self._values(rows[0], sign * tilt, turned)
+            within |= ~self._outside(values).any(axis=1) & (cradle_depth(self, mill, values) == 0)
         return within.reshape(flat[0].shape[:-1])[()]
 
     @checked
@@ -264,6 +277,33 @@ def stretch(machine, tip, axis, start):
         after = np.flatnonzero((stop | jump)[start + 1 :]) + start + 1
         found.append((int(before.max(initial=0)), int(after.min(initial=len(tip)))))
     return max(found, key=lambda ends: ends[1] - ends[0], default=(start, start))
+
+
+def cradle_depth(machine, mill, values):
+    """Return how deep (k,) a mill with its holder enters a machine's cradle, in m; 0 where not.
+
+    Parameters
+    ----------
+    machine : TiltingTable
+        With a cradle or without.
+    mill : ConicalMill or None
+        None enters nothing.
+    values : (k, 5) float
+        Of the machine's axes.
+    """
+    depth = np.zeros(len(values))
+    if mill is None or machine.cradle is None:
+        return depth
+    x, y, z = machine.cradle.T
+    size = max(1, BLOCK // len(x))
+    for first in range(0, len(values), size):
+        tip_x, tip_y, tip_z, tilt, _ = values[first : first + size].T[..., None]
+        # The mill stands along z.
+        height = np.sin(tilt) * y + np.cos(tilt) * z - tip_z
+        radius = np.hypot(x - tip_x, np.cos(tilt) * y - np.sin(tilt) * z - tip_y)
+        distance = np.minimum(mill.cutting(height, radius), mill.holder(height, radius))
+        depth[first : first + size] = np.maximum(-distance.min(axis=1), 0.0)
+    return depth
 
 
 def _within_half(angle):

@@ -23,6 +23,7 @@ ENTERS = "enters the surface elsewhere"
 HOLDER = "holder enters the surface"
 OTHERS = "enters a neighbour"
 BEYOND = "beyond the machine's axes"
+CRADLE = "enters the machine's cradle"
 
 _STATES = {"convex": "convex (K > 0)", "spherical": "umbilic (both curvatures alike)"}
 
@@ -47,11 +48,12 @@ class Positions:
         How deep mill and holder enter the patch, in m: by how much its deepest point is within;
         infinite where that isn't asked, for a position on the other side or off the cutting part.
     others_enter : (k,) float
-        How deep mill or holder enter other points, in m, likewise.
+        How deep mill or holder enter other points, in m, likewise: those of a neighbour, be it a
+        blade, the hub, a clamp or the machine's table.
     reason : (k,) str
         "fits", or the first that speaks against it: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
-        "enters a neighbour", "beyond the machine's axes".
+        "enters a neighbour", "beyond the machine's axes", "enters the machine's cradle".
     state : (...) str
         What each point is: as of `Cones`, and "convex" where the surface is no saddle, so that
         every cone in third-order contact gouges.
@@ -105,9 +107,10 @@ def find_positions(
     tolerance : float
         How deep the mill may enter the patch, in m. The holder may not.
     others : (n, 3) float, optional
-        Points, in m, that mill and holder must stay off, as of neighbouring blades.
+        Points, in m, that mill and holder must stay off: of neighbouring blades, a hub, clamps or
+        the machine's table.
     machine : TiltingTable, optional
-        Whose axes must reach a position.
+        Whose axes must reach a position, with the mill off its cradle.
     n : int
         The patch is looked at on a mesh n by n, and between its points near the deepest.
 
@@ -147,6 +150,7 @@ def find_positions(
     # From the last reason to the first.
     reason = np.full(len(cones), FITS, dtype="<U28")
     if machine is not None and len(cones):
+        reason[~machine.reaches(tip, cones.axis, mill)] = CRADLE
         reason[~machine.reaches(tip, cones.axis)] = BEYOND
     reason[other > 0] = OTHERS
     reason[holder > 0] = HOLDER

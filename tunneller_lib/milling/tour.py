@@ -8,7 +8,7 @@ import numpy as np
 from ..arguments import Length, Length0, Rule, Whole, checked, shown
 from ..exact import norm
 from .chains import Chain
-from .five_axes import TiltingTable
+from .five_axes import TiltingTable, cradle_depth
 from .patch import Cloud, Patch
 from .positions import depths_of
 from .tools import ConicalMill
@@ -83,8 +83,8 @@ def plan_tour(
     machine : TiltingTable
         In whose axes the ways between chains are straight.
     clearance : float
-        How far the tip stays above the ball about the pivot that holds patch and other points,
-        while the table moves, in m.
+        How far the tip stays above the ball about the pivot that holds patch and other points, not
+        the cradle, while the table moves, in m.
     tolerance, others, n
         As for `find_positions`.
 
@@ -99,7 +99,7 @@ def plan_tour(
     ------
     ValueError
         If a position, or the height at which the table may move, is beyond the machine's axes, or
-        if the mill enters something on its way.
+        if the mill enters something between the chains, or the machine's cradle anywhere.
     """
     pivot = np.array(machine.pivot)
     around = [patch.mesh(n).reshape(-1, 3)] + ([] if others is None else [others])
@@ -111,7 +111,7 @@ def plan_tour(
         )
     parts = []
     for k, chain in enumerate(chains):
-        values = machine.values(chain.tip, chain.axis)
+        values = machine.values(chain.tip, chain.axis, mill)
         wrong = machine.beyond(values)
         if wrong.any():
             place = int(np.flatnonzero(wrong)[0])
@@ -129,6 +129,7 @@ def plan_tour(
     values = np.concatenate([rows for _, _, rows in parts])
     tour = Tour(kind, chain, *machine.positions(values), values)
     _check_free(tour, patch, mill, tolerance, others, n)
+    _check_place(tour, cradle_depth(machine, mill, values), "the machine's cradle")
     return tour
 
 
@@ -156,9 +157,16 @@ def _check_free(tour, patch, mill, tolerance, others, n):
         "a neighbour": other,
     }
     for what, deep in allowed.items():
-        if np.any(deep > 0):
-            worst = between[int(deep.argmax())]
-            raise ValueError(
-                f"chains: must be left and reached freely; on the {tour.kind[worst]} of chain "
-                f"{tour.chain[worst]} the mill would enter {what}, by {1e3 * deep.max():.3g} mm."
-            )
+        every = np.zeros(len(tour))
+        every[between] = deep
+        _check_place(tour, every, what)
+
+
+def _check_place(tour, deep, what):
+    """Raise ValueError where the mill enters something: how deep (k,) at each place, in m."""
+    if np.any(deep > 0):
+        worst = int(deep.argmax())
+        raise ValueError(
+            f"chains: must be cut, left and reached freely; on the {tour.kind[worst]} of chain "
+            f"{tour.chain[worst]} the mill would enter {what}, by {1e3 * deep.max():.3g} mm."
+        )
