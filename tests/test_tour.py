@@ -189,7 +189,7 @@ def test_a_tour_past_an_obstacle_is_refused(chains):
 
 
 def test_the_cradle_tilts_with_the_workpiece_and_doesnt_turn_with_it(found):
-    """Carried to the workpiece, the cradle's points turn back by C about `up`, through the pivot."""
+    """On the workpiece the cradle's points turn back by C about `up`, through the pivot."""
     rng = np.random.default_rng(0)
     cradle = rng.uniform(-0.3, 0.3, (400, 3))
     machine = replace(WIDE, cradle=cradle)
