@@ -9,7 +9,7 @@ import nbformat
 
 from report.site.markup import attribute, code, formula, markdown, plain
 from report.site.pictures import packed, sizes
-from report.sources import records
+from report.sources import ROOT, records
 
 
 def title(notebook):
@@ -106,6 +106,7 @@ class Chapter:
         """Return a picture: the recorded figure, or what only the notebook shows."""
         if alt in self.figures:
             file = self.figures[alt]
+            content = (ROOT / "figures" / file).read_bytes()  # shown in its stead
             caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
             file, caption = f"{self.stem}-{len(self.pictures)}.webp", self.caption

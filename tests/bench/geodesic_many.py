@@ -5,11 +5,9 @@ python -m tests.bench.geodesic_many PAIRS [SCHEDULER]
 The blocks go to the local cores or, with the address of a scheduler, to a Dask cluster; each is
 summed up where it is made. A run that was interrupted goes on from where it stopped.
 
-10,000,000 pairs on two cores (2026-11-23, Python 3.11, numba 0.68.1; other programs ran beside, a
-load of about 10): a process held 221 MB in the first half of the 40 blocks and 221 MB in the
-second, and the run took 182 s on the clock. 100,000,000 pairs are 400 such blocks, which was not
-run: by proportion they take half an hour there, in the same memory. Of that the geodesics are three
-minutes of a core, by the 17.7 s of geodesic_growth.csv for a tenth.
+100,000,000 pairs on two cores (2026-11-24, Python 3.11, numba 0.68.1; other programs ran beside, a
+load of 6 to 8, and this one at a low priority): a process held 217 MB in the first half of the 400
+blocks and 217 MB in the second, and the run took 512 s on the clock.
 """
 
 import resource
