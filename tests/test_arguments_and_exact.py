@@ -202,7 +202,7 @@ def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
 @pytest.mark.parametrize("axes", [4, 8, 64])
 def test_array_of_many_axes_is_shown_by_its_shape(axes):
     """At once: numpy would write the ends of each axis, in minutes."""
-    many = np.broadcast_to(0.5, (7,) * axes)
+    many = np.broadcast_to(0.5, (7,) * min(axes - 1, 8) + (1,) * (axes - 9) + (7,))
     text = arguments.shown(many)
     assert text.startswith("an array of shape (7, 7, 7, 7") and len(text) <= 100
     assert arguments.shown(many[(0,) * (axes - 1)]).startswith("array([0.5, 0.5, 0.5, 0.5")
