@@ -211,4 +211,4 @@ def test_section_of_rods_says_how_many_lines_its_tests_try():
         int(re.search(rf"^{name} = many\(([\d_]+)", tests, re.M)[1]) for name in ("MANY", "CHECKED")
     )
     assert 2 * len(GENERATORS) * usual > 1_000_000 and 40 * judged == usual
-    assert "more than a million such lines, of which they judge one in forty" in said
+    assert "more than a million such lines, and judge a fortieth as many in whole numbers" in said
