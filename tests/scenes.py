@@ -10,8 +10,8 @@ from tunneller_lib.reporting import COLOURS, scene
 @pytest.fixture(autouse=True)
 def small_scenes(monkeypatch):
     """Draw scenes on half of the pixels each way, a fourth of the work."""
-    width, height = scene.theme().window_size
-    monkeypatch.setattr(scene.theme(), "window_size", [width // 2, height // 2])
+    width, height = scene.THEME.window_size
+    monkeypatch.setattr(scene.THEME, "window_size", [width // 2, height // 2])
 
 
 def share(picture, colour):

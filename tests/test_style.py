@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from report.sources import ROOT
-from tunneller_lib.reporting import COLOURS, ERROR_MAP, figure
+from tunneller_lib.reporting import COLOURS, figure
 from tunneller_lib.reporting.motion_plot import draw_setvalues
-from tunneller_lib.reporting.style import SHADES, error_shades
 
 READS = ["report/site/style.css", "report/verdicts.typ"]
 
@@ -109,8 +108,3 @@ def test_axes_have_no_more_divisions_than_asked_for():
 def test_figure_refuses_divisions_that_are_none(divisions):
     with pytest.raises(ValueError, match=r"^divisions: must be one whole number from 1 to 20; got"):
         figure(height=7, divisions=divisions)
-
-
-def test_shades_of_errors_are_those_of_the_map_of_this_name():
-    theirs = plt.colormaps[ERROR_MAP](np.linspace(0, 1, SHADES))[:, :3]
-    np.testing.assert_allclose(error_shades(), theirs, atol=1e-3)

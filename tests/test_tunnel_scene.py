@@ -7,7 +7,6 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from report.compare import picture_difference
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, plan, simulate
@@ -137,18 +136,6 @@ def test_tunnel_scene_refuses_a_tick_beyond_the_run(cut):
         cut_scene(cut, last(cut) + 1)
     with pytest.raises(ValueError, match=r"^limit: must"):
         cut_scene(cut, limit=0.0)
-
-
-def test_picture_looks_like_the_scene(cut, tmp_path):
-    """VTK alone draws the one, pyvista the other."""
-    plotter = cut_scene(cut)
-    pictures = plotter.screenshot(return_img=True), cut_picture(cut), cut_picture(cut, bar=False)
-    plotter.close()
-    files = [tmp_path / f"{name}.png" for name in ("scene", "picture", "bare")]
-    for path, pixels in zip(files, pictures, strict=True):
-        PIL.Image.fromarray(pixels).save(path)
-    assert picture_difference(*files[:2]) is None
-    assert picture_difference(files[0], files[2]) is not None
 
 
 def test_pictures_show_the_run_from_first_to_last(cut):

@@ -325,11 +325,9 @@ def draw_wall(job, cut, path, say):
 
 def run_scene(options):
     """Write the scene at a share of the run."""
+    import_module("trame")  # else first asked for when the page is written, after the simulation
     from .job import say
-    from .reporting import pictures, scene, tunnel_scene
-
-    import_module("trame")  # else this and what a theme loads were first asked for at the end
-    scene.theme()
+    from .reporting import pictures, tunnel_scene
 
     out = options.out or Path("build") / f"{own_name(options.job)}.html"
     job, cut = read(options, out)

@@ -1,19 +1,13 @@
 """What notebooks use to show and to record: needs the study's environment, not only numpy."""
 
-from importlib import import_module
+from .chapters import ending
+from .interactive import sliders
+from .moving import moving_picture
+from .number_format import in_words
+from .record import Record, preview
+from .style import COLOURS, ERROR_MAP, figure
 
-# What is below is imported where it is asked for: matplotlib and VTK take a second.
-_FROM = {
-    "COLOURS": "style",
-    "ERROR_MAP": "style",
-    "Record": "record",
-    "ending": "chapters",
-    "figure": "style",
-    "in_words": "number_format",
-    "moving_picture": "moving",
-    "preview": "record",
-    "sliders": "interactive",
-}
+# The modules are imported where they are asked for: those of scenes take VTK a second.
 __all__ = [
     "COLOURS",
     "ERROR_MAP",
@@ -45,9 +39,3 @@ __all__ = [
     "torus_scene",
     "tunnel_scene",
 ]
-
-
-def __getattr__(name):
-    if name not in _FROM:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_FROM[name]}", __name__), name)

@@ -8,6 +8,11 @@ import os
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 
 from ..arguments import checked
 from .kinds import Pixels
@@ -152,13 +157,6 @@ def refill(plotter, other):
 
 def _lettered(plotter, pixels, letters, size):
     """Return a scene's picture with letters of a size in pixels written over it."""
-    # Late: it takes half a second, and pictures without letters do without.
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.patheffects import withStroke
-    from matplotlib.text import Annotation
-
     height, width = pixels.shape[:2]
     inch = 72.0  # px, so that a point is a pixel
     drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from ..arguments import Rule, finite_array, one_whole, real, shown
@@ -66,8 +67,6 @@ def _pixels(name, value):
 
 
 def _picture(name, value):
-    from matplotlib.figure import Figure  # late: scenes do without
-
     if not isinstance(value, Figure) and not _is_picture(value):
         raise ValueError(
             f"{name}: must be a drawing or pixels (n, m, 3) uint8; got {shown(value)}."

@@ -5,11 +5,12 @@ import re
 from html import escape
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import PIL.Image
 
 from ..job.atomic_write import replacement
-from .style import SHADES, error_shades
+from .style import ERROR_MAP
 
 # The viewer takes the page's element of the class content, or else all of its body.
 # The words stand below it, for its bar of colours reaches down to the scene's edge.
@@ -95,12 +96,11 @@ def _gif(path, pictures, milliseconds=80):
     """Write pictures in 255 colours, those of the error scale and of the rest of a few pictures."""
     pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
     few = np.concatenate([*pictures[:: max(1, len(pictures) // 4)], pictures[-1]])
-    scale = 255 * error_shades()[:: SHADES // 64]
+    scale = matplotlib.colormaps[ERROR_MAP](np.linspace(0, 1, 64), bytes=True)[:, :3]
     others = PIL.Image.fromarray(few).quantize(190, dither=PIL.Image.Dither.NONE).getpalette()
     others = np.reshape(others, (-1, 3))
     others = others[others.max(axis=1) < 248]  # nothing that white paper would be mistaken for
     palette = PIL.Image.new("P", (1, 1))
-    colours = np.concatenate([scale.astype(int), others])
-    palette.putpalette([255, 255, 255, *colours.ravel().tolist()])
+    palette.putpalette([255, 255, 255, *np.concatenate([scale, others]).ravel().tolist()])
     pictures = [p.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for p in pictures]
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=milliseconds, loop=0)

@@ -1,6 +1,5 @@
 """Pictures of surfaces in space, drawn without a screen."""
 
-import functools
 import os
 
 # VTK chooses its window when it is imported.
@@ -17,7 +16,6 @@ from ..envelopes.isotropic import cone_rulings
 from . import gl
 from .camera import crop, look, shoot
 from .kinds import Curve, Flags, Grid, Pictures, sound_pictures
-from .still import AMBIENT, LIGHTS
 
 __all__ = [
     "arrow",
@@ -37,17 +35,15 @@ __all__ = [
 
 Scalars = Annotated[np.ndarray, Rule("(n,) float", real)]
 
+# Lights as the camera sees them, x to the right and y up: one in front, two from above.
+LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 
-@functools.cache
-def theme():
-    """Return pyvista's theme of all scenes, once one is drawn: a picture by `Still` needs none."""
-    ours = pyvista.themes.DocumentTheme()
-    ours.window_size = [1600, 1200]
-    ours.smooth_shading = True
-    ours.lighting_params.ambient = AMBIENT
-    ours.anti_aliasing = "msaa"
-    ours.depth_peeling.enabled = False  # with Mesa's EGL it makes translucent sheets vanish
-    return ours
+THEME = pyvista.themes.DocumentTheme()
+THEME.window_size = [1600, 1200]
+THEME.smooth_shading = True
+THEME.lighting_params.ambient = 0.25  # nothing is quite black
+THEME.anti_aliasing = "msaa"
+THEME.depth_peeling.enabled = False  # with Mesa's EGL it makes translucent sheets vanish
 
 
 @checked
@@ -70,7 +66,7 @@ def empty(*, parallel: bool = True):
         If there is no off-screen GL library, without which VTK would crash.
     """
     gl.require()
-    plotter = pyvista.Plotter(off_screen=True, theme=theme(), lighting="none")
+    plotter = pyvista.Plotter(off_screen=True, theme=THEME, lighting="none")
     for position, intensity in LIGHTS:
         light = pyvista.Light(position=position, light_type="camera light", intensity=intensity)
         plotter.add_light(light)

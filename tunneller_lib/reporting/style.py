@@ -2,7 +2,8 @@
 
 from typing import Annotated
 
-import numpy as np
+import matplotlib
+from matplotlib.figure import Figure
 
 from ..arguments import Rule, Whole, checked, shown
 from .kinds import Centimetres
@@ -40,12 +41,6 @@ COLOURS = {
 }
 
 ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
-# The colours between which that map runs (ColorBrewer's), for who does without matplotlib.
-ERROR_COLOURS = (
-    "#053061", "#2166AC", "#4393C3", "#92C5DE", "#D1E5F0", "#F7F7F7",
-    "#FDDBC7", "#F4A582", "#D6604D", "#B2182B", "#67001F",
-)  # fmt: skip
-SHADES = 256  # of a map of colours
 
 STYLE = {
     "font.size": 9,
@@ -76,18 +71,6 @@ def _colour(name, value):
 
 
 Colour = Annotated[str, Rule("str", _colour)]
-
-
-def red_green_blue(colour):
-    """Return the parts (3,), from 0 to 1, of a colour such as "#8FA3B5"."""
-    return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-
-
-def error_shades():
-    """Return the colours (SHADES, 3), from 0 to 1, of `ERROR_MAP`, as matplotlib has them."""
-    ends = np.array([red_green_blue(one) for one in ERROR_COLOURS])
-    at = np.linspace(0, len(ends) - 1, SHADES)
-    return np.stack([np.interp(at, np.arange(len(ends)), part) for part in ends.T], axis=-1)
 
 
 @checked
@@ -132,10 +115,6 @@ def figure(
     >>> drawing, ax = figure(height=5)
     >>> line = ax.plot([0, 1], [0, 1], color=COLOURS["chord"])
     """
-    # Late: it takes half a second, and scenes do without.
-    import matplotlib
-    from matplotlib.figure import Figure
-
     matplotlib.rcParams.update(STYLE)
     drawing = Figure(figsize=(width / 2.54, height / 2.54), layout="constrained")
     axes = drawing.subplots(rows, cols, **subplots)

@@ -15,14 +15,12 @@ from ..removal import DexelGrid
 from ..surfaces import Section
 from . import scene
 from .machine_scene import machine_model
-from .still import Still
 from .style import COLOURS, ERROR_MAP
 
 BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
 OPENED = np.radians([100, 285])  # angles from y over z that are left out, to look inside
 VIEW = (0.55, -1.5, 0.5)  # towards the camera
 ZOOM = 1.4
-LIMIT = 1.5e-3  # m, of over- and under-break at the ends of the colours
 WINDOW = 1600, 1000  # px
 BAR = {
     "title": SCALAR.replace(" / ", "\n/ "),
@@ -177,7 +175,7 @@ def cut_scene(
     tick: Whole(0, MOST_TICKS) | None = None,
     *,
     wall: DexelGrid | None = None,
-    limit: Length = LIMIT,
+    limit: Length = 1.5e-3,
     opened: bool = True,
     bar: bool = True,
 ):
@@ -212,31 +210,26 @@ def cut_scene(
     """
     last = len(cut.centres) - 1
     tick = last if tick is None else _within_run(cut, tick)
-    plotter = scene.empty(parallel=False)
-    plotter.window_size = WINDOW
-    _fill(plotter, cut, tick, wall, limit, opened, bar)
+    if wall is None:
+        wall = cut.wall if tick == last else next(stages(cut, [tick]))
+    plotter = _uncut_tunnel(cut, opened)
+    _place(plotter, cut, tick, wall, limit, opened, bar)
     return plotter
 
 
-def _fill(plotter, cut, tick, wall, limit, opened, bar):
-    """Fill an empty scene, a plotter or a `Still`, with what there is at a tick."""
-    if wall is None:
-        last = len(cut.centres) - 1
-        wall = cut.wall if tick == last else next(stages(cut, [tick]))
-    _put_tunnel(plotter, cut, opened)
-    _place(plotter, cut, tick, wall, limit, opened, bar)
-
-
-def _put_tunnel(plotter, cut, opened):
-    """Put what no tick changes into a scene: the tunnel before and behind, and the camera."""
+def _uncut_tunnel(cut, opened):
+    """Return the scene of what no tick changes: the tunnel before and behind, and the camera."""
     plan = cut.plan
     start, stop = cut.wall.lines.x[[0, -1]]
     behind = min(start, 0.0) - plan.advance * (plan.laps - 1) - BACK
+    plotter = scene.empty(parallel=False)
+    plotter.window_size = WINDOW
     for ends in ((behind, start), (stop, stop + FRONT)):
         mesh = tunnel_mesh(plan.circuit.section, *ends, opened=opened)
         plotter.add_mesh(mesh, color=COLOURS["tunnel"])
     plotter.view_vector(VIEW, viewup=(0, 0, 1))
-    plotter.camera.Zoom(ZOOM)
+    plotter.camera.zoom(ZOOM)
+    return plotter
 
 
 def _place(plotter, cut, tick, wall, limit, opened, bar):
@@ -269,38 +262,20 @@ def _within_run(cut, tick):
     return tick
 
 
-@checked
-def cut_picture(
-    cut: Cut,
-    tick: Whole(0, MOST_TICKS) | None = None,
-    *,
-    wall: DexelGrid | None = None,
-    limit: Length = LIMIT,
-    opened: bool = True,
-    bar: bool = True,
-):
-    """Return the picture of a cut at a tick: what `cut_scene` shows, sooner.
+def cut_picture(cut, tick=None, **options):
+    """Return the picture (n, m, 3) uint8 of a cut at a tick; options are those of `cut_scene`.
 
-    Parameters
-    ----------
-    cut, tick, wall, limit, opened, bar
-        As for `cut_scene`: a `Cut`, a tick, its `DexelGrid`, a length in m, and what is shown.
-
-    Returns
-    -------
-    pixels : (n, m, 3) uint8
-        Red, green, blue. Nothing is cut off, so that pictures of a cut lie on each other.
+    Nothing is cut off, so that pictures of a cut lie on each other.
     """
-    last = len(cut.centres) - 1
-    tick = last if tick is None else _within_run(cut, tick)
-    still = Still(*WINDOW)
-    _fill(still, cut, tick, wall, limit, opened, bar)
-    return still.screenshot()
+    plotter = cut_scene(cut, tick, **options)
+    pixels = plotter.screenshot(return_img=True)
+    plotter.close()
+    return pixels
 
 
 @checked
 def cut_pictures(
-    cut: Cut, count: Whole(2, 10_000), *, width: Whole(64, WINDOW[0]) = 800, limit: Length = LIMIT
+    cut: Cut, count: Whole(2, 10_000), *, width: Whole(64, WINDOW[0]) = 800, limit: Length = 1.5e-3
 ):
     """Yield the pictures of an animation of a cut, from its first tick to its last.
 
@@ -321,9 +296,10 @@ def cut_pictures(
         Red, green, blue.
     """
     ticks = np.linspace(0, len(cut.centres) - 1, count).round().astype(int)
-    still = Still(*WINDOW)
-    _put_tunnel(still, cut, opened=True)
+    plotter = _uncut_tunnel(cut, opened=True)
     for tick, wall in zip(ticks, stages(cut, ticks), strict=True):
-        _place(still, cut, int(tick), wall, limit, opened=True, bar=True)
-        pixels = still.screenshot()
+        _place(plotter, cut, int(tick), wall, limit, opened=True, bar=True)
+        plotter.render()
+        pixels = plotter.screenshot(return_img=True)
         yield np.asarray(PIL.Image.fromarray(pixels).resize((width, width * 5 // 8)))
+    plotter.close()
