@@ -822,6 +822,22 @@ def test_ends_however_near_the_outer_equator_have_an_answer_alone_and_among_many
         np.testing.assert_allclose(found.length[size < 1e-17], level.length, rtol=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("ratio", "less"),
+    [(1e-2, 0), (1e-3, 0), (1e-3, 1e-9), (1e-4, 1e-6), (1e-6, 1e-6), (1e-15, 1e-6)],
+)
+def test_ends_about_half_a_turn_apart_have_an_answer(ratio, less):
+    """Where `geodesic_inverse` promises one: to half a turn from r / R = 1e-3 on, else nearly."""
+    phi1, phi2 = np.random.default_rng(2).uniform(-1.2, 1.2, (2, 1000))
+    p = np.stack([np.zeros(1000), phi1], axis=-1)
+    q = np.stack([np.full(1000, np.pi - less), phi2], axis=-1)
+    found = geodesic_inverse(Torus(ratio, 1), p, q)
+    assert np.all(found.kind != "none")
+    # On a sphere it would be the great circle's arc over the nearer pole.
+    sphere = np.pi - np.abs(phi1 + phi2)
+    np.testing.assert_allclose(found.length, sphere, atol=3 * ratio + less)
+
+
 def test_half_a_turn_on_nearly_a_sphere_is_the_same_alone_and_among_many():
     """At half a turn itself rounding decides whether there is an answer; a little before, not."""
     torus = Torus(1e-15, 1)

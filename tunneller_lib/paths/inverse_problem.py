@@ -63,7 +63,8 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     geodesic : Geodesic
         Length, azimuths, Clairaut's constant, kind, certificate. Where an end isn't on the working
         sheet, r + R cos(phi) < 0, the kind is "none", the certificate empty, and the numbers are
-        NaN.
+        NaN. So it may be, too, on what is nearly a sphere, r / R below 1e-3, where the ends are
+        within 1e-6 rad of half a turn apart: the angle turned can't be met there to 1e-9 rad.
 
     Notes
     -----
