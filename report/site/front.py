@@ -16,8 +16,8 @@ from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 SENTENCE = (
-    "A robot reams old sewers with a ball on two joints; this study repeats the paper that steers "
-    "it, judges its claims, and lets you try them yourself."
+    "A robot reams old sewers with a ball-shaped cutter on two joints; this study repeats the "
+    "paper on how to steer it, judges its claims, and lets you try them yourself."
 )
 SECONDS = 16  # for the circuit
 PLACES = 64  # at which the moving machine is drawn

@@ -180,8 +180,10 @@ async function answer() {
   await loading;
   const wanted = wordsOf(field.value);
   const results = search(field.value);
-  const count = results.length ? `${results.length} found` : "Nothing found";
-  list(wanted.length ? count : "", results.slice(0, 30).map((result) => entry(result, wanted)));
+  const shown = results.slice(0, 30);
+  const more = results.length > shown.length ? `; the best ${shown.length} are shown` : "";
+  const count = results.length ? `${results.length} found${more}` : "Nothing found";
+  list(wanted.length ? count : "", shown.map((result) => entry(result, wanted)));
 }
 
 // Only the count is read out when it changes.

@@ -372,6 +372,20 @@ def test_search_ranks_and_forgives_a_letter(browser, text):
     assert "geodesic_inverse" in first[0] and "chapters/09_geodesic.html" in first[1]
 
 
+@pytest.mark.parametrize("width", [320, 390, 768, 1366])
+def test_what_the_search_finds_is_seen_whole_on_any_screen(browser, width):
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1,
+                 mobile=False)  # fmt: skip
+    browser.open((SITE / "index.html").as_uri())
+    browser.run("(field.value = 'geodesic', answer().then(() => true))")
+    box = browser.run("found.getBoundingClientRect().toJSON()")
+    field = browser.run("field.getBoundingClientRect().toJSON()")
+    browser.send("Emulation.clearDeviceMetricsOverride")
+    assert box["left"] >= 0 and box["right"] <= width and box["top"] >= field["bottom"]
+    assert browser.run("document.querySelectorAll('#results a').length") == 30
+    assert "the best 30 are shown" in browser.run("document.getElementById('count').textContent")
+
+
 def test_search_is_entered_by_a_key(browser):
     browser.open((SITE / "index.html").as_uri())
     browser.press("/", 191)
