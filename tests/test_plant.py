@@ -57,6 +57,30 @@ def test_stepper_equals_a_solver_restarted_each_tick(plant, tick):
         assert np.all(np.abs(found[n + 1] - state) <= 1e-12 * scale)
 
 
+@pytest.mark.parametrize("order", [3, 4])
+@pytest.mark.parametrize("gain", [0.5, 1e3, 1e6, 1e9])
+@pytest.mark.parametrize("tick", [0.005, 0.026, 0.076, 0.084, 0.094, 0.14])
+def test_discrete_of_a_resonance_keeps_its_digits_at_any_gain(order, gain, tick):
+    """In the states' own units: up to a norm of 19 without a halving the quotient is off."""
+    w = 100.0
+    plant = Resonance(gain, w, 0.15)
+    if order == 4:
+        plant = ValveResonance(gain, gain, w, 0.15, 0.004)
+    A, B = plant.matrices()
+    with mp.workdps(50):
+        held = mp.zeros(order + 1)
+        held[:order, :order] = mp.matrix(A.tolist()) * tick
+        held[:order, order] = mp.matrix(B.tolist()) * tick
+        exact = np.array(mp.expm(held, method="taylor").tolist(), dtype=float)[:order]
+    units = np.array([1, w, w**2, w / gain])[:order]
+    Ad, Bd = plant.discrete(tick)
+    for found, wanted in (
+        (Ad / units[:, None] * units, exact[:, :order] / units[:, None] * units),
+        (Bd / units, exact[:, order] / units),
+    ):
+        assert np.abs(found - wanted).max() <= 3e-15 * np.abs(wanted).max()
+
+
 @given(log_uniform(1e-6, 1e3), log_uniform(1e-6, 1e3))
 def test_lag_discrete_keeps_its_digits(lag, tick):
     Ad, Bd = Lag(1.0, lag).discrete(tick)

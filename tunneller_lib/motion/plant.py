@@ -301,8 +301,14 @@ def _held(A, B, units, tick):
     block = np.zeros((order + 1, order + 1))
     block[:order, :order] = A / units[:, None] * units  # else small entries lose digits
     block[:order, order] = B / units
+    # A unit of the command, too, such that a high gain isn't what the halvings are for: each
+    # doubles the rounding of the rest.
+    own = np.abs(block[:, :order]).sum(axis=0).max()
+    driven = np.abs(block[:, order]).sum()
+    command = math.ldexp(1.0, min(math.frexp(own / driven)[1], 0))
+    block[:, order] *= command
     Ad = _exponential(block * tick)
-    return Ad[:order, :order] * units[:, None] / units, Ad[:order, order] * units
+    return Ad[:order, :order] * units[:, None] / units, Ad[:order, order] * units / command
 
 
 def _exponential(matrix):
