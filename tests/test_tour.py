@@ -260,9 +260,20 @@ def test_a_straight_way_takes_what_the_ramps_of_its_slowest_axis_take(far):
     assert ramps <= found <= 1.01 * ramps
 
 
+def test_a_straight_way_back_takes_twice_the_way_there():
+    """At its middle no axis moves; a rest takes a part more, of 128 a step, than it would need."""
+    values = np.array([[0.0, 0, 0, 0, 0], [0.01, 0, 0, 0, 0], [0.0, 0, 0, 0, 0]])
+    tip, axis = WIDE.positions(values)
+    tour = Tour(np.full(3, "cut"), np.zeros(3, int), tip, axis, values)
+    found = seconds_of(tour, MILL.length, 0.02, [0.3] * 5, [1.0] * 5).sum()
+    there = 0.01 / 0.02 + 0.02 / 1.0
+    assert 2 * there <= found <= 2 * (1 + 4 / 128) * there
+
+
 @pytest.mark.parametrize("scale", [1e-2, 1.0, 1e2])
 @pytest.mark.parametrize("slow", [None, 0, 1, 2, 3, 4])
-def test_between_places_the_accelerations_are_kept_too(chains, monkeypatch, scale, slow):
+@pytest.mark.parametrize("slower", [10, 1000])
+def test_between_places_the_accelerations_are_kept_too(chains, monkeypatch, scale, slow, slower):
     """Of the times' own profile, whose squared rate is linear between the places looked at."""
     [chain] = chains[-1:]
     count = len(chain)
@@ -270,7 +281,7 @@ def test_between_places_the_accelerations_are_kept_too(chains, monkeypatch, scal
     tour = Tour(np.full(count, "cut"), np.zeros(count, int), chain.tip, chain.axis, values)
     accelerations = scale * np.array([0.1, 0.1, 0.1, 1, 1])
     if slow is not None:
-        accelerations[slow] /= 10
+        accelerations[slow] /= slower
     profiles = []
 
     def kept(steps, places):

@@ -1,8 +1,9 @@
 """The fastest feed along a way whose limits are convex: two passes, backwards and forwards.
 
 Over the square x = v^2 of the feed v, the acceleration a along the way changes it by
-dx/dl = 2 a. At each place the joints' accelerations q' a + q'' x are linear in both, and so every
-limit on their size is a convex set of (a, x) about the origin. The way is passed backwards for
+dx/dl = 2 a. At each place the accelerations q' a + q'' x of a machine's axes, be they two joints or
+five axes, are linear in both, and so every limit on their size is a convex set of (a, x) about the
+origin. The way is passed backwards for
 the greatest x from which the rest can still be run, then forwards as fast as these let it.
 """
 
@@ -16,41 +17,45 @@ HALVINGS = 60  # of the range in which the greatest x of a place is looked for
 
 @dataclass(frozen=True)
 class Places:
-    """What bounds the motion at each of m + 1 places of a way.
+    """What bounds the motion of a tool at each of m + 1 places of a way, which has any unit.
+
+    The units below are those of a way in m and axes in rad.
 
     Parameters
     ----------
     square : (m + 1,) float
         Greatest square of the feed, in m^2/s^2, by limits of speed.
     acceleration : float
-        Of the cutter, in m/s^2: the joints' accelerations, each times its lever; infinite for none.
-    joint : (j,) float
-        Greatest accelerations of the joints, in rad/s^2; infinite for none.
+        Of the tool, in m/s^2: the axes' accelerations, each times its lever; infinite for none.
+    axis : (j,) float
+        Greatest accelerations of the axes, in rad/s^2; infinite for none.
     slope, bend : (m + 1, j) float
-        First and second derivatives of the joint positions by the length of way.
+        First and second derivatives of the axes' positions by the length of way.
     lever : (m + 1, j) float
-        How far the cutter moves by a radian of each joint, in m; their moves are at right angles.
+        How far the tool moves by a radian of each axis, in m; their moves are at right angles.
     """
 
     square: np.ndarray
     acceleration: float
-    joint: np.ndarray
+    axis: np.ndarray
     slope: np.ndarray
     bend: np.ndarray
     lever: np.ndarray
 
     def products(self):
         """Return g11, g12, g22 (m + 1,) of g11 a^2 + 2 g12 a x + g22 x^2 <= acceleration^2."""
+        if np.isinf(self.acceleration):  # any ellipse is within it, also where nothing moves
+            return np.ones(len(self.slope)), *np.zeros((2, len(self.slope)))
         slope = self.lever * self.slope
         bend = self.lever * self.bend
         return np.sum(slope**2, -1), np.sum(slope * bend, -1), np.sum(bend**2, -1)
 
     def lines(self):
-        """Return c, d (joints, m + 1) of |a + d x| <= c, of joints that are limited."""
-        limited = np.isfinite(self.joint)
+        """Return c, d (axes, m + 1) of |a + d x| <= c, of axes that are limited."""
+        limited = np.isfinite(self.axis)
         slope = self.slope[:, limited].T
         slope = np.where(np.abs(slope) < 1e-12, 1e-12, slope)
-        return self.joint[limited, None] / np.abs(slope), self.bend[:, limited].T / slope
+        return self.axis[limited, None] / np.abs(slope), self.bend[:, limited].T / slope
 
     def highest(self):
         """Return the greatest squares (m + 1,) at which any acceleration at all is allowed."""
@@ -86,8 +91,8 @@ def fastest(lengths, places):
     limit = places.acceleration * places.acceleration
     steps = (2 * lengths).tolist()  # dx = 2 a dl: a move changes x by step times a
     # Backwards: the greatest x from which braking as hard as allowed still gets down to `goal`, the
-    # greatest x at the move's end. The cutter's limit is the ellipse
-    # g11 a^2 + 2 g12 a x + g22 x^2 = limit, a joint's are the lines |a + d x| = c.
+    # greatest x at the move's end. The tool's limit is the ellipse
+    # g11 a^2 + 2 g12 a x + g22 x^2 = limit, an axis' are the lines |a + d x| = c.
     for i in reversed(range(len(steps))):
         step = steps[i]
         goal = top[i + 1]
