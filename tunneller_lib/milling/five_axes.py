@@ -23,7 +23,7 @@ from ..arguments import (
 from ..exact import norm
 from .motion import Axes, Tips
 from .patch import Cloud, Range
-from .tools import ConicalMill
+from .tools import ConicalMill, deepest
 
 LIMITS = ("x", "y", "z", "tilt", "turn")  # of the machine's axes, in the order of their values
 BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
@@ -301,8 +301,7 @@ def cradle_depth(machine, mill, values):
         # The mill stands along z.
         height = np.sin(tilt) * y + np.cos(tilt) * z - tip_z
         radius = np.hypot(x - tip_x, np.cos(tilt) * y - np.sin(tilt) * z - tip_y)
-        distance = np.minimum(mill.cutting(height, radius), mill.holder(height, radius))
-        depth[first : first + size] = np.maximum(-distance.min(axis=1), 0.0)
+        depth[first : first + size] = deepest(mill, height, radius)
     return depth
 
 

@@ -9,7 +9,7 @@ from ..arguments import Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
 from .five_axes import TiltingTable
 from .patch import Cloud, Patch
-from .tools import ConicalMill, seen_from
+from .tools import ConicalMill, deepest, seen_from
 
 BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
 CLOSER = 3  # rounds in which the deepest point is looked for between those of the mesh
@@ -211,13 +211,7 @@ def depths_of(patch, mill, tip, axis, others, n):
             least = _between(patch, function, *at, s[nearest], t[nearest], n)
             depths[part, rows] = -np.minimum(least, distance.min(axis=1))
         if len(others):
-            height, radius = seen_from(others, *at)
-            # What is within mill or holder is within one cylinder about both: few points are.
-            near = (height > 0) & (height < mill.height) & (radius < mill.widest)
-            row = np.nonzero(near)[0]
-            seen = height[near], radius[near]
-            least = np.minimum(mill.cutting(*seen), mill.holder(*seen))
-            np.maximum.at(depths[2], first + row, -least)
+            depths[2, rows] = deepest(mill, *seen_from(others, *at))
     return np.maximum(depths, 0.0)
 
 
