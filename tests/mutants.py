@@ -341,7 +341,8 @@ def report(tree, tests, limit, verdict, bare, passing):
             del sys.modules[name]
     sys.stdout = sys.stderr = said = io.StringIO()
     first = First()
-    options = ["-x", "-q", "--tb=short", "-p", "no:cacheprovider"]
+    # A traceback of pytest's own looks through every module that is imported.
+    options = ["-x", "-q", "--tb=native", "-p", "no:cacheprovider"]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # for what is warm
     if bare:
         options += ["-o", "addopts=--doctest-modules --strict-markers"]

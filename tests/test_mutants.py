@@ -164,6 +164,7 @@ def study(tmp_path, monkeypatch):
     monkeypatch.setattr(mutants, "COPY", build / "copy")
     monkeypatch.setattr(mutants, "TABLE", tmp_path / "mutants.csv")
     monkeypatch.setattr(mutants, "REASONS", tmp_path / "mutants.toml")
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # its tests need none
     for name, text in STUDY.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
