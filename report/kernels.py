@@ -26,6 +26,8 @@ PACKAGES = (
     "scipy.linalg", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "sympy",
 )  # fmt: skip
 
+NURSERY = "TUNNELLER_NURSERY"  # where a nursery listens, for what is started within
+
 # What Jupyter starts. It needs no package; its end is the kernel's and the other way round.
 ASK = """import json, os, socket, sys
 asked = socket.socket(socket.AF_UNIX)
@@ -38,7 +40,10 @@ asked.recv(1)
 
 @contextmanager
 def shared_imports():
-    """Let kernels that are started within share their imports."""
+    """Let kernels that are started within share their imports, with those of a caller's, too."""
+    if NURSERY in os.environ:
+        yield
+        return
     with tempfile.TemporaryDirectory() as folder:
         place = str(Path(folder, "socket"))
         spec = {
@@ -61,9 +66,11 @@ def shared_imports():
         )  # fmt: skip
         listener.close()
         os.environ["JUPYTER_PATH"] = folder if before is None else f"{folder}{os.pathsep}{before}"
+        os.environ[NURSERY] = place
         try:
             yield
         finally:
+            del os.environ[NURSERY]
             if before is None:
                 del os.environ["JUPYTER_PATH"]
             else:

@@ -55,23 +55,38 @@ def files(notebook):
     return {p: p.read_bytes() for p in root.rglob("*") if p.is_file() and "build" not in p.parts}
 
 
-def test_running_puts_results_into_place(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    assert not is_run(notebook)
-    run_notebook(notebook)
-    assert is_run(notebook)
-    assert records(notebook)[1]["numbers"]["it"]["value"] == 1
-    assert records(notebook)[1]["numbers"]["it"]["cell"] == 1
-    assert records(notebook)[1]["figures"]["axes"]["cell"] == 2
-    assert (notebook.parent.parent / "figures" / "axes.svg").exists()
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory):
+    """Return a checkout whose notebook, of a number and a figure, has been run."""
+    root = tmp_path_factory.mktemp("checkout")
+    (root / "notebooks").mkdir()
+    (root / "environment.txt").touch()
+    write(root / "notebooks" / "01_test.ipynb", RECORD.format(value=1), DRAW)
+    run_notebook(root / "notebooks" / "01_test.ipynb")
+    return root
 
 
-def test_running_twice_gives_the_same_bytes(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    run_notebook(notebook)
-    first = files(notebook)
-    run_notebook(notebook)
-    assert files(notebook) == first
+@pytest.fixture
+def run_before(notebook, checkout):
+    """Return a notebook, of a number and a figure, that has been run in its checkout."""
+    shutil.copytree(checkout, notebook.parent.parent, dirs_exist_ok=True)
+    return notebook
+
+
+def test_running_puts_results_into_place(run_before):
+    assert is_run(run_before)
+    assert records(run_before)[1]["numbers"]["it"]["value"] == 1
+    assert records(run_before)[1]["numbers"]["it"]["cell"] == 1
+    assert records(run_before)[1]["figures"]["axes"]["cell"] == 2
+    assert (run_before.parent.parent / "figures" / "axes.svg").exists()
+    write(run_before, RECORD.format(value=1), DRAW)
+    assert not is_run(run_before)
+
+
+def test_running_twice_gives_the_same_bytes(run_before):
+    first = files(run_before)
+    run_notebook(run_before)
+    assert files(run_before) == first
 
 
 def test_outputs_are_results_and_not_sources(notebook):
@@ -115,17 +130,14 @@ def test_file_times_are_not_looked_at(notebook):
     assert (notebook_sources(notebook), notebook_results(notebook)) == before
 
 
-def test_missing_result_is_seen(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    run_notebook(notebook)
-    before = notebook_results(notebook)
-    (notebook.parent.parent / "figures" / "axes.svg").unlink()
-    assert notebook_results(notebook) != before
+def test_missing_result_is_seen(run_before):
+    before = notebook_results(run_before)
+    (run_before.parent.parent / "figures" / "axes.svg").unlink()
+    assert notebook_results(run_before) != before
 
 
-def test_result_no_longer_made_is_removed(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    run_notebook(notebook)
+def test_result_no_longer_made_is_removed(run_before):
+    notebook = run_before
     write(notebook, RECORD.format(value=1))
     run_notebook(notebook)
     assert not (notebook.parent.parent / "figures" / "axes.svg").exists()
@@ -142,9 +154,8 @@ def test_result_no_longer_made_is_removed(notebook):
         ("import os; os._exit(1)", "01_test.ipynb, code cell 2: the kernel died"),
     ],
 )
-def test_failure_names_the_cell_and_changes_nothing(notebook, last, message):
-    write(notebook, RECORD.format(value=1))
-    run_notebook(notebook)
+def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
+    notebook = run_before
     write(notebook, RECORD.format(value=2), last)
     content = nbformat.read(notebook, as_version=4)
     content.cells.insert(0, new_markdown_cell("Cells of text aren't counted.", id="text"))
@@ -165,9 +176,8 @@ def test_edit_while_running_is_kept(notebook):
     assert notebook.read_bytes() == edited.read_bytes()
 
 
-def test_interruption_changes_nothing(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    run_notebook(notebook)
+def test_interruption_changes_nothing(run_before):
+    notebook = run_before
     write(notebook, RECORD.format(value=2), DRAW, "import time; time.sleep(60)")
     before = files(notebook)
     code = (
@@ -220,9 +230,10 @@ def test_edit_after_a_killed_build_is_kept(notebook):
 
 
 @pytest.mark.parametrize("reason", [errno.ENOSPC, errno.EFBIG, errno.EROFS])
-def test_disk_that_takes_no_more_changes_nothing_and_is_told(notebook, reason, monkeypatch, capsys):
-    write(notebook, RECORD.format(value=1))
-    run_notebook(notebook)
+def test_disk_that_takes_no_more_changes_nothing_and_is_told(
+    run_before, reason, monkeypatch, capsys
+):
+    notebook = run_before
     write(notebook, RECORD.format(value=2))
     before = files(notebook)
 
@@ -248,9 +259,8 @@ def test_what_is_no_finished_notebook_is_removed(tmp_path):
     assert not place.exists() and not (tmp_path / "build" / "staging").exists()
 
 
-def test_results_that_agree_are_kept_as_they_are(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    run_notebook(notebook)
+def test_results_that_agree_are_kept_as_they_are(run_before):
+    notebook = run_before
     first = files(notebook)
     figure = notebook.parent.parent / "figures" / "axes.svg"
     figure.write_bytes(figure.read_bytes().replace(b"<svg ", b"<svg  "))
