@@ -15,11 +15,11 @@ from pathlib import Path
 PACKAGES = {"tunneller_lib", "report", "tests"}
 
 
-@cache
 def parsed(text):
     """Return the syntax tree of a source text without its docstrings.
 
-    A text that reads a ``__doc__`` keeps them.
+    A text that reads a ``__doc__`` keeps them. Trees aren't kept: those of a study take long to
+    look through for garbage, and to clear away.
     """
     tree = _tree_of(text)
     if "__doc__" not in text:
@@ -86,7 +86,7 @@ def needed(text, root, package=()):
 def steps(text, root, package=()):
     """Return the files that `needed` returns, each with how many imports away it is: from 1."""
     found, away = {}, 1
-    reached = set(_imported(parsed(text), root, package))
+    reached = set(_imported(_imports(text), root, package))
     while reached:
         found |= dict.fromkeys(reached, away)
         reached = {file for near in reached for file in _imported_by(near, root)} - found.keys()
@@ -96,12 +96,30 @@ def steps(text, root, package=()):
 
 @cache
 def _imported_by(file, root):
-    return set(_imported(_tree(file), root, file.relative_to(root).parts[:-1]))
+    return set(_imported(_imports_of(file), root, file.relative_to(root).parts[:-1]))
 
 
-def _imported(tree, root, package):
-    """Yield the files that a tree's import statements lead to."""
-    for node in _statements(tree):
+class _Imports(list):
+    """The import statements of a text; `alone` if it has but these and the list of their names."""
+
+    def __init__(self, tree):
+        statements = ast.Import | ast.ImportFrom
+        super().__init__(node for node in _statements(tree) if isinstance(node, statements))
+        self.alone = all(isinstance(node, statements) or _lists(node) for node in tree.body)
+
+
+def _lists(node):
+    return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+
+
+@cache
+def _imports(text):
+    return _Imports(parsed(text))
+
+
+def _imported(imports, root, package):
+    """Yield the files that import statements lead to."""
+    for node in imports:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield from _whole(root, tuple(alias.name.split(".")))
@@ -113,7 +131,7 @@ def _imported(tree, root, package):
 def _whole(root, module):
     """Yield the files of a module whose names aren't told: of a package, all that it passes on."""
     for file in _file(root, module):
-        if _passes_on(_tree(file)):
+        if _imports_of(file).alone:
             yield from _imported_by(file, root)
         else:
             yield file
@@ -125,11 +143,11 @@ def _named(root, module, name):
         yield from inside
         return
     for file in _file(root, module):
-        tree = _tree(file)
-        if not _passes_on(tree):
+        imports = _imports_of(file)
+        if not imports.alone:
             yield file
             continue
-        for node in tree.body:
+        for node in imports:
             if isinstance(node, ast.ImportFrom):
                 for alias in node.names:
                     if name in (alias.asname or alias.name, "*"):
@@ -150,18 +168,9 @@ def _file(root, module):
     return [f for f in (place.with_suffix(".py"), place / "__init__.py") if f.is_file()][:1]
 
 
-def _passes_on(tree):
-    """Tell whether a module only imports names and lists them, as a package's __init__ does."""
-    return all(
-        isinstance(node, ast.Import | ast.ImportFrom)
-        or (isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__")
-        for node in tree.body
-    )
-
-
 @cache
-def _tree(file):
+def _imports_of(file):
     try:
-        return parsed(file.read_text(encoding="utf-8"))
+        return _imports(file.read_text(encoding="utf-8"))
     except SyntaxError as error:
         sys.exit(f"{file}, line {error.lineno}: {error.msg}.")

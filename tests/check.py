@@ -9,13 +9,14 @@ count against the last commit, or against the one that is named: `make check SIN
 
 import ast
 import fnmatch
+import re
 import subprocess
 import sys
 import time
 
 import pytest
 
-from report.reach import meaning, needed, parsed
+from report.reach import meaning, needed
 from report.sources import ROOT, code, notebook_sources, notebooks
 
 # New files elsewhere are a visitor's own: an environment, notes.
@@ -71,12 +72,10 @@ def without_comments(text):
     return ast.dump(ast.parse(text))
 
 
-def reads(test):
-    """Return the patterns of the files that a test says it reads."""
-    for node in parsed(test.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "READS":
-            return ast.literal_eval(node.value)
-    return []
+def reads(text):
+    """Return the patterns of the files that a file of tests says it reads."""
+    said = re.search(r"^READS = (\[.*?\])$", text, re.M | re.S)
+    return ast.literal_eval(said[1]) if said else []
 
 
 def reached(names, since="HEAD"):
@@ -100,17 +99,18 @@ def reached(names, since="HEAD"):
         files = needed(text, ROOT, inside) if code_changed else ()
         return any(str(file.relative_to(ROOT)) in code_changed for file in files)
 
+    tables = {name for name in names if name.endswith(".csv")}
     found = []  # what takes longest first
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
-        data = names - python and (names - python) & notebook_sources(notebook).keys()
+        data = tables and tables & notebook_sources(notebook).keys()
         if name in names or data or reaches(code(notebook)):
             found.append(name)
     first = [ROOT / "tests" / f"test_{name}.py" for name in LONGEST]
     for test in dict.fromkeys([*first, *sorted((ROOT / "tests").glob("test_*.py"))]):
-        name = str(test.relative_to(ROOT))
-        read = any(fnmatch.filter(names, pattern) for pattern in reads(test))
-        if name in names or read or reaches(test.read_text(encoding="utf-8"), "tests"):
+        name, text = str(test.relative_to(ROOT)), test.read_text(encoding="utf-8")
+        read = any(fnmatch.filter(names, pattern) for pattern in reads(text))
+        if name in names or read or reaches(text, "tests"):
             found.append(name)
     library = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
     found += [name for name in library if (ROOT / name).exists()]

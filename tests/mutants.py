@@ -52,6 +52,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script
 from report.reach import steps
+from tests.check import reads
 from report.sources import code
 from tests.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
 
@@ -183,12 +184,6 @@ def library_in(text):
             if re.fullmatch(r"(tunneller_lib|tests)(\.\w+)*\.?", node.value):
                 place = COPY.joinpath(*node.value.strip(".").split("."))
                 yield from place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
-
-
-def reads(text):
-    """Return the patterns of the files that a test says it reads."""
-    said = re.search(r"^READS = (\[.*?\])", text, re.M | re.S)
-    return ast.literal_eval(said[1]) if said else []
 
 
 @cache
