@@ -52,8 +52,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script
 from report.reach import steps
-from tests.check import reads
 from report.sources import code
+from tests.check import reads
 from tests.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
 
 ROOT = Path(__file__).resolve().parents[1]
