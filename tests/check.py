@@ -22,7 +22,7 @@ from report.sources import ROOT, code, notebook_sources, notebooks
 # New files elsewhere are a visitor's own: an environment, notes.
 STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
 # Files of tests that take long are begun first, so that no worker waits for another at the end.
-LONGEST = ("site", "report", "layout", "live_programs", "typeset")
+LONGEST = ("site", "report", "paper_pages", "layout", "live_programs", "typeset")
 # What every test depends on: then all of them are meant.
 GROUND = ("environment.txt", "pyproject.toml", "tests/conftest.py", "tests/notebook_results.py")
 

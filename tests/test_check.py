@@ -19,7 +19,7 @@ def reached(monkeypatch):
 
 
 def test_prose_reaches_the_report_the_pages_the_equations_and_the_words_alone(reached):
-    expected = ["site", "report", "displayed", "inline", "ledger", "text_faults", "words"]
+    expected = ["report", "paper_pages", "displayed", "inline", "text_faults", "words"]
     assert reached("report/sections/rods.typ") == [f"tests/test_{name}.py" for name in expected]
 
 

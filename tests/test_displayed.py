@@ -1,4 +1,4 @@
-"""Where displayed equations stand: all come from report/equations.toml, in its order."""
+"""Where displays stand: equations in the order of report/equations.toml, figures by the ledger."""
 
 import re
 import tomllib
@@ -46,3 +46,30 @@ def test_judged_equation_has_the_number_of_its_row(id):
     where = LEDGER[EQUATIONS[id].get("row", id)]["where"]
     first, _, last = re.search(r"\bEqs?\.? (\d+)( (?:to|and) (\d+))?", where).groups()
     assert int(first) <= int(id[-2:]) <= int(last or first)
+
+
+def parts(place):
+    return set(place.split(", "))
+
+
+# What a document's figure, table or listing is called where it stands here, and by its rows.
+SOURCE = re.compile(r'\bsource: "([^"]+)"|#unsourced\("([^"]+)"')
+SUPPLEMENT = "".join(text for path, text in SOURCES.items() if path.stem != "report")
+FOUND = {one or other for one, other in SOURCE.findall(SUPPLEMENT)}
+
+
+@pytest.mark.parametrize("source", sorted(FOUND))
+def test_what_stands_in_the_concordance_has_a_row(source):
+    assert any(parts(source) <= parts(row["where"]) for row in LEDGER.values())
+
+
+def shown(place):
+    """Return whether a part of a place is a figure, a table or a listing."""
+    return bool(re.fullmatch(r"Fig\. \d+|diagram|table|listing", place))
+
+
+@pytest.mark.parametrize(
+    "id", [id for id, row in LEDGER.items() if any(map(shown, parts(row["where"])))]
+)
+def test_figures_tables_and_listings_stand_in_the_concordance(id):
+    assert any(parts(source) <= parts(LEDGER[id]["where"]) for source in FOUND)

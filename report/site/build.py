@@ -95,25 +95,28 @@ def build(folder, chosen=None, live=None):
     """
     shutil.rmtree(folder, ignore_errors=True)
     site = Site(folder, live)
-    shutil.copytree(ROOT / "figures", folder / "figures", ignore=lambda *_: ["README.md"])
-    shutil.copy(GROWTH, folder / "figures")
     chosen = notebooks() if chosen is None else chosen
-    add_report(site, "report", report_page("report"), chosen)
-    supplement = report_page("supplement")
-    add_report(site, "supplement", supplement, chosen)
+    add_shared(site)
+    supplement = add_reports(site, chosen)
     add_front(site, chosen)
     add_chapters(site, chosen, captions(supplement[1]))
     add_proofs(site)
     add_library(site)
+    if live:
+        live.add(site)
+    site.write("search-index.js", script(site.found))
+
+
+def add_shared(site):
+    """Write what pages share: figures, style, script and fonts."""
+    shutil.copytree(ROOT / "figures", site.folder / "figures", ignore=lambda *_: ["README.md"])
+    shutil.copy(GROWTH, site.folder / "figures")
     style = "\n".join(f"@media {on} {{\n{colours(name)}\n}}" for on, name in CODE_STYLES.items())
-    style += "\n" + (HERE / "style.css").read_text() + (live.style if live else "")
+    style += "\n" + (HERE / "style.css").read_text() + (site.live.style if site.live else "")
     site.write("style.css", style)
     site.write("site.js", (HERE / "site.js").read_bytes())
     for file in ("formulas.woff", "OFL.txt"):
         site.write(f"fonts/{file}", (HERE / "fonts" / file).read_bytes())
-    if live:
-        live.add(site)
-    site.write("search-index.js", script(site.found))
 
 
 def in_a_box(match):
@@ -234,6 +237,14 @@ def follow(url, chosen, root):
         found = [page_name(n) + hash_ + anchor for n in chosen if n.name == name]
         return root + (found or ["index.html"])[0]
     return url
+
+
+def add_reports(site, chosen):
+    """Write the pages of the report and of its supplement; return what the second is made of."""
+    made = {document: report_page(document) for document in ("report", "supplement")}
+    for document, parts in made.items():
+        add_report(site, document, parts, chosen)
+    return made["supplement"]
 
 
 def add_report(site, name, made, chosen):
