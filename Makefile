@@ -50,7 +50,7 @@ test: environment ## run every test, doctest and notebook, and the linter, or on
 	@$(BIN)/ruff check
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(TESTS)
 
-long: environment ## run tests that have a longer form in it, for tests/long.md (hours), or only TESTS=FILES
+long: environment ## run tests that have a longer form in it, for tests/long.md (a quarter of an hour), or only TESTS=FILES
 	@$(HEADLESS) $(BIN)/python -m tests.long $(TESTS)
 
 check: environment ## test what the working tree's changes can reach

@@ -66,14 +66,20 @@ def repeated(name):
     return not run.returncode, f"{said}, {seconds:.0f} s"
 
 
+def git(*words):
+    return subprocess.run(["git", *words], cwd=ROOT, text=True, capture_output=True).stdout
+
+
 def main(*names):
     wanted = forms()
     if unknown := set(names) - wanted.keys():
         sys.exit(f"TESTS: must name files with a long form; got {min(unknown)}.")
-    known = re.findall(r"^(\| (tests/\w+\.py) \|.*)$", TABLE.read_text(encoding="utf-8"), re.M)
-    rows = {name: row for row, name in known}
-    command = ["git", "describe", "--always", "--dirty"]
-    commit = subprocess.run(command, cwd=ROOT, text=True, capture_output=True).stdout.strip()
+    before = TABLE.read_text(encoding="utf-8")
+    rows = {name: row for row, name in re.findall(r"^(\| (tests/\w+\.py) \|.*)$", before, re.M)}
+    _, mark, notes = before.partition("\n## Notes\n")
+    commit = git("describe", "--always").strip()
+    if git("diff", "--name-only", "HEAD", "--", f":!{TABLE.relative_to(ROOT)}"):
+        commit += "-dirty"
     passed = True
     for name in names or wanted:
         passing, said = repeated(name)
@@ -82,7 +88,7 @@ def main(*names):
         rows[name] = f"| {name} | {cases} | {said} | {time.strftime('%F')}, {commit} |"
         print(rows[name], flush=True)
         lines = [rows[name] for name in wanted if name in rows]
-        TABLE.write_text(HEAD + "\n".join(lines) + "\n", encoding="utf-8")
+        TABLE.write_text(HEAD + "\n".join(lines) + "\n" + mark + notes, encoding="utf-8")
     return not passed
 
 
