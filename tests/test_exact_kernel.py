@@ -14,7 +14,7 @@ from tunneller_lib.surfaces.frustum import meet_frusta
 from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
-LINES = many(125, 2_500)  # a family and kind, each judged in whole numbers
+LINES = many(75, 2_500)  # a family and kind, each judged in whole numbers
 MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already
 every_kind = pytest.mark.parametrize("kind", KINDS)
 every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
@@ -101,7 +101,7 @@ def test_many_lines_against_one_shape(kind, proportion, far):
     if kind != "box":
         row = np.array([*at, *(at + edges[0]), proportion, proportion, 0, 0, 0, 0])
         row[7] *= rng.uniform(0, 1) if kind == "frustum" else 1
-    shape, n = shape_of(kind, row), many(60, 4000)
+    shape, n = shape_of(kind, row), many(30, 4000)
     n = max(n // 100, 4) if kind == "rounded" else n
     p = (
         at + rng.normal(size=(n, 3)) @ edges

@@ -111,7 +111,7 @@ def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
 def test_lines_between_counts_are_the_polyline_bit_for_bit(tmp_path, parts, tie):
     rng = np.random.default_rng(parts)
     low, high = -(2**28), 2**28
-    n = many(100, 1000)
+    n = many(40, 1000)
     runs = np.column_stack([rng.integers(low, high, (n, 2)), rng.integers(1, 40, n)])
     block = FunctionBlock(structured_text(tie=tie, parts=parts))
     for start, stop, ticks in runs.tolist():
