@@ -352,7 +352,7 @@ def _within_the_cone(graph, place, centre, around=None):
     here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
     jet = {s: (graph.diff(*[x] * i, *[y] * j) if i + j else graph).subs(here)
            for (i, j), s in NAMES.items()}  # fmt: skip
-    a, b, nine, eleven, twelve = (e.subs(jet).subs(here) for e in (*EQ10, EQ9, EQ11, EQ12))
+    a, b, nine, eleven, twelve = (q.subs(jet).subs(here) for q in (*EQ10, EQ9, EQ11, EQ12))
     assert nine == eleven == 0
     fx, fy = graph.diff(x), graph.diff(y)
     contact = sp.Matrix([(x**2 - y**2 - 1) * fx + 2 * x * y * fy - 2 * x * graph,
@@ -361,16 +361,17 @@ def _within_the_cone(graph, place, centre, around=None):
     vertex = sp.Matrix(eq22(jet[F("")], a, b)).subs(here)
     n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
     opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
-    side = sp.sign(opposite.dot(contact.subs(here) - vertex))  # Proposition 20
-    axis = _axis_over(place, centre)
+    touch = sp.lambdify((x, y), contact, "sympy")  # of fractions it makes fractions
+    place = sp.sympify(place)
+    side = sp.sign(opposite.dot(touch(*place) - vertex))  # Proposition 20
+    axis, (c, e) = _axis_over(place, centre), centre
     depths = []
     for step in [sp.Rational(1, 10**k) for k in (1, 2, 3, 5, 7, 9)]:
         turn, rise = 2 * step / (1 + step**2), 2 * step**2 / (1 + step**2)  # sin, 1 - cos
-        moves = [(v * turn + u * rise, v * rise - u * turn)] if around is None else [
+        moves = [(e * turn + c * rise, e * rise - c * turn)] if around is None else [
             (step * i, step * j) for i, j in around]  # fmt: skip
         for move in moves:
-            there = {x: x + move[0], y: y + move[1]}
-            out = contact.subs(there, simultaneous=True).subs(here) - vertex
+            out = touch(place[0] + move[0], place[1] + move[1]) - vertex
             deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
             depths.append(deep / step**4)
     return twelve * side, depths
