@@ -30,7 +30,7 @@ from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-# Not the words of the report, which only its own pages show: test_paper_pages.
+# Not the report's words: test_paper_pages reads them, and the captions that chapters show, too.
 READS = [
     "report/*.bib",
     "report/*.csv",
