@@ -96,9 +96,9 @@ def test_order_is_stored_as_a_word(record, root, first, second, order):
 @pytest.mark.parametrize(
     ("first", "second", "message"),
     [
-        (float("nan"), 1.0, "it: first: must be finite; got nan."),
-        (1.0, float("inf"), "it: second: must be finite; got inf."),
-        ("1", 2.0, "it: first: must be one number; got '1'."),
+        (float("nan"), 1.0, "first of it: must be finite; got nan."),
+        (1.0, float("inf"), "second of it: must be finite; got inf."),
+        ("1", 2.0, "first of it: must be one number; got '1'."),
         (1.0, 1.0000001, "it: the two must differ by more than 1e-06 of the greater; got 1.0 and"),
         (0, 0, "it: the two must differ by more than 1e-06 of the greater; got 0 and 0."),
     ],

@@ -270,6 +270,8 @@ def _fitted(contact, n, contact_error, normal_error):
     axes = mean_frame.unchecked(n)
     origin = contact.mean(axis=0)
     local = (contact - origin) @ axes.T
+    if np.ptp(local[:, :2], axis=0).min() == 0:
+        raise ValueError("contact: must not lie on a line along the mean normal, or at one place.")
     n = n @ axes.T
     reach = np.abs(local[:, :2]).max()
     off = max(contact_error, ROUNDING * reach)

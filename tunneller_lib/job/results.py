@@ -88,6 +88,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         ``clearances``: how far each part of the machine keeps from the wall as planned, and where
         along the circuit; ``warnings``, sentences.
     """
+    if cut.track is None:
+        raise ValueError("cut: must be of simulated loops; got one without a track.")
     plan = job.planned
     faults = [
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f), f.kind)

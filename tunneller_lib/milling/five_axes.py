@@ -132,6 +132,9 @@ class TiltingTable:
             is that of the position before.
         """
 
+        if len(axis) != len(tip):
+            raise ValueError(f"axis: must be one for each of {len(tip)} tips; got {len(axis)}.")
+
         def wrong(values):
             return np.sum(self._beyond(values).any(axis=1) | (cradle_depth(self, mill, values) > 0))
 

@@ -232,7 +232,7 @@ class Hydraulics:
             # goes the other way, or stands, the oil still has to hold the torque.
             lands = (forward * D / (self.flow * opened)) ** 2 * (1 + rho**3)
             pull = (self.damping * forward + sign * torque) / D
-            with np.errstate(divide="ignore", invalid="ignore"):
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
                 most = 2 * drive / (pull + np.sqrt(pull**2 + 4 * drive * lands))
             factor = np.minimum(factor, np.where((lands > 0) | (pull > 0), most, np.inf))
         return factor

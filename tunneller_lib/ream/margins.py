@@ -10,7 +10,7 @@ from ..motion import Compressible, Rigid
 from ..motion.sizing import Sizes
 from ..motion.stability import gain_limit
 from ..paths.circuit import Circuit
-from .both_axes import Loops, Plants, check_ticks
+from .both_axes import Loops, Pair, Plants, check_ticks
 from .front import engaged_areas, push_levers
 from .planning import Plan
 
@@ -52,7 +52,7 @@ class Margin(NamedTuple):
 
 
 @checked
-def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
+def gain_margins(circuit: Circuit, plant: Pair(Rigid, Compressible), loop: Loops):
     """Return the margins of both loops on a circuit, before anything is planned.
 
     Parameters

@@ -161,9 +161,9 @@ INTERPOLATORS = {
 def _difference(start, stop, ticks, name="stop - start"):
     """Return stop - start of moves, which fits 32 bits, as it does in a controller."""
     difference = whole(name, stop - start, LOW, HIGH)
-    if difference.size * ticks > MOST_VALUES:
+    if max(difference.size, 1) * ticks > MOST_VALUES:  # no moves, too, need all ticks
         raise ValueError(
-            f"{name}: {difference.size} moves of {ticks} ticks are more than {MOST_VALUES} values."
+            f"{name}: {difference.size} moves of {ticks} ticks need more than {MOST_VALUES} values."
         )
     return difference
 

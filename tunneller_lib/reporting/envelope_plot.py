@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arguments import Finite, HalfAngle, Positive, checked
+from ..arguments import Angle, HalfAngle, Positive, checked
 from ..envelopes import ConePose, adapted_frames, hyperosculating_cones, jet_variables
 from ..envelopes.adapted import frames_along
 from ..envelopes.conics import conic, osculating_conic
@@ -60,7 +60,7 @@ def draw_cone_and_conic(space: Axes, top: Axes, side: Axes, cone: ConePose):
 
 @checked
 def draw_planes_along_line(
-    above: Axes, ahead: Axes, turned: Axes, surface: Function(2), line: Finite
+    above: Axes, ahead: Axes, turned: Axes, surface: Function(2), line: Angle
 ):
     """Draw a surface of lines from above, the tangent planes along one line, and their turn.
 

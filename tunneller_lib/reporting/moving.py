@@ -17,8 +17,10 @@ LONGEST = 500  # pictures
 
 
 def _values(name, value):
-    array = np.asarray(value) if isinstance(value, (list, tuple, np.ndarray)) else None
-    if array is None or array.ndim != 1 or not 2 <= len(array) <= LONGEST:
+    in_a_row = isinstance(value, (list, tuple)) or (
+        isinstance(value, np.ndarray) and value.ndim == 1
+    )
+    if not in_a_row or not 2 <= len(value) <= LONGEST:
         raise ValueError(f"{name}: must be 2 to {LONGEST} values in a row; got {shown(value)}.")
     return list(value)
 

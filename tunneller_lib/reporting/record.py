@@ -129,8 +129,8 @@ class Record:
             If one isn't finite, or they differ by less than a part in a million: then the order
             isn't the same on every machine.
         """
-        first = number(f"{name}: first", first)
-        second = number(f"{name}: second", second)
+        first = number(f"first of {name}", first)
+        second = number(f"second of {name}", second)
         if math.isclose(first, second, rel_tol=CLOSE, abs_tol=0.0):
             raise ValueError(
                 f"{name}: the two must differ by more than {CLOSE:g} of the greater; "
