@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.forms_random import jet_of
-from tunneller_lib.envelopes.forms import derivative_along, frobenius, principal
+from tunneller_lib.envelopes.forms import derivative_along, frobenius, frobenius_along, principal
+from tunneller_lib.envelopes.jet import EXPONENTS, Jet
 
 POINTS = 30
 
@@ -36,6 +37,19 @@ def test_sizes_of_derivatives_are_the_tensors_norms(degree):
     f = jet_of(POINTS, 3)
     norms = np.sqrt((tensor(f, degree) ** 2).reshape(POINTS, -1).sum(axis=1))
     np.testing.assert_allclose(frobenius(f, degree), norms, rtol=1e-14)
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_sizes_over_a_width_are_the_norms_of_the_stretched_graph(degree):
+    f = jet_of(POINTS, 3)
+    first, second = f.c.copy(), f.c.copy()
+    for row, (i, j) in enumerate(EXPONENTS):
+        first[row] *= 0.1**j
+        second[row] *= 0.1**i
+    for turn, stretched in ((0.0, first), (np.pi / 2, second)):
+        angle, width = np.full((POINTS, 1), turn), np.full((POINTS, 1), 0.1)
+        found = frobenius_along(f, angle, width, degree)[:, 0]
+        np.testing.assert_allclose(found, frobenius(Jet(stretched), degree), rtol=1e-14)
 
 
 def test_principal_directions_are_the_hessians():

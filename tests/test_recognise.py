@@ -262,6 +262,11 @@ def test_gradient_that_is_small_near_the_parabolic_curve_proves_nothing(seed):
     assert tried("cone", False, seed)[2] != "is"
 
 
+def test_asymptotic_directions_that_nearly_coincide_prove_no_ruling():
+    """A near-miss next to its edge of regression, where all but the derivatives across are small."""
+    assert tried("ruled", False, 5024)[2] != "is"
+
+
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_random_members_and_near_misses(kind, part):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .evidence import Forms, weigh
-from .forms import derivative_along, frobenius
+from .forms import derivative_along, frobenius, frobenius_along
 
 
 def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
@@ -70,9 +70,20 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
 
     # Contact along a line: no curvature, less the radius, and none in the next order. The sizes of
     # both terms have one unit: of a graph over its plane 1/m^2, in an adapted frame m.
-    if kind in ("ruled", "cylinder"):
-        beside = frobenius(f, 2) if kind == "cylinder" else frobenius(f, 2) ** 2
-        return Forms(normal, third, 2, two + 2 * unsure, three, whole(frobenius(f, 3) + beside))
+    if kind == "ruled":
+        # Near an edge of regression derivatives across e are huge, where both asymptotic directions
+        # nearly coincide. That f_eee is small beside them is no sign of a line: they are measured
+        # over the angle between the directions alone.
+        def size_of_lines(a):
+            turn = np.abs(derivative_along(f, a, 0, 2))
+            angle = np.arctan2(2 * np.abs(mixed(a)), turn)
+            width = np.minimum(np.tan(angle), 1.0)
+            return frobenius_along(f, a, width, 3) + frobenius_along(f, a, width, 2) ** 2
+
+        return Forms(normal, third, 2, two, three, size_of_lines)
+    if kind == "cylinder":
+        of_jet = frobenius(f, 3) + frobenius(f, 2)
+        return Forms(normal, third, 2, two + 2 * unsure, three, whole(of_jet))
     # A sphere along its circle: a principal direction, of which the curvature doesn't change.
     if kind == "channel":
         return Forms(mixed, third, 2, two, three, whole(frobenius(f, 3) + frobenius(f, 2)))

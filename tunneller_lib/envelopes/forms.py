@@ -1,6 +1,7 @@
 """A jet's derivatives in turning directions: binary forms in the direction, and their size."""
 
 from itertools import pairwise
+from math import comb
 
 import numpy as np
 
@@ -37,6 +38,30 @@ def frobenius(f, degree):
     form = [derivative(f, degree - k, k) for k in range(degree + 1)]
     weights = np.cumprod([1.0, *((degree - k) / (k + 1) for k in range(degree))])
     return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form, strict=True)))
+
+
+def frobenius_along(f, angle, width, degree):
+    """Return Frobenius norms (n, m) of derivatives by e and by w as long as a width.
+
+    Parameters
+    ----------
+    f, angle
+        As for `derivative_along`.
+    width : (n, m) float
+        The length of w; with 1 the norm is `frobenius`.
+    degree : int
+        Of the derivatives, at most 4.
+
+    Returns
+    -------
+    norm : (n, m) float
+        In the unit of the derivatives.
+    """
+    terms = (
+        comb(degree, k) * (width**k * derivative_along(f, angle, degree - k, k)) ** 2
+        for k in range(degree + 1)
+    )
+    return np.sqrt(sum(terms))
 
 
 def principal(f):
