@@ -317,6 +317,7 @@ ONCE_FOUND = {
     "milling.TiltingTable.values": 380,
     "motion.Hydraulics.loaded": 182,
     "ream.gain_margins": 730,
+    "ream.route_through": 161,
     "replica.interpolators.fixed_rounded": 262,
     "reporting.Record.order": 382,
     "reporting.envelope_plot.draw_planes_along_line": 277,

@@ -24,3 +24,18 @@ def test_lengths_and_places_are_numbers(given):
         ROUTE.place(given)
     with pytest.raises(ValueError, match=r"^place: must "):
         ROUTE.length_at(given)
+
+
+@pytest.mark.parametrize(
+    ("way", "message"),
+    [
+        (len, r"must be a function of 3 arguments; got .*"),
+        (lambda p, q, n: None, r"must hold real numbers .*"),
+        (lambda p, q, n: np.full((len(p), n, 2), np.nan), r"must hold finite numbers; got nan"),
+        (lambda p, q, n: p, r"must return positions \(\d+, 17, 2\); got \(\d+, 2\)"),
+    ],
+    ids=["len", "nothing", "nan", "of the knots"],
+)
+def test_ways_that_are_none_are_refused_in_a_sentence(way, message):
+    with pytest.raises(ValueError, match=rf"^way: {message}\.$"):
+        route_through(CIRCUIT, KNOTS, way=way)

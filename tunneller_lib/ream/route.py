@@ -119,7 +119,11 @@ def path_points(torus, path):
 
 @checked
 def route_through(
-    circuit: Circuit, knots: Knots, *, way: Callable | None = None, blend: Length0 = 0.0
+    circuit: Circuit,
+    knots: Knots,
+    *,
+    way: Callable[[ArrayLike, ArrayLike, int], object] | None = None,
+    blend: Length0 = 0.0,
 ):
     """Return the `Route` through knots and back to the first.
 
@@ -130,8 +134,8 @@ def route_through(
     knots : (n,) float
         Arc lengths of the knots along the offset section, in m, rising from 0.
     way : function, optional
-        (p, q, n) -> (..., n, 2): positions at equal arcs from knot to knot; tangent-sphere paths
-        by default.
+        (p, q, count) -> (n, count, 2): positions at equal arcs from knots p to knots q (n, 2);
+        tangent-sphere paths by default. What it raises itself passes through.
     blend : float
         By how much a rounded corner may miss its knot, in m; 0 leaves all corners sharp. Two
         corners share the way between them.
@@ -145,7 +149,7 @@ def route_through(
     places = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(places)
     at[-1] = at[0]  # not off by a rounding
-    path = (way or path_points(torus, "tangent spheres"))(at[:-1], at[1:], SAMPLES)
+    path = _walked(way or path_points(torus, "tangent spheres"), at[:-1], at[1:])
     splines = _splines(np.moveaxis(path, 1, 0))
     # Arcs are equal, so that any mean of the speed over the shares is the length.
     middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)
@@ -165,6 +169,15 @@ def route_through(
         kinks=kinks,
         halves=np.minimum(room, widest),
     )
+
+
+def _walked(way, starts, stops):
+    """Return the positions (n, SAMPLES, 2) of a way between knots, which a caller may have given."""
+    positions = bounded_array("way", way(starts, stops, SAMPLES))
+    wanted = (len(starts), SAMPLES, 2)
+    if positions.shape != wanted:
+        raise ValueError(f"way: must return positions {wanted}; got {positions.shape}.")
+    return positions
 
 
 def _splines(samples):
