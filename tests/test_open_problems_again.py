@@ -162,15 +162,20 @@ def out_of_plane(vectors):
     return np.linalg.svd(vectors, compute_uv=False)[2]
 
 
-def found_for(asked, free, changed, *seed):
-    """Return a random solution whose series doesn't grow so fast that rounding hides the rest."""
+def is_tame(found):
+    """Tell whether the field's series doesn't grow so fast that its end hides the rest."""
+    return np.abs(found.m).max() < 1e3
+
+
+def found_for(asked, free, changed, *seed, suits=is_tame):
+    """Return a random solution that suits, whose graph's series doesn't grow too fast either."""
     rng = np.random.default_rng(seed)
     while True:
         try:
             found = solved(asked, free, changed, rng)
         except np.linalg.LinAlgError:  # the line is a characteristic of the equations there
             continue
-        if np.abs(found.f).max() < 1e3:
+        if np.abs(found.f).max() < 1e3 and suits(found):
             return found
 
 
@@ -205,14 +210,19 @@ def test_what_solves_eqs_11_23_and_24_has_a_cylinder_along_a_curve(seed):
 # ---- multiple conics ------------------------------------------------------------------------
 
 
+def across(found, tangent):
+    """Return the direction w at a graph's place, and the rho of (9) there."""
+    angle = found.angle(0.0, 0.0)
+    w = np.array([-np.sin(angle), np.cos(angle)])
+    return w, (1 + found.place @ found.place) / 2 / (tangent - w @ found.place)
+
+
 def gap_coefficients(found, tangent):
     """Return the first six Taylor coefficients of osculating conic less graph, and the conic's rho.
 
     They are a contour integral of the gap itself; nothing is differentiated but for Eq. 10.
     """
-    angle = found.angle(0.0, 0.0)
-    w = np.array([-np.sin(angle), np.cos(angle)])
-    rho = (1 + found.place @ found.place) / 2 / (tangent - w @ found.place)
+    w, rho = across(found, tangent)
     u, v = rho * w
     fx, fy, fxx, fxy, fyy = (
         found.at(0.0, 0.0, i, j) for i, j in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
@@ -249,6 +259,8 @@ def test_double_conics_of_random_graphs_have_contact_of_order_4_and_no_more(seed
         [(3, 0), (2, 1)],
         15,
         seed,
+        # The gap is divided by powers of the conic's size: where it is large rounding hides the rest.
+        suits=lambda found: abs(across(found, tangent)[1]) < 20,
     )
     gap, rho = gap_coefficients(found, tangent)
     scale = max(1.0, abs(rho)) ** np.arange(6)
