@@ -263,7 +263,7 @@ def test_gradient_that_is_small_near_the_parabolic_curve_proves_nothing(seed):
 
 
 def test_asymptotic_directions_that_nearly_coincide_prove_no_ruling():
-    """A near-miss next to its edge of regression, where all but the derivatives across are small."""
+    """A near-miss next to an edge of regression, where only derivatives across are large."""
     assert tried("ruled", False, 5024)[2] != "is"
 
 

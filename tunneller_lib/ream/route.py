@@ -172,7 +172,7 @@ def route_through(
 
 
 def _walked(way, starts, stops):
-    """Return the positions (n, SAMPLES, 2) of a way between knots, which a caller may have given."""
+    """Return positions (n, SAMPLES, 2) of a way between knots, which a caller may have given."""
     positions = bounded_array("way", way(starts, stops, SAMPLES))
     wanted = (len(starts), SAMPLES, 2)
     if positions.shape != wanted:
