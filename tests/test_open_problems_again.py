@@ -259,7 +259,7 @@ def test_double_conics_of_random_graphs_have_contact_of_order_4_and_no_more(seed
         [(3, 0), (2, 1)],
         15,
         seed,
-        # The gap is divided by powers of the conic's size: where it is large rounding hides the rest.
+        # The gap is divided by powers of the conic's size: in a large one rounding hides the rest.
         suits=lambda found: abs(across(found, tangent)[1]) < 20,
     )
     gap, rho = gap_coefficients(found, tangent)
