@@ -23,6 +23,8 @@ from report.sources import ROOT, code, notebook_sources, notebooks
 STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
 # Files of tests that take long are begun first, so that no worker waits for another at the end.
 LONGEST = ("site", "report", "paper_pages", "layout", "live_programs", "typeset")
+# Workers take some seconds to start, which so few files, without a notebook, don't win back.
+FEW = 8
 # What every test depends on: then all of them are meant.
 GROUND = ("environment.txt", "pyproject.toml", "tests/conftest.py", "tests/notebook_results.py")
 
@@ -125,7 +127,8 @@ def main(since="HEAD"):
     exit_code = subprocess.run(["ruff", "check", "--quiet"], cwd=ROOT).returncode
     if chosen:
         workers = ["-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]
-        workers = workers if len(chosen) > 1 else []
+        few = len(chosen) <= FEW and not any(name.endswith(".ipynb") for name in chosen)
+        workers = [] if few else workers
         exit_code = pytest.main(["-q", *workers, *chosen]) or exit_code
     print(f"{time.monotonic() - begun:.0f} s")
     return int(exit_code)

@@ -128,6 +128,7 @@ class Notebook(IPyNbFile):
         share_imports(self.config)
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("TUNNELLER_RESULTS", self.results.name)
+            patch.setenv("PYVISTA_JUPYTER_BACKEND", "static")  # a scene's picture, as it is stored
             self.kernel = Kernel("python3", cwd=str(self.path.parent))
 
     def teardown(self):

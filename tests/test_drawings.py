@@ -20,6 +20,7 @@ from tunneller_lib.reporting import (
     motion_plot,
     path_plot,
     plot,
+    response_plot,
     rod_plot,
 )
 from tunneller_lib.reporting.chapters import draw_first_pictures
@@ -367,13 +368,13 @@ def test_setvalues_have_a_box_each_where_it_has_a_height(ax, box, count):
 def test_responses_say_which_models_are_unstable(ax):
     loop = Loop(30.0, 0.01)
     models = {"T0": Integrator(1.0), "T1": Resonance(1.0, 50.0, 0.05)}
-    tracks = motion_plot.draw_responses(ax, models, loop, np.linspace(0, 1, 20))
+    tracks = response_plot.draw_responses(ax, models, loop, np.linspace(0, 1, 20))
     assert tracks["T0"].stable == (True,) and tracks["T1"].stable == (False,)
     assert ax.get_title() == "unstable: T1"
     drawn = {line.get_label(): np.radians(line.get_ydata()) for line in ax.lines}
     for name, track in tracks.items():
         np.testing.assert_allclose(drawn[name], track.position.ravel(), rtol=1e-12)
-    motion_plot.draw_responses(ax, {"T0": models["T0"]}, loop, np.zeros(5))
+    response_plot.draw_responses(ax, {"T0": models["T0"]}, loop, np.zeros(5))
     assert ax.get_title() == "all stable"
 
 

@@ -18,7 +18,7 @@ from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.flank import read_flank
 from tunneller_lib.job.measured_patch import _check_normals, _table, patch_through
 from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl
-from tunneller_lib.job.reader import WrongJob
+from tunneller_lib.job.tables import WrongJob
 from tunneller_lib.milling import find_positions, fit_nurbs, sweep_error
 
 READS = ["notebooks/flank.toml"]

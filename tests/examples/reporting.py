@@ -61,7 +61,7 @@ CALLS = {
     "envelope_plot.draw_ring_gap": {"f": cyclide, "place": (0.5, 0.3), "centre": (0.1, 0.2)},
     "machine_plot.draw_plan_view": {"phi": 0.3},
     "motion_plot.draw_hand_over": {"tasks": [Task("interpolation", 5, 1)], "ticks": [1, 2]},
-    "motion_plot.draw_responses": {"models": {"T1": Integrator(1.0)}, "setvalues": SERIES},
+    "response_plot.draw_responses": {"models": {"T1": Integrator(1.0)}, "setvalues": SERIES},
     "geodesic_plot.draw_half_swings": {"tori": [Torus(0.1, 0.8)]},
     "geodesic_plot.draw_arrivals": {"torus": RING, "begin": (0.0, 0.8), "level": -0.3},
     "geodesic_plot.draw_mirrored": {"torus": RING, "begin": (0.0, 0.8), "end": (2.6, -0.3)},

@@ -5,7 +5,8 @@ Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 
 from . import atomic_write, csv_tables, drawing, mesh, results
 from .progress import say
-from .reader import WrongJob, read_job
+from .reader import read_job
+from .tables import WrongJob
 
 # `flank` is imported where it is asked for: a cut needs none of the rooms beneath it.
 __all__ = [

@@ -28,7 +28,7 @@ from ..milling.nurbs import Nurbs
 from ..milling.positions import counted_states, reasons_of
 from ..milling.scallops import Scallops
 from .measured_patch import patch_through
-from .reader import (
+from .tables import (
     CUT,
     FLANK,
     TEXT,

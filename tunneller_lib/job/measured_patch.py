@@ -7,7 +7,7 @@ from ..exact import dot, norm
 from ..milling import Patch
 from .csv_tables import read_csv
 from .mesh import read_stl, vertex_normals
-from .reader import said_of
+from .tables import said_of
 
 COLUMNS = "x_m", "y_m", "z_m", "nx", "ny", "nz"
 NEIGHBOURS = 8  # of a measured point, whose normals must be like its own

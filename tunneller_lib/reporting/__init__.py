@@ -31,6 +31,7 @@ __all__ = [
     "path_scene",
     "plot",
     "preview",
+    "response_plot",
     "rod_plot",
     "scene",
     "six_cones_scene",

@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from ..arguments import Each, Finite, Positive, Wholes, checked, shown
-from ..motion import Loop, follow
 from ..motion.tasks import HandOver, Task, schedule
 from .kinds import Series
 from .style import COLOURS, Colour
@@ -58,7 +57,8 @@ def draw_setvalues(
     return lines
 
 
-def _check_names(argument, names):
+def check_names(argument, names):
+    """Raise ValueError if a name is no colour's."""
     for name in names:
         if name not in COLOURS:
             raise ValueError(f"{argument}: each name must be one in COLOURS; got {shown(name)}.")
@@ -74,35 +74,6 @@ def _draw_rows(ax, rows, unit):
     ax.tick_params(axis="y", length=0)
     ax.set_ylim(0.6 - len(rows), 0.6)
     return bars
-
-
-@checked
-def draw_responses(ax: Axes, models: dict, loop: Loop, setvalues: Series):
-    """Draw how models of an axis answer set-values; the title says which are unstable.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    models : dict
-        Plants by their names in `COLOURS`.
-    loop : Loop
-        The position loop of each.
-    setvalues : (n,) float
-        In rad.
-
-    Returns
-    -------
-    tracks : dict
-        A `Track` for each name.
-    """
-    _check_names("models", models)
-    tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
-    for name, track in tracks.items():
-        ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
-    unstable = [name for name, track in tracks.items() if track.stable == (False,)]
-    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "all stable")
-    ax.set(xlabel="$t$ / s", ylabel="position / deg")
-    return tracks
 
 
 @checked
@@ -135,7 +106,7 @@ def draw_hand_over(
     """
     if not tasks:
         raise ValueError("tasks: must be at least one; got none.")
-    _check_names("tasks", [task.name for task in tasks])
+    check_names("tasks", [task.name for task in tasks])
     if np.shape(ticks) != (len(run.started),):
         raise ValueError(f"ticks: must be {len(run.started)} numbers (n,); got {np.shape(ticks)}.")
     # A row a task, the most urgent on top; beneath them how the segments fared.

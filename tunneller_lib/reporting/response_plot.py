@@ -1,0 +1,39 @@
+"""A drawing of how axes answer set-values, on the Axes `ax` that it is given."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..arguments import checked
+from ..motion import Loop, follow
+from .kinds import Series
+from .motion_plot import check_names
+from .style import COLOURS
+
+
+@checked
+def draw_responses(ax: Axes, models: dict, loop: Loop, setvalues: Series):
+    """Draw how models of an axis answer set-values; the title says which are unstable.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    models : dict
+        Plants by their names in `COLOURS`.
+    loop : Loop
+        The position loop of each.
+    setvalues : (n,) float
+        In rad.
+
+    Returns
+    -------
+    tracks : dict
+        A `Track` for each name.
+    """
+    check_names("models", models)
+    tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
+    for name, track in tracks.items():
+        ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)
+    unstable = [name for name, track in tracks.items() if track.stable == (False,)]
+    ax.set_title(f"unstable: {', '.join(unstable)}" if unstable else "all stable")
+    ax.set(xlabel="$t$ / s", ylabel="position / deg")
+    return tracks
