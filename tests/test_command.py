@@ -18,7 +18,7 @@ from tunneller_lib import reporting
 from tunneller_lib.__main__ import draw_wall, main, own_name, parser
 from tunneller_lib.job import WrongJob, read_job, results
 from tunneller_lib.job.atomic_write import check_writable
-from tunneller_lib.job.csv_tables import read_csv
+from tunneller_lib.job.csv_reading import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit

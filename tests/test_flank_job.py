@@ -14,7 +14,7 @@ import pytest
 
 from tunneller_lib.__main__ import main
 from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.job.csv_tables import read_csv
+from tunneller_lib.job.csv_reading import read_csv
 from tunneller_lib.job.flank import read_flank
 from tunneller_lib.job.measured_patch import _check_normals, _table, patch_through
 from tunneller_lib.job.mesh import PLY_POINT, Mesh, read_stl, stl

@@ -13,7 +13,8 @@ import pyvista
 from matplotlib import colormaps
 
 from tunneller_lib.job.atomic_write import replacement, write
-from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
+from tunneller_lib.job.csv_reading import read_csv
+from tunneller_lib.job.csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
 from tunneller_lib.job.mesh import (
     MM,

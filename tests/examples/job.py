@@ -130,7 +130,7 @@ CALLS = {
     "flank.FlankJob.solved": {"say": lambda text: None},
     "identified_text": lambda: {"numbers": identify_log(_log)},
     "identify_log": {"text": _log},
-    "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
+    "csv_reading.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
     "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
     "mesh.ply": {"mesh": _MESH, "name": "left"},

@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import Rule, checked, shown
 from ..motion.identify import LEAST_ROWS, MOST_ROWS, identify_axis, identify_loop
 from ..motion.quantities import Share
-from .csv_tables import read_csv
+from .csv_reading import read_csv
 
 TIME = "time_s"
 # The columns beside the time: what was the input, what the axis did.

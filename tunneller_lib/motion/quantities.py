@@ -9,7 +9,16 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Rule, bounded_array, none_beyond, not_negative, positive, real, shown
+from ..arguments import (
+    Rule,
+    bounded_array,
+    none_beyond,
+    not_negative,
+    positive,
+    real,
+    rule_of,
+    shown,
+)
 
 LEAST, MOST = 1e-9, 1e9  # of gains, frequencies, damping ratios and times
 
@@ -91,6 +100,40 @@ def _complex_frequencies(name, value):
             f"{name}: must be from 1e-50 to 1e50 rad/s in size; got {array[wrong][0]:g}."
         )
     return array
+
+
+def one_or_each(*kinds):
+    """Return the annotation of one object of some classes, or of a sequence, one for each axis."""
+    says = " or ".join(kind.__name__ for kind in kinds)
+
+    def check(name, value):
+        if isinstance(value, kinds):
+            return value
+        if not isinstance(value, (list, tuple)):
+            raise ValueError(f"{name}: must be of class {says}, or a list; got {shown(value)}.")
+        for i, one in enumerate(value):
+            if not isinstance(one, kinds):
+                raise ValueError(f"{name}[{i}]: must be of class {says}; got {shown(one)}.")
+        return tuple(value)
+
+    return Annotated[object, Rule(f"{says} or a list of them", check)]
+
+
+def Pair(*kinds):
+    """Return the annotation of a pair, theta's and phi's, of instances of some classes.
+
+    One alone is taken twice.
+    """
+    one_or_two = rule_of(one_or_each(*kinds))
+
+    def check(name, value):
+        found = one_or_two.check(name, value)
+        pair = found if isinstance(found, tuple) else (found, found)
+        if len(pair) != 2:
+            raise ValueError(f"{name}: must be two, theta's and phi's; got {len(pair)}.")
+        return pair
+
+    return Annotated[tuple, Rule(f"{', '.join(kind.__name__ for kind in kinds)} or a pair", check)]
 
 
 Quantity = Number(LEAST, MOST)

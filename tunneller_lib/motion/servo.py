@@ -14,7 +14,7 @@ from .both_joints import Push
 from .loop import Loop
 from .oil import Compressible, Rigid
 from .plant import Integrator, Lag, Resonance, ValveResonance
-from .quantities import moderate_array
+from .quantities import moderate_array, one_or_each
 from .stability import LinearPlant, is_stable
 from .ticks import run_each, run_together
 
@@ -26,23 +26,6 @@ def _push(name, value):
 
 
 Pushing = Annotated[object, Rule("Push or function", _push)]
-
-
-def one_or_each(*kinds):
-    """Return the annotation of one object of some classes, or of a sequence, one for each axis."""
-    says = " or ".join(kind.__name__ for kind in kinds)
-
-    def check(name, value):
-        if isinstance(value, kinds):
-            return value
-        if not isinstance(value, (list, tuple)):
-            raise ValueError(f"{name}: must be of class {says}, or a list; got {shown(value)}.")
-        for i, one in enumerate(value):
-            if not isinstance(one, kinds):
-                raise ValueError(f"{name}[{i}]: must be of class {says}; got {shown(one)}.")
-        return tuple(value)
-
-    return Annotated[object, Rule(f"{says} or a list of them", check)]
 
 
 Plants = one_or_each(Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible)

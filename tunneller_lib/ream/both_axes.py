@@ -1,28 +1,7 @@
 """Plants and loops of the two joints: one for both, or one for each."""
 
-from typing import Annotated
-
-from ..arguments import Rule, rule_of
 from ..motion import Compressible, Integrator, Lag, Loop, Resonance, Rigid
-from ..motion.servo import one_or_each
-
-
-def Pair(*kinds):
-    """Return the annotation of a pair, theta's and phi's, of instances of some classes.
-
-    One alone is taken twice.
-    """
-    one_or_two = rule_of(one_or_each(*kinds))
-
-    def check(name, value):
-        found = one_or_two.check(name, value)
-        pair = found if isinstance(found, tuple) else (found, found)
-        if len(pair) != 2:
-            raise ValueError(f"{name}: must be two, theta's and phi's; got {len(pair)}.")
-        return pair
-
-    return Annotated[tuple, Rule(f"{', '.join(kind.__name__ for kind in kinds)} or a pair", check)]
-
+from ..motion.quantities import Pair
 
 Plants = Pair(Integrator, Lag, Resonance, Rigid, Compressible)
 Loops = Pair(Loop)

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 
 from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
 from ..motion.hydraulics import Hydraulics
+from ..motion.quantities import Pair
 from ..removal import Ground
-from .both_axes import Pair
 from .timing import Places, fastest
 
 

@@ -7,10 +7,11 @@ import numpy as np
 
 from ..arguments import checked
 from ..motion import Compressible, Rigid
+from ..motion.quantities import Pair
 from ..motion.sizing import Sizes
 from ..motion.stability import gain_limit
 from ..paths.circuit import Circuit
-from .both_axes import Loops, Pair, Plants, check_ticks
+from .both_axes import Loops, Plants, check_ticks
 from .front import engaged_areas, push_levers
 from .planning import Plan
 

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from ..arguments import Each, Finite, Positive, Wholes, checked, shown
+from ..arguments import Each, Finite, Positive, Wholes, checked
 from ..motion.tasks import HandOver, Task, schedule
 from .kinds import Series
-from .style import COLOURS, Colour
+from .style import COLOURS, Colour, check_colour_names
 
 LONGEST = 1000  # ticks of a segment that is drawn
 
@@ -57,13 +57,6 @@ def draw_setvalues(
     return lines
 
 
-def check_names(argument, names):
-    """Raise ValueError if a name is no colour's."""
-    for name in names:
-        if name not in COLOURS:
-            raise ValueError(f"{argument}: each name must be one in COLOURS; got {shown(name)}.")
-
-
 def _draw_rows(ax, rows, unit):
     """Draw rows, by name a colour's name and a list of (start, stop); return each row's bars."""
     bars = []
@@ -106,7 +99,7 @@ def draw_hand_over(
     """
     if not tasks:
         raise ValueError("tasks: must be at least one; got none.")
-    check_names("tasks", [task.name for task in tasks])
+    check_colour_names("tasks", [task.name for task in tasks])
     if np.shape(ticks) != (len(run.started),):
         raise ValueError(f"ticks: must be {len(run.started)} numbers (n,); got {np.shape(ticks)}.")
     # A row a task, the most urgent on top; beneath them how the segments fared.

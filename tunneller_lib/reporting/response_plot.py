@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 from ..arguments import checked
 from ..motion import Loop, follow
 from .kinds import Series
-from .motion_plot import check_names
-from .style import COLOURS
+from .style import COLOURS, check_colour_names
 
 
 @checked
@@ -29,7 +28,7 @@ def draw_responses(ax: Axes, models: dict, loop: Loop, setvalues: Series):
     tracks : dict
         A `Track` for each name.
     """
-    check_names("models", models)
+    check_colour_names("models", models)
     tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
     for name, track in tracks.items():
         ax.plot(track.time, np.degrees(track.position), color=COLOURS[name], label=name)

@@ -73,6 +73,13 @@ def _colour(name, value):
 Colour = Annotated[str, Rule("str", _colour)]
 
 
+def check_colour_names(argument, names):
+    """Raise ValueError if a name is no colour's."""
+    for name in names:
+        if name not in COLOURS:
+            raise ValueError(f"{argument}: each name must be one in COLOURS; got {shown(name)}.")
+
+
 @checked
 def figure(
     rows: Whole(1, 20) = 1,
