@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from tunneller_lib.reporting import Record, figure, preview
 from tunneller_lib.reporting.number_format import decimals_of
-from tunneller_lib.reporting.record import PREVIEW, PRINTED
+from tunneller_lib.reporting.record import PREVIEW, PRINTED, drawing_svg
 
 
 @pytest.fixture
@@ -182,10 +183,21 @@ def test_drawing_has_the_same_bytes_twice(record, root):
     assert stored(root)["figures"]["line"] == {"alt": "A line.", "file": "line.svg"}
 
 
-def test_pixels_are_saved_as_they_are(record, root):
-    pixels = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
+def test_pixels_are_saved_but_for_the_lowest_bit(record, root):
+    pixels = np.arange(196, 256, dtype=np.uint8).reshape(4, 5, 3)
     record.figure(pixels, "pixels", "Stripes.")
-    np.testing.assert_array_equal(PIL.Image.open(root / "figures" / "pixels.png"), pixels)
+    saved = np.asarray(PIL.Image.open(root / "figures" / "pixels.png"))
+    np.testing.assert_array_equal(saved // 2, pixels // 2)
+    assert np.all(saved % 2 == 1)
+
+
+def test_places_in_a_drawing_are_rounded_and_scales_are_not():
+    drawing, ax = figure(height=4)
+    ax.plot([0, 1 / 3], [0, 1 / 7])
+    text = drawing_svg(drawing).decode()
+    places = " ".join(re.findall(r' [dxy]="[^"]*|translate[^)]*', text))
+    assert re.search(r"\.\d\d ", places) and not re.search(r"\.\d{3}", places)
+    assert "scale(0.015625)" in text  # of letters
 
 
 def test_pixels_are_no_wider_than_print_can_show(record, root):
