@@ -1,4 +1,4 @@
-"""The unrolled wall: each ray where the section's own points have it, each colour its over-break."""
+"""The unrolled wall: each ray where the section's points have it, each colour its over-break."""
 
 import numpy as np
 import pytest
