@@ -98,7 +98,7 @@ def test_against_c(benchmark, say, note, bound, n):
 
 @pytest.fixture
 def bound_of_direct(bound_in_c):
-    """Return a function of starts (3, n) on the machine's sheet and lengths to ends (3, n), in C."""
+    """Return a function of starts (3, n) on the machine's sheet, and lengths, to ends, in C."""
     function = bound_in_c("geodesic_direct").geodesic_direct
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     number = ctypes.c_double
