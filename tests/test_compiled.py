@@ -414,18 +414,6 @@ def test_points_of_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compile
         np.testing.assert_array_equal(known[:few], [getattr(one, field) for one in singles])
 
 
-@pytest.mark.parametrize("n, plain", [(2, 1), (20, 1), (200, 0), (5000, 0)])
-def test_one_geodesic_is_followed_in_plain_python_to_few_points_only(n, plain, monkeypatch):
-    go(False, monkeypatch)
-    calls = []
-    call_plain = compiled.call_plain
-    monkeypatch.setattr(
-        compiled, "call_plain", lambda *given, **parts: calls.append(call_plain(*given, **parts))
-    )
-    direct(SHEET, np.array([0.1, 0.2]), 0.3, 0.5, n)
-    assert len(calls) == plain
-
-
 def child(code, **variables):
     return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
                           capture_output=True, env=os.environ | variables).stdout  # fmt: skip
