@@ -60,7 +60,7 @@ def test_laps_cost_in_proportion(benchmark, say, laps):
     say(f"{laps} laps over {laps} times one", several / (laps * alone))
 
 
-def test_a_lap_with_everything_on_takes_less_than_ten_seconds(benchmark, say):
+def test_a_lap_with_everything_on(benchmark, say):
     def everything():
         start = time.process_time()
         read_job(REFERENCE).simulated()
@@ -69,7 +69,6 @@ def test_a_lap_with_everything_on_takes_less_than_ten_seconds(benchmark, say):
     everything()  # compiles what it needs
     seconds = benchmark.pedantic(everything, rounds=1)
     say("the reference job, planned and cut with ground, arm and oil, CPU s", seconds)
-    assert seconds < 10
 
 
 def processor_seconds(*command):

@@ -18,6 +18,7 @@ from numpy.polynomial import chebyshev, legendre
 from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
 from .geodesic_pair import reduced
+from .quadrature import gauss_rule
 
 TERMS = 24  # of the series of a panel
 PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
@@ -87,7 +88,7 @@ def panel_rule():
     The latter, (TERMS, TERMS + 1), gives the integral from the panel's begin by Chebyshev's
     polynomials.
     """
-    nodes, weights = legendre.leggauss(TERMS)
+    nodes, weights = gauss_rule(TERMS)
     values = legendre.legvander(nodes, TERMS - 1)
     series = values.T * weights * (np.arange(TERMS)[:, None] + 0.5)
     integral = legendre.legint(series, lbnd=-1, axis=0)
