@@ -5,17 +5,15 @@ import json
 import re
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import PIL.Image
 import pytest
 
 from tunneller_lib import reporting
-from tunneller_lib.__main__ import draw_wall, main, own_name, parser
+from tunneller_lib.__main__ import main, own_name, parser
 from tunneller_lib.job import WrongJob, read_job, results
 from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_reading import read_csv
@@ -633,6 +631,14 @@ def test_command_names_the_package_that_it_lacks(command, package, name):
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
 
 
+@pytest.mark.parametrize(("package", "drawn"), [("matplotlib", False), ("pyvista", True)])
+def test_cut_draws_its_wall_with_matplotlib_alone(job, tmp_path, package, drawn):
+    done = without(package, "cut", str(job()), "--out", str(tmp_path / "cut"))
+    assert done.returncode == 0
+    left = 'wall.png is left out: the package matplotlib is missing; pip install ".[picture]" in'
+    assert ((tmp_path / "cut" / "wall.png").exists(), left in done.stderr) == (drawn, not drawn)
+
+
 LIBRARY = "libEGL.so.1: cannot open shared object file: No such file or directory"
 
 
@@ -651,14 +657,11 @@ def library_missing(monkeypatch):
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
 
 
-def test_command_names_the_library_that_vtk_lacks(capsys, library_missing, tmp_path):
+def test_command_names_the_library_that_vtk_lacks(capsys, library_missing):
     said = f"VTK can't be loaded ({LIBRARY}): on Debian or Ubuntu, `sudo apt-get install libegl1 "
     assert gl.REMEDY.endswith("` installs the off-screen GL library that scenes need.")
     code, _, told = run(capsys, "scene", REFERENCE)
     assert code == 2 and told.startswith(f"wrong: {said}") and told.count("\n") == 1
-    heard = []
-    assert draw_wall(None, None, tmp_path / "wall.png", heard.append) == []
-    assert len(heard) == 1 and heard[0].startswith(f"wall.png is left out: {said}")
 
 
 def test_command_names_a_package_that_cannot_be_loaded(capsys, monkeypatch):
@@ -669,21 +672,6 @@ def test_command_names_a_package_that_cannot_be_loaded(capsys, monkeypatch):
     code, _, told = run(capsys, "scene", REFERENCE)
     why = "cannot import name 'a' from 'PIL'"
     assert (code, told) == (2, f"wrong: the package pillow can't be loaded; {why}.\n")
-
-
-def test_picture_whose_drawing_hangs_is_left_out(monkeypatch, tmp_path):
-    monkeypatch.delenv(gl.TRIED, raising=False)
-    monkeypatch.setattr(gl, "LONGEST", 0.5)
-    monkeypatch.setattr("tunneller_lib.reporting.tunnel_scene.cut_picture", hang)
-    job, cut = SimpleNamespace(limit=1e-3), SimpleNamespace(wall=None)
-    heard = []
-    assert draw_wall(job, cut, tmp_path / "wall.png", heard.append) == []
-    assert heard[1:] == ["wall.png is left out: drawing it took more than 0.5 s."]
-    assert not list(tmp_path.iterdir())
-
-
-def hang(*_, **__):
-    time.sleep(60)
 
 
 @pytest.mark.parametrize(("error", "code", "answer"), [

@@ -25,7 +25,7 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Reso
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.paths import geodesic_inverse
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus, blocks
 
@@ -33,6 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
 AXES = axes_of(REFERENCE_MACHINE, SIZES)
 OILY = [Compressible(axis) for axis in AXES]
+direct = geodesic_direct.unchecked  # which may get what has no answer, as from `Geodesic.points`
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
 T = 5e-3
 SHEET = REFERENCE_MACHINE.torus
@@ -365,6 +366,49 @@ def test_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(name, mo
     fast = geodesic_inverse(torus, p, q)
     assert len(set(arrays.kind_code)) >= 3
     for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):
+        known = getattr(arrays, field)
+        np.testing.assert_array_equal(known, getattr(fast, field))
+        np.testing.assert_array_equal(known[:few], [getattr(one, field) for one in singles])
+
+
+def hard_starts(torus, n, seed=6):
+    """Return random starts (n, 2), azimuths and lengths (n,), some at ends of what there is."""
+    rng = np.random.default_rng(seed)
+    p = rng.uniform(-4, 4, (n, 2))
+    azimuth = rng.uniform(-9, 9, n)
+    length = torus.R * rng.uniform(-9, 9, n)
+    p[::11, 1] = 0
+    azimuth[::7] = 0
+    azimuth[1::13] = np.pi
+    azimuth[2::11] = np.pi / 2
+    azimuth[3::17] = 1e-14
+    length[::19] = 0
+    length[1::23] *= 1e9
+    length[2::29] *= 1e-200
+    length[3::31] = np.nan
+    if torus.r > torus.R:  # c is next to r - R, round the tube and not
+        close = np.arcsin((torus.r - torus.R) / (torus.r + torus.R))
+        p[4::9, 1] = 0
+        azimuth[4::9] = close * (1 + rng.choice([-1, 1], n) * 10 ** rng.uniform(-16, -3, n))[4::9]
+    return p, azimuth, length
+
+
+@pytest.mark.parametrize("name", TORI)
+@pytest.mark.parametrize("n", [2, 6])
+def test_points_of_geodesics_have_the_same_bits_one_by_one_as_arrays_and_compiled(
+    name, n, monkeypatch
+):
+    pytest.importorskip("numba")
+    torus = TORI[name]
+    starts = hard_starts(torus, 400)
+    go(False, monkeypatch)
+    arrays = direct(torus, *starts, n)
+    few = many(20, 400)  # one by one: some of each kind
+    singles = [direct(torus, *one, n) for one in list(zip(*starts, strict=True))[:few]]
+    go(True, monkeypatch)
+    fast = direct(torus, *starts, n)
+    assert 0.1 < np.isfinite(arrays.azimuth[:, -1]).mean() < 1
+    for field in ("position", "azimuth"):
         known = getattr(arrays, field)
         np.testing.assert_array_equal(known, getattr(fast, field))
         np.testing.assert_array_equal(known[:few], [getattr(one, field) for one in singles])

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 from tests.long import many
 from tests.shapes import log_uniform
+from tunneller_lib import compiled
 from tunneller_lib.paths import (
     competing_geodesics,
     geodesic_classes,
@@ -652,6 +653,18 @@ def test_geodesic_direct_on_a_torus_like_a_cylinder_goes_straight(power):
     np.testing.assert_allclose(way.position[:, 1], 0.3 + np.cos(0.5) * way.s, rtol=1e-3)
     theta = np.sin(0.5) * way.s / torus.r
     np.testing.assert_allclose(way.position[:, 0], theta, rtol=1e-3)
+
+
+@pytest.mark.parametrize("n, plain", [(2, 1), (20, 1), (200, 0), (5000, 0)])
+def test_one_geodesic_is_followed_in_plain_python_to_few_points_only(n, plain, monkeypatch):
+    monkeypatch.setattr(compiled, "ready", lambda kind: False)
+    calls = []
+    call_plain = compiled.call_plain
+    monkeypatch.setattr(
+        compiled, "call_plain", lambda *given, **parts: calls.append(call_plain(*given, **parts))
+    )
+    geodesic_direct(MACHINE, (0.1, 0.2), 0.3, 0.5, n)
+    assert len(calls) == plain
 
 
 @pytest.mark.parametrize("azimuth, step", [(0.0, 1), (np.pi, -1), (-np.pi, -1), (2 * np.pi, 1)])

@@ -1,6 +1,5 @@
 """Files for other programs, written and read back."""
 
-import io
 import re
 from dataclasses import replace
 from functools import partial
@@ -35,7 +34,7 @@ from tunneller_lib.ream import Limits, carve, plan
 from tunneller_lib.ream.wall import standing
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting.pictures import write_picture
-from tunneller_lib.reporting.style import ERROR_MAP
+from tunneller_lib.reporting.style import ERROR_MAP, TEXT_WIDTH, figure
 from tunneller_lib.reporting.tunnel_scene import cut_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
@@ -339,12 +338,13 @@ def test_gif_keeps_white_white(tmp_path):
         assert np.all(np.asarray(film.convert("RGB")) == 255)
 
 
-def test_png_comes_back(tmp_path):
-    pixels = np.arange(300, dtype=np.uint8).reshape(10, 10, 3)
-    with PIL.Image.open(
-        io.BytesIO(write_picture(tmp_path / "wall.png", pixels).read_bytes())
-    ) as picture:
-        np.testing.assert_array_equal(np.asarray(picture), pixels)
+def test_png_is_the_drawing(tmp_path):
+    drawing, ax = figure(height=4)
+    ax.fill_between([0, 1], 0, 1, color="red")
+    with PIL.Image.open(write_picture(tmp_path / "wall.png", drawing)) as picture:
+        shown = np.asarray(picture.convert("RGB"))
+    assert shown.shape[0] / shown.shape[1] == pytest.approx(4 / TEXT_WIDTH, rel=0.01)
+    assert np.all(shown == (255, 0, 0), axis=-1).mean() > 0.5 and np.all(shown[0, 0] == 255)
 
 
 def test_html_scene_loads_nothing_from_elsewhere(cut, tmp_path):

@@ -1,9 +1,6 @@
 """Scenes: meshes where they are meant, and what happens where nothing can be drawn or turned."""
 
 import inspect
-import os
-import signal
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -130,52 +127,6 @@ def test_scene_without_a_library_says_how_to_get_one(monkeypatch):
     monkeypatch.setattr(gl, "problem", lambda: "No scene can be drawn here.")
     with pytest.raises(OSError, match=r"^No scene can be drawn here\.$"):
         scene.empty()
-
-
-def test_what_is_drawn_apart_is_done_unless_the_library_crashes(monkeypatch, tmp_path):
-    monkeypatch.delenv(gl.TRIED, raising=False)
-    assert gl.drawn_apart((tmp_path / "drawn").touch) and (tmp_path / "drawn").exists()
-    assert not gl.drawn_apart(lambda: os.kill(os.getpid(), signal.SIGKILL))
-    assert not gl.drawn_apart(lambda: 1 / 0)
-
-
-def test_what_is_drawn_apart_ends_with_an_interrupt(monkeypatch, tmp_path):
-    monkeypatch.delenv(gl.TRIED, raising=False)
-    child = tmp_path / "child"
-
-    def draw():
-        child.write_text(str(os.getpid()))
-        time.sleep(60)
-
-    usual = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_REAL, 0.5)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            gl.drawn_apart(draw)
-    finally:
-        signal.signal(signal.SIGALRM, usual)
-    with pytest.raises(ProcessLookupError):
-        os.kill(int(child.read_text()), 0)
-
-
-def test_what_is_drawn_apart_ends_where_it_hangs(monkeypatch, tmp_path):
-    monkeypatch.delenv(gl.TRIED, raising=False)
-    monkeypatch.setattr(gl, "LONGEST", 0.5)
-    child = tmp_path / "child"
-
-    def draw():
-        child.write_text(str(os.getpid()))
-        time.sleep(60)
-
-    with pytest.raises(TimeoutError, match=r"^drawing it took more than 0\.5 s\.$"):
-        gl.drawn_apart(draw)
-    with pytest.raises(ProcessLookupError):
-        os.kill(int(child.read_text()), 0)
-
-
-def test_nothing_is_drawn_apart_where_it_is_known_to_work(monkeypatch):
-    monkeypatch.setenv(gl.TRIED, "works")
-    assert not gl.drawn_apart(lambda: pytest.fail("drawn"))
 
 
 @pytest.mark.parametrize(

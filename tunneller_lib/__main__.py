@@ -62,8 +62,11 @@ BUDGET_RUNS = 4  # of a lap's axes: trailing, with and without encoder, with the
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
-def missing(error):
-    """Return the sentence of a package that isn't installed or can't be loaded."""
+def missing(error, extra="[scene]"):
+    """Return the sentence of a package that isn't installed or can't be loaded.
+
+    What needs more than numpy and scipy says which `extra` brings it.
+    """
     name = (error.name or "").partition(".")[0]
     if not isinstance(error, ModuleNotFoundError):
         said = str(error).strip().partition("\n")[0].rstrip(".")
@@ -74,7 +77,7 @@ def missing(error):
         from .reporting import gl
 
         return f"VTK can't be loaded ({why}): {gl.REMEDY}"
-    extra = {"numpy": "", "scipy": "", "distributed": "[cluster]"}.get(name, "[scene]")
+    extra = {"numpy": "", "scipy": "", "distributed": "[cluster]"}.get(name, extra)
     return (
         f"the package {PACKAGES.get(name, name)} is missing; "
         f'pip install ".{extra}" in this study\'s folder brings it.'
@@ -297,30 +300,17 @@ def run_cut(options):
 def draw_wall(job, cut, path, say):
     """Write the wall of a job's cut as a picture to a path; return the files written.
 
-    None where a package or a library is missing, or the drawing hangs; `say` gets the reason.
+    None where a package is missing; `say` gets the reason.
     """
     try:
-        from .reporting import gl, pictures, scene, tunnel_scene
+        from .reporting import figure, pictures, wall_plot
     except ImportError as error:
-        say(f"{path.name} is left out: {missing(error)}")
+        say(f"{path.name} is left out: {missing(error, '[picture]')}")
         return []
     say(f"writing {path}")
-
-    def draw():
-        pixels = scene.crop(tunnel_scene.cut_picture(cut, wall=cut.wall, limit=job.limit))
-        pictures.write_picture(path, pixels)
-
-    try:
-        drawn = gl.drawn_apart(draw)
-    except TimeoutError as error:
-        say(f"{path.name} is left out: {error}")
-        return []
-    if not drawn:
-        if said := gl.problem():
-            say(f"{path.name} is left out. {said}")
-            return []
-        draw()
-    return [str(path)]
+    drawing, ax = figure(height=9)
+    wall_plot.draw_unrolled(ax, cut, limit=job.limit)
+    return [str(pictures.write_picture(path, drawing))]
 
 
 def run_scene(options):

@@ -1,7 +1,4 @@
-"""What the planner's pages run: the command line itself, its pictures, and geodesics.
-
-The command's wall is drawn by VTK, which no page has: here matplotlib draws it unrolled.
-"""
+"""What the planner's pages run: the command line itself, a picture of the plan, and geodesics."""
 
 import io
 from contextlib import redirect_stdout
@@ -11,11 +8,12 @@ import numpy as np
 
 from tunneller_lib import __main__ as command
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.reporting import COLOURS, ERROR_MAP, figure, preview
+from tunneller_lib.reporting import COLOURS, figure, pictures
 from tunneller_lib.reporting.machine_plot import draw_limits
 from tunneller_lib.surfaces import Torus
 
 HERE = Path("/planned")
+draw_wall = command.draw_wall
 
 
 def draw_plan(plan):
@@ -32,35 +30,12 @@ def draw_plan(plan):
     return drawing
 
 
-def draw_wall(cut, limit):
-    """Return a drawing of the standing wall, unrolled, with its over-break in colour."""
-    drawing, ax = figure(height=8)
-    lines = cut.wall.lines
-    angle = np.degrees(np.arctan2(lines.sin, lines.cos))
-    order = np.argsort(angle)
-    untouched = cut.overbreak < -0.999 * cut.plan.circuit.machine.depth
-    over = np.ma.masked_where(untouched, 1e3 * cut.overbreak)
-    ax.set_facecolor(COLOURS["tunnel"])
-    image = ax.pcolormesh(
-        angle[order], lines.x, over[:, order],
-        cmap=ERROR_MAP, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True,
-    )  # fmt: skip
-    drawing.colorbar(image, label="over-break / mm", extend="both")
-    ax.set(xlabel="angle about the tunnel's axis / deg", ylabel="along the tunnel / m")
-    return drawing
-
-
 def draw(job, cut, path, say):
     """Write plan and wall of a cut as pictures; return the files written."""
-    files = []
-    for name, drawing in (
-        ("plan.png", draw_plan(cut.plan)),
-        (path.name, draw_wall(cut, job.limit)),
-    ):
-        say(f"writing {path.with_name(name)}")
-        path.with_name(name).write_bytes(preview(drawing).data)
-        files.append(str(path.with_name(name)))
-    return files
+    plan = path.with_name("plan.png")
+    say(f"writing {plan}")
+    pictures.write_picture(plan, draw_plan(cut.plan))
+    return [str(plan), *draw_wall(job, cut, path, say)]
 
 
 def cut(text, name):
@@ -82,13 +57,12 @@ def cut(text, name):
     job = HERE / name
     job.write_text(text, encoding="utf-8")
     printed = io.StringIO()
-    by_vtk = command.draw_wall
     command.draw_wall = draw
     try:
         with redirect_stdout(printed):
             code = command.main(["cut", str(job), "--out", str(folder)])
     finally:
-        command.draw_wall = by_vtk
+        command.draw_wall = draw_wall
         job.unlink()
     files = {path.name: path.read_bytes() for path in sorted(folder.glob("*"))}
     said = printed.getvalue().partition(f"{folder}/")[0]

@@ -14,9 +14,11 @@ from scipy.integrate import solve_bvp
 
 from tests.bench.conftest import best_times
 from tunneller_lib import compiled
-from tunneller_lib.paths import geodesic_inverse
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse
+from tunneller_lib.paths.geodesic_orbit import panel_rule
 from tunneller_lib.paths.geodesic_pair import padded
 from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
+from tunneller_lib.paths.geodesic_trace import KIND
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE, RING = REFERENCE_MACHINE.torus, Torus(3, 1)
@@ -92,6 +94,56 @@ def test_against_c(benchmark, say, note, bound, n):
         "geodesic inverse, working sheet, compiled", "pair", n, ours / n, bound_s=of_c / n,
         criterion="lengths, azimuths and Clairaut's constants agree to 1e-12",
     )  # fmt: skip
+
+
+@pytest.fixture
+def bound_of_direct(bound_in_c):
+    """Return a function of starts (3, n) on the machine's sheet, and lengths, to ends, in C."""
+    function = bound_in_c("geodesic_direct").geodesic_direct
+    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
+    number = ctypes.c_double
+    function.argtypes = [number, number, array, array, ctypes.c_long, array, array, array]
+    function.restype = ctypes.c_long
+
+    def direct(start, length):
+        found = np.empty_like(start)
+        assert function(MACHINE.r, MACHINE.R, start, length, len(length), *panel_rule(), found) == 0
+        return found
+
+    return direct
+
+
+@pytest.mark.parametrize("n", [1, 1000, 1_000_000])
+def test_direct_against_c(benchmark, say, note, bound_of_direct, n):
+    pytest.importorskip("numba", reason="what is compiled is timed")
+    p, _ = random_pairs(MACHINE, n)
+    rng = np.random.default_rng(2)
+    azimuth = rng.uniform(-3, 3, n)
+    length = rng.uniform(0, 1.2, n)
+    start = np.array([*p.T, azimuth])
+    compiled.expect(compiled.LONG + 1, KIND)
+    way = benchmark.pedantic(geodesic_direct, (MACHINE, p, azimuth, length), warmup_rounds=1)
+    ours, of_c = best_times(
+        lambda: geodesic_direct(MACHINE, p, azimuth, length),
+        lambda: bound_of_direct(start, length),
+        rounds=5 if n > 1000 else 50,
+    )
+    say(f"geodesic_direct on the working sheet, {n:,} ends, us for an end", 1e6 * ours / n)
+    say(f"the same, time over that of C, {n:,} ends", ours / of_c)
+    ends = [*way.position[:, 1].T, way.azimuth[:, 1]]
+    np.testing.assert_allclose(bound_of_direct(start, length), ends, rtol=0, atol=1e-12)
+    note(
+        "geodesic direct, working sheet, compiled", "end", n, ours / n, bound_s=of_c / n,
+        criterion="positions and azimuths at the end agree to 1e-12 rad",
+    )  # fmt: skip
+
+
+def test_direct_by_arrays(benchmark, say, monkeypatch):
+    p, q = random_pairs(MACHINE, 100_000)
+    monkeypatch.setattr(compiled, "ready", lambda kind: False)
+    benchmark.pedantic(geodesic_direct, (MACHINE, p, q[:, 0], 1.0))
+    (time,) = best_times(lambda: geodesic_direct(MACHINE, p, q[:, 0], 1.0), rounds=3)
+    say("geodesic_direct on the working sheet in numpy, us for an end", 1e6 * time / len(p))
 
 
 # Geodesics of an ellipsoid, a simpler problem: no quadrature is needed.

@@ -1,5 +1,6 @@
 """A whole lap: set-values, axes and wall; and that laps cost what they should."""
 
+import re
 import resource
 import subprocess
 import sys
@@ -59,7 +60,7 @@ def test_laps_cost_in_proportion(benchmark, say, laps):
     say(f"{laps} laps over {laps} times one", several / (laps * alone))
 
 
-def test_a_lap_with_everything_on_takes_less_than_ten_seconds(benchmark, say):
+def test_a_lap_with_everything_on(benchmark, say):
     def everything():
         start = time.process_time()
         read_job(REFERENCE).simulated()
@@ -68,24 +69,31 @@ def test_a_lap_with_everything_on_takes_less_than_ten_seconds(benchmark, say):
     everything()  # compiles what it needs
     seconds = benchmark.pedantic(everything, rounds=1)
     say("the reference job, planned and cut with ground, arm and oil, CPU s", seconds)
-    assert seconds < 10
+
+
+def processor_seconds(*command):
+    """Return the processor time of a command of Python's, and what it wrote to stderr."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    ran = subprocess.run(
+        [sys.executable, *command], cwd=ROOT, check=True, capture_output=True, text=True
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, ran.stderr
 
 
 def test_the_command_cuts_the_reference_job(benchmark, say, note, tmp_path):
     # As somebody calls it: Python, imports, what is compiled and kept, budget, files and picture.
-    command = [sys.executable, "-m", "tunneller_lib", "cut", REFERENCE, "--out", tmp_path]
-
-    def called():
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-    called()  # compiles what it needs
-    benchmark.pedantic(called, rounds=1)
-    seconds = min(called() for _ in range(3))
+    command = ["-m", "tunneller_lib", "cut", REFERENCE, "--out", tmp_path]
+    benchmark.pedantic(processor_seconds, command, rounds=1)  # compiles what it needs
+    seconds = min(processor_seconds(*command)[0] for _ in range(3))
     say("the command `tunneller cut` on the reference job, CPU s", seconds)
     note(
         "`tunneller cut` of the reference job", "job", 1, seconds,
-        criterion="the whole command, with the process that draws the wall",
+        criterion="the whole command, with its imports and the picture of the wall",
     )  # fmt: skip
+    imports = []
+    for _ in range(3):
+        _, told = processor_seconds("-X", "importtime", *command)
+        each = re.findall(r"^import time: +(\d+) \|", told, re.MULTILINE)
+        imports.append(sum(map(int, each)) / 1e6)
+    say("of it the imports, s on the clock", min(imports))

@@ -13,9 +13,12 @@ from tunneller_lib.envelopes.hyperosculate import Cones
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
+from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.reporting import Record, figure
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Rod, Section, Torus
+
+from . import ream
 
 DRAW_IN_SPACE = {"blade_scene", "cone_scene", "flank_scene", "machine_scene", "path_scene", "scene",
                  "six_cones_scene", "surface_scene", "torus_scene", "tunnel_scene"}  # fmt: skip
@@ -37,6 +40,7 @@ INSTANCES = {
     Axes: AXES,
     Cones: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5),
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
+    Cut: ream.CUT,
     Egg: Egg(0.5),
     Figure: DRAWING,
     HandOver: SEGMENTS,

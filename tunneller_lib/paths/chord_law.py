@@ -8,11 +8,11 @@ curves beside the great circle of the normals, and everything here follows from 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from ..arguments import Positions, checked
 from ..exact import cross, dot, norm
 from .bounds import Row
+from .quadrature import gauss_rule
 
 LEAST_ANGLE = 1e-5  # rad between the normals: on shorter chords the gap is below rounding,
 LEAST_LEVEL = 1e-15  # and so it is on circles whose poles are as near to the equator as this
@@ -100,7 +100,7 @@ class ChordLaw:
         A geodesic is the shortest: what a gap beside it costs is the second variation of length,
         the mean of (g'^2 - g^2) / 2 over the arc.
         """
-        x, weights = legendre.leggauss(ORDER)
+        x, weights = gauss_rule(ORDER)
         gap, slope = self._gap_and_slope((1 + x) / 2)
         return (slope**2 - gap**2) @ weights / 4
 

@@ -16,6 +16,7 @@ from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
+from .quadrature import gauss_rule
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
 ORDER = 48  # nodes of the quadrature of a path's length
@@ -205,7 +206,7 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
 @cache
 def _nodes():
     """Return Gauss-Legendre nodes and weights for t, and the matrix that differentiates there."""
-    x, weights = legendre.leggauss(ORDER)
+    x, weights = gauss_rule(ORDER)
     basis = legendre.legvander(x, ORDER - 1)
     slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(ORDER)], axis=1)
     return (1 + x) / 2, weights / 2, 2 * np.linalg.solve(basis.T, slopes.T).T

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from ..arguments import Angles, Finite, Length, Rule, bounded_array, checked
 from ..surfaces import Cone
+from .quadrature import gauss_rule
 
 FACTOR = 1e8  # by which the three lengths may differ
 APART = 1e-9  # turns by which f must keep away from whole and half ones
@@ -225,7 +225,7 @@ class ConeChord:
         Gauss-Legendre quadrature, with the chord in plan written as gap sinh(w) along and gap
         away from the axis: near half a turn the foot hurries round the axis, which w stretches.
         """
-        nodes, weights = legendre.leggauss(64)
+        nodes, weights = gauss_rule(64)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
         chord = stop - start
         sin = np.sin(self.cone.half_angle)

@@ -14,10 +14,8 @@ from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
 from ..exact import dot
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
-from .geodesic_pair import CERTIFICATES, KINDS, NONE, POINT, reduced
+from .geodesic_pair import CERTIFICATES, KINDS, NONE, POINT
 from .geodesic_trace import trace
-
-ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 
 
 def _rows_of_positions(name, value):
@@ -235,26 +233,7 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     check_ratio(torus)
     check_points(n, theta.shape)
     s = length[..., None] * np.linspace(0, 1, n)
-    start = reduced(phi)
-    heading = reduced(azimuth)
-    # Geodesics of no answer (`Geodesic.points`) have neither direction nor length.
-    sound = np.isfinite(azimuth + length) & (torus.r / torus.R + np.cos(start) > 0)
-    sine = np.sin(heading)
-    cosine = np.cos(heading)
-    found = np.full((3, *s.shape), np.nan)
-    meridian = sound & (np.abs(sine) <= ALONG_MERIDIAN)
-    direction = np.where(cosine > 0, 1.0, -1.0)[meridian, None]
-    found[0, meridian] = 0
-    found[1, meridian] = start[meridian, None] + direction * s[meridian] / torus.R
-    found[2, meridian] = heading[meridian, None]
-    other = sound & ~meridian
-    side = np.copysign(1.0, sine[other])
-    turned, swung, turning = trace(
-        torus.r / torus.R, start[other], side * sine[other], cosine[other], s[other] / torus.R
-    )
-    found[:, other] = side[:, None] * turned, swung, side[:, None] * turning
-    # Whole turns were taken off, and are put back.
-    found += np.stack([theta, phi - start, azimuth - heading])[..., None]
-    given = np.stack([theta, phi, azimuth])[..., None]
-    found = np.where((s == 0) & sound[..., None], given, found)
-    return GeodesicPoints(torus, s, np.stack(found[:2], axis=-1), found[2])
+    given = np.stack([theta, phi, azimuth])
+    found = trace(torus.r / torus.R, given.reshape(3, -1), s.reshape(-1, n) / torus.R)
+    theta, phi, azimuth = found.reshape(3, *s.shape)
+    return GeodesicPoints(torus, s, np.stack([theta, phi], axis=-1), azimuth)

@@ -8,11 +8,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from ..elementwise import larger, ratio, smaller, square_root, where
 from ..repeatable import area_sine, growth, sine_cosine
 from .geodesic_classes import Ends, outer, room
+from .quadrature import gauss_rule
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
 NODES = 96
@@ -54,7 +54,7 @@ def rule(count):
 
     The other half has the same shares from the end.
     """
-    nodes, weights = legendre.leggauss(count)  # an eigenvalue problem each time
+    nodes, weights = gauss_rule(count)
     return (1 + nodes[: count // 2]) / 2, weights[: count // 2] / 2
 
 

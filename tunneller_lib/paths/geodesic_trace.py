@@ -1,71 +1,44 @@
 """Points along geodesics of given starts and directions, by quadrature, however long they are.
 
-With Clairaut's constant c the arc length s and the turned angle are integrals over one variable t
-(geodesic_classes). Their integrands depend on sin^2(t) alone: they repeat after half a swing
-between turning points, or after one round of a ring's tube, and backwards after half of that. So
-both integrals are tabulated from t = 0 to pi/2, as series; s is solved for t, and t tells the rest.
-Lengths are in tube radii here, rho = r/R + cos(phi).
+Along an orbit (geodesic_orbit) arc length and turned angle are tabulated as series; the arc length
+is solved for its place, which tells the rest. `follow_each` is the loop over geodesics for
+`compiled.call`; arrays do the same, with the same bits.
 """
 
-from functools import cache
-from typing import NamedTuple
+import math
 
 import numpy as np
-from numpy.polynomial import legendre
-from numpy.polynomial.legendre import legval
 
+from .. import compiled
 from ..arguments import Lengths, checked
+from ..compiled import loop
+from ..elementwise import NUMBERS, divided, smaller, where
 from ..surfaces import Torus
 from .bounds import check_ratio
+from .geodesic_orbit import (
+    MOST_PANELS,
+    TERMS,
+    Orbit,
+    Start,
+    headed,
+    nearer,
+    orbit_of,
+    panel_place,
+    panel_rule,
+    point_at,
+    rates,
+    series_sum,
+    whole_part,
+)
 
-TERMS = 24  # of the series of a panel
-PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
+ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 ROUNDS = 30  # Newton's method takes about four
-BLOCK = 40000
-NARROWEST = 1e-30  # of a peak: where c is next to r - R to more digits than it has
-
-
-class _Orbit(NamedTuple):
-    """What stays the same along geodesics, each (n, 1): rho = c + 2 (E + B sin^2(t)).
-
-    D = A + B sin^2(t) is cos^2(phi/2) between turning points, the peak at t = 0 is about `width`
-    wide, and `free` says who goes round the tube.
-    """
-
-    c: np.ndarray
-    A: np.ndarray
-    B: np.ndarray
-    E: np.ndarray
-    width: np.ndarray
-    free: np.ndarray
-
-    def at(self, t):
-        """Return rho, sin^2(t) and D."""
-        sin2 = np.sin(t) ** 2
-        return self.c + 2 * (self.E + self.B * sin2), sin2, self.A + self.B * sin2
-
-    def rates(self, t):
-        """Return by how much s and the turned angle grow with t."""
-        rho, _, D = self.at(t)
-        density = np.sqrt(2 / ((rho + self.c) * D))
-        return rho * density, self.c / rho * density
-
-
-class _Table(NamedTuple):
-    """Arc length and turned angle from t = 0 to pi/2, over t = width sinh(y).
-
-    `step` (n, 1) is the width of a panel in y, `edges` (2, n, m + 1) what both integrals are where
-    panels begin and end, `series` (2, TERMS + 1, n, m) Legendre series of what each panel adds.
-    """
-
-    step: np.ndarray
-    edges: np.ndarray
-    series: np.ndarray
-
-    def within(self, panel):
-        """Return what both integrals are (2, n, p) where panels begin, and their series there."""
-        row = np.arange(len(panel))[:, None]
-        return self.edges[:, row, panel], self.series[:, :, row, panel]
+BLOCK = 8192  # points at a time: they need the same room however many there are
+EACH, POINT = 1.1e-4, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
+SOON = 1e-3  # s, about what arrays take at least
+FASTER = 15  # so many times as fast as plain Python are arrays where they are large
+KIND = "points of geodesics"  # of work, for `compiled`
+ROOM = (2, TERMS), (2, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
 @checked
@@ -108,140 +81,238 @@ def half_swing(torus: Torus, clairaut: Lengths):
             f"clairaut: must be above {narrow:g} m and at most r + R = {wide:g} m, or nothing "
             f"swings; got {clairaut.min():g} to {clairaut.max():g} m."
         )
-    sine = clairaut.reshape(-1, 1) / wide
-    orbit, _ = _orbit(torus.r / torus.R, 0 * sine, sine, np.sqrt((1 - sine) * (1 + sine)))
-    length, turned = 2 * _tabulate(orbit).edges[:, :, -1].reshape(2, *clairaut.shape)
+    sine = clairaut.ravel() / wide
+    cosine = np.sqrt((1 - sine) * (1 + sine))
+    orbit, _ = _orbits(torus.r / torus.R, np.zeros_like(sine), sine, cosine)
+    half = np.empty((2, sine.size))
+    for same in _alike(orbit):
+        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:, -1]
+    length, turned = 2 * half.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
 
-def trace(ratio, phi, sine, cosine, s):
-    """Return points of geodesics that leave the meridian.
+def trace(r, given, s):
+    """Return points of geodesics.
 
     Parameters
     ----------
-    ratio : float
+    r : float
         r / R.
-    phi : (n,) float
-        Angles of the starts, from -pi to pi, in rad, with ratio + cos(phi) > 0.
-    sine, cosine : (n,) float
-        Of the azimuths at the starts, the sine above zero.
+    given : (3, n) float
+        theta, phi and azimuths at the starts, in rad. What isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, over the radius of the tube.
 
     Returns
     -------
-    turned, phi, azimuth : (n, p) float
-        The turned angle, phi counted on round the tube, and the azimuth from 0 to pi, in rad.
+    found : (3, n, p) float
+        theta, phi and azimuths, in rad, each counted on; NaN where there is no answer.
     """
     found = np.empty((3, *s.shape))
+    plain = EACH * len(s) + POINT * s.size
+    compiled.expect(plain if plain < SOON else plain / FASTER, KIND)
+    ready = compiled.ready(KIND)
+    if ready or plain < SOON:
+        room = [np.empty(shape) for shape in ROOM]
+        # Copies, which may be written to and are of one order: one compiled form serves all.
+        arguments = r, np.array(given, order="C"), np.array(s, order="C"), *panel_rule()
+        if ready:
+            compiled.call(follow_each, *arguments, *room, found, **{**NUMBERS, "ratio": divided})
+        else:
+            lists = [one.tolist() for one in room]
+            compiled.call_plain(follow_each, *arguments, *lists, found)
+        return found
     rows = max(BLOCK // s.shape[1], 1)
     for first in range(0, len(s), rows):
         block = slice(first, first + rows)
-        start = (values[block, None] for values in (phi, sine, cosine))
-        found[:, block] = _trace(ratio, *start, s[block])
+        found[:, block] = _by_arrays(r, given[:, block], s[block].T).swapaxes(1, 2)
     return found
 
 
-def _trace(ratio, phi, sine, cosine, s):
-    orbit, t = _orbit(ratio, phi, sine, cosine)
-    table = _tabulate(orbit)
-    whole, turn = 2 * table.edges[:, :, -1:]  # of half a swing, or of a round
-    begun = np.round(t / np.pi)
-    t -= np.pi * begun
-    before, turned = _integrals(orbit, table, t)
-    rest = s + before
-    swings = np.round(rest / whole)
-    there, beyond = _solve(orbit, table, rest - swings * whole)
-    turned = beyond - turned + swings * turn
-    swings += begun
-    # Half a swing on, phi and the cosine of the azimuth are mirrored.
-    side = 1 - 2 * np.mod(swings, 2)
-    rho, sin2, D = orbit.at(there)
-    between = 2 * np.arctan2(side * np.sqrt(orbit.B) * np.cos(there), np.sqrt(D))
-    rising = np.copysign(1, cosine)
-    round_tube = phi + 2 * rising * (there - t + np.pi * (swings - begun))
-    # rho^2 - c^2 is (rho - c)(rho + c), and rho - c that of the swing, which doesn't cancel.
-    slope = np.sqrt(2 * (rho + orbit.c)) / rho
-    cosine = np.where(
-        orbit.free,
-        rising * slope * np.sqrt(orbit.E + sin2),
-        -side * slope * np.sqrt(orbit.B) * np.sin(there),
-    )
-    azimuth = np.arctan2(orbit.c / rho, cosine)
-    return turned, np.where(orbit.free, round_tube, between), azimuth
+@loop(inlined=("growth", "two_to_bits", "rates", "series_sum", "nearer", "_tabulate"))
+def follow_each(r, given, s, shares, integral, values, edges, series, found):
+    """Write down points of geodesics.
+
+    Parameters
+    ----------
+    r, given, s
+        As of `trace`.
+    shares, integral
+        The `panel_rule`.
+    values, edges, series
+        Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
+        begin, and what they gain from there, as series.
+    found : (3, n, p) float
+        Filled with theta, phi and azimuths.
+    """
+    for i in range(len(s)):
+        theta = given[0][i]
+        phi = given[1][i]
+        azimuth = given[2][i]
+        ways = s[i]
+        heading = headed(r, phi, azimuth)
+        whither = azimuth + ways[len(ways) - 1]
+        sound = heading.on_sheet and whither - whither == 0
+        if not sound:
+            for k in range(len(ways)):
+                found[0][i][k] = found[1][i][k] = found[2][i][k] = math.nan
+        elif abs(heading.sine) <= ALONG_MERIDIAN:
+            for k in range(len(ways)):
+                found[0][i][k] = 0.0
+                found[1][i][k] = heading.phi + heading.rising * ways[k]
+                found[2][i][k] = heading.azimuth
+        else:
+            _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
+        for k in range(len(ways)):
+            if ways[k] == 0 and sound:
+                found[0][i][k] = theta
+                found[1][i][k] = phi
+                found[2][i][k] = azimuth
+            else:  # whole turns were taken off, and are put back
+                found[0][i][k] += theta
+                found[1][i][k] += phi - heading.phi
+                found[2][i][k] += azimuth - heading.azimuth
 
 
-def _orbit(ratio, phi, sine, cosine):
-    """Return the orbits of geodesics, and t (n, 1) of their starts."""
-    rho = ratio + np.cos(phi)
-    c = rho * sine
-    slope = cosine * np.sqrt(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
-    k2 = np.sin(phi / 2) ** 2 + slope**2
-    # 1 - k^2: on a ring the difference of two numbers that are small where it is; else a sum.
-    rest = np.cos(phi / 2) ** 2 - slope**2 if ratio > 1 else (1 - ratio + c) / 2
-    free = rest < 0
-    A = np.maximum(np.abs(rest), NARROWEST**2)
-    B = np.where(free, 1, k2)
-    E = np.where(free, A, 0)
-    with np.errstate(divide="ignore"):
-        width = np.clip(np.sqrt(np.minimum(A, E + c / 2) / B), NARROWEST, 3)
-    # Between turning points sin(phi/2) = k cos(t). Round the tube phi falls as pi - 2t, or grows
-    # as its negative.
-    falling = -np.copysign(1, cosine) * phi
-    t = np.where(free, (np.pi - falling) / 2, np.arctan2(-slope, np.sin(phi / 2)))
-    return _Orbit(c, A, B, E, width, free), t
-
-
-@cache
-def _rule():
-    """Return Gauss's nodes (TERMS,), and what makes of values there the integral's series."""
-    nodes, weights = legendre.leggauss(TERMS)
-    values = legendre.legvander(nodes, TERMS - 1)
-    series = values.T * weights * (np.arange(TERMS)[:, None] + 0.5)
-    return nodes, legendre.legint(series, lbnd=-1, axis=0)
-
-
-def _tabulate(orbit):
-    nodes, integral = _rule()
-    reach = np.arcsinh(np.pi / 2 / orbit.width)
-    panels = int(np.ceil(np.max(reach, initial=PANEL) / PANEL))  # one at least, also of none
-    step = reach / panels
-    y = step * (np.arange(panels)[:, None] + (1 + nodes) / 2).ravel()
-    rates = np.stack(orbit.rates(orbit.width * np.sinh(y)))
-    rates *= step / 2 * orbit.width * np.cosh(y)
-    series = rates.reshape(2, len(y), panels, TERMS) @ integral.T
-    edges = np.cumsum(np.sum(series, axis=-1), axis=-1)  # every Legendre polynomial is 1 at 1
-    edges = np.concatenate([np.zeros_like(edges[..., :1]), edges], axis=-1)
-    return _Table(step, edges, np.ascontiguousarray(np.moveaxis(series, -1, 1)))
-
-
-def _integrals(orbit, table, t):
-    """Return s and the turned angle (2, n, p) from 0 to t, from -pi/2 to pi/2."""
-    y = np.arcsinh(np.abs(t) / orbit.width) / table.step
-    panel = np.minimum(y.astype(int), table.series.shape[3] - 1)
-    begun, series = table.within(panel)
+def _follow(r, heading, ways, shares, integral, values, edges, series, i, found):
+    """Write down points of geodesic i, which leaves the meridian."""
+    side = where(heading.sine < 0, -1.0, 1.0)
+    orbit, start = orbit_of(r, heading.phi, side * heading.sine, heading.cosine)
+    count = int(orbit.panels)
+    _tabulate(orbit, count, shares, integral, values, edges, series)
+    y = panel_place(orbit, abs(start.t))
+    panel = min(int(y), count - 1)
     x = 2 * (y - panel) - 1
-    return np.copysign(begun + [legval(x, one, tensor=False) for one in series], t)
+    sign = where(start.t < 0, -1.0, 1.0)
+    before = sign * (edges[0][panel] + series_sum(x, series[0][panel]))
+    turned = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+    whole = 2 * edges[0][count]  # of half a swing, or of a round
+    turn = 2 * edges[1][count]
+    for k in range(len(ways)):
+        if ways[k] == 0:
+            continue
+        rest = ways[k] + before
+        swings = whole_part(rest / whole)
+        rest -= swings * whole
+        sign = where(rest < 0, -1.0, 1.0)
+        size = smaller(abs(rest), edges[0][count])
+        panel = 0
+        while panel + 1 < count and edges[0][panel + 1] <= size:
+            panel += 1
+        wanted = size - edges[0][panel]
+        x = 2 * wanted / (edges[0][panel + 1] - edges[0][panel]) - 1
+        for _ in range(ROUNDS):
+            x, last = nearer(x, wanted, series[0][panel])
+            if last:
+                break
+        beyond = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+        y = orbit.step * (panel + (1 + x) / 2)
+        place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
+        found[0][i][k] = side * (beyond - turned + swings * turn)
+        found[1][i][k] = place
+        found[2][i][k] = side * azimuth
 
 
-def _solve(orbit, table, s):
-    """Return t and the turned angle (n, p) where the arc length from t = 0 is s."""
-    edges = table.edges[0]
-    size = np.minimum(np.abs(s), edges[:, -1:])
-    panel = np.sum(edges[:, 1:-1, None] <= size[:, None], axis=1)
-    begun, series = table.within(panel)
-    wanted = size - begun[0]
-    x = 2 * wanted / legval(1.0, series[0], tensor=False) - 1
+def _tabulate(orbit, count, shares, integral, values, edges, series):
+    """Fill in what both integrals are where panels begin and end, and their series."""
+    edges[0][0] = edges[1][0] = 0.0
+    for panel in range(count):
+        for k in range(TERMS):
+            values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
+        for one in range(2):
+            terms = series[one][panel]
+            for j in range(TERMS + 1):
+                terms[j] = integral[0][j] * values[one][0]
+            for k in range(1, TERMS):
+                for j in range(TERMS + 1):
+                    terms[j] += integral[k][j] * values[one][k]
+            edges[one][panel + 1] = edges[one][panel] + series_sum(1.0, terms)
+
+
+# ---- the same by arrays ----------------------------------------------------
+
+
+def _by_arrays(r, given, s):
+    """Return points (3, p, n) of geodesics whose arc lengths s are (p, n)."""
+    heading = headed(r, given[1], given[2])
+    whither = given[2] + s[-1]
+    sound = heading.on_sheet & (whither - whither == 0)
+    meridian = sound & (abs(heading.sine) <= ALONG_MERIDIAN)
+    found = np.full((3, *s.shape), np.nan)
+    found[0, :, meridian] = 0.0
+    found[1, :, meridian] = (heading.phi + heading.rising * s)[:, meridian].T
+    found[2, :, meridian] = heading.azimuth[meridian, None]
+    other = np.flatnonzero(sound & ~meridian)
+    side = np.where(heading.sine < 0, -1.0, 1.0)[other]
+    leaving = heading.phi[other], side * heading.sine[other], heading.cosine[other]
+    orbit, start = _orbits(r, *leaving)
+    for same in _alike(orbit):
+        alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
+        turned, phi, azimuth = _on_orbits(*alike, s[:, other[same]])
+        found[:, :, other[same]] = side[same] * turned, phi, side[same] * azimuth
+    # Whole turns were taken off, and are put back.
+    turns = given - np.stack([np.zeros_like(heading.phi), heading.phi, heading.azimuth])
+    return np.where((s == 0) & sound, given[:, None], found + turns[:, None])
+
+
+@np.errstate(divide="ignore")
+def _orbits(r, phi, sine, cosine):
+    """Return what `orbit_of` does, of arrays."""
+    return orbit_of(r, phi, sine, cosine)
+
+
+def _alike(orbit):
+    """Yield which orbits (n,) have the same number of panels."""
+    for count in np.unique(orbit.panels):
+        yield np.flatnonzero(orbit.panels == count)
+
+
+def _on_orbits(orbit, start, s):
+    """Return the turned angle, phi and the azimuth (p, n) on orbits with the same panels."""
+    edges, series = _tabulated(orbit)
+    count = edges.shape[1] - 1
+    column = np.arange(s.shape[1])
+    y = panel_place(orbit, abs(start.t))
+    panel = np.minimum(y.astype(int), count - 1)
+    x = 2 * (y - panel) - 1
+    sign = np.where(start.t < 0, -1.0, 1.0)
+    there = zip(edges[:, panel, column], series[:, :, panel, column], strict=True)
+    before, turned = (sign * (begin + series_sum(x, terms)) for begin, terms in there)
+    whole, turn = 2 * edges[:, count]
+    rest = s + before
+    swings = whole_part(rest / whole)
+    rest -= swings * whole
+    sign = np.where(rest < 0, -1.0, 1.0)
+    size = np.minimum(abs(rest), edges[0, count])
+    panel = np.sum(edges[0, 1:count, None] <= size, axis=0)
+    begin = edges[:, panel, column]
+    terms = series[:, :, panel, column]
+    wanted = size - begin[0]
+    x = 2 * wanted / (edges[0, panel + 1, column] - begin[0]) - 1
+    done = np.zeros(x.shape, dtype=bool)
     for _ in range(ROUNDS):
-        t = orbit.width * np.sinh(table.step * (panel + (1 + x) / 2))
-        # dt/dy is the root of width^2 + t^2.
-        rate = orbit.rates(t)[0] * np.hypot(orbit.width, t) * table.step / 2
-        missing = wanted - legval(x, series[0], tensor=False)
-        moved = np.clip(x + missing / rate, -1, 1)
-        done = np.max(np.abs(moved - x), initial=0) <= 1e-8  # what is left is of its square
-        x = moved
-        if done:
+        moved, last = nearer(x, wanted, terms[0])
+        x = np.where(done, x, moved)
+        done |= last
+        if np.all(done):
             break
-    t = orbit.width * np.sinh(table.step * (panel + (1 + x) / 2))
-    turned = begun[1] + legval(x, series[1], tensor=False)
-    return np.copysign(t, s), np.copysign(turned, s)
+    beyond = sign * (begin[1] + series_sum(x, terms[1]))
+    y = orbit.step * (panel + (1 + x) / 2)
+    return beyond - turned + swings * turn, *point_at(orbit, start, swings + start.begun, y, sign)
+
+
+def _tabulated(orbit):
+    """Return what `_tabulate` fills in, (2, panels + 1, n) and (2, TERMS + 1, panels, n)."""
+    shares, integral = panel_rule()
+    count = int(orbit.panels.max(initial=1))
+    edges = np.zeros((2, count + 1, orbit.c.size))
+    series = np.empty((2, TERMS + 1, count, orbit.c.size))
+    for panel in range(count):
+        values = rates(orbit, orbit.step * (panel + shares[:, None]))
+        for one in range(2):
+            terms = integral[0, :, None] * values[one][0]
+            for k in range(1, TERMS):
+                terms += integral[k, :, None] * values[one][k]
+            series[one, :, panel] = terms
+            edges[one, panel + 1] = edges[one, panel] + series_sum(1.0, terms)
+    return edges, series

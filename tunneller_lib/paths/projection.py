@@ -9,6 +9,7 @@ from ..arguments import Positions, checked
 from ..exact import norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Count, check_on_sheet, check_points
+from .quadrature import gauss_rule
 
 ORDER = 48  # samples of the path's speed along a chord
 RESOLVED = 1e-9  # largest share of the last terms in the speed's Legendre series
@@ -143,7 +144,7 @@ def _speed_series(torus, p, q):
 
     Its first term is the mean speed over t from 0 to 1, and so the path's length.
     """
-    nodes, weights = legendre.leggauss(ORDER)
+    nodes, weights = gauss_rule(ORDER)
     with np.errstate(invalid="ignore", divide="ignore"):  # a chord through the axis or the ring
         speed = _speed(torus, p, q, (1 + nodes) / 2)
     basis = legendre.legvander(nodes, ORDER - 1) * (np.arange(ORDER) + 0.5)

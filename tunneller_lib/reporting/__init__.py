@@ -39,4 +39,5 @@ __all__ = [
     "surface_scene",
     "torus_scene",
     "tunnel_scene",
+    "wall_plot",
 ]

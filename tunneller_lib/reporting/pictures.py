@@ -1,4 +1,4 @@
-"""Pictures, animations and scenes as files."""
+"""Drawings, animations and scenes as files."""
 
 import json
 import re
@@ -8,9 +8,12 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import PIL.Image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from ..job.atomic_write import replacement
 from .style import ERROR_MAP
+
+DPI = 200  # of a drawing
 
 # The viewer takes the page's element of the class content, or else all of its body.
 # The words stand below it, for its bar of colours reaches down to the scene's edge.
@@ -23,14 +26,14 @@ PAGE = """<body style="display: flex; flex-direction: column; height: 100vh">
 
 
 def write_picture(path, content):
-    """Write a scene, a picture or those of an animation, whole or not at all.
+    """Write a scene, a drawing or the pictures of an animation, whole or not at all.
 
     Parameters
     ----------
     path : path-like
-        Its suffix says how: .html for a scene that turns without a network; .png for a picture,
-        .gif for several.
-    content : pyvista.Plotter, (n, m, 3) uint8 or iterable of them
+        Its suffix says how: .html for a scene that turns without a network, .png for a drawing,
+        .gif for pictures.
+    content : pyvista.Plotter, matplotlib.figure.Figure or iterable of (n, m, 3) uint8
         What.
 
     Returns
@@ -87,9 +90,9 @@ def _html(path, plotter):
     path.write_text(page, encoding="utf-8", newline="\n")
 
 
-def _png(path, pixels):
-    # The smallest file, by a sixth, would take six times as long.
-    PIL.Image.fromarray(pixels).save(path)
+def _png(path, drawing):
+    drawing.set_dpi(DPI)
+    FigureCanvasAgg(drawing).print_png(path)  # savefig would draw twice, once for the layout
 
 
 def _gif(path, pictures, milliseconds=80):

@@ -1,0 +1,56 @@
+"""The wall of a cut on the Axes `ax`, unrolled: along the section against along the tunnel."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..arguments import Length, checked
+from ..job.mesh import SCALAR
+from ..ream.cutting import Cut
+from .style import COLOURS, ERROR_MAP
+
+ROOF = np.pi / 2  # rad, the angle from y over z at which the wall's middle is
+SAMPLES = 3601  # of the section, for the arc lengths of rays
+WHOLE = 0.999  # of the depth of cut: ground that stands farther in is untouched
+
+
+@checked
+def draw_unrolled(ax: Axes, cut: Cut, *, limit: Length = 1.5e-3):
+    """Draw the standing wall as seen from within, with its over-break in colour.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    cut : Cut
+        A simulated or carved cut.
+    limit : float
+        Over- and under-break at the ends of the colour scale, in m. Untouched ground has the
+        tunnel's colour.
+
+    Returns
+    -------
+    shades : matplotlib.collections.QuadMesh
+        Over-break in mm; along the section, from the roof in m, above zero to the right.
+    """
+    lines = cut.wall.lines
+    along = _from_roof(cut.plan.circuit.section, np.arctan2(lines.sin, lines.cos))
+    order = np.argsort(along)
+    over = cut.overbreak[:, order]
+    untouched = over < -WHOLE * cut.plan.circuit.machine.depth
+    ax.set_facecolor(COLOURS["tunnel"])
+    ax.set(xlabel="along the section from the roof / m (right)", ylabel="along the tunnel / m")
+    shades = ax.pcolormesh(
+        along[order], lines.x, np.ma.masked_where(untouched, 1e3 * over),
+        cmap=ERROR_MAP, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True,
+    )  # fmt: skip
+    ax.figure.colorbar(shades, ax=ax, label=SCALAR, extend="both")
+    return shades
+
+
+def _from_roof(section, angle):
+    """Return arc lengths (n,), in m, of a section at angles in rad, from the roof to the right."""
+    s = np.linspace(0, section.perimeter, SAMPLES)
+    y, z = section.point(s).T
+    turned = np.unwrap(np.arctan2(z, y))
+    place = np.interp(np.mod(np.append(ROOF, angle) - turned[0], 2 * np.pi), turned - turned[0], s)
+    half = section.perimeter / 2
+    return np.mod(place[1:] - place[0] + half, 2 * half) - half
