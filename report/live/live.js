@@ -62,7 +62,10 @@ function control({ name, min, max, value, whole, description }, move) {
 // The picture that stands before a box in its cell; where none does, a new one.
 function pictureBefore(box) {
   const stored = [...box.parentElement.querySelectorAll("figure img")].pop();
-  if (stored) return stored;
+  if (stored) {
+    stored.loading = "eager"; // out of sight a lazy one waits, and its drawing would never end
+    return stored;
+  }
   const figure = document.createElement("figure");
   const picture = document.createElement("img");
   figure.append(picture);
