@@ -62,10 +62,7 @@ function control({ name, min, max, value, whole, description }, move) {
 // The picture that stands before a box in its cell; where none does, a new one.
 function pictureBefore(box) {
   const stored = [...box.parentElement.querySelectorAll("figure img")].pop();
-  if (stored) {
-    stored.loading = "eager"; // out of sight a lazy one waits, and its drawing would never end
-    return stored;
-  }
+  if (stored) return stored;
   const figure = document.createElement("figure");
   const picture = document.createElement("img");
   figure.append(picture);
@@ -92,9 +89,13 @@ function moving(box, name, controls) {
       const began = performance.now();
       try {
         const { picture: drawn, alt } = await ask("draw", { name, values: values() });
+        // Decoded apart: the shown one may be lazy and out of sight, and then waits; while it shows
+        // another, Firefox refuses some.
+        const next = new Image();
+        next.src = URL.createObjectURL(new Blob([drawn], { type: "image/bmp" }));
+        await next.decode();
         URL.revokeObjectURL(picture.src);
-        picture.src = URL.createObjectURL(new Blob([drawn], { type: "image/bmp" }));
-        await picture.decode();
+        picture.src = next.src;
         picture.alt = alt;
         picture.closest("a")?.removeAttribute("href");
         box.dataset.moment = Math.round(performance.now() - began);
