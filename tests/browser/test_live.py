@@ -1,5 +1,6 @@
 """Pages that run, opened as files: sliders of chapters move pictures, in a moment, offline."""
 
+import json
 import os
 from statistics import median
 
@@ -9,8 +10,8 @@ from chromium import wait
 from report.live.build import LIVE
 
 RUNS = ["02_torus", "07_chord", "09_geodesic", "24_follow", "33_dexel", "57_statements"]
-BOX = "document.querySelector('.live')"
-PICTURE = "document.querySelector('.live').parentElement.querySelector('figure img')"
+BOX = "document.querySelector('[data-program]')"
+PICTURE = f"{BOX}.parentElement.querySelector('figure img')"
 MOVE = """(() => {{
   const slider = {}.querySelector('input');
   slider.value = +slider.min + (slider.max - slider.min) * {};
@@ -20,7 +21,7 @@ MOVE = """(() => {{
 
 def chapters():
     pages = sorted((LIVE / "chapters").glob("*.html"))
-    return [page for page in pages if page.stem in RUNS and 'class="live"' in page.read_text()]
+    return [page for page in pages if page.stem in RUNS and "data-program" in page.read_text()]
 
 
 def elsewhere(browser):
@@ -106,6 +107,53 @@ def moved_all(browser, page):
         f"of processors {median(worked):.0f}, at a load of {os.getloadavg()[0]:.1f}"
     )
     return said, median(worked)
+
+
+WITH_EXERCISES = [
+    p for p in sorted((LIVE / "chapters").glob("*.html")) if "data-exercise" in p.read_text()
+]
+
+
+@pytest.mark.parametrize("page", WITH_EXERCISES, ids=lambda page: page.stem)
+def test_exercises_print_what_the_notebook_stored(browser, page):
+    browser.requests.clear()
+    browser.open(page.as_uri())
+    count = browser.run("document.querySelectorAll('[data-exercise]').length")
+    for number in range(count):
+        box = f"document.querySelectorAll('[data-exercise]')[{number}]"
+        stored = browser.run(f"{box}.parentElement.querySelector('pre.output').textContent")
+        assert tried(browser, box) == stored
+    assert browser.errors == [] and elsewhere(browser) == []
+
+
+def tried(browser, box, code=None):
+    """Return what an exercise prints, with its code changed or as it stands."""
+    if browser.run(f"{box}.querySelector('textarea') === null"):
+        browser.run(f"{box}.querySelector('button').click()")
+        browser.until(f"{box}.dataset.ready", 120)
+    if code is not None:
+        browser.run(f"({box}.querySelector('textarea').value = {json.dumps(code)})")
+    browser.run(f"{box}.querySelector('button').click()")
+    return browser.until(
+        f"(({{ textContent: said }}) => !said.startsWith('Running') && said)"
+        f"({box}.querySelector('pre'))", 120
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["browser", "fox"])
+def test_exercise_takes_what_the_reader_writes_and_says_what_is_wrong(request, kind):
+    browser = request.getfixturevalue(kind)
+    browser.open(next(page for page in WITH_EXERCISES if page.stem == "02_torus").as_uri())
+    box = "document.querySelectorAll('[data-exercise]')[1]"
+    assert tried(browser, box).endswith("not yet\n")
+    answer = browser.run(f"{box}.querySelector('textarea').value").replace("= 8", "= 45")
+    assert tried(browser, box, answer).endswith(": done\n")
+    assert tried(browser, box, "print(machine.R, np.pi)") == "0.8 3.141592653589793\n"
+    assert (
+        tried(browser, box, "Torus(1, -1)")
+        == "ValueError: R: must be one finite number above zero; got -1."
+    )
+    assert tried(browser, box, "1 +") == "SyntaxError: invalid syntax"
 
 
 def test_slider_moves_a_picture_in_firefox(fox):
