@@ -117,5 +117,7 @@ def _narrowed(statement, wanted):
     if not names:
         return None
     if isinstance(statement, ast.Import):
-        return ast.Import(names)
-    return ast.ImportFrom(statement.module, names, statement.level)
+        narrowed = ast.Import(names)
+    else:
+        narrowed = ast.ImportFrom(statement.module, names, statement.level)
+    return ast.copy_location(narrowed, statement)

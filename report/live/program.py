@@ -1,15 +1,19 @@
-"""What a notebook's sliders need of it, cut out as a program of its own.
+"""What a notebook's sliders need of it, cut out as a program of its own, and its exercises.
 
 A page can't wait for a whole notebook. So it runs the statements alone that bind or change a name
 which the drawing needs, directly or through others, down to the call of ``sliders``.
 """
 
 import ast
+import sys
 from dataclasses import dataclass
 
 from report.live.excerpt import excerpt
 from report.reach import needed
 from report.sources import DRAWS_SCENES, ROOT, cells
+
+# What a page's Python can import.
+PACKAGES = {"tunneller_lib", "numpy", "scipy", "matplotlib", *sys.stdlib_module_names}
 
 
 @dataclass(frozen=True)
@@ -49,15 +53,35 @@ def programs(notebook):
 
 
 def exercises(notebook):
-    """Return the numbers of a notebook's cells that check what the reader writes there, from 1."""
+    """Return the numbers of a notebook's cells that check what the reader writes, from 1.
+
+    Those that need a package that no page has are left out.
+    """
     sources = [source for kind, source in cells(notebook) if kind == "code"]
-    return [number for number, source in enumerate(sources, 1) if _checks(source)]
+    above, found = [], []
+    for number, source in enumerate(sources, 1):
+        cell = ast.parse(source)
+        if _checks(cell) and _imported(excerpt(above, cell)) <= PACKAGES:
+            found.append(number)
+        above += cell.body
+    return found
 
 
-def _checks(source):
+def _checks(cell):
     """Tell whether a cell defines a check."""
-    made = (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef))
+    made = (node for node in cell.body if isinstance(node, ast.FunctionDef))
     return any(node.name.startswith("check_") for node in made)
+
+
+def _imported(statements):
+    """Return the packages that statements import."""
+    names = set()
+    for node in statements:
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(node.module)
+    return {name.partition(".")[0] for name in names}
 
 
 def _call_of_sliders(statement):
