@@ -64,18 +64,6 @@ def test_planner_gives_the_command_s_budget_to_the_printed_digit(
     assert used < 60 and (taken < 60 or load > 1)
 
 
-def test_answer_of_the_planner_fits_a_phone(browser):
-    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1,
-                 mobile=True)  # fmt: skip
-    open_page(browser, "planner.html")
-    browser.run(f"document.getElementById('job').value = {json.dumps(quick())}; true")
-    plan(browser)
-    fits = "document.documentElement.scrollWidth <= 390"
-    shown = browser.run(f"{fits} && {ANSWER}.querySelectorAll('figure img').length === 2")
-    browser.send("Emulation.clearDeviceMetricsOverride")
-    assert shown
-
-
 def test_planner_s_files_are_the_command_s(browser, tmp_path, monkeypatch):
     monkeypatch.setattr(planner, "HERE", tmp_path)
     text = REFERENCE.read_text()
