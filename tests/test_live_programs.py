@@ -8,7 +8,8 @@ import nbformat
 import numpy as np
 import pytest
 
-from report.live.program import programs
+from report.live.excerpt import excerpt
+from report.live.program import exercises, programs
 from report.sources import ROOT, cells, notebooks
 from tests.pictures import pixels
 from tunneller_lib.reporting import preview
@@ -85,3 +86,28 @@ def test_program_draws_what_the_notebook_stored(path, number, monkeypatch):
     picture = shown[-1] if shown else preview(drawn)
     here, there = pixels(picture.data), pixels(base64.b64decode(stored[-1]))
     assert here.shape == there.shape and np.abs(here - there).mean() < 1
+
+
+EXERCISES = [(n, number) for n in notebooks() for number in exercises(n)]
+
+
+def test_every_chapter_has_exercises_and_one_needs_what_no_page_has():
+    count = {n.stem: "".join(WRITTEN[n]).count("\ndef check_") for n in notebooks()}
+    there = {n.stem: len(exercises(n)) for n in notebooks()}
+    assert sum(there.values()) > 70
+    assert {stem for stem in there if there[stem] != count[stem]} == {"53_contact"}
+
+
+@pytest.mark.parametrize(  # `make browser` tries every one, in the page
+    ("path", "number"), EXERCISES[::2], ids=lambda value: getattr(value, "stem", value)
+)
+def test_exercise_prints_what_the_notebook_stored(path, number, monkeypatch, capsys):
+    monkeypatch.chdir(ROOT / "notebooks")
+    above = [one for text in WRITTEN[path][: number - 1] for one in ast.parse(text).body]
+    cell = ast.parse(WRITTEN[path][number - 1])
+    names = {}
+    exec(compile(ast.Module(excerpt(above, cell), []), "above", "exec"), names)
+    capsys.readouterr()
+    exec(compile(cell, "exercise", "exec"), names)
+    code = [c for c in nbformat.read(path, as_version=4).cells if c.cell_type == "code"]
+    assert capsys.readouterr().out == "".join(o.text for o in code[number - 1].outputs)

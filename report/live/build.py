@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from report.live.program import programs
+from report.live.program import exercises, programs
 from report.live.runtime import library, licences, lock, provide, wrapped
 from report.site import build as site
 from report.sources import ROOT, notebooks
@@ -30,14 +30,15 @@ class LivePages:
     style = (HERE / "live.css").read_text()
     places = tuple((title, address) for address, title in TOOLS)
     note = (
-        "These pages run: below a picture with sliders a button loads Python into the page, once "
-        "a visit to it, without a network. Scenes can be turned; their sliders move in the "
-        "notebooks, which <code>make lab</code> opens."
+        "These pages run: below a picture with sliders, and below an exercise, a button loads "
+        "Python into the page, once a visit to it, without a network. Scenes can be turned; their "
+        "sliders move in the notebooks, which <code>make lab</code> opens."
     )
 
     def __init__(self, chosen, kept):
         self.kept = kept
         self.programs = {n.stem: programs(n) for n in chosen}
+        self.exercises = {n.stem: exercises(n) for n in chosen}
 
     def below(self, stem, cell):
         """Return what stands below a cell's outputs, as HTML."""
@@ -55,6 +56,11 @@ class LivePages:
                     f'<div class="live" data-program="{name}"><button type="button" '
                     f'aria-label="Move it: sliders of cell {cell}">Move it</button></div>\n'
                 )
+        if cell in self.exercises[stem]:
+            parts.append(
+                f'<div class="live" data-exercise="{cell}"><button type="button" '
+                f'aria-label="Try it: exercise of cell {cell}">Try it</button></div>\n'
+            )
         return "".join(parts)
 
     def named(self, stem):
@@ -72,7 +78,7 @@ class LivePages:
                     )
         files = dict(self.kept)
         tables = [n for n in (ROOT / "notebooks").glob("*.csv") if self.reads(n.name)]
-        more = [ROOT / "notebooks" / "contents.toml", HERE / "javascript.py"]
+        more = [ROOT / "notebooks" / "contents.toml", HERE / "javascript.py", HERE / "excerpt.py"]
         files["study.zip"] = library([*more, *tables])
         files |= {name: (HERE / name).read_bytes() for name in OWN}
         files["lock"] = lock(self.kept).encode()

@@ -1,4 +1,5 @@
-// Sliders that run the library in the page: Python is loaded once, when the first is asked for.
+// Sliders and exercises that run the library in the page: Python is loaded once, when the first is
+// asked for.
 "use strict";
 const stays = "The page stays as it was made.";
 const cannot = `This browser can't run Python in a page, which takes WebAssembly and Workers. ${stays}`;
@@ -89,9 +90,13 @@ function moving(box, name, controls) {
       const began = performance.now();
       try {
         const { picture: drawn, alt } = await ask("draw", { name, values: values() });
+        // Decoded apart: the shown one may be lazy and out of sight, and then waits; while it shows
+        // another, Firefox refuses some.
+        const next = new Image();
+        next.src = URL.createObjectURL(new Blob([drawn], { type: "image/bmp" }));
+        await next.decode();
         URL.revokeObjectURL(picture.src);
-        picture.src = URL.createObjectURL(new Blob([drawn], { type: "image/bmp" }));
-        await picture.decode();
+        picture.src = next.src;
         picture.alt = alt;
         picture.closest("a")?.removeAttribute("href");
         box.dataset.moment = Math.round(performance.now() - began);
@@ -149,4 +154,43 @@ function run(event) {
     await moving(box, name, await ask("open", { name, program: window.programs[name] }));
   });
 }
-for (const button of document.querySelectorAll("[data-program] button")) button.addEventListener("click", run);
+
+// ---- one exercise: its cell's code, for the reader to change, and what it prints
+function trying(box, name, source) {
+  const code = document.createElement("textarea");
+  const button = document.createElement("button");
+  const told = document.createElement("pre");
+  Object.assign(code, { value: source, rows: source.split("\n").length + 2, spellcheck: false });
+  code.setAttribute("aria-label", "The exercise's code");
+  Object.assign(button, { type: "button", textContent: "Run" });
+  told.setAttribute("role", "status");
+  let busy = false;
+  button.addEventListener("click", async () => {
+    if (busy) return;
+    busy = true;
+    told.textContent = "Running; a reload of the page stops it …";
+    try {
+      told.textContent = await ask("run", { name, text: code.value });
+    } catch (error) {
+      told.textContent = error.message;
+    }
+    busy = false;
+  });
+  box.replaceChildren(code, button, told);
+  code.focus({ preventScroll: true });
+}
+
+function tryIt(event) {
+  const box = event.target.closest(".live");
+  return whenReady(box, async () => {
+    const { href } = document.querySelector(".download a");
+    await load(`${href}.js`);
+    const cell = +box.dataset.exercise;
+    const name = `exercise-${cell}`;
+    trying(box, name, await ask("exercise", { name, notebook: window.notebook, cell }));
+  });
+}
+
+for (const [box, act] of [["[data-program]", run], ["[data-exercise]", tryIt]]) {
+  for (const button of document.querySelectorAll(`${box} button`)) button.addEventListener("click", act);
+}

@@ -80,6 +80,12 @@ const tasks = {
     const [picture, alt] = opened.get(name).drawn(python.toPy(values)).toJs();
     return { picture, alt };
   },
+  exercise({ name, notebook, cell }) {
+    const exercise = python.globals.get("Exercise")(notebook, cell);
+    opened.set(name, exercise);
+    return exercise.source;
+  },
+  run: ({ name, text }) => opened.get(name).printed(text),
   planner: () => void python.runPython(planner),
   cut({ text, name, said }) {
     const [code, printed, files] = planned("cut", said, text, name);

@@ -1,11 +1,15 @@
-"""What a page's Python needs beside the library: sliders that the page draws.
+"""What a page's Python needs beside the library: sliders that the page draws, and exercises.
 
 The library's own ``sliders`` runs here. It asks ipywidgets for sliders and IPython to display: a
 page has neither, so what it asks for stands below and tells the page.
 """
 
+import ast
+import io
+import json
 import os
 import sys
+from contextlib import redirect_stdout
 from functools import cache, lru_cache
 from types import ModuleType
 
@@ -67,6 +71,7 @@ import numpy as np
 from matplotlib.mathtext import MathTextParser
 from pyodide.ffi import to_js
 
+from report.live.excerpt import excerpt
 from report.live.javascript import Untranslated, script, take_back
 from tunneller_lib import compiled
 from tunneller_lib.reporting import record
@@ -147,3 +152,37 @@ class Drawing:
         self.moved.show(**{n: round(v) if whole[n] else float(v) for n, v in values.items()})
         picture = shown.pop()
         return picture.data, picture.alt
+
+
+class Exercise:
+    """A cell of a notebook for the reader to change; of the cells above it runs what it needs.
+
+    Parameters
+    ----------
+    notebook : str
+        The notebook's file.
+    cell : int
+        Number of its code cell, from 1.
+    """
+
+    def __init__(self, notebook, cell):
+        every = json.loads(notebook)["cells"]
+        code = ["".join(one["source"]) for one in every if one["cell_type"] == "code"]
+        self.above = [statement for text in code[: cell - 1] for statement in ast.parse(text).body]
+        self.source = code[cell - 1]
+
+    def printed(self, text):
+        """Return what the cell prints as the reader wrote it."""
+        needed = excerpt(self.above, ast.parse(text))
+        names = dict(names_of(ast.unparse(ast.Module(needed, []))))
+        with redirect_stdout(io.StringIO()) as said:
+            exec(compile(text, "the exercise", "exec"), names)
+        return said.getvalue()
+
+
+@lru_cache(2)  # whoever tries again needs mostly the same
+def names_of(text):
+    """Return what a program has bound when it has run."""
+    names = {"__name__": "__main__"}
+    exec(compile(text, "the chapter", "exec"), names)
+    return names

@@ -79,7 +79,7 @@ class Chapter:
     def code(self, cell, number):
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
-        turning = "".join(map(self.scene, self.scenes_of(number)))
+        turning = self.scenes_below(number)
         moving = self.live.below(self.stem, number) if self.live else ""
         said = f'<p class="number">cell {number}</p>'
         return (
@@ -120,16 +120,19 @@ class Chapter:
             f"{below}</figure>\n"
         )
 
-    def scenes_of(self, number):
-        return [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
-
-    def scene(self, name):
-        said = attribute(f"Scene {self.scenes.index(name) + 1}, {self.heading}")
-        return (
-            f'<div class="scene" data-scene="{name}" data-said="{said}">'
-            f'<button type="button" aria-label="Turn it in 3-D: {said}">Turn it in 3-D</button>'
-            "</div>\n"
-        )
+    def scenes_below(self, number):
+        """Return a cell's buttons for scenes, numbered where there are several."""
+        names = [name for name in self.scenes if name.startswith(f"{self.stem}-{number:02}-")]
+        count = len(names)
+        parts = []
+        for which, name in enumerate(names, 1):
+            shown = "Turn it in 3-D" if count == 1 else f"Turn it in 3-D, {which} of {count}"
+            said = attribute(f"Scene {self.scenes.index(name) + 1}, {self.heading}")
+            parts.append(
+                f'<div class="scene" data-scene="{name}" data-said="{said}">'
+                f'<button type="button" aria-label="{shown}: {said}">{shown}</button></div>\n'
+            )
+        return "".join(parts)
 
     def recorded_table(self, text):
         """Return a recorded table as the report sets it; None if a value isn't one."""

@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass, field
 from html import escape
 
-from report.site.markup import code
+from report.site.markup import breakable, code
 from report.sources import ROOT
 
 LIBRARY = ROOT / "tunneller_lib"
@@ -138,7 +138,8 @@ class Reference:
     def body(self, module):
         """Return the body of a module's page."""
         own = {e.name: f"{module.page}#{e.name}" for e in module.entries}
-        parts = [f"<h1>{module.short}</h1>", self.text(module.docstring, self.targets | own)]
+        text = self.text(module.docstring, self.targets | own)
+        parts = [f"<h1>{breakable(module.short)}</h1>", text]
         for entry in module.entries:
             members = {m.name.partition(".")[2]: f"{module.page}#{m.name}" for m in entry.members}
             scope = self.targets | own | members
@@ -147,7 +148,7 @@ class Reference:
         return "\n".join(parts)
 
     def entry(self, entry, level, scope):
-        heading = f'<h{level} id="{entry.name}">{entry.name}</h{level}>'
+        heading = f'<h{level} id="{entry.name}">{breakable(entry.name)}</h{level}>'
         signature = f'<div class="signature">{code(entry.signature)}</div>'
         return f"{heading}\n{signature}\n{self.docstring(entry.docstring, level + 1, scope)}"
 

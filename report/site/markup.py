@@ -109,6 +109,17 @@ def plain(html):
     return " ".join(unescape(re.sub(r"<[^>]*>", "", html)).split())
 
 
+def breakable(name):
+    """Return a name in code as HTML that a narrow screen breaks between its parts.
+
+    Examples
+    --------
+    >>> breakable("paths.inverse_problem")
+    'paths.<wbr>inverse_<wbr>problem'
+    """
+    return re.sub(r"(?<=\w[._])(?=\w)", "<wbr>", name)
+
+
 def attribute(text):
     """Return text as it stands in an attribute's quotation marks."""
     return escape(text, quote=True)

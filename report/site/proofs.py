@@ -4,7 +4,7 @@ import ast
 import tomllib
 from itertools import pairwise
 
-from report.site.markup import code
+from report.site.markup import breakable, code
 from report.sources import ROOT
 
 
@@ -28,7 +28,7 @@ def proof_html(path):
     first = [min(part.lineno for part in (node, *node.decorator_list)) - 1 for node in functions]
     head, *rest = ("".join(lines[a:b]).strip("\n") for a, b in pairwise([0, *first, len(lines)]))
     named = (
-        f'<h2 id="{f.name}">{f.name}</h2>\n{code(part)}'
+        f'<h2 id="{f.name}">{breakable(f.name)}</h2>\n{code(part)}'
         for f, part in zip(functions, rest, strict=True)
     )
-    return "\n".join([f"<h1>{path.name}</h1>", code(head), *named])
+    return "\n".join([f"<h1>{breakable(path.name)}</h1>", code(head), *named])

@@ -67,3 +67,25 @@ def test_page_keeps_nobody_out_and_fits_small_screens(browser, script, screen, k
         assert browser.run("document.documentElement.scrollWidth") <= width
     if new:
         assert axe.violations(browser, script) == []
+
+
+# What a page becomes when it is used: its address, what is clicked, and what is there then.
+USED = [
+    ("chapters/02_torus.html", "[data-program] button", "[data-program] input"),
+    ("chapters/02_torus.html", "[data-exercise] button", "[data-exercise] textarea"),
+    ("chapters/02_torus.html", ".scene button", ".stage canvas"),
+    ("geodesic.html", "#asked .act", "#answer table"),
+    ("planner.html", "#plan", "#budget"),
+]
+
+
+@pytest.mark.parametrize(("address", "clicked", "there"), USED, ids=lambda value: value)
+def test_page_in_use_keeps_nobody_out(browser, script, screen, address, clicked, there):
+    screen(WIDE, "light")
+    browser.open((LIVE / address).as_uri())
+    browser.run(f"document.querySelector('{clicked}').click()")
+    browser.until(f"!!document.querySelector('{there}')", 300)
+    assert axe.violations(browser, script) == []
+    screen(NARROW, "dark")
+    assert browser.run("document.documentElement.scrollWidth") <= NARROW
+    assert axe.violations(browser, script) == []
