@@ -13,12 +13,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev, legendre
 
 from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
 from .geodesic_pair import reduced
-from .quadrature import gauss_rule
 
 TERMS = 24  # of the series of a panel
 PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
@@ -83,17 +81,21 @@ class Start(NamedTuple):
 
 @cache
 def panel_rule():
-    """Return Gauss's nodes as shares of a panel (TERMS,), and what series values there make.
+    """Return nodes as shares of a panel (TERMS,), and what series values there make of an integral.
 
-    The latter, (TERMS, TERMS + 1), gives the integral from the panel's begin by Chebyshev's
-    polynomials.
+    The nodes are those of Chebyshev's polynomials; (TERMS, TERMS + 1) numbers make the integral
+    from the panel's begin as a sum of such.
     """
-    nodes, weights = gauss_rule(TERMS)
-    values = legendre.legvander(nodes, TERMS - 1)
-    series = values.T * weights * (np.arange(TERMS)[:, None] + 0.5)
-    integral = legendre.legint(series, lbnd=-1, axis=0)
-    made = chebyshev.chebinterpolate(lambda x: legendre.legval(x, integral).T, TERMS)
-    return (1 + nodes) / 2, np.ascontiguousarray(made.T)
+    # At cos(a), a = (k + 1/2) pi / TERMS, a value adds 2 cos(j a) / TERMS to term j, whose integral
+    # adds, over 2j, to the next one, and takes from the one before.
+    k = np.arange(TERMS)[:, None]
+    j = np.arange(1, TERMS + 1)
+    turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
+    sines, cosines = sine_cosine(turns * (math.pi / (2 * TERMS)))
+    series = 2 / TERMS * sines * sines[:, :1] / j
+    series[:, -1] /= 2  # there is no term behind the last
+    begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
+    return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
 
 
 def headed(r, phi, azimuth):
