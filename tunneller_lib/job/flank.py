@@ -52,8 +52,6 @@ SURFACES = {
 TABLES = *FLANK, "machine", "feed", "box", "cradle"  # the last four may be missing
 SEVERAL = "mill", "box", "cradle"  # of which there may be some, in double brackets
 MOST_TABLES = 20
-APART = 2.5e-3  # m between points of a box's face, but
-ON_A_FACE = 61, 241  # at least, and at most, so many each way
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
 SPINDLE = dict(spindle_radius="m", spindle_length="m")
 PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
@@ -195,12 +193,12 @@ class FlankJob:
                 *(tuple(about[f"{name}_{c}"] for c in "xyz") for name in ("pivot", "up")),
                 *((about[f"{name}_min"], about[f"{name}_max"]) for name in LIMITS),
                 about["most_turn"],
-                _points([face for box in self.cradle for face in _faces(box)]),
+                [face for box in self.cradle for face in _faces(box)] or None,
             )
 
     @cached_property
     def neighbours(self):
-        """Return grids (n, m, 3) of points of neighbours, in m: boxes, and those of a blade.
+        """Return grids (n, m, 3) of points, in m: faces of boxes, and neighbours of a blade.
 
         These are two blades and the hub.
         """
@@ -208,19 +206,14 @@ class FlankJob:
         if self.surface["kind"] != "blade":
             return grids
         ring = self._ring
-        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121), *grids]
-
-    @property
-    def others(self):
-        """Return points (n, 3) of all neighbours, in m, or None where there is none."""
-        return _points(self.neighbours)
+        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(361), *grids]
 
     @checked
     def solved(self, say: Callable[[str], object]):
         """Return the `FlankResult`, or raise ValueError; `say` gets the progress."""
         look = {
             "tolerance": self.paths["tolerance"],
-            "others": self.others,
+            "others": self.neighbours or None,
             "n": self.paths["mesh"],
         }
         about = look | {"machine": self.table}
@@ -369,22 +362,13 @@ def _names(rows, name="mill"):
     return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
 
 
-def _points(grids):
-    """Return the points (n, 3) of grids (.., 3), or None where there is none."""
-    return np.concatenate([grid.reshape(-1, 3) for grid in grids]) if grids else None
-
-
 def _faces(box):
-    """Yield grids (n, m, 3) of points of a box's faces, in m."""
-    ways = []
-    for c in "xyz":
-        low, high = box[f"{c}_min"], box[f"{c}_max"]
-        ways.append(np.linspace(low, high, int(np.clip((high - low) / APART + 1, *ON_A_FACE))))
+    """Yield the faces of a box as grids (2, 2, 3) of their corners, in m."""
+    ways = [np.array([box[f"{c}_min"], box[f"{c}_max"]]) for c in "xyz"]
     for k in range(3):
         for end in (0, -1):
             one = [way if i != k else way[[end]] for i, way in enumerate(ways)]
-            grid = np.stack(np.meshgrid(*one, indexing="ij"), axis=-1)
-            yield grid.squeeze(axis=k)
+            yield np.stack(np.meshgrid(*one, indexing="ij"), axis=-1).squeeze(axis=k)
 
 
 def _content(path):

@@ -9,7 +9,8 @@ from ..envelopes import adapted_frames, hyperosculating_cones
 from ..exact import dot, norm
 from .five_axes import TiltingTable, cradle_depth, stretch
 from .motion import moved
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import Positions, depths_of
 from .tools import ConicalMill
 
@@ -67,7 +68,7 @@ def trace_chains(
     *,
     step: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     machine: TiltingTable | None = None,
     most: Whole(2, 1000) = 100,
     n: Whole(2, 500) = 121,

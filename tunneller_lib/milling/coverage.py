@@ -9,7 +9,8 @@ from ..arguments import Length, Length0, NotNegative, Whole, checked
 from ..exact import norm
 from .chains import trace_chains
 from .five_axes import TiltingTable
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import Positions
 from .sweep import sweep_error
 from .tangency import touch_along
@@ -55,7 +56,7 @@ def cover(
     *,
     step: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     machine: TiltingTable | None = None,
     most: Whole(1, 100) = 12,
     n: Whole(2, 500) = 121,

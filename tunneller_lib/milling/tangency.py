@@ -10,7 +10,8 @@ from ..arguments import Rule, Whole, bounded_array, checked, shown
 from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
 from .chains import Chain, conjugate_frame, fitting
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import depths_of
 from .sweep import strip_across
 from .tools import ConicalMill
@@ -76,7 +77,7 @@ def touch_twice(
     chain: Chain,
     *,
     apart: Apart,
-    others: Cloud | None = None,
+    others: Around | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return positions that touch a patch twice, on lines across a chain.

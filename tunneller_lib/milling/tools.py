@@ -150,25 +150,6 @@ def _stub(height, radius, low, first, high, last):
     return np.where(inside, -nearest, nearest)[()]
 
 
-def deepest(mill, height, radius):
-    """Return how deep (k,) mills with holders enter points, in m; 0 where they don't.
-
-    Parameters
-    ----------
-    mill : ConicalMill
-        The same for all.
-    height, radius : (k, n) float
-        Of the points, as of `seen_from`.
-    """
-    # What is within mill or holder is within one cylinder about both: few points are.
-    near = (height > 0) & (height < mill.height) & (radius < mill.widest)
-    seen = height[near], radius[near]
-    least = np.minimum(mill.cutting(*seen), mill.holder(*seen))
-    depth = np.zeros(len(height))
-    np.maximum.at(depth, np.nonzero(near)[0], -least)
-    return depth
-
-
 def seen_from(points, tip, axis):
     """Return heights above tools' tips, and distances from their axes, of points.
 

@@ -9,7 +9,8 @@ from ..arguments import Length, Length0, Rule, Whole, checked, shown
 from ..exact import norm
 from .chains import Chain
 from .five_axes import TiltingTable, cradle_depth
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import depths_of
 from .tools import ConicalMill
 
@@ -69,7 +70,7 @@ def plan_tour(
     *,
     clearance: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return the way of a mill through chains, one after the other.
@@ -102,7 +103,7 @@ def plan_tour(
         if the mill enters something between the chains, or the machine's cradle anywhere.
     """
     pivot = np.array(machine.pivot)
-    around = [patch.mesh(n).reshape(-1, 3)] + ([] if others is None else [others])
+    around = [patch.mesh(n).reshape(-1, 3)] + ([] if others is None else [others.points])
     safe = max(float(norm(part - pivot).max()) for part in around) + clearance
     if safe > machine.z[1]:
         raise ValueError(
