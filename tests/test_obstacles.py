@@ -70,7 +70,7 @@ def test_points_alone_are_no_surface_and_arrays_may_be_several():
     row = np.array([[-1.0, 0, 0], [1.0, 0, 0]]) * 50 * MM
     tip, axis = np.array([[0, 0, -1 * MM]]), np.array([[0, 0, 1.0]])
     assert not as_obstacles("others", row).deepest(MILL, tip, axis).any()
-    plane = np.stack([row - [0, 50 * MM, 0], row + [0, 50 * MM, 0]])
+    plane = row + np.array([[[0, -50 * MM, 0]], [[0, 50 * MM, 0]]])
     assert as_obstacles("others", plane).deepest(MILL, tip, axis)[0] > 0.3 * MM
     both = as_obstacles("others", [row, plane])
     assert len(both) == 3

@@ -132,21 +132,24 @@ class BallMill:
 def _stub(height, radius, low, first, high, last):
     """Return the distance (...) to a truncated cone between two heights, with radii there.
 
-    In the half plane of the axis the wall is a segment, the ends are levels.
+    In the half plane of the axis the wall is a segment, the ends are levels. Roots of sums of
+    squares are within roundings of `hypot`, which takes several times as long.
     """
     length = np.hypot(high - low, last - first)
     c = (high - low) / length
     s = (last - first) / length
     up = height - low
     off = radius - first
-    along = np.clip(up * c + off * s, 0.0, length)
-    wall = np.hypot(up - along * c, off - along * s)
-    ends = [
-        np.hypot(height - level, np.maximum(radius - width, 0.0))
-        for level, width in ((low, first), (high, last))
-    ]
-    inside = (off * c < up * s) & (height > low) & (height < high)
-    nearest = np.minimum(wall, np.minimum(*ends))
+    side = off * c - up * s
+    along = up * c + off * s
+    over = np.maximum(np.maximum(-along, along - length), 0.0)
+    square = side * side + over * over
+    down = height - high
+    for level, wide in ((up, off), (down, radius - last)):
+        beyond = np.maximum(wide, 0.0)
+        square = np.minimum(square, level * level + beyond * beyond)
+    inside = (side < 0) & (up > 0) & (down < 0)
+    nearest = np.sqrt(square)
     return np.where(inside, -nearest, nearest)[()]
 
 
@@ -165,11 +168,16 @@ def seen_from(points, tip, axis):
     height, radius : (k, n) float
         In m.
     """
-    # About the points' middle the coordinates are as small as they can be.
-    middle = points.reshape(-1, 3).mean(axis=0)
-    points = points - middle
-    tip = tip - middle
-    height = (points @ axis[:, :, None])[..., 0] - np.sum(axis * tip, axis=-1)[:, None]
-    cross = (points @ tip[:, :, None])[..., 0]
-    square = np.sum(points**2, axis=-1) - 2 * cross + np.sum(tip**2, axis=-1)[:, None]
+    if points.ndim == 3:
+        away = points - tip[:, None]
+        height = np.einsum("knc,kc->kn", away, axis)
+        square = np.einsum("knc,knc->kn", away, away)
+    else:
+        # As products of matrices; about the points' middle the coordinates are as small as can be.
+        middle = points.mean(axis=0)
+        points = points - middle
+        tip = tip - middle
+        height = axis @ points.T - np.einsum("kc,kc->k", axis, tip)[:, None]
+        square = np.einsum("nc,nc->n", points, points) - 2 * (tip @ points.T)
+        square += np.einsum("kc,kc->k", tip, tip)[:, None]
     return height, np.sqrt(np.maximum(square - height * height, 0.0))
