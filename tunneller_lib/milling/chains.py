@@ -1,10 +1,11 @@
 """Chains of positions along which a conical mill goes, across its characteristic."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Length, Length0, Whole, checked
+from ..arguments import Length, Length0, Rule, Whole, checked, shown
 from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
@@ -60,6 +61,20 @@ class Chain:
 
     def __len__(self):
         return len(self.tip)
+
+
+def _chains(name, value):
+    """Return `value`, one or more chains of four positions or more."""
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"{name}: must be a list of one Chain or more; got {shown(value)}.")
+    for one in value:
+        if not isinstance(one, Chain) or len(one) < 4:
+            raise ValueError(f"{name}: must each be a Chain of four or more; got {shown(one)}.")
+    return value
+
+
+# What arguments may be, in this room and above it.
+Chains = Annotated[list, Rule("list of Chain", _chains)]
 
 
 @checked

@@ -67,7 +67,9 @@ class Obstacles:
         while len(row):
             centre, reach = _balls(corners)
             height, radius = seen_from(centre[:, None], tip[row], axis[row])
-            outside = np.minimum(mill.cutting(height, radius), mill.holder(height, radius))[:, 0]
+            outside = np.minimum(
+                mill.cutting_faces(height, radius), mill.holder_faces(height, radius)
+            )[:, 0]
             np.maximum.at(depth, row, -outside)
             deeper = reach - outside > (1 + WITHIN) * depth[row] + SMALLEST * mill.height
             row = np.repeat(row[deeper], 2)

@@ -12,7 +12,7 @@ from .obstacles import Around
 from .patch import Patch
 from .tools import ConicalMill, seen_from
 
-BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
+BLOCK = 200_000  # pairs of a position and a point that are looked at together
 CLOSER = 3  # windows, one in another, in which the deepest point is looked for between the mesh's
 AROUND = 7  # points each way in a window, of which the first is two cells wide
 ROUNDS = 20  # at most, in which it goes on
@@ -208,7 +208,7 @@ def depths_of(patch, mill, tip, axis, others, n):
         rows = slice(first, first + size)
         at = tip[rows], axis[rows]
         seen = seen_from(mesh, *at)
-        for part, function in enumerate((mill.cutting, mill.holder)):
+        for part, function in enumerate((mill.cutting_faces, mill.holder_faces)):
             distance = function(*seen)
             nearest = distance.argmin(axis=1)
             least = _between(patch, function, *at, s[nearest], t[nearest], n)

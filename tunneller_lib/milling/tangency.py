@@ -6,10 +6,12 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Rule, Whole, bounded_array, checked, shown
+from ..arguments import Length0, Rule, Whole, bounded_array, checked, shown
+from ..envelopes.functions import Function
 from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
 from .chains import Chain, conjugate_frame, fitting
+from .five_axes import TiltingTable
 from .obstacles import Around
 from .patch import Patch
 from .positions import depths_of
@@ -149,6 +151,55 @@ def touch_twice(
     axis = np.where(found[:, None], axis, chain.axis)
     depths = depths_of(patch, mill, tip, axis, others, n)
     return TwoContacts(found, s, t, patch.points(s, t), tip, axis, *depths)
+
+
+@checked
+def touch_seam(
+    patch: Patch,
+    mill: ConicalMill,
+    chain: Chain,
+    seam: Function(1),
+    *,
+    tolerance: Length0,
+    others: Around | None = None,
+    machine: TiltingTable | None = None,
+    n: Whole(2, 500) = 121,
+):
+    """Return the `Chain` of cones that touch twice, one of the contacts on a curve, the seam.
+
+    Two strips that touch along one seam join there with a common tangent.
+
+    Parameters
+    ----------
+    patch, mill, chain
+        As for `touch_twice`; of six positions or more.
+    seam : callable
+        Returns the parameters t (k,) of the seam at parameters s (k,). What it raises itself passes
+        through.
+    tolerance, others, machine, n
+        As for `find_positions`.
+
+    Returns
+    -------
+    joined : Chain or None
+        The longest row of such positions next to each other that fit, if there is one.
+
+    Notes
+    -----
+    By the rule of false position on the distance of the contacts: the difference from the seam
+    falls nearly evenly with it.
+    """
+    at_seam = patch.points(chain.s, np.clip(seam(chain.s), *patch.t))
+    apart = np.maximum(2 * norm(at_seam - chain.contact), SMALL)
+    before = chain.t - seam(chain.s)
+    for _ in range(ROUNDS):
+        two = touch_twice.unchecked(patch, mill, chain, apart=apart, n=2)
+        left = two.t - seam(two.s)
+        left = left[:, np.abs(left).sum(axis=0).argmin()]
+        with np.errstate(all="ignore"):
+            nearer = apart * before / (before - left)
+        apart = np.where(two.found & (nearer > 0) & np.isfinite(nearer), nearer, apart)
+    return touch_along(patch, mill, chain, tolerance, others, machine, n, apart)
 
 
 def touch_along(patch, mill, chain, tolerance, others, machine, n, apart=None):

@@ -3,7 +3,8 @@
 A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
 to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
 from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
-of the tool, in m, negative within.
+of the tool, in m, negative within. Those beyond its faces are the same within, and outside above zero
+and no more than the distance; they take a tenth of the time.
 """
 
 from dataclasses import dataclass
@@ -72,12 +73,27 @@ class ConicalMill:
     @checked
     def holder(self, height: Lengths, radius: Lengths):
         """Return how far points are from the holder, in m, negative within."""
+        return self._held(_stub, height, radius)
+
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the cutting part, in m, negative within."""
+        return _faces(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
+
+    @checked
+    def holder_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the holder, in m, negative within."""
+        return self._held(_faces, height, radius)
+
+    def _held(self, distance, height, radius):
+        """Return distances from the holder, by a function of a truncated cone."""
         top = self.length + self.holder_length
-        holder = _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
+        wide = self.holder_radius
+        holder = distance(height, radius, self.length, wide, top, wide)
         if not self.spindle_length:
             return holder
         wide = self.spindle_radius
-        return np.minimum(holder, _stub(height, radius, top, wide, self.height, wide))
+        return np.minimum(holder, distance(height, radius, top, wide, self.height, wide))
 
     @property
     def height(self):
@@ -109,6 +125,11 @@ class CylinderMill:
         """Return how far points are from the cutting part, in m, negative within."""
         return _stub(height, radius, 0.0, self.radius, self.length, self.radius)
 
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the cutting part, in m, negative within."""
+        return _faces(height, radius, 0.0, self.radius, self.length, self.radius)
+
 
 @dataclass(frozen=True)
 @checked
@@ -127,6 +148,11 @@ class BallMill:
     def cutting(self, height: Lengths, radius: Lengths):
         """Return how far points are from the ball, in m, negative within; the tip is its lowest."""
         return np.hypot(height - self.radius, radius) - self.radius
+
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return what `cutting` does: a ball has one face."""
+        return self.cutting(height, radius)
 
 
 def _stub(height, radius, low, first, high, last):
@@ -151,6 +177,15 @@ def _stub(height, radius, low, first, high, last):
     inside = (side < 0) & (up > 0) & (down < 0)
     nearest = np.sqrt(square)
     return np.where(inside, -nearest, nearest)[()]
+
+
+def _faces(height, radius, low, first, high, last):
+    """Return how far (...) points are beyond the farthest of wall and ends of a truncated cone."""
+    length = np.hypot(high - low, last - first)
+    c = (high - low) / length
+    s = (last - first) / length
+    wall = (radius - first) * c - (height - low) * s
+    return np.maximum(wall, np.maximum(height - high, low - height))
 
 
 def seen_from(points, tip, axis):

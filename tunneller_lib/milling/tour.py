@@ -1,13 +1,12 @@
 """The whole way of a mill over a surface: chains, and how it gets from one to the next."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Length, Length0, Rule, Whole, checked, shown
+from ..arguments import Length, Length0, Whole, checked
 from ..exact import norm
-from .chains import Chain
+from .chains import Chains
 from .five_axes import TiltingTable, cradle_depth
 from .obstacles import Around
 from .patch import Patch
@@ -19,20 +18,6 @@ CUT = "cut"
 RETRACT = "retract"
 TRAVERSE = "traverse"
 APPROACH = "approach"
-
-
-def _chains(name, value):
-    """Return `value`, one or more chains of four positions or more."""
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"{name}: must be a list of one Chain or more; got {shown(value)}.")
-    for one in value:
-        if not isinstance(one, Chain) or len(one) < 4:
-            raise ValueError(f"{name}: must each be a Chain of four or more; got {shown(one)}.")
-    return value
-
-
-# What arguments may be, in this room and above it.
-Chains = Annotated[list, Rule("list of Chain", _chains)]
 
 
 @dataclass(frozen=True)
