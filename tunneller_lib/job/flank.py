@@ -27,6 +27,7 @@ from ..milling.five_axes import LIMITS
 from ..milling.nurbs import Nurbs
 from ..milling.positions import counted_states, reasons_of
 from ..milling.scallops import Scallops
+from .flank_feeds import seconds_of
 from .measured_patch import patch_through
 from .reader import (
     CUT,
@@ -80,12 +81,15 @@ class FlankResult:
         Between the chains' strips.
     tours : list of Tour
         The whole way of each mill that has chains, in a job that has a machine; else none.
+    seconds : list of (k,) float
+        Of each tour the least times of its steps, in s, in a job that has feeds; else none.
     """
 
     found: list
     covered: Coverage
     scallops: Scallops
     tours: list
+    seconds: list = field(default_factory=list)
 
     @property
     def begins(self):
@@ -251,7 +255,12 @@ class FlankJob:
                 own = [chain for other, chain in pairs if other == mill]
                 clear = self.machine["clearance"]
                 tours.append(plan_tour(patch, mill, own, self.table, clearance=clear, **look))
-        return FlankResult(found, covered, scallops, tours)
+        seconds = []
+        if self.feed is not None:
+            speed, *axes = (self.feed[name] for name in FEED)
+            for mill, tour in zip(dict.fromkeys(covered.mills), tours, strict=True):
+                seconds.append(seconds_of(tour, mill.length, speed, axes[:5], axes[5:]))
+        return FlankResult(found, covered, scallops, tours, seconds)
 
 
 @checked

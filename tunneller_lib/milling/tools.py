@@ -3,8 +3,8 @@
 A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
 to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
 from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
-of the tool, in m, negative within. Those beyond its faces are the same within, and outside above zero
-and no more than the distance; they take a tenth of the time.
+of the tool, in m, negative within. How far points are beyond a part's faces is the same within;
+outside it is above zero and at most the distance, and takes a tenth of the time.
 """
 
 from dataclasses import dataclass
