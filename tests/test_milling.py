@@ -150,6 +150,26 @@ def test_the_distance_to_a_mill_is_that_to_its_cone():
     assert np.any(ours < 0)
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_beyond_its_faces_a_point_is_no_farther_than_its_distance_and_within_as_deep(scale):
+    rng = np.random.default_rng(29)
+    height, radius = scale * rng.uniform([[-0.1], [0.0]], [[0.4], [0.2]], (2, 20_000))
+    sizes = (scale * x for x in (0.01, 0.12, 0.03, 0.05, 0.08, 0.1))
+    cone = ConicalMill(0.3, *sizes)
+    cylinder = CylinderMill(scale * 0.02, scale * 0.1)
+    ball = BallMill(scale * 0.05)
+    for distance, faces in [
+        *((one.cutting, one.cutting_faces) for one in (cone, cylinder, ball)),
+        (cone.holder, cone.holder_faces),
+    ]:
+        whole = distance(height, radius)
+        bound = faces(height, radius)
+        within = whole < 0
+        assert within.any() and np.array_equal(within, bound < 0)
+        np.testing.assert_allclose(bound[within], whole[within], rtol=0, atol=1e-15 * scale)
+        assert np.all(bound <= whole + 1e-15 * scale)
+
+
 def test_the_holder_is_a_cylinder_above_the_mill():
     height = np.array([0.03, 0.041, 0.06, 0.06, 0.09])
     radius = np.array([0.0, 0.0, 0.011, 0.015, 0.0])

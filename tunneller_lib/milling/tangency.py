@@ -21,6 +21,7 @@ from .tools import ConicalMill
 SHARE = 0.93  # of a strip's width, between contacts: amid them 0.93^4 of the tolerance stays
 LOOKS = 60  # points to either side at which a strip is looked at for its width
 NO_PAIR = "no pair of contacts fits"
+FIRST = 0.1  # of a patch's size, a distance of contacts to begin with
 ROUNDS = 12  # of Newton's method, which doubles the digits in each
 SMALL = 1e-11  # a residual, over the distance of the contacts, that is rounding
 _H = 1e-30  # of a complex step, which makes derivatives to the last digit
@@ -158,7 +159,7 @@ def touch_seam(
     patch: Patch,
     mill: ConicalMill,
     chain: Chain,
-    seam: Function(1),
+    seam: Function(2),
     *,
     tolerance: Length0,
     others: Around | None = None,
@@ -174,8 +175,8 @@ def touch_seam(
     patch, mill, chain
         As for `touch_twice`; of six positions or more.
     seam : callable
-        Returns the parameters t (k,) of the seam at parameters s (k,). What it raises itself passes
-        through.
+        Of parameters s and t: zero on the seam, with a sign to either side, and smooth. What it
+        raises itself passes through.
     tolerance, others, machine, n
         As for `find_positions`.
 
@@ -186,15 +187,15 @@ def touch_seam(
 
     Notes
     -----
-    By the rule of false position on the distance of the contacts: the difference from the seam
-    falls nearly evenly with it.
+    By the rule of false position on the distance of the contacts, with which the seam's function
+    falls nearly evenly.
     """
-    at_seam = patch.points(chain.s, np.clip(seam(chain.s), *patch.t))
-    apart = np.maximum(2 * norm(at_seam - chain.contact), SMALL)
-    before = chain.t - seam(chain.s)
+    before = seam(chain.s, chain.t)
+    size = np.ptp(patch.mesh(9).reshape(-1, 3), axis=0).max()
+    apart = np.full(len(chain), FIRST * size)
     for _ in range(ROUNDS):
         two = touch_twice.unchecked(patch, mill, chain, apart=apart, n=2)
-        left = two.t - seam(two.s)
+        left = seam(two.s, two.t)
         left = left[:, np.abs(left).sum(axis=0).argmin()]
         with np.errstate(all="ignore"):
             nearer = apart * before / (before - left)
