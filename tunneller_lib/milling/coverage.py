@@ -172,12 +172,13 @@ def coverage_of(
 
     Examples
     --------
+    >>> from tunneller_lib.milling.chains import Chain
     >>> plane = Patch(lambda s, t: [s, t, 0 * s], (0, 0.02), (0, 0.02))
     >>> contact = np.stack([np.linspace(0, 0.02, 6), np.full(6, 0.01), np.zeros(6)], axis=-1)
     >>> up = np.tile([0.0, 0.0, 1.0], (6, 1))
     >>> chain = Chain(*contact[:, :2].T, contact, up, contact, up, up[:, [0, 2, 1]], ("", ""))
     >>> round(coverage_of(plane, BallMill(0.005), [chain], n=21).share(1e-3), 2)
-    0.33
+    0.35
     """
     mesh = patch.mesh(n)
     error = np.min([sweep_error(mesh, mill, one.tip, one.axis) for one in chains], axis=0)
