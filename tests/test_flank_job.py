@@ -288,7 +288,7 @@ def test_spindle_and_table_refuse_positions(tmp_path):
         path.write_text(content, encoding="utf-8")
         job = read_flank(path)
         [mill] = job.tools
-        about = {"tolerance": 10e-6, "others": job.others, "n": 41}
+        about = {"tolerance": 10e-6, "others": job.neighbours, "n": 41}
         at = job.patch.parameters(4, margin=0.05)
         found.append(find_positions(job.patch, mill, *at, **about))
     free, again = found
@@ -302,15 +302,14 @@ def test_spindle_and_table_refuse_positions(tmp_path):
     np.testing.assert_array_less(depth, deep[free.fits][enters] + 1e-9)
 
 
-def test_a_cradle_is_points_of_boxes_that_the_machine_has(tmp_path, run):
+def test_a_cradle_is_the_faces_of_boxes_that_the_machine_has(tmp_path, run):
     box = "[[cradle]]\n" + "".join(f"{c}_min = -0.3\n{c}_max = -0.25\n" for c in "xyz")
     text = JOB.read_text(encoding="utf-8")
     path = tmp_path / "cradle.toml"
     path.write_text(text + box, encoding="utf-8")
-    cradle = read_flank(path).table.cradle
+    cradle = read_flank(path).table.cradle.points
     np.testing.assert_allclose([cradle.min(axis=0), cradle.max(axis=0)], [[-0.3] * 3, [-0.25] * 3])
-    on_a_face = np.isclose(cradle, -0.3) | np.isclose(cradle, -0.25)
-    assert on_a_face.any(axis=1).all() and not on_a_face.all(axis=1).all()
+    assert len(np.unique(cradle, axis=0)) == 8 and len(cradle) == 6 * 4
     path.write_text(text, encoding="utf-8")
     assert read_flank(path).table.cradle is None
     machine = text[text.index("[machine] ") : text.index("# Tables [[box]]")]
@@ -643,7 +642,11 @@ def test_what_a_job_says_wrongly_is_refused_in_a_sentence(run, changes, code, se
     [
         ({"control": "[[1, 2], [3]]"}, 2, "control: must be finite numbers in lists"),
         ({"unit": '"inch"'}, 2, r"\[surface\] unit: must be"),
-        ({"knots_s": "[0, 1]"}, 1, r"\[surface\] knots_s: must be 9 and the degree"),
+        (
+            {"knots_s": "[0, 1]"},
+            1,
+            r"\[surface\] knots_s: must be for a degree from 3 to 9, .*; got 2 knots for 9 points, of degree -8",
+        ),
     ],
 )
 def test_knots_and_points_that_make_no_surface_are_refused(run, changes, code, sentence):

@@ -120,7 +120,9 @@ def test_surfaces_by_knots_that_are_none_are_refused():
     control = np.zeros((5, 5, 3))
     knots = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
     Nurbs(control, knots, knots)
-    with pytest.raises(ValueError, match="knots_t: must be 5 and the degree and 1"):
+    with pytest.raises(
+        ValueError, match="knots_t: must be for a degree from 3 to 9, .* for 5 points, of deg"
+    ):
         Nurbs(control, knots, knots[1:-1])
     with pytest.raises(ValueError, match="without creases"):
         Nurbs(np.zeros((7, 5, 3)), [0] * 4 + [0.5] * 3 + [1] * 4, knots)
@@ -148,6 +150,26 @@ def test_the_distance_to_a_mill_is_that_to_its_cone():
     enter, leave = solid.meet_line(points, (0.0, 0.6, 0.8))
     np.testing.assert_array_equal(ours < 0, (enter < 0) & (leave > 0))
     assert np.any(ours < 0)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_beyond_its_faces_a_point_is_no_farther_than_its_distance_and_within_as_deep(scale):
+    rng = np.random.default_rng(29)
+    height, radius = scale * rng.uniform([[-0.1], [0.0]], [[0.4], [0.2]], (2, 20_000))
+    sizes = (scale * x for x in (0.01, 0.12, 0.03, 0.05, 0.08, 0.1))
+    cone = ConicalMill(0.3, *sizes)
+    cylinder = CylinderMill(scale * 0.02, scale * 0.1)
+    ball = BallMill(scale * 0.05)
+    for distance, faces in [
+        *((one.cutting, one.cutting_faces) for one in (cone, cylinder, ball)),
+        (cone.holder, cone.holder_faces),
+    ]:
+        whole = distance(height, radius)
+        bound = faces(height, radius)
+        within = whole < 0
+        assert within.any() and np.array_equal(within, bound < 0)
+        np.testing.assert_allclose(bound[within], whole[within], rtol=0, atol=1e-15 * scale)
+        assert np.all(bound <= whole + 1e-15 * scale)
 
 
 def test_the_holder_is_a_cylinder_above_the_mill():

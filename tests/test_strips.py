@@ -10,12 +10,15 @@ from tunneller_lib.milling import (
     ConicalMill,
     Patch,
     cover,
+    coverage_of,
     find_positions,
     find_scallops,
+    random_envelope,
     scallops,
     strip_across,
     sweep_error,
     tangency,
+    touch_seam,
     touch_twice,
     trace_chains,
 )
@@ -198,6 +201,25 @@ def test_strips_that_touch_along_one_curve_join_without_a_kink(chain):
         assert slope.max() < 0.02 * (4 * single / (apart[3:-3] / 2)).min()
 
 
+def test_a_chain_touches_along_the_seam_that_it_is_given(chain):
+    """On the seam, which comes nearer to the chain along it, the swept mill leaves nothing."""
+
+    along = np.polynomial.Polynomial.fit(chain.t, chain.s, 1)
+
+    def place(t):
+        return along(t) + 2 * MM + 0.1 * t
+
+    joined = touch_seam(
+        SADDLE, MILL, chain, lambda s, t: 100 * (s - place(t)), tolerance=1e-6, n=41
+    )
+    assert len(joined) == len(chain)
+    t = joined.t[4:-4]
+    left, before = (
+        sweep_error(SADDLE.points(place(t), t), MILL, one.tip, one.axis) for one in (joined, chain)
+    )
+    assert np.abs(left).max() < 0.05 * before.min()
+
+
 @pytest.mark.parametrize("apart", [0.0, -1 * MM, [1 * MM, 0.0], [[1 * MM]]])
 def test_contacts_that_arent_apart_are_refused(chain, apart):
     with pytest.raises(
@@ -216,6 +238,35 @@ def test_where_a_contact_would_be_beyond_the_patch_the_row_is_the_chains(chain):
     assert not twice.found.any()
     np.testing.assert_array_equal(twice.tip, chain.tip)
     np.testing.assert_array_equal(twice.axis, chain.axis)
+
+
+def test_what_chains_leave_is_the_least_of_what_each_leaves():
+    chains = [straight(-2 * MM), straight(3 * MM)]
+    both = coverage_of(PLANE, BALL, chains, n=21)
+    alone = [sweep_error(PLANE.mesh(21), BALL, one.tip, one.axis) for one in chains]
+    np.testing.assert_array_equal(both.error, np.minimum(*alone))
+    assert both.area.sum() == pytest.approx(0.04**2)
+    assert both.mills == (BALL, BALL)
+    with pytest.raises(ValueError, match=r"^chains: must be a list of one Chain or more; got"):
+        coverage_of(PLANE, BALL, [])
+
+
+@pytest.mark.parametrize("opening", [0.0, 0.03])
+def test_random_envelopes_are_saddles_that_their_mill_fits_as_far_as_the_cone_stays(opening):
+    rng = np.random.default_rng(7)
+    for _ in range(3):
+        patch, mill = random_envelope(rng, opening=opening)
+        s, t = patch.parameters(5, margin=0.1)
+        assert patch.saddle(s, t).all()
+        found = find_positions(patch, mill, s, t, tolerance=1e-7, n=41)
+        assert len(set(found.index[found.fits])) == (
+            25 if opening == 0 else pytest.approx(12, abs=13)
+        )
+
+
+def test_a_cone_that_opens_too_far_gives_no_envelope():
+    with pytest.raises(ValueError, match=r"^opening: must leave saddles on one side of a cone; go"):
+        random_envelope(np.random.default_rng(0), opening=50.0)
 
 
 def test_a_coverage_takes_the_chain_that_adds_most_and_none_that_adds_little():

@@ -94,6 +94,7 @@ CALLS = {
     "ConicalMill": SIZES,
     "Nurbs": SURFACE,
     "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},
+    "coverage_of": lambda: {"mill": MILL, "chains": covered().chains, "n": 11},
     "cover": lambda: {"found": starts(), "step": 1e-3, "most": 1} | LOOK,
     "TiltingTable": TABLE,
     "TiltingTable.beyond": {"values": [[0.0, 0.0, 0.0, 0.1, 0.2]]},
@@ -106,6 +107,7 @@ CALLS = {
     "plan_tour": tour,
     "strip_across": lambda: way() | {"reach": 0.005, "m": 5},
     "sweep_error": lambda: way() | {"between": 2},
+    "touch_seam": lambda: {"chain": chain(), "seam": lambda s, t: s - 0.005} | LOOK,
     "touch_twice": lambda: {"chain": chain(), "apart": 1e-3, "n": 11},
     "trace_chains": {"step": 1e-3, "most": 3} | LOOK,
 }

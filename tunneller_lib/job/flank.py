@@ -27,6 +27,7 @@ from ..milling.five_axes import LIMITS
 from ..milling.nurbs import Nurbs
 from ..milling.positions import counted_states, reasons_of
 from ..milling.scallops import Scallops
+from .flank_feeds import seconds_of
 from .measured_patch import patch_through
 from .tables import (
     CUT,
@@ -52,8 +53,6 @@ SURFACES = {
 TABLES = *FLANK, "machine", "feed", "box", "cradle"  # the last four may be missing
 SEVERAL = "mill", "box", "cradle"  # of which there may be some, in double brackets
 MOST_TABLES = 20
-APART = 2.5e-3  # m between points of a box's face, but
-ON_A_FACE = 61, 241  # at least, and at most, so many each way
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
 SPINDLE = dict(spindle_radius="m", spindle_length="m")
 PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
@@ -82,12 +81,15 @@ class FlankResult:
         Between the chains' strips.
     tours : list of Tour
         The whole way of each mill that has chains, in a job that has a machine; else none.
+    seconds : list of (k,) float
+        Of each tour the least times of its steps, in s, in a job that has feeds; else none.
     """
 
     found: list
     covered: Coverage
     scallops: Scallops
     tours: list
+    seconds: list = field(default_factory=list)
 
     @property
     def begins(self):
@@ -195,12 +197,12 @@ class FlankJob:
                 *(tuple(about[f"{name}_{c}"] for c in "xyz") for name in ("pivot", "up")),
                 *((about[f"{name}_min"], about[f"{name}_max"]) for name in LIMITS),
                 about["most_turn"],
-                _points([face for box in self.cradle for face in _faces(box)]),
+                [face for box in self.cradle for face in _faces(box)] or None,
             )
 
     @cached_property
     def neighbours(self):
-        """Return grids (n, m, 3) of points of neighbours, in m: boxes, and those of a blade.
+        """Return grids (n, m, 3) of points, in m: faces of boxes, and neighbours of a blade.
 
         These are two blades and the hub.
         """
@@ -208,19 +210,14 @@ class FlankJob:
         if self.surface["kind"] != "blade":
             return grids
         ring = self._ring
-        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(121), *grids]
-
-    @property
-    def others(self):
-        """Return points (n, 3) of all neighbours, in m, or None where there is none."""
-        return _points(self.neighbours)
+        return [ring.mesh(61, 1), ring.mesh(61, -1), ring.drum(361), *grids]
 
     @checked
     def solved(self, say: Callable[[str], object]):
         """Return the `FlankResult`, or raise ValueError; `say` gets the progress."""
         look = {
             "tolerance": self.paths["tolerance"],
-            "others": self.others,
+            "others": self.neighbours or None,
             "n": self.paths["mesh"],
         }
         about = look | {"machine": self.table}
@@ -258,7 +255,12 @@ class FlankJob:
                 own = [chain for other, chain in pairs if other == mill]
                 clear = self.machine["clearance"]
                 tours.append(plan_tour(patch, mill, own, self.table, clearance=clear, **look))
-        return FlankResult(found, covered, scallops, tours)
+        seconds = []
+        if self.feed is not None:
+            speed, *axes = (self.feed[name] for name in FEED)
+            for mill, tour in zip(dict.fromkeys(covered.mills), tours, strict=True):
+                seconds.append(seconds_of(tour, mill.length, speed, axes[:5], axes[5:]))
+        return FlankResult(found, covered, scallops, tours, seconds)
 
 
 @checked
@@ -369,22 +371,13 @@ def _names(rows, name="mill"):
     return [name] if len(rows) == 1 else [f"{name} {k}" for k in range(1, len(rows) + 1)]
 
 
-def _points(grids):
-    """Return the points (n, 3) of grids (.., 3), or None where there is none."""
-    return np.concatenate([grid.reshape(-1, 3) for grid in grids]) if grids else None
-
-
 def _faces(box):
-    """Yield grids (n, m, 3) of points of a box's faces, in m."""
-    ways = []
-    for c in "xyz":
-        low, high = box[f"{c}_min"], box[f"{c}_max"]
-        ways.append(np.linspace(low, high, int(np.clip((high - low) / APART + 1, *ON_A_FACE))))
+    """Yield the faces of a box as grids (2, 2, 3) of their corners, in m."""
+    ways = [np.array([box[f"{c}_min"], box[f"{c}_max"]]) for c in "xyz"]
     for k in range(3):
         for end in (0, -1):
             one = [way if i != k else way[[end]] for i, way in enumerate(ways)]
-            grid = np.stack(np.meshgrid(*one, indexing="ij"), axis=-1)
-            yield grid.squeeze(axis=k)
+            yield np.stack(np.meshgrid(*one, indexing="ij"), axis=-1).squeeze(axis=k)
 
 
 def _content(path):

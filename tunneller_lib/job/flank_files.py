@@ -12,8 +12,7 @@ from ..milling.nurbs import MOST_DEGREE
 from ..milling.positions import counted_states, reasons_of
 from ..milling.tour import TRAVERSE
 from .atomic_write import write
-from .flank import FEED, FlankJob, FlankResult
-from .flank_feeds import seconds_of
+from .flank import FlankJob, FlankResult
 from .mesh import Mesh, ply, stl, vertex_normals, vtp
 
 TOLERANCES = 10e-6, 50e-6, 100e-6  # m, within which shares of the patch are said
@@ -83,7 +82,7 @@ def summarise_flank(job: FlankJob, result: FlankResult):
         "scallops": scallops,
         "surface_error": job.surface_error,
         "tour": dict(places) or None,
-        "seconds": float(sum(map(sum, _seconds(job, result)))) if job.feed else None,
+        "seconds": float(sum(map(sum, _seconds(result)))) if job.feed else None,
         "warnings": warnings,
     }
 
@@ -99,15 +98,9 @@ def _tours(job, result):
         yield result.covered.mills[first], first, tour
 
 
-def _seconds(job, result):
+def _seconds(result):
     """Return for each tour the least times (k,), in s, of its steps; NaN without a feed."""
-    if job.feed is None:
-        return [np.full(len(tour), np.nan) for tour in result.tours]
-    feed, *axes = (job.feed[name] for name in FEED)
-    return [
-        seconds_of(tour, mill.length, feed, axes[:5], axes[5:])
-        for mill, _, tour in _tours(job, result)
-    ]
+    return result.seconds or [np.full(len(tour), np.nan) for tour in result.tours]
 
 
 def _lasting(seconds):
@@ -215,7 +208,7 @@ def tours_csv(job: FlankJob, result: FlankResult):
         "workpiece in m; least time from the place before, nan without a feed",
         ",".join(names),
     ]
-    seconds = _seconds(job, result)
+    seconds = _seconds(result)
     for (mill, first, tour), least in zip(_tours(job, result), seconds, strict=True):
         [number] = _numbers(job, [mill])
         values = np.column_stack([1e3 * tour.values[:, :3], np.degrees(tour.values[:, 3:])])
@@ -246,7 +239,7 @@ def cl_text(job: FlankJob, result: FlankResult):
     ]
     covered = result.covered
     loaded = None
-    seconds = _seconds(job, result)
+    seconds = _seconds(result)
     for k, (mill, chain) in enumerate(zip(covered.mills, covered.chains, strict=True)):
         if mill != loaded:
             lines += _loaded(mill, *_numbers(job, [mill]))

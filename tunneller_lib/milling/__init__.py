@@ -5,15 +5,16 @@ points, or as any function of two variables.
 """
 
 from .chains import trace_chains
-from .coverage import cover
+from .coverage import cover, coverage_of
 from .five_axes import TiltingTable
 from .motion import moved
 from .nurbs import fit_nurbs
 from .patch import Patch
 from .positions import find_positions
+from .random_envelopes import random_envelope
 from .scallops import find_scallops
 from .sweep import ball_positions, cylinder_positions, strip_across, sweep_error
-from .tangency import touch_twice
+from .tangency import touch_seam, touch_twice
 from .tools import BallMill, ConicalMill, CylinderMill
 from .tour import plan_tour
 
@@ -25,14 +26,17 @@ __all__ = [
     "TiltingTable",
     "ball_positions",
     "cover",
+    "coverage_of",
     "cylinder_positions",
     "find_positions",
     "find_scallops",
     "fit_nurbs",
     "moved",
     "plan_tour",
+    "random_envelope",
     "strip_across",
     "sweep_error",
+    "touch_seam",
     "touch_twice",
     "trace_chains",
 ]

@@ -1,15 +1,19 @@
 """Chains of positions along which a conical mill goes, across its characteristic."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Length, Length0, Whole, checked
-from ..envelopes import adapted_frames, hyperosculating_cones
+from ..arguments import Length, Length0, Rule, Whole, checked, shown
+from ..envelopes import hyperosculating_cones
+from ..envelopes.functions import as_jet
+from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
 from .five_axes import TiltingTable, cradle_depth, stretch
 from .motion import moved
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import Positions, depths_of
 from .tools import ConicalMill
 
@@ -59,6 +63,20 @@ class Chain:
         return len(self.tip)
 
 
+def _chains(name, value):
+    """Return `value`, one or more chains of four positions or more."""
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"{name}: must be a list of one Chain or more; got {shown(value)}.")
+    for one in value:
+        if not isinstance(one, Chain) or len(one) < 4:
+            raise ValueError(f"{name}: must each be a Chain of four or more; got {shown(one)}.")
+    return value
+
+
+# What arguments may be, in this room and above it.
+Chains = Annotated[list, Rule("list of Chain", _chains)]
+
+
 @checked
 def trace_chains(
     patch: Patch,
@@ -67,7 +85,7 @@ def trace_chains(
     *,
     step: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     machine: TiltingTable | None = None,
     most: Whole(2, 1000) = 100,
     n: Whole(2, 500) = 121,
@@ -122,10 +140,12 @@ def trace_chains(
     rows = np.flatnonzero(starts.fits)
     if not len(rows):
         return []
-    begin = starts.s[rows], starts.t[rows], starts.axis[rows]
-    ways = [_trace(patch, mill, begin, sign * step, most) for sign in (1, -1)]
+    # Both ways of all at once: most of a step's time is that of calls, not of places.
+    begin = [np.tile(part[rows], 2) for part in (starts.s, starts.t)]
+    steps = np.repeat([step, -step], len(rows))
+    ways = _trace(patch, mill, *begin, np.tile(starts.axis[rows], (2, 1)), steps, most)
     chains = []
-    for forth, back in zip(*ways, strict=True):
+    for forth, back in zip(ways[: len(rows)], ways[len(rows) :], strict=True):
         rows_back, end_back = back
         rows_forth, end_forth = forth
         if not rows_forth:
@@ -191,15 +211,18 @@ def fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
     return Chain(*(part[first:last] for part in parts), tuple(ends))
 
 
-def _trace(patch, mill, begin, step, most):
-    """Return for each start the rows of a `Chain`, from there on, and why they end."""
-    s, t, axis = (part.copy() for part in begin)
+def _trace(patch, mill, s, t, axis, step, most):
+    """Return for each start the rows of a `Chain`, from there on, and why they end.
+
+    The arrays (k,) and (k, 3) are written to; steps are in m, negative to go back.
+    """
     found = [[] for _ in s]
     ends = np.full(len(s), "long enough", dtype="<U24")
     heading = np.full((len(s), 3), np.nan)
     active = np.arange(len(s))
     for _ in range(most + 1):
-        here = _taken(patch, mill, s[active], t[active], axis[active], heading[active], step)
+        at = s[active], t[active], axis[active], heading[active]
+        here = _taken(patch, mill, *at, step[active])
         for row, k in zip(here.row, here.good, strict=True):
             found[active[k]].append(row)
         ends[active[~here.ok]] = NO_CONE
@@ -217,7 +240,7 @@ def _trace(patch, mill, begin, step, most):
             middle[1][inside],
             here.axis[inside],
             here.heading[inside],
-            step,
+            step[active],
         )
         ends[active[~between.ok]] = NO_CONE
         active = active[between.ok]
@@ -244,7 +267,7 @@ class _Here:
 
 
 def _taken(patch, mill, s, t, axis, heading, step):
-    """Return a `_Here` of points, after axes and headings; step is in m, negative to go back."""
+    """Return a `_Here` of points (k,), after axes and headings (k, 3), with steps (k,)."""
     cones = hyperosculating_cones.unchecked(
         patch.surface, s, t, half_angle=mill.half_angle, model="space"
     )
@@ -263,11 +286,9 @@ def _taken(patch, mill, s, t, axis, heading, step):
     way, inverse = conjugate_frame(patch, s[good], t[good], ruling)
     across = np.cross(normal, way)
     # The first heading's sign is free; afterwards it is that of the step before.
-    ahead = np.where(
-        np.isnan(heading[good, 0]), np.sign(step), dot(way, np.nan_to_num(heading[good]))
-    )
+    ahead = np.where(np.isnan(heading[good, 0]), step[good], dot(way, np.nan_to_num(heading[good])))
     way = np.where(ahead < 0, -1.0, 1.0)[:, None] * way
-    rate = abs(step) * np.einsum("nij,nj->in", inverse, way)
+    rate = np.abs(step[good]) * np.einsum("nij,nj->in", inverse, way)
     tip = cones.vertex[k] + mill.below * cones.axis[k]
     parts = s[good], t[good], contact, normal, tip, cones.axis[k], across
     return _Here(ok, good, list(zip(*parts, strict=True)), rate, cones.axis[k], way)
@@ -293,15 +314,20 @@ def conjugate_frame(patch, s, t, ruling):
     inverse : (k, 2, 3) float
         By which a tangent vector, in m, is multiplied to give changes of s and t.
     """
-    frames = adapted_frames.unchecked(patch.surface, s, t, "space")
-    first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)  # (k, 3, 2)
-    turns = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.n], axis=1)
-    inverse = np.linalg.pinv(first) @ frames.axes
-    along = np.einsum("nij,nj->ni", inverse, ruling)
-    local = np.einsum("nij,nj->ni", turns, along)
-    local[:, 2] = 0.0
-    way = np.einsum("ni,nij->nj", local, frames.axes)
+    variables = jet_variables.unchecked(s, t)
+    taylor = np.stack([as_jet(c, variables[0]).c for c in patch.surface(*variables)], axis=-1)
+    by_s, by_t = taylor[1], taylor[2]
+    first = _form(dot(by_s, by_s), dot(by_s, by_t), dot(by_t, by_t))
+    second = (dot(c, np.cross(by_s, by_t)) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))
+    inverse = np.linalg.pinv(first) @ np.stack([by_s, by_t], axis=1)
+    turn = np.einsum("nij,njk,nk->ni", _form(*second), inverse, ruling)
+    way = -np.einsum("nij,ni->nj", inverse, turn)
     return way / norm(way)[:, None], inverse
+
+
+def _form(ss, st, tt):
+    """Return a quadratic form's matrices (k, 2, 2)."""
+    return np.stack([np.stack([ss, st], axis=-1), np.stack([st, tt], axis=-1)], axis=-1)
 
 
 def _within(patch, s, t):

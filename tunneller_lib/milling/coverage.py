@@ -7,13 +7,14 @@ import numpy as np
 
 from ..arguments import Length, Length0, NotNegative, Whole, checked
 from ..exact import norm
-from .chains import trace_chains
+from .chains import Chains, trace_chains
 from .five_axes import TiltingTable
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import Positions
 from .sweep import sweep_error
 from .tangency import touch_along
-from .tools import ConicalMill
+from .tools import BallMill, ConicalMill, CylinderMill
 
 FEWEST = 6  # positions of a chain that is kept
 LEAST = 0.01  # of the patch's area, that a chain must add
@@ -55,7 +56,7 @@ def cover(
     *,
     step: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     machine: TiltingTable | None = None,
     most: Whole(1, 100) = 12,
     n: Whole(2, 500) = 121,
@@ -141,6 +142,47 @@ def cover(
             say(f"chain {len(chains)}: {len(chain)} positions; {chain.ends[0]}, {chain.ends[1]}")
     mills = (*begun.mills, *[mill] * (len(chains) - len(begun.chains)))
     return Coverage(chains, error, area, mills)
+
+
+@checked
+def coverage_of(
+    patch: Patch,
+    mill: ConicalMill | CylinderMill | BallMill,
+    chains: Chains,
+    *,
+    n: Whole(2, 500) = 121,
+):
+    """Return what a mill leaves of a patch that goes along chains.
+
+    Parameters
+    ----------
+    patch : Patch
+        The surface.
+    mill : ConicalMill, CylinderMill or BallMill
+        Only its cutting part counts.
+    chains : list of Chain
+        Whose tips and axes are positions of this mill.
+    n : int
+        The patch is looked at on a mesh n by n.
+
+    Returns
+    -------
+    covered : Coverage
+        With these chains.
+
+    Examples
+    --------
+    >>> from tunneller_lib.milling.chains import Chain
+    >>> plane = Patch(lambda s, t: [s, t, 0 * s], (0, 0.02), (0, 0.02))
+    >>> contact = np.stack([np.linspace(0, 0.02, 6), np.full(6, 0.01), np.zeros(6)], axis=-1)
+    >>> up = np.tile([0.0, 0.0, 1.0], (6, 1))
+    >>> chain = Chain(*contact[:, :2].T, contact, up, contact, up, up[:, [0, 2, 1]], ("", ""))
+    >>> round(coverage_of(plane, BallMill(0.005), [chain], n=21).share(1e-3), 2)
+    0.35
+    """
+    mesh = patch.mesh(n)
+    error = np.min([sweep_error(mesh, mill, one.tip, one.axis) for one in chains], axis=0)
+    return Coverage(list(chains), error, areas(mesh), (mill,) * len(chains))
 
 
 def _spread(contact, rows):

@@ -22,11 +22,11 @@ from ..arguments import (
 )
 from ..exact import norm
 from .motion import Axes, Tips
-from .patch import Cloud, Range
-from .tools import ConicalMill, deepest
+from .obstacles import Around
+from .patch import Range
+from .tools import ConicalMill
 
 LIMITS = ("x", "y", "z", "tilt", "turn")  # of the machine's axes, in the order of their values
-BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
 UPRIGHT = 1e-9  # rad: an axis that leans less than this leaves C free
 
 
@@ -71,9 +71,9 @@ class TiltingTable:
         Least and greatest C, in rad.
     most_turn : float
         By how much A or C may change from one position to the next, in rad.
-    cradle : (n, 3) float, optional
-        Points, in m, of what tilts by A and doesn't turn by C, as the cradle that carries the
-        table; in the machine's coordinates while A is 0. Mill, holder and spindle must stay off.
+    cradle : (n, 3) or (n, m, 3) float, or a list of such arrays, optional
+        As `others` of `find_positions`, what tilts by A and doesn't turn by C, as the cradle that
+        carries the table; in the machine's coordinates while A is 0.
 
     Notes
     -----
@@ -100,7 +100,7 @@ class TiltingTable:
     tilt: Range
     turn: Range
     most_turn: Positive
-    cradle: Cloud | None = field(default=None, compare=False)
+    cradle: Around | None = field(default=None, compare=False)
 
     @property
     def frame(self):
@@ -294,18 +294,13 @@ def cradle_depth(machine, mill, values):
     values : (k, 5) float
         Of the machine's axes.
     """
-    depth = np.zeros(len(values))
     if mill is None or machine.cradle is None:
-        return depth
-    x, y, z = machine.cradle.T
-    size = max(1, BLOCK // len(x))
-    for first in range(0, len(values), size):
-        tip_x, tip_y, tip_z, tilt, _ = values[first : first + size].T[..., None]
-        # The mill stands along z.
-        height = np.sin(tilt) * y + np.cos(tilt) * z - tip_z
-        radius = np.hypot(x - tip_x, np.cos(tilt) * y - np.sin(tilt) * z - tip_y)
-        depth[first : first + size] = deepest(mill, height, radius)
-    return depth
+        return np.zeros(len(values))
+    # As the cradle sees them, which tilts and doesn't turn.
+    tilt, turn = values[:, 3], np.zeros(len(values))
+    up = np.broadcast_to((0.0, 0.0, 1.0), (len(values), 3))
+    tip, axis = (_turned_back(part, tilt, turn) for part in (values[:, :3], up))
+    return machine.cradle.deepest(mill, tip, axis)
 
 
 def _within_half(angle):

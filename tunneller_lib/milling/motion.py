@@ -64,12 +64,10 @@ def motion_through(tip, axis):
         raise ValueError("tip, axis: must differ from one position to the next; got equal ones.")
     knots = np.append(0.0, np.cumsum(length))
     index = np.arange(len(tip))
-    tips = CubicSpline(knots, tip)
-    axes = CubicSpline(knots, axis)
+    both = CubicSpline(knots, np.hstack([tip, axis]))
 
     def motion(where):
-        at = np.interp(where, index, knots)
-        turned = axes(at)
-        return tips(at), turned / norm(turned)[:, None]
+        tips, axes = np.hsplit(both(np.interp(where, index, knots)), 2)
+        return tips, axes / norm(axes)[:, None]
 
     return motion

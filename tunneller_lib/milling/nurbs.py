@@ -172,8 +172,8 @@ def _check_knots(name, knots, count):
     degree = np.size(knots) - count - 1
     if not LEAST_DEGREE <= degree <= MOST_DEGREE or count <= degree:
         raise ValueError(
-            f"{name}: must be {count} and the degree and 1, the degree from {LEAST_DEGREE} to "
-            f"{MOST_DEGREE} and below {count}; got shape {knots.shape}."
+            f"{name}: must be for a degree from {LEAST_DEGREE} to {MOST_DEGREE}, and below the number "
+            f"of control points; got {np.size(knots)} knots for {count} points, of degree {degree}."
         )
     low, high = knots[degree], knots[-degree - 1]
     if not high - low > 1e-9 * max(abs(low), abs(high)):

@@ -4,19 +4,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import (
-    NotNegative,
-    Reals,
-    Rule,
-    Sign,
-    Whole,
-    bounded_array,
-    checked,
-    near_points,
-    shown,
-)
+from ..arguments import NotNegative, Reals, Rule, Sign, Whole, bounded_array, checked, shown
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.functions import Function
@@ -31,13 +20,7 @@ def _range(name, value):
     return tuple(pair.tolist())
 
 
-def _cloud(name, value):
-    """Return `value` as an array (n, 3) of points, however they are laid out."""
-    return near_points(name, value).reshape(-1, 3)
-
-
 # What arguments may be, in this room and above it.
-Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
 Range = Annotated[tuple[float, float], Rule("(2,) float", _range)]
 
 

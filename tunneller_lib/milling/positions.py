@@ -8,12 +8,14 @@ import numpy as np
 from ..arguments import Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
 from .five_axes import TiltingTable
-from .patch import Cloud, Patch
-from .tools import ConicalMill, deepest, seen_from
+from .obstacles import Around
+from .patch import Patch
+from .tools import ConicalMill, seen_from
 
-BLOCK = 1_000_000  # pairs of a position and a point that are looked at together
-CLOSER = 3  # rounds in which the deepest point is looked for between those of the mesh
-AROUND = 7  # points each way, two cells wide, in the first of them
+BLOCK = 200_000  # pairs of a position and a point that are looked at together
+CLOSER = 3  # windows, one in another, in which the deepest point is looked for between the mesh's
+AROUND = 7  # points each way in a window, of which the first is two cells wide
+ROUNDS = 20  # at most, in which it goes on
 
 FITS = "fits"
 OTHER_SIDE = "on the other side"
@@ -48,8 +50,8 @@ class Positions:
         How deep mill and holder enter the patch, in m: by how much its deepest point is within;
         infinite where that isn't asked, for a position on the other side or off the cutting part.
     others_enter : (k,) float
-        How deep mill or holder enter other points, in m, likewise: those of a neighbour, be it a
-        blade, the hub, a clamp or the machine's table.
+        How deep mill or holder enter a neighbour, in m, likewise, be it a blade, the hub, a clamp
+        or the machine's table: to a hundredth, or a hundred-thousandth of the mill's height.
     reason : (k,) str
         "fits", or the first that speaks against it: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
@@ -90,7 +92,7 @@ def find_positions(
     t: Reals,
     *,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     machine: TiltingTable | None = None,
     n: Whole(2, 500) = 121,
 ):
@@ -106,9 +108,9 @@ def find_positions(
         Parameters of the points.
     tolerance : float
         How deep the mill may enter the patch, in m. The holder may not.
-    others : (n, 3) float, optional
-        Points, in m, that mill and holder must stay off: of neighbouring blades, a hub, clamps or
-        the machine's table.
+    others : (n, 3) or (n, m, 3) float, or a list of such arrays, optional
+        What mill and holder must stay off, in m: points, or grids of points of surfaces, bilinear
+        between them, as of neighbouring blades, a hub, clamps or the machine's table.
     machine : TiltingTable, optional
         Whose axes must reach a position, with the mill off its cradle.
     n : int
@@ -176,7 +178,7 @@ def find_positions(
 
 
 def depths_of(patch, mill, tip, axis, others, n):
-    """Return how deep mills enter a patch, their holders do, and both enter other points.
+    """Return how deep mills enter a patch, their holders do, and both enter what is beside it.
 
     Parameters
     ----------
@@ -186,8 +188,8 @@ def depths_of(patch, mill, tip, axis, others, n):
         The same for all.
     tip, axis : (k, 3) float
         Of the positions.
-    others : (n, 3) float or None
-        Other points, in m.
+    others : Obstacles or None
+        What is beside it.
     n : int
         Of the patch's mesh.
 
@@ -199,37 +201,49 @@ def depths_of(patch, mill, tip, axis, others, n):
     depths = np.zeros((3, len(tip)))
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
-    others = np.empty((0, 3)) if others is None else others
-    size = max(1, BLOCK // max(len(mesh), len(others)))
+    if others is not None:
+        depths[2] = others.deepest(mill, tip, axis)
+    size = max(1, BLOCK // len(mesh))
     for first in range(0, len(tip), size):
         rows = slice(first, first + size)
         at = tip[rows], axis[rows]
         seen = seen_from(mesh, *at)
-        for part, function in enumerate((mill.cutting, mill.holder)):
+        for part, function in enumerate((mill.cutting_faces, mill.holder_faces)):
             distance = function(*seen)
             nearest = distance.argmin(axis=1)
             least = _between(patch, function, *at, s[nearest], t[nearest], n)
             depths[part, rows] = -np.minimum(least, distance.min(axis=1))
-        if len(others):
-            depths[2, rows] = deepest(mill, *seen_from(others, *at))
     return np.maximum(depths, 0.0)
 
 
 def _between(patch, distance, tip, axis, s, t, n):
-    """Return the least distance (k,) near parameters of a mesh (k,), between its points."""
-    steps = [(high - low) / (n - 1) for low, high in (patch.s, patch.t)]
+    """Return the least distance (k,) near parameters of a mesh (k,), between its points.
+
+    In a window about the best place so far, which goes on where that is at its border, as along a
+    rim of the mill, and gets smaller where it isn't.
+    """
+    cell = [(high - low) / (n - 1) for low, high in (patch.s, patch.t)]
     offsets = np.linspace(-1, 1, AROUND)
     across, along = (part.ravel() for part in np.meshgrid(offsets, offsets))
+    least = np.full(len(s), np.inf)
+    shrunk = np.zeros(len(s), dtype=int)
     row = np.arange(len(s))
-    for _ in range(CLOSER):
-        tried_s = np.clip(s[:, None] + steps[0] * across, *patch.s)
-        tried_t = np.clip(t[:, None] + steps[1] * along, *patch.t)
-        every = distance(*seen_from(patch.points(tried_s, tried_t), tip, axis))
-        best = every.argmin(axis=1)
-        s = tried_s[row, best]
-        t = tried_t[row, best]
-        steps = [step * 2 / (AROUND - 1) for step in steps]
-    return every[row, best]
+    for _ in range(ROUNDS):
+        size = (2 / (AROUND - 1)) ** shrunk[row][:, None]
+        tried_s = np.clip(s[row][:, None] + size * cell[0] * across, *patch.s)
+        tried_t = np.clip(t[row][:, None] + size * cell[1] * along, *patch.t)
+        every = distance(*seen_from(patch.points(tried_s, tried_t), tip[row], axis[row]))
+        best = np.arange(len(row)), every.argmin(axis=1)
+        least[row] = np.minimum(least[row], every[best])
+        way = np.maximum(
+            np.abs(tried_s[best] - s[row]) / cell[0], np.abs(tried_t[best] - t[row]) / cell[1]
+        )
+        s[row], t[row] = tried_s[best], tried_t[best]
+        shrunk[row] += way < 0.99 * size[:, 0]
+        row = row[shrunk[row] < CLOSER]
+        if not len(row):
+            break
+    return least
 
 
 def counted_states(state):

@@ -14,7 +14,7 @@ from .motion import Axes, Tips, motion_through
 from .patch import Patch
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
 
-BLOCK = 1_000_000  # pairs of a place of the mill and a point that are looked at together
+BLOCK = 200_000  # pairs of a place of the mill and a point that are looked at together
 CLOSER = 12  # halvings of the step between places: the least distance is off by its square
 
 
@@ -61,10 +61,22 @@ def sweep_error(
     size = max(1, BLOCK // len(places))
     for first in range(0, len(flat), size):
         part = slice(first, first + size)
-        every = mill.cutting(*seen_from(flat[part], tips, axes))
-        nearest = places[every.argmin(axis=0)]
+        nearest = places[_nearest(mill, *seen_from(flat[part], tips, axes))]
         error[part] = _closer(flat[part], mill, motion, nearest, 1 / between, places[-1])
     return error.reshape(points.shape[:-1])[()]
+
+
+def _nearest(mill, height, radius):
+    """Return at which of k places a mill is nearest to each of n points, seen from there (k, n)."""
+    bound = mill.cutting_faces(height, radius)
+    point = np.arange(bound.shape[1])
+    place = bound.argmin(axis=0)
+    least = mill.cutting(height[place, point], radius[place, point])
+    # Nowhere else is a mill nearer than its bound says.
+    pairs = np.nonzero(bound < least)
+    bound[place, point] = least
+    bound[pairs] = mill.cutting(height[pairs], radius[pairs])
+    return bound.argmin(axis=0)
 
 
 def _closer(points, mill, motion, where, step, last):

@@ -6,11 +6,14 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Rule, Whole, bounded_array, checked, shown
+from ..arguments import Length0, Rule, Whole, bounded_array, checked, shown
+from ..envelopes.functions import Function
 from ..envelopes.jet import jet_variables
 from ..exact import dot, norm
 from .chains import Chain, conjugate_frame, fitting
-from .patch import Cloud, Patch
+from .five_axes import TiltingTable
+from .obstacles import Around
+from .patch import Patch
 from .positions import depths_of
 from .sweep import strip_across
 from .tools import ConicalMill
@@ -18,6 +21,7 @@ from .tools import ConicalMill
 SHARE = 0.93  # of a strip's width, between contacts: amid them 0.93^4 of the tolerance stays
 LOOKS = 60  # points to either side at which a strip is looked at for its width
 NO_PAIR = "no pair of contacts fits"
+FIRST = 0.1  # of a patch's size, a distance of contacts to begin with
 ROUNDS = 12  # of Newton's method, which doubles the digits in each
 SMALL = 1e-11  # a residual, over the distance of the contacts, that is rounding
 _H = 1e-30  # of a complex step, which makes derivatives to the last digit
@@ -76,7 +80,7 @@ def touch_twice(
     chain: Chain,
     *,
     apart: Apart,
-    others: Cloud | None = None,
+    others: Around | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return positions that touch a patch twice, on lines across a chain.
@@ -148,6 +152,55 @@ def touch_twice(
     axis = np.where(found[:, None], axis, chain.axis)
     depths = depths_of(patch, mill, tip, axis, others, n)
     return TwoContacts(found, s, t, patch.points(s, t), tip, axis, *depths)
+
+
+@checked
+def touch_seam(
+    patch: Patch,
+    mill: ConicalMill,
+    chain: Chain,
+    seam: Function(2),
+    *,
+    tolerance: Length0,
+    others: Around | None = None,
+    machine: TiltingTable | None = None,
+    n: Whole(2, 500) = 121,
+):
+    """Return the `Chain` of cones that touch twice, one of the contacts on a curve, the seam.
+
+    Two strips that touch along one seam join there with a common tangent.
+
+    Parameters
+    ----------
+    patch, mill, chain
+        As for `touch_twice`; of six positions or more.
+    seam : callable
+        Of parameters s and t: zero on the seam, with a sign to either side, and smooth. What it
+        raises itself passes through.
+    tolerance, others, machine, n
+        As for `find_positions`.
+
+    Returns
+    -------
+    joined : Chain or None
+        The longest row of such positions next to each other that fit, if there is one.
+
+    Notes
+    -----
+    By the rule of false position on the distance of the contacts, with which the seam's function
+    falls nearly evenly.
+    """
+    before = seam(chain.s, chain.t)
+    size = np.ptp(patch.mesh(9).reshape(-1, 3), axis=0).max()
+    apart = np.full(len(chain), FIRST * size)
+    for _ in range(ROUNDS):
+        two = touch_twice.unchecked(patch, mill, chain, apart=apart, n=2)
+        left = seam(two.s, two.t)
+        left = left[:, np.abs(left).sum(axis=0).argmin()]
+        with np.errstate(all="ignore"):
+            nearer = apart * before / (before - left)
+        apart = np.where(two.found & (nearer > 0) & np.isfinite(nearer), nearer, apart)
+    return touch_along(patch, mill, chain, tolerance, others, machine, n, apart)
 
 
 def touch_along(patch, mill, chain, tolerance, others, machine, n, apart=None):

@@ -3,7 +3,8 @@
 A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
 to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
 from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
-of the tool, in m, negative within.
+of the tool, in m, negative within. How far points are beyond a part's faces is the same within;
+outside it is above zero and at most the distance, and takes a tenth of the time.
 """
 
 from dataclasses import dataclass
@@ -72,12 +73,27 @@ class ConicalMill:
     @checked
     def holder(self, height: Lengths, radius: Lengths):
         """Return how far points are from the holder, in m, negative within."""
+        return self._held(_stub, height, radius)
+
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the cutting part, in m, negative within."""
+        return _faces(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
+
+    @checked
+    def holder_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the holder, in m, negative within."""
+        return self._held(_faces, height, radius)
+
+    def _held(self, distance, height, radius):
+        """Return distances from the holder, by a function of a truncated cone."""
         top = self.length + self.holder_length
-        holder = _stub(height, radius, self.length, self.holder_radius, top, self.holder_radius)
+        wide = self.holder_radius
+        holder = distance(height, radius, self.length, wide, top, wide)
         if not self.spindle_length:
             return holder
         wide = self.spindle_radius
-        return np.minimum(holder, _stub(height, radius, top, wide, self.height, wide))
+        return np.minimum(holder, distance(height, radius, top, wide, self.height, wide))
 
     @property
     def height(self):
@@ -109,6 +125,11 @@ class CylinderMill:
         """Return how far points are from the cutting part, in m, negative within."""
         return _stub(height, radius, 0.0, self.radius, self.length, self.radius)
 
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return how far points are beyond faces of the cutting part, in m, negative within."""
+        return _faces(height, radius, 0.0, self.radius, self.length, self.radius)
+
 
 @dataclass(frozen=True)
 @checked
@@ -128,45 +149,43 @@ class BallMill:
         """Return how far points are from the ball, in m, negative within; the tip is its lowest."""
         return np.hypot(height - self.radius, radius) - self.radius
 
+    @checked
+    def cutting_faces(self, height: Lengths, radius: Lengths):
+        """Return what `cutting` does: a ball has one face."""
+        return self.cutting(height, radius)
+
 
 def _stub(height, radius, low, first, high, last):
     """Return the distance (...) to a truncated cone between two heights, with radii there.
 
-    In the half plane of the axis the wall is a segment, the ends are levels.
+    In the half plane of the axis the wall is a segment, the ends are levels. Roots of sums of
+    squares are within roundings of `hypot`, which takes several times as long.
     """
     length = np.hypot(high - low, last - first)
     c = (high - low) / length
     s = (last - first) / length
     up = height - low
     off = radius - first
-    along = np.clip(up * c + off * s, 0.0, length)
-    wall = np.hypot(up - along * c, off - along * s)
-    ends = [
-        np.hypot(height - level, np.maximum(radius - width, 0.0))
-        for level, width in ((low, first), (high, last))
-    ]
-    inside = (off * c < up * s) & (height > low) & (height < high)
-    nearest = np.minimum(wall, np.minimum(*ends))
+    side = off * c - up * s
+    along = up * c + off * s
+    over = np.maximum(np.maximum(-along, along - length), 0.0)
+    square = side * side + over * over
+    down = height - high
+    for level, wide in ((up, off), (down, radius - last)):
+        beyond = np.maximum(wide, 0.0)
+        square = np.minimum(square, level * level + beyond * beyond)
+    inside = (side < 0) & (up > 0) & (down < 0)
+    nearest = np.sqrt(square)
     return np.where(inside, -nearest, nearest)[()]
 
 
-def deepest(mill, height, radius):
-    """Return how deep (k,) mills with holders enter points, in m; 0 where they don't.
-
-    Parameters
-    ----------
-    mill : ConicalMill
-        The same for all.
-    height, radius : (k, n) float
-        Of the points, as of `seen_from`.
-    """
-    # What is within mill or holder is within one cylinder about both: few points are.
-    near = (height > 0) & (height < mill.height) & (radius < mill.widest)
-    seen = height[near], radius[near]
-    least = np.minimum(mill.cutting(*seen), mill.holder(*seen))
-    depth = np.zeros(len(height))
-    np.maximum.at(depth, np.nonzero(near)[0], -least)
-    return depth
+def _faces(height, radius, low, first, high, last):
+    """Return how far (...) points are beyond the farthest of wall and ends of a truncated cone."""
+    length = np.hypot(high - low, last - first)
+    c = (high - low) / length
+    s = (last - first) / length
+    wall = (radius - first) * c - (height - low) * s
+    return np.maximum(wall, np.maximum(height - high, low - height))
 
 
 def seen_from(points, tip, axis):
@@ -184,11 +203,16 @@ def seen_from(points, tip, axis):
     height, radius : (k, n) float
         In m.
     """
-    # About the points' middle the coordinates are as small as they can be.
-    middle = points.reshape(-1, 3).mean(axis=0)
-    points = points - middle
-    tip = tip - middle
-    height = (points @ axis[:, :, None])[..., 0] - np.sum(axis * tip, axis=-1)[:, None]
-    cross = (points @ tip[:, :, None])[..., 0]
-    square = np.sum(points**2, axis=-1) - 2 * cross + np.sum(tip**2, axis=-1)[:, None]
+    if points.ndim == 3:
+        away = points - tip[:, None]
+        height = np.einsum("knc,kc->kn", away, axis)
+        square = np.einsum("knc,knc->kn", away, away)
+    else:
+        # As products of matrices; about the points' middle the coordinates are as small as can be.
+        middle = points.mean(axis=0)
+        points = points - middle
+        tip = tip - middle
+        height = axis @ points.T - np.einsum("kc,kc->k", axis, tip)[:, None]
+        square = np.einsum("nc,nc->n", points, points) - 2 * (tip @ points.T)
+        square += np.einsum("kc,kc->k", tip, tip)[:, None]
     return height, np.sqrt(np.maximum(square - height * height, 0.0))

@@ -1,15 +1,15 @@
 """The whole way of a mill over a surface: chains, and how it gets from one to the next."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Length, Length0, Rule, Whole, checked, shown
+from ..arguments import Length, Length0, Whole, checked
 from ..exact import norm
-from .chains import Chain
+from .chains import Chains
 from .five_axes import TiltingTable, cradle_depth
-from .patch import Cloud, Patch
+from .obstacles import Around
+from .patch import Patch
 from .positions import depths_of
 from .tools import ConicalMill
 
@@ -18,20 +18,6 @@ CUT = "cut"
 RETRACT = "retract"
 TRAVERSE = "traverse"
 APPROACH = "approach"
-
-
-def _chains(name, value):
-    """Return `value`, one or more chains of four positions or more."""
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"{name}: must be a list of one Chain or more; got {shown(value)}.")
-    for one in value:
-        if not isinstance(one, Chain) or len(one) < 4:
-            raise ValueError(f"{name}: must each be a Chain of four or more; got {shown(one)}.")
-    return value
-
-
-# What arguments may be, in this room and above it.
-Chains = Annotated[list, Rule("list of Chain", _chains)]
 
 
 @dataclass(frozen=True)
@@ -69,7 +55,7 @@ def plan_tour(
     *,
     clearance: Length,
     tolerance: Length0,
-    others: Cloud | None = None,
+    others: Around | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return the way of a mill through chains, one after the other.
@@ -102,7 +88,7 @@ def plan_tour(
         if the mill enters something between the chains, or the machine's cradle anywhere.
     """
     pivot = np.array(machine.pivot)
-    around = [patch.mesh(n).reshape(-1, 3)] + ([] if others is None else [others])
+    around = [patch.mesh(n).reshape(-1, 3)] + ([] if others is None else [others.points])
     safe = max(float(norm(part - pivot).max()) for part in around) + clearance
     if safe > machine.z[1]:
         raise ValueError(

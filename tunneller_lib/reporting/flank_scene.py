@@ -19,7 +19,8 @@ BAR = dict(
     n_labels=3,
     fmt="%.0f",
     color="black",
-    above_label="stock",
+    title=f"{SCALAR}; grey: the stock\n",  # a free line keeps it off the numbers
+    above_label=" ",  # a word would lie upon the grey
 )
 AWAY = 0.6  # of the still picture's size: more of the mill's way is in view
 COARSE = 81  # points of the surface each way
