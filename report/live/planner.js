@@ -166,8 +166,10 @@
     const list = document.createElement("ul");
     list.append(...Object.entries(files).map(([name, content]) => download(name, content)));
     list.append(download(jobName, new TextEncoder().encode(text.value)));
+    const budget = element("pre", printed, { id: "budget", className: "output" });
+    wide.observe(budget);
     answer.append(
-      element("pre", printed, { id: "budget", className: "output", tabIndex: 0 }),
+      budget,
       picture(files, "plan.png", "Left: the circuit within the joint limits, its knots. Right: the feed along it."),
       picture(files, "wall.png", "The standing wall, unrolled, coloured by its over-break."),
       element("h2", "Files"),

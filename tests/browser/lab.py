@@ -182,10 +182,10 @@ class Lab:
         """Lay hands on a slider."""
         self.browser.run(HAND)
         self.browser.run(f"hand.which = {which}")
+        self.browser.until(ready, RUN)
         self.at_its_end = self.browser.run(
             "hand.handle().ariaValueNow === hand.handle().ariaValueMin"
         )
-        self.browser.until(ready, RUN)
         self.browser.run("hand.handle().scrollIntoView({block: 'center'})")
 
     def push(self, k):
