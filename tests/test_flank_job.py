@@ -645,7 +645,8 @@ def test_what_a_job_says_wrongly_is_refused_in_a_sentence(run, changes, code, se
         (
             {"knots_s": "[0, 1]"},
             1,
-            r"\[surface\] knots_s: must be for a degree from 3 to 9, .*; got 2 knots for 9 points, of degree -8",
+            r"\[surface\] knots_s: must be for a degree from 3 to 9, .*; got 2 knots for 9 points: "
+            "degree -8",
         ),
     ],
 )

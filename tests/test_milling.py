@@ -121,7 +121,7 @@ def test_surfaces_by_knots_that_are_none_are_refused():
     knots = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
     Nurbs(control, knots, knots)
     with pytest.raises(
-        ValueError, match="knots_t: must be for a degree from 3 to 9, .* for 5 points, of deg"
+        ValueError, match=r"knots_t: must be for a degree from 3 to 9, .* for 5 points: deg"
     ):
         Nurbs(control, knots, knots[1:-1])
     with pytest.raises(ValueError, match="without creases"):

@@ -172,8 +172,8 @@ def _check_knots(name, knots, count):
     degree = np.size(knots) - count - 1
     if not LEAST_DEGREE <= degree <= MOST_DEGREE or count <= degree:
         raise ValueError(
-            f"{name}: must be for a degree from {LEAST_DEGREE} to {MOST_DEGREE}, and below the number "
-            f"of control points; got {np.size(knots)} knots for {count} points, of degree {degree}."
+            f"{name}: must be for a degree from {LEAST_DEGREE} to {MOST_DEGREE}, below the number "
+            f"of control points; got {np.size(knots)} knots for {count} points: degree {degree}."
         )
     low, high = knots[degree], knots[-degree - 1]
     if not high - low > 1e-9 * max(abs(low), abs(high)):
