@@ -25,9 +25,9 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Reso
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse
+from tunneller_lib.paths import geodesic_direct, geodesic_inverse, geodesic_trace, inverse_problem
 from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus, blocks
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod, Torus, blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
@@ -238,7 +238,7 @@ def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
     monkeypatch.setattr(compiled._Work, "compiled", True)
     monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
     loops = []
-    monkeypatch.setattr(compiled, "call", lambda function, *rest, **parts: loops.append(function))
+    monkeypatch.setattr(compiled, "each_block", lambda work, *about: loops.append(about))
     rod, ball = (shape_of(kind, np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7])) for kind in KINDS[:2])
     many = np.broadcast_to((0.0, 0.0, 1.0), (int(0.4 * compiled.LONG / blocks.PLAIN_LINE), 3))
     for expected in (0, 0, 1, 2):
@@ -426,6 +426,43 @@ from tunneller_lib.motion import Lag, Loop, follow
 follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(1000))
 print("numba" in sys.modules)
 """
+
+
+@pytest.mark.parametrize("cores", [1, 2, 7])
+def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
+    numba = pytest.importorskip("numba")
+    go(True, monkeypatch)
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", cores)
+    monkeypatch.setattr(inverse_problem, "BLOCK", 100)
+    monkeypatch.setattr(geodesic_trace, "BLOCK", 100)
+    monkeypatch.setattr(blocks, "COMPILED", 100)
+    rng = np.random.default_rng(5)
+    p, q = rng.uniform(-1, 1, (2, 730, 2))
+    way = geodesic_inverse(SHEET, p, q)
+    ends = geodesic_direct(SHEET, p, way.azimuth1, way.length, 3)
+    rod = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2)
+    point, direction = rng.normal(size=(2, 730, 3))
+    enter, leave = rod.meet_line(point, direction)
+    for i in (0, 99, 100, 729):
+        one = geodesic_inverse(SHEET, p[i], q[i])
+        assert (one.length, one.azimuth1) == (way.length[i], way.azimuth1[i])
+        alone = geodesic_direct(SHEET, p[i], way.azimuth1[i], way.length[i], 3)
+        np.testing.assert_array_equal(alone.position, ends.position[i])
+        assert rod.meet_line(point[i], direction[i]) == (enter[i], leave[i])
+
+
+@pytest.mark.parametrize("cores", [1, 3])
+def test_what_a_block_raises_reaches_the_caller(cores, monkeypatch):
+    numba = pytest.importorskip("numba")
+    go(True, monkeypatch)
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", cores)
+
+    def work(block):
+        if block.start == 20:
+            raise ArithmeticError("the third block")
+
+    with pytest.raises(ArithmeticError, match="the third block"):
+        compiled.each_block(work, 45, 10, "blocks")
 
 
 def test_little_work_loads_no_compiler():

@@ -11,6 +11,7 @@ import importlib
 import inspect
 import math
 import sys
+import threading
 from collections import defaultdict
 from types import FunctionType
 from typing import ClassVar
@@ -18,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 LONG = 2.0  # s of plain Python, from which on loading the compiler is worth its time
+_compiling = threading.Lock()
 
 
 class _Work:
@@ -49,6 +51,34 @@ def expect(seconds, kind):
 def ready(kind):
     """Tell whether loops of a kind are compiled: for who has other ways than plain Python."""
     return _Work.compiled and _Work.of_kind[kind] > LONG
+
+
+def each_block(work, count, size, kind):
+    """Do some `work` on blocks of rows, which have nothing to do with each other.
+
+    Where loops of its kind are compiled, which leave Python's lock alone, all cores take part: as
+    many as numba was given, by NUMBA_NUM_THREADS.
+
+    Parameters
+    ----------
+    work : function
+        Of a slice of the rows.
+    count, size : int
+        Of all rows, and of those of a block.
+    kind : object
+        As for `expect`.
+    """
+    blocks = [slice(first, first + size) for first in range(0, count, size)]
+    cores = min(len(blocks), sys.modules["numba"].config.NUMBA_NUM_THREADS) if ready(kind) else 1
+    if cores < 2:
+        for block in blocks:
+            work(block)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(cores) as pool:
+        for _ in pool.map(work, blocks):  # which raises what a block has raised
+            pass
 
 
 def loop(inlined=()):
@@ -95,7 +125,8 @@ def call(function, *arguments, kind=None, **parts):
         Functions to be called in place of those that have these names in the functions' modules.
     """
     if _Work.compiled and (kind is None or ready(kind)):
-        fast = _compiled(function, *parts.items())
+        with _compiling:
+            fast = _compiled(function, *parts.items())
         try:
             return fast(*arguments)
         except OSError:  # on a full disk: it is compiled, but can't be kept for another day
@@ -161,6 +192,8 @@ def _compiled(function, *parts):
         one.__globals__.get(name) for one in (function, *known) for name in one.__code__.co_names
     ]
     about += [repr(value) for value in named if isinstance(value, int | float | tuple)]
+    options = {"nogil": True} | options
+    about.append(repr(options))
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
     try:

@@ -112,20 +112,28 @@ def trace(r, given, s):
     plain = EACH * len(s) + POINT * s.size
     compiled.expect(plain if plain < SOON else plain / FASTER, KIND)
     ready = compiled.ready(KIND)
-    if ready or plain < SOON:
-        room = [np.empty(shape) for shape in ROOM]
-        # Copies, which may be written to and are of one order: one compiled form serves all.
-        arguments = r, np.array(given, order="C"), np.array(s, order="C"), *panel_rule()
-        if ready:
-            compiled.call(follow_each, *arguments, *room, found, **{**NUMBERS, "ratio": divided})
+
+    def follow(block):
+        if ready or plain < SOON:
+            found[:, block] = _one_by_one(r, given[:, block], s[block], ready)
         else:
-            lists = [one.tolist() for one in room]
-            compiled.call_plain(follow_each, *arguments, *lists, found)
-        return found
-    rows = max(BLOCK // s.shape[1], 1)
-    for first in range(0, len(s), rows):
-        block = slice(first, first + rows)
-        found[:, block] = _by_arrays(r, given[:, block], s[block].T).swapaxes(1, 2)
+            found[:, block] = _by_arrays(r, given[:, block], s[block].T).swapaxes(1, 2)
+
+    compiled.each_block(follow, len(s), max(BLOCK // s.shape[1], 1), KIND)
+    return found
+
+
+def _one_by_one(r, given, s, ready):
+    """Return what `trace` does, by a loop over geodesics; where it is `ready`, compiled."""
+    # Copies, which may be written to and are of one order: one compiled form serves all.
+    arguments = r, np.array(given, order="C"), np.array(s, order="C"), *panel_rule()
+    room = [np.empty(shape) for shape in ROOM]
+    found = np.empty((3, *s.shape))
+    if ready:
+        compiled.call(follow_each, *arguments, *room, found, **{**NUMBERS, "ratio": divided})
+    else:
+        lists = [one.tolist() for one in room]
+        compiled.call_plain(follow_each, *arguments, *lists, found)
     return found
 
 

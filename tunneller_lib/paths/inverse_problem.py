@@ -116,9 +116,11 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     codes = np.empty((2, len(starts)), np.uint8)
     each = ONE_BY_ONE if len(starts) <= FEW else BY_ARRAYS
     compiled.expect(each[size.r > size.R] * len(starts), "geodesics")
-    for first in range(0, len(starts), BLOCK):
-        block = slice(first, first + BLOCK)
+
+    def answer(block):
         answers[:, block], codes[:, block] = _shortest(size, starts[block], stops[block])
+
+    compiled.each_block(answer, len(starts), BLOCK, "geodesics")
     answers[::3] *= unit  # length and Clairaut's constant
     return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in (*answers, *codes)))
 

@@ -20,6 +20,7 @@ from . import line_loops
 from .vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
+COMPILED = 65536  # the same by a compiled loop, for which only calls count
 PAIRS = 8192  # the same of lines with shapes of their own
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
@@ -84,9 +85,15 @@ def _rows(vectors, lines):
 
 def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
     """Fill in `enter` and `leave` of lines, the two rows of `ends`, by a compiled loop."""
-    rows = np.ascontiguousarray(points), np.ascontiguousarray(directions), ends[0], ends[1]
+    rows = np.ascontiguousarray(points), np.ascontiguousarray(directions)
     ways = {"quick": quick, "careful": careful}
-    compiled.call(line_loops.meet_lines, shape, plain, *rows, **ways, **ONE_LINE)
+
+    def meet(block):
+        some = (row if len(row) == 1 else row[block] for row in rows)
+        arguments = shape, plain, *some, ends[0, block], ends[1, block]
+        compiled.call(line_loops.meet_lines, *arguments, **ways, **ONE_LINE)
+
+    compiled.each_block(meet, ends.shape[1], COMPILED, careful)
 
 
 def _meet_rows(quick, careful, shape, plain, points, directions, ends):
