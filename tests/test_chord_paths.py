@@ -217,7 +217,7 @@ SIGNS = {r"\\": "\\", r"\,": "", r"\tfrac23": "2/3", r"\mathbf ": "", "bold(m)":
 @pytest.mark.parametrize(
     ("file", "before"),
     [
-        ("report/sections/geodesics.typ", r"\$bold\(m\)\$ is replaced by \$"),
+        ("report/sections/geodesics.typ", r"it replaces \$bold\(m\)\$ by \$"),
         ("notebooks/10_law.ipynb", r"In code: put[^$]*\$"),
     ],
     ids=["report", "notebook"],
