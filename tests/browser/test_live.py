@@ -3,6 +3,9 @@
 import json
 import os
 import re
+import threading
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from statistics import median
 
 import pytest
@@ -35,6 +38,33 @@ def start(browser, page):
     browser.open(page.as_uri())
     browser.run(f"{BOX}.querySelector('button').click()")
     return browser.until(f"+{BOX}.dataset.ready", 120) / 1000
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *words):
+        pass
+
+
+@pytest.fixture
+def server():
+    """Return the address of a server of the pages."""
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=LIVE)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+def test_slider_moves_a_picture_from_a_server(browser, server):
+    browser.requests.clear()
+    browser.open(f"{server}chapters/02_torus.html")
+    browser.run(f"{BOX}.querySelector('button').click()")
+    browser.until(f"+{BOX}.dataset.ready", 120)
+    before, drawn = browser.picture(PICTURE), browser.run(f"{BOX}.dataset.drawn")
+    browser.run(MOVE.format(BOX, 0.3))
+    wait(lambda: browser.run(f"{BOX}.dataset.drawn > {drawn}"), said="another drawing")
+    assert (browser.picture(PICTURE) != before).mean() > 1e-4
+    assert browser.errors == []
+    assert [r for r in elsewhere(browser) if not r.startswith(server)] == []
 
 
 def test_pages_that_run_are_there():
