@@ -38,10 +38,11 @@ def draw_unrolled(ax: Axes, cut: Cut, *, limit: Length = 1.5e-3):
     untouched = over < -WHOLE * cut.plan.circuit.machine.depth
     ax.set_facecolor(COLOURS["tunnel"])
     ax.set(xlabel="along the section from the roof / m (right)", ylabel="along the tunnel / m")
+    millimetres = np.ma.masked_where(untouched, 1e3 * over)
+    span = {"vmin": -1e3 * limit, "vmax": 1e3 * limit}
     shades = ax.pcolormesh(
-        along[order], lines.x, np.ma.masked_where(untouched, 1e3 * over),
-        cmap=ERROR_MAP, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True,
-    )  # fmt: skip
+        along[order], lines.x, millimetres, cmap=ERROR_MAP, rasterized=True, **span
+    )
     ax.figure.colorbar(shades, ax=ax, label=SCALAR, extend="both")
     return shades
 
