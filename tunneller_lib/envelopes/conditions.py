@@ -71,9 +71,9 @@ def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
     # Contact along a line: no curvature, less the radius, and none in the next order. The sizes of
     # both terms have one unit: of a graph over its plane 1/m^2, in an adapted frame m.
     if kind == "ruled":
-        # Near an edge of regression derivatives across e are huge, where both asymptotic directions
-        # nearly coincide. That f_eee is small beside them is no sign of a line: they are measured
-        # over the angle between the directions alone.
+        # Near an edge of regression the asymptotic directions nearly coincide, and derivatives
+        # across them are huge. A small f_eee beside those is no sign of a line, so the size counts
+        # lengths across e only as far as the other asymptotic direction leans.
         def size_of_lines(a):
             turn = np.abs(derivative_along(f, a, 0, 2))
             angle = np.arctan2(2 * np.abs(mixed(a)), turn)
