@@ -45,10 +45,12 @@ live: report ## those pages with sliders that move without Python, build/live/in
 	@$(BIN)/python -m report.live
 
 # A worker takes a file at a time, in the order of testpaths: notebooks, which take longest, first,
-# and doctests, the shortest, last, so that none waits long for another at the end.
+# and doctests, the shortest, last, so that none waits long for another at the end. A worker that
+# dies ends the run with the test's name: a new one would die of the same test, and so on.
 test: environment ## run every test, doctest and notebook, and the linter, or only TESTS=FILES
 	@$(BIN)/ruff check
-	@$(HEADLESS) $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder $(TESTS)
+	@$(HEADLESS) $(BIN)/python -m pytest -n auto --max-worker-restart=0 \
+		--dist loadfile --no-loadscope-reorder $(TESTS)
 
 long: environment ## run tests that have a longer form in it, for tests/long.md (a quarter of an hour), or only TESTS=FILES
 	@$(HEADLESS) $(BIN)/python -m tests.long $(TESTS)

@@ -5,6 +5,7 @@ folder, with a list of what it holds, is renamed to build/ready/<notebook>: from
 count. They are moved into place at once, or, when the build is killed meanwhile, by the next one.
 """
 
+import atexit
 import json
 import os
 import re
@@ -113,9 +114,10 @@ def execute(notebook, staging):
         }
         # What a notebook says on stderr is among its outputs; the rest is about kernels' sockets.
         client.execute(env=os.environ | places, stderr=subprocess.DEVNULL)
-    except (CellExecutionError, CellTimeoutError, DeadKernelError) as error:
-        place = f"{notebook.name}, code cell {len(reached)}"
-        raise NotebookFailed(f"{place}: {reason(error)}") from error
+    except (CellExecutionError, CellTimeoutError, RuntimeError) as error:
+        atexit.unregister(client._cleanup_kernel)  # it fails at the end if no kernel started
+        place = f", code cell {len(reached)}" if reached else ""
+        raise NotebookFailed(f"{notebook.name}{place}: {reason(error)}") from error
     content.metadata = nbformat.from_dict(METADATA)
     for cell in content.cells:
         cell.metadata.pop("execution", None)
@@ -129,7 +131,9 @@ def reason(error):
         return f"{error.ename}: {error.evalue or ' '.join(lines[-1:])}"
     if isinstance(error, CellTimeoutError):
         return f"no answer within {CELL_TIMEOUT} s"
-    return "the kernel died"
+    if isinstance(error, DeadKernelError):
+        return "the kernel died"
+    return f"the kernel doesn't start ({error})"
 
 
 def keep_what_agrees(staging, root):

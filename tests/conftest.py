@@ -5,7 +5,6 @@ the files of the checkout that it reads, other than modules, as patterns in `REA
 `make check` knows what a change of such a file reaches. A test that reads another one fails.
 """
 
-import gc
 import os
 import sys
 from fnmatch import fnmatch
@@ -66,11 +65,6 @@ def _reads_what_it_says(request):
     yield
     if request.path.parent == ROOT / "tests" and request.path.name.startswith("test_"):
         assert unsaid(request.module) == [], "READS, the list of what the module reads, lacks these"
-
-
-def pytest_collection_finish():
-    """Leave ten thousand tests, and what they import, out of garbage collection from now on."""
-    gc.freeze()
 
 
 def pytest_collection_modifyitems(items):

@@ -1,6 +1,7 @@
 """The build: what counts as a change, and that no failure leaves half a result."""
 
 import errno
+import json
 import os
 import shutil
 import signal
@@ -162,6 +163,20 @@ def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
     nbformat.write(content, notebook)
     before = files(notebook)
     with pytest.raises(NotebookFailed, match=message):
+        run_notebook(notebook)
+    assert files(notebook) == before
+
+
+def test_kernel_that_dies_while_it_starts_is_a_sentence(run_before, tmp_path_factory, monkeypatch):
+    notebook = run_before
+    write(notebook, RECORD.format(value=2))
+    before = files(notebook)
+    spec = {"argv": ["false", "{connection_file}"], "display_name": "", "language": "python"}
+    folder = tmp_path_factory.mktemp("jupyter")
+    (folder / "kernels" / "python3").mkdir(parents=True)
+    (folder / "kernels" / "python3" / "kernel.json").write_text(json.dumps(spec))
+    monkeypatch.setenv("JUPYTER_PATH", str(folder))
+    with pytest.raises(NotebookFailed, match=r"^01_test.ipynb: the kernel doesn't start \(.*died"):
         run_notebook(notebook)
     assert files(notebook) == before
 

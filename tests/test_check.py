@@ -1,4 +1,4 @@
-"""`make check`: what a change reaches, no more and no less."""
+"""`make check`: what a change reaches, no more and no less; `make test`: it ends."""
 
 import subprocess
 
@@ -79,3 +79,16 @@ def test_new_files_count_in_the_studys_folders_alone(monkeypatch, tmp_path):
         who = ["-c", "user.name=nobody", "-c", "user.email=nobody@example.org"]
         subprocess.run(["git", *who, *command, "--quiet"], cwd=tmp_path, check=True)
     assert check.changed("HEAD") == {f"{folder}/new.py" for folder in check.STUDY}
+
+
+def test_worker_that_dies_ends_the_run_with_the_name_of_its_test(tmp_path):
+    (tmp_path / "test_dying.py").write_text("import os\n\ndef test_dies():\n    os._exit(3)\n")
+    recipe = ["make", "--dry-run", "test", f"TESTS={tmp_path} -c /dev/null -o addopts="]
+    said = subprocess.run(recipe, cwd=check.ROOT, capture_output=True, text=True).stdout
+    command = said[said.index("OPENBLAS") :]  # without the set-up and the linter
+    run = subprocess.run(
+        command, shell=True, cwd=check.ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode == 1
+    assert "crashed while running" in run.stdout and "test_dies" in run.stdout
+    assert "worker restarting disabled" in run.stdout
