@@ -14,12 +14,14 @@ import pytest
 from hypothesis import settings
 
 from report.sources import draws_scenes
+from tests.check import STUDY
 from tests.long import many
 from tests.verdicts import judge  # noqa: F401 - a fixture of all tests
 
 ROOT = Path(__file__).parents[1]
+OURS = tuple(f"{folder}/" for folder in STUDY)  # elsewhere lie a visitor's and tools' files
 OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
-ASIDE = (".", "build", "pyproject.toml")  # what tools read and keep: .venv, .git, caches
+TOOLS = (".", "pyproject.toml")  # what tools read and keep
 
 settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(50, 200))
 settings.load_profile("study")
@@ -42,8 +44,9 @@ def unsaid(module):
         path = Path(os.path.abspath(path))
         if path.is_relative_to(ROOT) and path.suffix not in OWN:
             name = str(path.relative_to(ROOT))
+            ours = name.startswith(OURS) or ("/" not in name and not name.startswith(TOOLS))
             said = any(fnmatch(name, pattern) for pattern in getattr(module, "READS", []))
-            if not said and not name.startswith(ASIDE) and os.path.isfile(path):
+            if ours and not said and os.path.isfile(path):
                 names.append(name)
     opened.clear()
     return sorted(names)

@@ -16,7 +16,7 @@ SOURCES = {
     path: path.read_text(encoding="utf-8")
     for path in [
         *(ROOT / "report" / f"{name}.typ" for name in ("report", "supplement")),
-        *(ROOT / "report" / "sections").iterdir(),
+        *(ROOT / "report" / "sections").glob("*.typ"),
     ]
 }
 

@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 
+from report.sources import notebooks
+
 READS = ["notebooks/*", "tunneller_lib/*"]
 
 ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
-NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = notebooks()
 FLOORS = {
     "arguments": 0, "compiled": 0, "elementwise": 0, "exact": 0,
     "surfaces": 1, "envelopes": 1, "repeatable": 1,

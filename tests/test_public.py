@@ -21,7 +21,7 @@ ROOMS = sorted({path.parent.name for path in LIBRARY.glob("*/__init__.py")} - {"
 
 def users():
     """Yield the Python of all users, each with the package that it is in."""
-    yield from ((code(path), "") for path in sorted(ROOT.glob("notebooks/*.ipynb")))
+    yield from ((code(path), "") for path in sorted(ROOT.glob("notebooks/[0-9]*.ipynb")))
     yield from ((path.read_text(), "report") for path in sorted(ROOT.glob("report/**/*.py")))
     yield (LIBRARY / "__main__.py").read_text(), "tunneller_lib"
     readme = (ROOT / "README.md").read_text(encoding="utf-8")

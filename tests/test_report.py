@@ -20,6 +20,7 @@ from report.lists import (
     verdict_list,
 )
 from report.sources import ROOT, cells, figure_files, notebooks, records
+from tests.check import git
 from tests.prose import sources
 
 READS = [
@@ -81,9 +82,18 @@ def test_every_record_is_used_and_every_use_recorded():
 def test_folders_hold_nothing_but_records():
     figures = [file for notebook in notebooks() for file in figure_files(notebook)]
     assert len(figures) == len(set(figures)), "two notebooks make the same figure"
-    assert {*figures, FIGURE_LIST} == set((ROOT / "figures").iterdir())
+    assert {*figures, FIGURE_LIST} == committed("figures")
     numbers = {records(notebook)[0] for notebook in notebooks()}
-    assert set((ROOT / "report" / "numbers").iterdir()) <= numbers
+    assert committed("report/numbers") <= numbers
+
+
+def committed(folder):
+    """Return the files of a folder that git keeps, or all where the checkout is none of git's."""
+    known = git("ls-files", folder)
+    names = (
+        known.splitlines() if known else [f"{folder}/{f.name}" for f in (ROOT / folder).iterdir()]
+    )
+    return {ROOT / name for name in names}
 
 
 @pytest.fixture
