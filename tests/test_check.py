@@ -1,6 +1,7 @@
 """`make check`: what a change reaches, no more and no less; `make test`: it ends."""
 
 import subprocess
+import sys
 
 import pytest
 
@@ -92,3 +93,15 @@ def test_worker_that_dies_ends_the_run_with_the_name_of_its_test(tmp_path):
     assert run.returncode == 1
     assert "crashed while running" in run.stdout and "test_dies" in run.stdout
     assert "worker restarting disabled" in run.stdout
+
+
+def test_tests_answer_for_the_study_s_files_and_not_for_a_visitor_s(tmp_path, monkeypatch):
+    ours = ["README.md", "notebooks/job.toml", "report/ledger/rows.toml"]
+    others = ["tunneller_lib.egg-info/PKG-INFO", "plain/pyvenv.cfg", ".coverage", "build/lock"]
+    for name in [*ours, *others]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    conftest = sys.modules["conftest"]
+    monkeypatch.setattr(conftest, "ROOT", tmp_path)
+    monkeypatch.setattr(conftest, "opened", {str(tmp_path / name) for name in [*ours, *others]})
+    assert conftest.unsaid(None) == ours
