@@ -1,13 +1,11 @@
 """Kill, double and damage builds, and see that the next one ends with the same bytes.
 
-    .venv/bin/python -m tests.interruptions [--whole] [--seed 1]
+    .venv/bin/python -m tests.interruptions [--kills 8] [--doubles 4] [--seed 1]
 
-A clone of what is committed, in a temporary folder, is built; then 20 times a build of other
-sources or of lost results is killed (SIGKILL, make and all) at a random moment, 10 times two builds
-are started at once, and 10 things are damaged. After each the next `make report` must end well and
-leave every file as it was after the first. The clone is cut to three chapters and the index,
-unless it is to be `--whole`: then three of each kind are tried. The table goes to
-tests/interruptions.md, and a row a trial to the screen.
+A clone of what is committed, in a temporary folder, is built. Then builds of lost results are
+killed (SIGKILL, make and all) at random moments, two builds are started at once, and ten things are
+damaged. After each the next `make report` must end well and leave every file as it was after the
+first. The table goes to tests/interruptions.md, and a row a trial to the screen.
 """
 
 import argparse
@@ -24,11 +22,6 @@ from pathlib import Path
 
 from report.sources import ROOT, digest
 
-CHAPTERS = ("00_index", "03_tunnel", "06_tangent_spheres", "34_box_and_cone")
-SHORT = """#import "lib.typ": *
-#fig("03_tunnel", "section")[A tunnel.]
-#fig("34_box_and_cone", "rod_box")[A rod.]
-"""
 TABLE = ROOT / "tests" / "interruptions.md"
 
 
@@ -55,17 +48,6 @@ def results(study):
     files = (f for folder in folders for f in sorted((study / folder).rglob("*")))
     kept = (f for f in files if f.is_file() and f.suffix != ".pyc")
     return {str(f.relative_to(study)): digest(f.read_bytes()) for f in kept}
-
-
-def clone(folder, whole):
-    study = Path(folder, "study")
-    subprocess.run(["git", "clone", "--quiet", ROOT, study], check=True)
-    if not whole:
-        for notebook in (study / "notebooks").glob("[0-9]*.ipynb"):
-            if notebook.stem not in CHAPTERS:
-                notebook.unlink()
-        (study / "report" / "report.typ").write_text(SHORT)
-    return study
 
 
 def lose(study, rng):
@@ -135,29 +117,30 @@ def without_figure(study):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--whole", action="store_true")
+    parser.add_argument("--kills", type=int, default=8)
+    parser.add_argument("--doubles", type=int, default=4)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     rng, rows = random.Random(options.seed), []
     with tempfile.TemporaryDirectory(prefix="interruptions-") as folder:
         # What is damaged in an environment is damaged in uv's store of packages: not in the user's.
         os.environ["UV_CACHE_DIR"] = str(Path(folder, "uv"))
-        study = clone(folder, options.whole)
+        study = Path(folder, "study")
+        subprocess.run(["git", "clone", "--quiet", ROOT, study], check=True)
         built(study)
         first, begun = results(study), time.monotonic()
         lose(study, rng)
         built(study)
         usual = time.monotonic() - begun
-        least = 3 if options.whole else 99
-        trials = [("killed", killed)] * min(20, least) + [("two at once", doubled)] * min(10, least)
+        trials = [("killed", killed)] * options.kills + [("two at once", doubled)] * options.doubles
         for name, trial in trials:
             rows.append([name, trial(study, rng, usual)])
             check(study, first, rows)
-        for name, damage in list(DAMAGES.items())[:least]:
+        for name, damage in DAMAGES.items():
             damage(study)
             rows.append(["damaged", name])
             check(study, first, rows)
-    write(rows, whole=options.whole)
+    write(rows)
 
 
 def check(study, first, rows):
@@ -172,13 +155,15 @@ def check(study, first, rows):
         raise SystemExit("The next build left other bytes.")
 
 
-def write(rows, *, whole):
-    kind = "the whole study" if whole else "a study of three chapters and the index"
-    head = f"\n## {kind[0].upper()}{kind[1:]}, {time.strftime('%F')}\n\n"
-    lines = ["| build | what happened | next build | its results |", "| --- | --- | --- | --- |"]
-    lines += [f"| {' | '.join(row)} |" for row in rows]
-    old = TABLE.read_text() if TABLE.exists() else "# Builds that were killed, doubled, damaged\n"
-    TABLE.write_text(old + head + "\n".join(lines) + "\n")
+def write(rows):
+    commit = subprocess.check_output(["git", "describe", "--always"], cwd=ROOT, text=True).strip()
+    lines = [
+        "# Builds that were killed, doubled, damaged", "",
+        f"By `tests/interruptions.py` on {time.strftime('%F')}, commit {commit}.", "",
+        "| build | what happened | next build | its results |", "| --- | --- | --- | --- |",
+        *(f"| {' | '.join(row)} |" for row in rows),
+    ]  # fmt: skip
+    TABLE.write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
