@@ -133,6 +133,7 @@ def live(plotter, title):
         With pyvista's ``viewer``, whose ``update`` shows what has changed in the scene.
     """
     plotter.window_size = WIDGET
+    plotter.enable_anti_aliasing("msaa")  # which takes half the time of a still picture's
     widget = plotter.show(return_viewer=True)
     frame = f'<iframe title="{html.escape(title)}"'
     widget.value = widget.value.replace("<iframe", frame, 1)

@@ -137,7 +137,7 @@ def osculating_cone_scene(sheet: Grid, cone: ConePose):
     """Return a scene (pyvista's plotter) of a `sheet` (n, m, 3) and a `cone` through it, in m."""
     plotter = scene.empty()
     plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
-    wall = scene.surface(cone.mesh(m=361))
+    wall = scene.surface(cone.mesh(m=1000))
     plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.5)
     return scene.look(plotter, ALONG_THE_EDGE)
 
