@@ -20,4 +20,4 @@ def share(picture, colour):
     seen, wanted = (x - x.mean(axis=-1, keepdims=True) for x in (seen, wanted))
     size = np.linalg.norm(seen, axis=-1)
     along = seen @ wanted / np.linalg.norm(wanted)
-    return np.mean((size > 0.2) & (along > 0.97 * size))
+    return np.mean((size > 0.15) & (along > 0.97 * size))

@@ -101,10 +101,14 @@ def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
     assert gc.isenabled() and switched_on == [True, False, False]
 
 
-def test_scene_to_turn_has_a_title():
+def test_scene_to_turn_has_a_title_and_is_smoothed_the_fast_way():
     frame = ipywidgets.HTML("<iframe src='scene'></iframe>")
-    plotter = SimpleNamespace(show=lambda return_viewer: frame)
+    smoothed = []
+    plotter = SimpleNamespace(
+        show=lambda return_viewer: frame, enable_anti_aliasing=smoothed.append
+    )
     assert live(plotter, 'a "ball"').value.startswith('<iframe title="a &quot;ball&quot;" src')
+    assert smoothed == ["msaa"]
 
 
 def test_sliders_refuse_what_cannot_be_shown(monkeypatch):
