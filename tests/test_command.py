@@ -171,6 +171,8 @@ WRONG = [
      r'^\[section\.pieces 1\] kind: must be "arc" or "line"; got \'spline\'\.$'),
     ({EGG: 'shape = "pieces"', "a = 0.5 ": 'pieces = [{kind = "line", y = 0}]\n#'},
      r"^\[section\.pieces 1\] z: is missing \(m\)\.$"),
+    ({"feed = 0.2 ": "jerk = 5\nfeed = 0.2 "},
+     r"^\[limits\] jerk: isn't known; known are feed, acceleration, volume, flow, valve, power\.$"),
     ({"[wall]": "[walls]"}, r"^\[walls\]: is no table of a job; 'wall' is meant, perhaps\.$"),
     ({"[limits]": "[[limits]]"}, r"^limits: must be a table, \[limits\]; got \["),
     ({"[controller]": "[pose]"}, r"^\[controller\]: is missing\.$"),

@@ -50,5 +50,5 @@ def test_only_axes_with_cylinders_have_margins():
 
 @pytest.mark.parametrize("number", [0.0, -1.0, [1.0, 2.0]])
 def test_bounds_are_numbers_above_zero(number):
-    with pytest.raises(ValueError, match=r"^jerk: must be one number above zero; got "):
-        Limits(feed=0.1, acceleration=1.0, jerk=number)
+    with pytest.raises(ValueError, match=r"^joint_speed: must be one number above zero; got "):
+        Limits(feed=0.1, acceleration=1.0, joint_speed=number)
