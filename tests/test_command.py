@@ -412,9 +412,11 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert "feed 100 %" in used and "acceleration 100 %" in used
     assert "time with a valve fully open: theta 0 %, phi 0 %" in lines
     knots, corners, counts = (lines[table + k].split()[5:] for k in (0, 2, 4))
-    assert knots == ["largest", "knots", "x", "1.41", "your", "choice"]
-    assert corners == ["largest", "blend", "/", "2.00", "your", "choice"]
-    assert counts[:4] == ["rms", "count", "/", "2.00"]
+    assert knots[:6] == ["largest", "1.00", "[plan]", "tolerance", "x", "0.50"]
+    assert corners[:1] + corners[2:6] == ["largest", "[plan]", "tolerance", "x", "0.50"]
+    assert counts[:1] + counts[2:6] == ["rms", "[plan]", "count_deg", "x", "0.50"]
+    assert all(0.4 <= float(row[6]) <= 0.6 for row in (knots, corners, counts))
+    assert knots[7:] == corners[7:] == ["your", "choice"]
 
 
 REFUSED = [

@@ -149,7 +149,7 @@ def simulate(
     ----------
     plan : Plan
         What is to be done.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick.
