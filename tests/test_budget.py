@@ -10,15 +10,13 @@ from tunneller_lib.motion import (
     Compressible,
     Integrator,
     Lag,
-    LinearPlant,
     Loop,
-    Plant,
     Resonance,
     Rigid,
     follow,
     reference_axes,
 )
-from tunneller_lib.motion.plant import NoLinearForm, ValveResonance
+from tunneller_lib.motion.plant import LinearPlant, NoLinearForm, Plant, ValveResonance
 from tunneller_lib.motion.stability import gain_limit
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tunneller_lib.job import read_job
-from tunneller_lib.job.remedies import changed, remedies
+from tunneller_lib.job.remedies import changed, halved_by
 from tunneller_lib.ream import budget
 from tunneller_lib.ream.faults import Fault, following_fault
 from tunneller_lib.ream.remedies import halving
@@ -105,7 +105,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says(name, tmp_path):
         return job, budget(job.planned, *job.axes, **given)
 
     job, found = faults(text)
-    said = remedies(job, found)
+    said = halved_by(job, found)
     assert sum(key is not None for key, _, _ in said) >= 6
     again = {}
     for number, (fault, (key, factor, left)) in enumerate(zip(found, said, strict=True)):
@@ -135,5 +135,5 @@ def test_no_gain_is_named_at_which_a_loop_is_unstable(tmp_path):
     job = read_job(tmp_path / "job.toml")
     plants, loops = job.axes
     fault = following_fault(job.planned, plants, loops)
-    ((key, factor, _),) = remedies(job, [replace(fault, remedies=(("gain", 2.0),))])[:1]
+    ((key, factor, _),) = halved_by(job, [replace(fault, remedies=(("gain", 2.0),))])[:1]
     assert key is None or 16 * factor < 24

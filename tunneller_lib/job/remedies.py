@@ -17,7 +17,7 @@ TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
 USUAL = {name: about.default for name, about in signature(plan).parameters.items()}
 
 
-def remedies(job, faults, say=None):
+def halved_by(job, faults, say=None):
     """Return (key, factor, left) for each of the `faults` of a `job`: what halves it.
 
     The key as the job writes it, ``[table] key``, by which factor it is multiplied, and the share

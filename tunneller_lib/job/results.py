@@ -19,7 +19,7 @@ from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl, vtp, wall_solid, wall_surface
 from .reader import Job
-from .remedies import remedies
+from .remedies import halved_by
 
 WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
 FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
@@ -90,7 +90,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
     faults = [
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
-        for f, remedy in zip(found, remedies(job, found, say), strict=True)
+        for f, remedy in zip(found, halved_by(job, found, say), strict=True)
     ]
     over = max(float(cut.deviation.max()), 0.0)
     under = max(float(-cut.deviation.min()), 0.0)

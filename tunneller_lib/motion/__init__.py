@@ -4,7 +4,7 @@ from . import export, sizing, slow_task, stability, tasks
 from .both_joints import Push
 from .interpolate import polyline, polyline_slopes, rounding_spectrum, tick_counts, time_bresenham
 from .oil import Compressible, Rigid
-from .plant import Integrator, Lag, LinearPlant, Plant, Resonance
+from .plant import Integrator, Lag, Resonance
 from .servo import Loop, follow
 from .sizing import reference_axes
 
@@ -12,9 +12,7 @@ __all__ = [
     "Compressible",
     "Integrator",
     "Lag",
-    "LinearPlant",
     "Loop",
-    "Plant",
     "Push",
     "Resonance",
     "Rigid",

@@ -47,7 +47,8 @@ class Plant(ABC):
     def functions(self):
         """Return the functions of `numbers` that can be compiled, by the stand-ins of `ticks`."""
 
-    def linear(self, angle):
+    @checked
+    def linear(self, angle: Angle):
         """Return the `LinearPlant` of small motions about a joint angle, in rad.
 
         A plant that has none raises `NoLinearForm`.
@@ -138,7 +139,8 @@ class LinearPlant(Plant):
     def discrete(self, tick):
         """Return Ad and Bd of a command held for a tick, in s."""
 
-    def linear(self, angle):
+    @checked
+    def linear(self, angle: Angle):
         """Return the plant itself, at any joint angle."""
         return self
 

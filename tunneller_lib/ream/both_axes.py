@@ -1,6 +1,7 @@
 """Plants and loops of the two joints: one for both, or one for each."""
 
-from ..motion import Loop, Plant
+from ..motion import Loop
+from ..motion.plant import Plant
 from ..motion.quantities import Pair
 
 Plants = Pair(Plant)

@@ -86,8 +86,8 @@ def budget(
 def fault_sources(plan, plant, loop, *, pose=None, arm=None, ground=None):
     """Return a function without arguments for each `Fault` of a `budget`, in its order.
 
-    The arguments are those of `budget`: a `plan`, a pair for `plant` and `loop`, and what it may
-    leave out. Laps under loads that several ask for are run once.
+    The arguments are those of `budget`, with pairs for `plant` and `loop`; `pose`, `arm` and
+    `ground` may be left out. Laps under loads that several ask for are run once.
     """
     sources = [partial(source, plan) for source in OF_PLAN]
     sources += [partial(source, plan, plant, loop) for source in OF_AXES]

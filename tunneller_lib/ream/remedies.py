@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..arguments import checked
+from ..arguments import checked, shown
 from .faults import Fault
 
 HALF = 0.4, 0.6  # of a fault, what is left where it is called halved
@@ -56,6 +56,8 @@ def halving(fault: Fault, again: Callable[[str, float], object]):
             run = again(what, factor)
             if run is None:
                 break
+            if not isinstance(run, Fault):
+                raise ValueError(f"again: must return a Fault or None; got {shown(run)}.")
             left = run.measured / fault.measured
             if HALF[0] <= left <= HALF[1]:
                 return Remedy(what, factor, left)

@@ -51,7 +51,7 @@ def _linear(plant, angles):
 
 
 def rounding_passed(plant, loop, rate, angle):
-    """Return the mean square (m,) of what an encoder's rounding becomes at a joint, in counts^2.
+    """Return the mean square (m,) of an encoder's rounding as a plant passes it on, in counts^2.
 
     At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
     loop, at the joint angle (m,) in rad, passes on each one, sampled at the ticks: 1/12 in slow
