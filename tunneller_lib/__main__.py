@@ -301,9 +301,9 @@ def run_cut(options):
 
 
 def draw_wall(job, cut, path, say):
-    """Write the wall of a job's cut as a picture to a path; return the files written.
+    """Write the wall of a job's cut as a picture to a path, and its laps beside it.
 
-    None where a package is missing; `say` gets the reason.
+    Return the files written, none where a package is missing; `say` gets the reason.
     """
     try:
         from .reporting import figure, pictures, wall_plot
@@ -313,7 +313,12 @@ def draw_wall(job, cut, path, say):
     say(f"writing {path}")
     drawing, ax = figure(height=9)
     wall_plot.draw_unrolled(ax, cut, limit=job.limit)
-    return [str(pictures.write_picture(path, drawing))]
+    files = [str(pictures.write_picture(path, drawing))]
+    laps = path.with_name("laps.png")
+    say(f"writing {laps}")
+    drawing, ax = figure(height=6)
+    wall_plot.draw_laps(ax, cut, tolerance=job.plan["tolerance"])
+    return [*files, str(pictures.write_picture(laps, drawing))]
 
 
 def run_scene(options):

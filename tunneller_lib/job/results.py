@@ -21,7 +21,7 @@ from .mesh import stl, vtp, wall_solid, wall_surface
 from .reader import Job
 from .remedies import halved_by
 
-WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
+SEVERAL = 3  # times the tolerance, from which on an over- or under-break is worth a warning
 FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
          "factor", "left", "kind")  # fmt: skip
 SUMMARY = (
@@ -33,6 +33,7 @@ SUMMARY = (
     "removed_m3",
     "overbreak_m",
     "underbreak_m",
+    "each_lap",
     "times_s",
     "limits_used",
     "saturated_share",
@@ -41,6 +42,7 @@ SUMMARY = (
     "clearances",
     "warnings",
 )
+LAP = "lap", "over_m", "under_m", "removed_m3"
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
 # Who answers for a fault, for people.
@@ -73,7 +75,9 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     Returns
     -------
     numbers : dict
-        Of the plan, of the wall, and ``times_s``: what takes how long; ``limits_used``: the
+        Of the plan, of the wall, also where the cutter enters and leaves, and ``each_lap``: what
+        the first and, beside others, the last leaves and removes; ``times_s``: what takes how long;
+        ``limits_used``: the
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
         alone, with its greatest over- and under-break, the closed form of its ``measure``, the
@@ -92,7 +96,10 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
         for f, remedy in zip(found, halved_by(job, found, say), strict=True)
     ]
-    over = max(float(cut.deviation.max()), 0.0)
+    # Where the cutter enters and leaves it may overshoot; within the wall it is meant to be.
+    sides = np.concatenate([cut.before, cut.after])[:, 1:]
+    over = max(0.0, float(cut.deviation.max()))
+    over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
     under = max(float(-cut.deviation.min()), 0.0)
     return {
         "knots": len(plan.knots),
@@ -103,6 +110,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "removed_m3": float(cut.removed.sum()) + cut.plunged,
         "overbreak_m": over,
         "underbreak_m": under,
+        "each_lap": _laps(cut),
         "times_s": plan.times,
         "limits_used": plan.shares,
         "saturated_share": cut.track.saturated_share.tolist(),
@@ -120,6 +128,16 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     }
 
 
+def _laps(cut):
+    """Return a row for the first lap of a cut and, if it isn't the only one, for the last."""
+    found = []
+    for lap in sorted({0, cut.plan.laps - 1}):
+        off = cut.lap_deviations[lap]
+        sizes = max(off.max(), 0.0), max(-off.min(), 0.0), cut.lap_volumes[lap]
+        found.append(dict(zip(LAP, (lap + 1, *map(float, sizes)), strict=True)))
+    return found
+
+
 def _warnings(job, over, under):
     """Return sentences about a cut that is hardly what was meant; sizes in mm, perhaps."""
     depth = job.machine["depth"]
@@ -131,10 +149,10 @@ def _warnings(job, over, under):
             "are all sizes in metres?"
         )
     for name, worst in (("over", over), ("under", under)):
-        if worst > WORSE * tolerance:
+        if worst > SEVERAL * tolerance:
             found.append(
                 f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
-                f"tolerance of {1e3 * tolerance:g} mm."
+                f"tolerance of {1e3 * tolerance:g} mm; above {SEVERAL} times this is said."
             )
     return found
 
@@ -188,6 +206,15 @@ def _coarse(job, cut):
     ]
 
 
+def _lap_line(row):
+    """Return what a lap leaves and removes as a line for people."""
+    which = "lap 1, in whole ground" if row["lap"] == 1 else f"lap {row['lap']}, beside another"
+    return (
+        f"{which}: over-break {1e3 * row['over_m']:.3f} mm, under-break "
+        f"{1e3 * row['under_m']:.3f} mm, {1e3 * row['removed_m3']:.2f} l"
+    )
+
+
 @checked
 def summary_text(numbers: Summary):
     """Return what `summarise` found as lines for people, lengths in mm."""
@@ -197,6 +224,7 @@ def summary_text(numbers: Summary):
         f"{1e3 * numbers['removed_m3']:.2f} l removed",
         f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "
         f"under-break {1e3 * numbers['underbreak_m']:.3f} mm",
+        *(_lap_line(row) for row in numbers["each_lap"]),
         "time in s: " + ", ".join(f"{name} {t:.2f}" for name, t in numbers["times_s"].items()),
         "limits used: "
         + ", ".join(
