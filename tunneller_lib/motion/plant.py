@@ -47,8 +47,7 @@ class Plant(ABC):
     def functions(self):
         """Return the functions of `numbers` that can be compiled, by the stand-ins of `ticks`."""
 
-    @checked
-    def linear(self, angle: Angle):
+    def linear(self, angle):
         """Return the `LinearPlant` of small motions about a joint angle, in rad.
 
         A plant that has none raises `NoLinearForm`.

@@ -86,7 +86,7 @@ def budget(
 def fault_sources(plan, plant, loop, *, pose=None, arm=None, ground=None):
     """Return a function without arguments for each `Fault` of a `budget`, in its order.
 
-    The arguments are those of `budget`, with pairs for `plant` and `loop`; `pose`, `arm` and
+    The arguments are those of `budget`: a `plan`, pairs for `plant` and `loop`; `pose`, `arm` and
     `ground` may be left out. Laps under loads that several ask for are run once.
     """
     sources = [partial(source, plan) for source in OF_PLAN]
