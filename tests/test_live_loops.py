@@ -15,7 +15,7 @@ from tunneller_lib.motion.both_joints import least_parts, machine_of, parts_in
 from tunneller_lib.motion.hydraulics import spool_at
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.motion.ticks import _functions, control_of, run_axis, run_joints
+from tunneller_lib.motion.ticks import control_of, run_axis, run_joints
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 NODE = shutil.which("node")
@@ -86,7 +86,7 @@ def test_axis_runs_in_javascript_as_in_python(plant, loop):
     slopes = np.diff(setvalues) / TICK
     memory = np.zeros(1 + loop.delay)
     given = [numbers, control_of(loop), memory, start, setvalues, slopes, states, np.zeros(100)]
-    assert_same(run_axis, given, [2, 6, 7], **_functions(plant, numbers))
+    assert_same(run_axis, given, [2, 6, 7], **plant.functions())
     assert np.ptp(given[6][0]) > 1e-3
 
 

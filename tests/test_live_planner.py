@@ -63,7 +63,7 @@ def test_planner_prints_and_writes_what_the_command_does(planned, capsys):
     for path in (planned / "out").iterdir():
         if path.suffix != ".png":
             assert files[path.name] == path.read_bytes(), path.name
-    for name in ("plan.png", "wall.png"):
+    for name in ("plan.png", "wall.png", "laps.png"):
         assert pixels(files[name]).std() > 10
 
 

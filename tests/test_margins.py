@@ -42,13 +42,15 @@ def test_only_axes_with_cylinders_have_margins():
     planned = plan(CIRCUIT, Limits(feed=0.2, acceleration=1.0), tolerance=1e-2)
     loop = (Loop(8.0, planned.tick),) * 2
     lag = (Lag(0.5, 0.02),) * 2
-    with pytest.raises(ValueError, match=r"^plant: must be of class Rigid or Compressible, which"):
+    with pytest.raises(ValueError, match=r"^plant: must have cylinders; got Lag, without\.$"):
         capability(planned, lag, loop, usual_sizes(REFERENCE_MACHINE))
+    with pytest.raises(ValueError, match=r"^plant: must have cylinders; got Lag, without\.$"):
+        gain_margins(CIRCUIT, lag, loop)
     with pytest.raises(ValueError, match=r"^plant: must be of class Compressible, .* got Lag and"):
         ground_fault(planned, lag, loop, Ground(2e7, 2.0))
 
 
 @pytest.mark.parametrize("number", [0.0, -1.0, [1.0, 2.0]])
 def test_bounds_are_numbers_above_zero(number):
-    with pytest.raises(ValueError, match=r"^jerk: must be one number above zero; got "):
-        Limits(feed=0.1, acceleration=1.0, jerk=number)
+    with pytest.raises(ValueError, match=r"^joint_speed: must be one number above zero; got "):
+        Limits(feed=0.1, acceleration=1.0, joint_speed=number)

@@ -423,7 +423,7 @@ def test_follow_refuses_what_does_not_fit():
         with pytest.raises(ValueError, match=r"^inverse: must "):
             follow(LINEAR[0], loop, two, inverse=inverse)
     for plant in (None, [LINEAR[0], "T1"]):
-        with pytest.raises(ValueError, match=r"^plant(\[1\])?: must be of class Integrator or"):
+        with pytest.raises(ValueError, match=r"^plant(\[1\])?: must be of class Plant"):
             follow(plant, loop, two)
 
 

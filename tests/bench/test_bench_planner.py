@@ -1,4 +1,4 @@
-"""The planner against toppra (paths, no jerk) and ruckig (moves from rest to rest, with jerk).
+"""The planner against toppra, on the same way.
 
 The criterion is the duration at equal limits, which both sides keep; then the processor time.
 """
@@ -10,7 +10,6 @@ import pytest
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, plan
-from tunneller_lib.ream.timing import move_shares, move_ticks
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -68,35 +67,3 @@ def test_laps_last_as_long_as_toppras(
     say(f"duration over toppra's, {what}", lasts / theirs, package)
     say(f"toppra's CPU s, {what}", spent, package)
     assert max(job.shares.values()) <= 1 and abs(lasts / theirs - 1) < 0.02
-
-
-def ruckigs_duration(ruckig, distance, speed, acceleration, jerk):
-    """Return the duration that ruckig gives a move from rest to rest, in s."""
-    wanted = ruckig.InputParameter(1)
-    wanted.current_position, wanted.target_position = [0.0], [distance]
-    wanted.max_velocity, wanted.max_acceleration = [speed], [acceleration]
-    wanted.max_jerk = [jerk]
-    found = ruckig.Trajectory(1)
-    ruckig.Ruckig(1).calculate(wanted, found)
-    return found.duration
-
-
-def single_moves():
-    """Return random distances, speeds, accelerations and jerks (2000, 4)."""
-    rng = np.random.default_rng(7)
-    return 10.0 ** rng.uniform([-3, -2, -1, 0], [0, 0, 1, 2], (2000, 4))
-
-
-@pytest.mark.parametrize("package", ["ruckig"])
-def test_single_moves_last_as_long_as_ruckigs(installed, benchmark, say, package):
-    asked = single_moves().tolist()
-    runs = benchmark.pedantic(
-        lambda: [move_shares(move_ticks(*one, TICK)) for one in asked], rounds=3
-    )
-    ratios = [
-        (len(run) - 1) * TICK / ruckigs_duration(installed, *one)
-        for run, one in zip(runs, asked, strict=True)
-    ]
-    say("duration over ruckig's, the greatest of 2000", max(ratios), package)
-    say("duration over ruckig's, in the median", float(np.median(ratios)), package)
-    assert 0.95 < min(ratios) and max(ratios) < 1.05

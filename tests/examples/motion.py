@@ -14,7 +14,7 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.arm import Arm
 from tunneller_lib.motion.hydraulics import Hydraulics
-from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.motion.plant import LinearPlant, ValveResonance
 from tunneller_lib.motion.servo import Track
 from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
@@ -32,6 +32,7 @@ INSTANCES = {
     Hydraulics: THETA,
     Integrator: Integrator(0.5),
     Lag: Lag(0.5, 0.02),
+    LinearPlant: Lag(0.5, 0.02),
     Loop: Loop(10.0, 0.005),
     Release: Release("line", 0, 400),
     Resonance: Resonance(0.5, 100.0, 0.15),

@@ -66,6 +66,7 @@ CALLS = {
     "expected_seconds": AXIS | {"shape": (6, 12)},
     "faults.following_fault": AXIS,
     "ground_fault": OILY,
+    "halving": {"again": lambda what, factor: None},
     "route_through": {"knots": [0.0, 0.5, 1.2, 2.0]},
     "wall.intact_wall": {"start": -0.3, "shape": (6, 12)},
     "wall.lap_volume": {"advance": 0.05},

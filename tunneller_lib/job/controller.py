@@ -13,7 +13,6 @@ from typing import Literal
 import numpy as np
 
 from ..arguments import checked
-from ..motion import Compressible, Rigid
 from ..ream.moves import levers
 from ..ream.planning import Plan
 from .reader import Job
@@ -281,9 +280,9 @@ def _expanded(text):
 
 def _plant(plant):
     """Return the constants of an axis' static inverse by their names."""
-    if not isinstance(plant, (Rigid, Compressible)):
+    axis = plant.hydraulics
+    if axis is None:
         return {"rSpeed": float(plant.gain)}
-    axis = plant.axis
     link = axis.linkage
     whole, ring = link.areas
     return {
@@ -305,8 +304,8 @@ def _plant(plant):
 def _loop(name, plant):
     """Return the lines of an axis' position loop with the static inverse of its plant."""
     text = LOOP_BEGIN
-    if isinstance(plant, (Rigid, Compressible)):
-        second = PAIR if plant.axis.linkage.pair else ""
+    if plant.hydraulics is not None:
+        second = PAIR if plant.hydraulics.linkage.pair else ""
         text += INVERSE.replace("@PAIR", second)
     else:
         text += "rValve@ := rRate / rSpeed@;\n"

@@ -3,7 +3,6 @@
 import csv
 import io
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,10 +10,8 @@ import numpy as np
 
 from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
-from ..motion.stability import is_stable
 from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
-from ..ream.faults import following_fault
 from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
@@ -22,11 +19,11 @@ from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl, vtp, wall_solid, wall_surface
 from .reader import Job
+from .remedies import halved_by
 
-CONFIRMED = 0.6  # of a fault, at most, must be left where its halving is confirmed
-MOST_GAIN = 1e9  # of a Loop, in 1/s
-WORSE = 3  # times the tolerance: all sources together are beyond what was asked for
-FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "halved_by", "factor", "kind"
+SEVERAL = 3  # times the tolerance, from which on an over- or under-break is worth a warning
+FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
+         "factor", "left", "kind")  # fmt: skip
 SUMMARY = (
     "knots",
     "setpoints",
@@ -36,6 +33,7 @@ SUMMARY = (
     "removed_m3",
     "overbreak_m",
     "underbreak_m",
+    "each_lap",
     "times_s",
     "limits_used",
     "saturated_share",
@@ -44,13 +42,11 @@ SUMMARY = (
     "clearances",
     "warnings",
 )
+LAP = "lap", "over_m", "under_m", "removed_m3"
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
-BEYOND = 1.25  # times, either way: what is measured is beyond its closed form's range
-LESS = "count", "blend", "pose", "power"  # what is made smaller to halve a fault
 # Who answers for a fault, for people.
 DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
-LEAST_SEEN = 5e-5  # m, below which a closed form's range matters to nobody
 
 
 def _summary(name, value):
@@ -79,11 +75,15 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     Returns
     -------
     numbers : dict
-        Of the plan, of the wall, and ``times_s``: what takes how long; ``limits_used``: the
+        Of the plan, of the wall, also where the cutter enters and leaves, and ``each_lap``: what
+        the first and, beside others, the last leaves and removes; ``times_s``: what takes how long;
+        ``limits_used``: the
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
-        alone, with its greatest over- and under-break, the closed form of its ``measure`` and who
-        answers for it; ``machine``: what it has and needs, in the unit that each row names, and the
+        alone, with its greatest over- and under-break, the closed form of its ``measure``, the
+        ratio of what is simulated to it, the key of the job that halves it, as another simulation
+        confirms, by which factor and what is left, and who answers for it, with None for what there
+        isn't; ``machine``: what it has and needs, in the unit that each row names, and the
         damper of the ground that each joint bears and meets if the picks are in step;
         ``clearances``: how far each part of the machine keeps from the wall as planned, and where
         along the circuit; ``warnings``, sentences.
@@ -91,11 +91,15 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     if cut.track is None:
         raise ValueError("cut: must be of simulated loops; got one without a track.")
     plan = job.planned
+    found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
     faults = [
-        (f.source, f.over, f.under, f.rms, f.measure, f.closed, *_halving(job, f), f.kind)
-        for f in budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
+        (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
+        for f, remedy in zip(found, halved_by(job, found, say), strict=True)
     ]
-    over = max(float(cut.deviation.max()), 0.0)
+    # Where the cutter enters and leaves it may overshoot; within the wall it is meant to be.
+    sides = np.concatenate([cut.before, cut.after])[:, 1:]
+    over = max(0.0, float(cut.deviation.max()))
+    over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
     under = max(float(-cut.deviation.min()), 0.0)
     return {
         "knots": len(plan.knots),
@@ -106,6 +110,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "removed_m3": float(cut.removed.sum()) + cut.plunged,
         "overbreak_m": over,
         "underbreak_m": under,
+        "each_lap": _laps(cut),
         "times_s": plan.times,
         "limits_used": plan.shares,
         "saturated_share": cut.track.saturated_share.tolist(),
@@ -123,23 +128,14 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
     }
 
 
-def _halving(job, fault):
-    """Return what halves a fault, and by which factor; a gain only where a simulation confirms it.
-
-    The gain is raised as the closed form says and the axes run again. Where a loop isn't stable
-    then, or less than two fifths of the fault go, no gain is named and the factor is 1.
-    """
-    if fault.halved_by != "gain":
-        return fault.halved_by, float(fault.factor)
-    plants, loops = job.axes
-    raised = [replace(loop, gain=min(loop.gain * fault.factor, MOST_GAIN)) for loop in loops]
-    at = job.planned.setvalues
-    angles = np.linspace(at.min(axis=0), at.max(axis=0), 5)
-    if all(map(is_stable, plants, raised, angles.T)):
-        left = following_fault(job.planned, plants, raised)
-        if left.measured <= CONFIRMED * fault.measured:
-            return "gain", float(fault.factor)
-    return "no gain", 1.0
+def _laps(cut):
+    """Return a row for the first lap of a cut and, if it isn't the only one, for the last."""
+    found = []
+    for lap in sorted({0, cut.plan.laps - 1}):
+        off = cut.lap_deviations[lap]
+        sizes = max(off.max(), 0.0), max(-off.min(), 0.0), cut.lap_volumes[lap]
+        found.append(dict(zip(LAP, (lap + 1, *map(float, sizes)), strict=True)))
+    return found
 
 
 def _warnings(job, over, under):
@@ -153,10 +149,10 @@ def _warnings(job, over, under):
             "are all sizes in metres?"
         )
     for name, worst in (("over", over), ("under", under)):
-        if worst > WORSE * tolerance:
+        if worst > SEVERAL * tolerance:
             found.append(
                 f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
-                f"tolerance of {1e3 * tolerance:g} mm."
+                f"tolerance of {1e3 * tolerance:g} mm; above {SEVERAL} times this is said."
             )
     return found
 
@@ -210,20 +206,13 @@ def _coarse(job, cut):
     ]
 
 
-def _knob(fault):
-    """Return what halves a fault and by how much it grows or, where less is better, shrinks."""
-    sign = "/" if fault["halved_by"] in LESS else "x"
-    changed = f"{fault['halved_by']} {sign} {fault['factor']:.2f}"
-    return changed if fault["factor"] != 1 else fault["halved_by"]
-
-
-def _mark(fault):
-    """Return a mark for a fault whose closed form is off by more than a quarter, and matters."""
-    worst = max(fault["over_m"], fault["under_m"])
-    measured = fault["rms_m"] if fault["measure"] == "rms" else worst
-    closed = fault["closed_m"]
-    within = closed / BEYOND <= measured <= closed * BEYOND
-    return "" if within or worst < LEAST_SEEN else " *"
+def _lap_line(row):
+    """Return what a lap leaves and removes as a line for people."""
+    which = "lap 1, in whole ground" if row["lap"] == 1 else f"lap {row['lap']}, beside another"
+    return (
+        f"{which}: over-break {1e3 * row['over_m']:.3f} mm, under-break "
+        f"{1e3 * row['under_m']:.3f} mm, {1e3 * row['removed_m3']:.2f} l"
+    )
 
 
 @checked
@@ -235,6 +224,7 @@ def summary_text(numbers: Summary):
         f"{1e3 * numbers['removed_m3']:.2f} l removed",
         f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "
         f"under-break {1e3 * numbers['underbreak_m']:.3f} mm",
+        *(_lap_line(row) for row in numbers["each_lap"]),
         "time in s: " + ", ".join(f"{name} {t:.2f}" for name, t in numbers["times_s"].items()),
         "limits used: "
         + ", ".join(
@@ -252,19 +242,28 @@ def summary_text(numbers: Summary):
             f"{row['part']} {1e3 * row['clearance_m']:.1f}" for row in numbers["clearances"]
         ),
         "",
-        "each alone, in mm     over   under     rms   closed form      halved by         due to",
+        "each alone, in mm     over   under     rms   closed form     ratio  halved by"
+        "                 left  due to",
     ]
     for fault in numbers["faults"]:
-        over, under, rms, closed = (
-            1e3 * fault[f"{k}_m"] for k in ("over", "under", "rms", "closed")
-        )
-        form = f"{closed:8.4f} {fault['measure']}"
+        over, under, rms = (1e3 * fault[f"{k}_m"] for k in ("over", "under", "rms"))
+        form = ratio = knob = left = "-"
+        if fault["closed_m"] is not None:
+            form = f"{1e3 * fault['closed_m']:8.4f} {fault['measure']}"
+        if fault["ratio"] is not None:
+            ratio = f"{fault['ratio']:.2f}"
+        if fault["halved_by"] is not None:
+            knob = f"{fault['halved_by']} x {fault['factor']:.2f}"
+            left = f"{fault['left']:.2f}"
         lines.append(
-            f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:18s}"
-            f"{_knob(fault):18s}{DUE_TO[fault['kind']]}{_mark(fault)}"
+            f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:17s}{ratio:>5s}  "
+            f"{knob:26s}{left:6s}{DUE_TO[fault['kind']]}"
         )
-    if any(_mark(fault) for fault in numbers["faults"]):
-        lines.append("* beyond the range of its closed form, which is for slow, small motions")
+    lines += [
+        "A ratio is simulated over closed form, which is for slow, small motions.",
+        "What halves a source was simulated: with that key of the job multiplied so, that share of",
+        "it is left; - where none of the keys tried leaves 0.4 to 0.6.",
+    ]
     if numbers["machine"]:
         lines += ["", "the machine            has      needs"]
     for row in numbers["machine"]:

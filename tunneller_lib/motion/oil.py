@@ -12,7 +12,7 @@ from ..arguments import Angle, Finite, Rule, checked
 from ..compiled import root
 from ..surfaces.linkage import chambers, check_stroke
 from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
-from .plant import Lag, ValveResonance
+from .plant import Lag, Plant, ValveResonance
 from .quantities import Tick, Torque, moderate_array
 
 SLIP = 2e-3  # rad/s, within which dry friction turns from one direction to the other
@@ -32,9 +32,23 @@ def _state(name, value):
 State = Annotated[ArrayLike, Rule("(5,) float", _state)]
 
 
+class _Oily(Plant):
+    """What the plants with cylinders share: their `axis`."""
+
+    @property
+    def hydraulics(self):
+        """Return the sizes of the axis."""
+        return self.axis
+
+    @checked
+    def command(self, rate: Finite, position: Angle):
+        """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
+        return self.axis.command(rate, position)
+
+
 @dataclass(frozen=True)
 @checked
-class Rigid:
+class Rigid(_Oily):
     """T2: an axis whose oil doesn't give way; its state is angle and spool.
 
     Parameters
@@ -44,11 +58,6 @@ class Rigid:
     """
 
     axis: Hydraulics
-
-    @checked
-    def command(self, rate: Finite, position: Angle):
-        """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
-        return self.axis.command(rate, position)
 
     @checked
     def linear(self, angle: Angle):
@@ -69,6 +78,10 @@ class Rigid:
         fall = math.exp(-tick / parts / 2 / axis.valve_lag)
         return OilTicks(axis.low, axis.high, axis, parts, tick / parts, fall)
 
+    def functions(self):
+        """Return the functions that run the plant."""
+        return {"ticked": rigid_tick, "commanding": opening_at}
+
     @checked
     def stepper(self, tick: Tick):
         """Return the function (state, command) -> state one tick, in s, later."""
@@ -77,7 +90,7 @@ class Rigid:
 
 @dataclass(frozen=True)
 @checked
-class Compressible:
+class Compressible(_Oily):
     """T3: an axis with compressible oil; its state is angle, rate, both pressures, spool.
 
     Parameters
@@ -94,11 +107,6 @@ class Compressible:
     """
 
     axis: Hydraulics
-
-    @checked
-    def command(self, rate: Finite, position: Angle):
-        """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
-        return self.axis.command(rate, position)
 
     @checked
     def linear(self, angle: Angle):
@@ -135,6 +143,10 @@ class Compressible:
         axis = self.axis.numbers
         parts = parts_of(tick, tick * steps_of(self.axis))
         return OilTicks(axis.low, axis.high, axis, parts, tick / parts)
+
+    def functions(self):
+        """Return the functions that run the plant."""
+        return {"ticked": compressible_tick, "commanding": opening_at}
 
     @checked
     def stepper(self, tick: Tick):

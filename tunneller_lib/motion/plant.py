@@ -1,10 +1,11 @@
-"""Linear models of an axis, from valve command to joint angle, exact from tick to tick.
+"""What every model of an axis answers, and the linear models, exact from tick to tick.
 
-Each plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
-command), `transfer`, `stepper` (the next state), `command` (static inverse).
+Each linear plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
+command), `transfer`, `stepper` (the next state), `command` (static inverse), `lateness`.
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +18,49 @@ from .quantities import ComplexFrequencies, Quantity, Tick
 # to this norm is right to rounding (Higham, SIAM J. Matrix Anal. Appl. 26, 2005).
 PADE = [math.comb(13, j) * math.factorial(26 - j) / math.factorial(26) for j in range(14)]
 PADE_REACH = 5.37
+
+
+class NoLinearForm(ValueError):
+    """A plant has no linear form, and so neither closed forms nor limits of the gain."""
+
+
+class Plant(ABC):
+    """An axis from valve command to joint angle; a further model is one subclass.
+
+    `follow` runs any that has the four abstract methods. Who needs more asks for it: closed forms
+    and stability for the `linear` plant, the ground and a controller's text for the `hydraulics`.
+    """
+
+    @abstractmethod
+    def command(self, rate, position):
+        """Return the command that gives a steady rate, in rad/s, at a position, in rad."""
+
+    @abstractmethod
+    def rest(self, position):
+        """Return the state at rest at a position, in rad, which is its first number."""
+
+    @abstractmethod
+    def numbers(self, tick):
+        """Return ticks, in s, as a tuple of plain numbers with `low` and `high`, the stroke."""
+
+    @abstractmethod
+    def functions(self):
+        """Return the functions of `numbers` that can be compiled, by the stand-ins of `ticks`."""
+
+    def linear(self, angle):
+        """Return the `LinearPlant` of small motions about a joint angle, in rad.
+
+        A plant that has none raises `NoLinearForm`.
+        """
+        raise NoLinearForm(
+            "plant: must have a linear form, for closed forms and for limits of the gain; "
+            f"got {type(self).__name__}, which has none."
+        )
+
+    @property
+    def hydraulics(self):
+        """Return the sizes, a `Hydraulics`; None of a plant without cylinders."""
+        return None
 
 
 class LinearTicks(NamedTuple):
@@ -83,8 +127,37 @@ def command_at(plant, rate, position):
 TICKS = tick_of_one, tick_of_two, tick_of_three, tick_of_four
 
 
-class _Linear:
-    """What the linear plants share."""
+class LinearPlant(Plant):
+    """What the linear plants share; each has a `gain`, `matrices` and `discrete`."""
+
+    @abstractmethod
+    def matrices(self):
+        """Return A and B of state' = A state + B command; the state begins with the angle."""
+
+    @abstractmethod
+    def discrete(self, tick):
+        """Return Ad and Bd of a command held for a tick, in s."""
+
+    @checked
+    def linear(self, angle: Angle):
+        """Return the plant itself, at any joint angle."""
+        return self
+
+    def functions(self):
+        """Return the functions that run the plant, by its order."""
+        return {"ticked": TICKS[len(self.matrices()[1]) - 1], "commanding": command_at}
+
+    @property
+    def lateness(self):
+        """Return the time by which the rate is late in slow motion, in s.
+
+        -d/ds of the rate over the command at s = 0, over its value there: the first moment of the
+        answer. By A and B without the angle, on which no rate depends.
+        """
+        A, B = self.matrices()
+        held = np.linalg.solve(A[1:, 1:], B[1:])
+        steady = B[0] - A[0, 1:] @ held
+        return float(A[0, 1:] @ np.linalg.solve(A[1:, 1:], held) / steady)
 
     @checked
     def command(self, rate: Finite, position: Angle | None = None):
@@ -135,7 +208,7 @@ class _Linear:
 
 @dataclass(frozen=True)
 @checked
-class Integrator(_Linear):
+class Integrator(LinearPlant):
     """T0: x' = K u, the first-order model of the document's position loop.
 
     Parameters
@@ -168,7 +241,7 @@ class Integrator(_Linear):
 
 @dataclass(frozen=True)
 @checked
-class Lag(_Linear):
+class Lag(LinearPlant):
     """T1: K / (s (lag s + 1)), a rate that follows the command with a lag.
 
     Parameters
@@ -209,7 +282,7 @@ class Lag(_Linear):
 
 @dataclass(frozen=True)
 @checked
-class Resonance(_Linear):
+class Resonance(LinearPlant):
     """K w^2 / (s (s^2 + 2 zeta w s + w^2)): load and oil as mass and spring, small motions.
 
     Parameters
@@ -247,7 +320,7 @@ class Resonance(_Linear):
 
 @dataclass(frozen=True)
 @checked
-class ValveResonance(_Linear):
+class ValveResonance(LinearPlant):
     """K w^2 / (s (lag s + 1) (s^2 + 2 zeta w s + w^2)): a resonance behind a valve with a lag.
 
     Parameters

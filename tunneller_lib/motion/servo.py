@@ -12,10 +12,9 @@ from ..surfaces.linkage import check_stroke
 from .arm import Arm
 from .both_joints import Push
 from .loop import Loop
-from .oil import Compressible, Rigid
-from .plant import Integrator, Lag, Resonance, ValveResonance
+from .plant import NoLinearForm, Plant
 from .quantities import moderate_array, one_or_each
-from .stability import LinearPlant, is_stable
+from .stability import is_stable
 from .ticks import run_each, run_together
 
 
@@ -28,7 +27,7 @@ def _push(name, value):
 Pushing = Annotated[object, Rule("Push or function", _push)]
 
 
-Plants = one_or_each(Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible)
+Plants = one_or_each(Plant)
 Loops = one_or_each(Loop)
 Setvalues = Annotated[
     ArrayLike, Rule("(ticks + 1,) or (ticks + 1, n) float", moderate_array, "rad")
@@ -54,7 +53,7 @@ class Track:
         All states of each axis' plant, its position first.
     stable : tuple of bool or None
         For each axis, whether small motions are stable all over the range of its set-values; None
-        with an `inverse` that isn't the plant's own.
+        with an `inverse` that isn't the plant's own, and of a plant without a linear form.
     energies : (ticks + 1, 5) float or None
         What the pump gave and where it went, `both_joints.ENERGIES`, in J; None of axes that don't
         act on each other.
@@ -147,7 +146,7 @@ def follow(
 
     Parameters
     ----------
-    plant : Integrator, Lag, Resonance, ValveResonance, Rigid, Compressible or a list of them
+    plant : Plant or a list of them
         One for each axis, or one for all.
     loop : Loop or a list of them
         One for each axis, or one for all; one tick for all.
@@ -198,8 +197,8 @@ def follow(
         ticks = shown([one.tick for one in loops])
         raise ValueError(f"loop: all axes must share one tick; got {ticks} s.")
     for one, column in zip(plants, columns.T, strict=True):
-        if isinstance(one, (Rigid, Compressible)):
-            check_stroke(column, one.axis.low, one.axis.high, "setvalues")
+        if one.hydraulics is not None:
+            check_stroke(column, one.hydraulics.low, one.hydraulics.high, "setvalues")
     if inverse is not None:
         _try(inverse, columns[0, 0])
     rates = _slope_columns(slopes, setvalues, loops)
@@ -224,11 +223,16 @@ def follow(
 
 
 def _is_stable(plant, loop, column):
-    """Return whether small motions of an axis are stable all over the range of its set-values."""
-    if isinstance(plant, LinearPlant):
-        return is_stable.unchecked(plant, loop)
+    """Return whether small motions of an axis are stable all over the range of its set-values.
+
+    None where the plant has no linear form to judge by.
+    """
     # How stiff oil is depends on the angle, so five of the range are asked.
-    return is_stable.unchecked(plant, loop, np.linspace(column.min(), column.max(), 5))
+    angles = np.linspace(column.min(), column.max(), 5)
+    try:
+        return is_stable.unchecked(plant, loop, angles)
+    except NoLinearForm:
+        return None
 
 
 def _for_each_axis(name, value, axes):

@@ -11,14 +11,11 @@ import numpy as np
 
 from ..arguments import Angles, Whole, Wholes, checked
 from .loop import MOST_DELAY, Loop
-from .oil import Compressible, Rigid
-from .plant import Integrator, Lag, Resonance, ValveResonance
+from .plant import Lag, LinearPlant, Plant, Resonance
 from .quantities import Quantity, Quantity0, Tick, Ticks
 
 GENTLE = 1e-3  # 1/s, a gain with which every loop of the study is stable
 GAINS = 60  # that are tried for a loop with an integral
-LinearPlant = Integrator | Lag | Resonance | ValveResonance
-Plant = LinearPlant | Rigid | Compressible
 
 
 @checked
@@ -110,7 +107,7 @@ def closed_loop(plant: LinearPlant, loop: Loop):
 @lru_cache(256)
 def _discrete(plant, tick):
     """Return Ad and Bd of a plant, which searches for a gain ask for again and again."""
-    return plant.discrete.unchecked(plant, tick)
+    return plant.discrete(tick)
 
 
 def _matrix(plant, loop, gain):
@@ -120,8 +117,8 @@ def _matrix(plant, loop, gain):
     m = loop.delay
     matrix = np.zeros((order + 1 + m, order + 1 + m))
     command = np.zeros(len(matrix))
-    command[0] = plant.command.unchecked(plant, -gain)
-    command[order] = plant.command.unchecked(plant, 1.0)
+    command[0] = plant.command(-gain)
+    command[order] = plant.command(1.0)
     matrix[:order, :order] = Ad
     matrix[order, [0, order]] = -loop.integral * loop.tick, 1
     if m == 0:
@@ -139,8 +136,8 @@ def _matrix(plant, loop, gain):
 def is_stable(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     """Return whether a closed loop is stable in small motions about rest.
 
-    T2 and T3 are judged by their linear models at each of the joint angles `angles`, in rad;
-    encoder, dead band and limit of the valve are left out.
+    Each plant is judged by its linear form at each of the joint angles `angles`, in rad; encoder,
+    dead band and limit of the valve are left out.
     """
     return all(bool(_radius(one, loop, loop.gain) < 1) for one in _models(plant, angles))
 
@@ -164,8 +161,8 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
 
     Parameters
     ----------
-    plant : Integrator, Lag, Resonance, ValveResonance, Rigid or Compressible
-        The axis.
+    plant : Plant
+        The axis, which must have a linear form.
     loop : Loop
         Its own gain doesn't matter, its integral does.
     angles : (...) float
@@ -202,9 +199,7 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
 
 def _models(plant, angles):
     """Return the linear models of small motions about rest, at joint angles in rad."""
-    if isinstance(plant, LinearPlant):
-        return {plant}
-    return {plant.linear.unchecked(plant, angle) for angle in np.ravel(angles).tolist()}
+    return {plant.linear(angle) for angle in np.ravel(angles).tolist()}
 
 
 @checked
@@ -213,7 +208,7 @@ def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "
 
     Parameters
     ----------
-    plant : Integrator, Lag, Resonance or ValveResonance
+    plant : LinearPlant
         The axis.
     loop : Loop
         A stable loop, from whose gain the search starts.

@@ -9,8 +9,7 @@ from ..arguments import shown
 from ..compiled import call, call_plain, expect
 from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, parts_in
 from .hydraulics import spool_at
-from .oil import Compressible, Rigid, compressible_tick, opening_at, out_of_stroke, rigid_tick
-from .plant import TICKS, command_at
+from .oil import Compressible, out_of_stroke
 
 # About how long a tick takes in plain Python, in s: of any loop, and for each part of it.
 PLAIN_TICK, PLAIN_PART = 2e-6, 3e-5
@@ -203,9 +202,9 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
             commands,
         )
         expect(plain_seconds(numbers, ticks), "axes")
-        kept = _run(run_axis, given, own_inverse, **_functions(plant, numbers))
+        kept = _run(run_axis, given, own_inverse, **plant.functions())
         if kept < ticks:
-            raise out_of_stroke(plant.axis, states[0, kept + 1])
+            raise out_of_stroke(numbers, states[0, kept + 1])
         all_states.append(states.T)
         all_commands.append(commands)
     return all_states, all_commands
@@ -277,15 +276,6 @@ def plain_seconds(numbers, ticks):
 def expect_run(plants, tick, ticks):
     """Say that `plants` will be run for so many `ticks` of a `tick` in s: see `compiled.expect`."""
     expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
-
-
-def _functions(plant, numbers):
-    """Return the functions of a `plant` with such `numbers`, by the stand-ins' names."""
-    if isinstance(plant, Rigid):
-        return {"ticked": rigid_tick, "commanding": opening_at}
-    if isinstance(plant, Compressible):
-        return {"ticked": compressible_tick, "commanding": opening_at}
-    return {"ticked": TICKS[len(numbers.rows) - 1], "commanding": command_at}
 
 
 def _run(function, given, own_inverse, **parts):

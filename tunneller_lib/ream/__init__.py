@@ -8,6 +8,7 @@ from .feed import Limits
 from .margins import gain_margins
 from .planning import plan
 from .pose import Pose
+from .remedies import halving
 from .sensitivity import trailing
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "carve",
     "faults",
     "gain_margins",
+    "halving",
     "part_clearances",
     "plan",
     "simulate",

@@ -1,9 +1,10 @@
 """Plants and loops of the two joints: one for both, or one for each."""
 
-from ..motion import Compressible, Integrator, Lag, Loop, Resonance, Rigid
+from ..motion import Loop
+from ..motion.plant import Plant
 from ..motion.quantities import Pair
 
-Plants = Pair(Integrator, Lag, Resonance, Rigid, Compressible)
+Plants = Pair(Plant)
 Loops = Pair(Loop)
 
 

@@ -83,6 +83,12 @@ class Cut:
         """
         return -self.plan.circuit.profile.depth(*self.centres[:, 1:].T)
 
+    @property
+    def lap_deviations(self):
+        """Return the `deviation` of each lap (laps, ticks + 1), in m, at the ticks of its plan."""
+        ticks = int(self.plan.ticks.sum())
+        return self.deviation[ticks * np.arange(self.plan.laps)[:, None] + np.arange(ticks + 1)]
+
     @cached_property
     def overbreak(self):
         """Return the overbreak of the wall (n, m), in m, see `wall.overbreak`."""
@@ -149,7 +155,7 @@ def simulate(
     ----------
     plan : Plan
         What is to be done.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick.

@@ -43,7 +43,7 @@ def budget(
     ----------
     plan : Plan
         What is to be done.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops.
@@ -74,19 +74,29 @@ def budget(
     The ideal lap has the cutter's centre on the circuit at every tick of the plan.
     """
     check_unheld(plan)
-    sources = [(source, ()) for source in OF_PLAN]
-    sources += [(source, (plant, loop)) for source in OF_AXES]
-    laps = LoadedLaps(plan, plant, loop)
-    if arm is not None:
-        sources.append((partial(arm_fault, laps=laps), (plant, loop, arm)))
-    if ground is not None:
-        sources.append((partial(ground_fault, arm=arm, laps=laps), (plant, loop, ground)))
-        sources.append((partial(picks_fault, arm=arm, laps=laps), (plant, loop, ground)))
-    if pose is not None:
-        sources.append((pose_fault, (pose,)))
+    sources = fault_sources(plan, plant, loop, pose=pose, arm=arm, ground=ground)
     faults = []
-    for number, (source, given) in enumerate(sources, start=1):
+    for number, source in enumerate(sources, start=1):
         if say is not None:
             say(f"budget: source {number} of {len(sources)}")
-        faults.append(source(plan, *given))
+        faults.append(source())
     return faults
+
+
+def fault_sources(plan, plant, loop, *, pose=None, arm=None, ground=None):
+    """Return a function without arguments for each `Fault` of a `budget`, in its order.
+
+    The arguments are those of `budget`: a `plan`, pairs for `plant` and `loop`; `pose`, `arm` and
+    `ground` may be left out. Laps under loads that several ask for are run once.
+    """
+    sources = [partial(source, plan) for source in OF_PLAN]
+    sources += [partial(source, plan, plant, loop) for source in OF_AXES]
+    laps = LoadedLaps(plan, plant, loop)
+    if arm is not None:
+        sources.append(partial(arm_fault, plan, plant, loop, arm, laps=laps))
+    if ground is not None:
+        for source in (ground_fault, picks_fault):
+            sources.append(partial(source, plan, plant, loop, ground, arm=arm, laps=laps))
+    if pose is not None:
+        sources.append(partial(pose_fault, plan, pose))
+    return sources

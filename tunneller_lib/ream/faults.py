@@ -1,5 +1,6 @@
 """The sources of the wall's error, each switched on alone, and the closed form of each."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 from ..arguments import checked
 from ..exact import dot, norm
 from ..motion import follow
+from ..motion.plant import NoLinearForm
 from ..paths import geodesic_inverse
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .moves import Moves, levers
@@ -39,12 +41,11 @@ class Fault:
         `along` the path, how far the set-values are ahead.
     measure : {"largest", "rms"}
         What the closed form says.
-    closed : float
-        The closed form, in m.
-    halved_by : str
-        What must change for half of it.
-    factor : float
-        By how much: the error goes with a power of it.
+    closed : float or None
+        The closed form, in m; None where there is none.
+    remedies : tuple of (str, float)
+        What may halve it, the likeliest first, and by which factor of that by its power or closed
+        form: a guess, which `halving` tries.
     along : bool
         Whether it is along the path and not across.
     """
@@ -52,9 +53,8 @@ class Fault:
     source: str
     deviation: np.ndarray
     measure: str
-    closed: float
-    halved_by: str
-    factor: float
+    closed: float | None
+    remedies: tuple
     along: bool = False
 
     @property
@@ -82,6 +82,11 @@ class Fault:
         """Return what `closed` is compared with, in m."""
         return self.rms if self.measure == "rms" else max(self.over, self.under)
 
+    @property
+    def ratio(self):
+        """Return what is measured over its closed form; None where there is none, or it is zero."""
+        return self.measured / self.closed if self.closed else None
+
 
 @checked
 def knot_fault(plan: Plan):
@@ -95,8 +100,7 @@ def knot_fault(plan: Plan):
         deviation=_overbreak(plan, _geodesics(plan)),
         measure="largest",
         closed=float(np.abs(sagitta).max()),
-        halved_by="knots",
-        factor=np.sqrt(2),
+        remedies=(("tolerance", 1 / 2),),
     )
 
 
@@ -104,8 +108,8 @@ def knot_fault(plan: Plan):
 def tangent_sphere_fault(plan: Plan):
     """Return the `Fault` of the plan's paths in place of geodesics between the same knots.
 
-    The closed form is that of tangent spheres on short chords; of corrected chords nothing of it
-    is left, and the next power of the length decides.
+    The closed form is that of tangent spheres on short chords. Of corrected chords nothing of it
+    is left: the next power of the length decides, for which there is none.
     """
     check_unheld(plan)
     circuit = plan.circuit
@@ -123,9 +127,9 @@ def tangent_sphere_fault(plan: Plan):
         source=plan.path,
         deviation=apart,
         measure="largest",
-        closed=0.0 if corrected else float(closed.max()),
-        halved_by="knots",
-        factor=2 ** (1 / 4) if corrected else 2 ** (1 / 3),
+        closed=None if corrected else float(closed.max()),
+        # It goes with the third or fourth power of the length, the tolerance with the second.
+        remedies=(("tolerance", 2 ** (-1 / 2 if corrected else -2 / 3)),),
     )
 
 
@@ -143,8 +147,7 @@ def corner_fault(plan: Plan):
         deviation=_overbreak(plan, way) - _overbreak(plan, _sharp(plan)),
         measure="largest",
         closed=float(missed.max()),
-        halved_by="blend",
-        factor=2.0,
+        remedies=(("tolerance", 1 / 2),),  # of which corners may miss their knots by a part
     )
 
 
@@ -161,8 +164,7 @@ def setpoint_fault(plan: Plan):
         deviation=circuit.overcut(_between(plan, at)),
         measure="largest",
         closed=float(np.abs(sagitta).max()),
-        halved_by="setpoints",
-        factor=np.sqrt(2),
+        remedies=(("step", 2**-0.5),),
     )
 
 
@@ -184,8 +186,7 @@ def count_fault(plan: Plan):
         deviation=apart,
         measure="rms",
         closed=float(np.sqrt(square)),
-        halved_by="count",
-        factor=2.0,
+        remedies=(("count", 1 / 2),),
     )
 
 
@@ -210,8 +211,7 @@ def ripple_fault(plan: Plan):
         deviation=along,
         measure="largest",
         closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks[:-1] / 8)),
-        halved_by="setpoints",
-        factor=np.sqrt(2),
+        remedies=(("step", 2**-0.5), ("acceleration", 1 / 2)),
         along=True,
     )
 
@@ -224,7 +224,7 @@ def following_fault(plan: Plan, plant: Plants, loop: Loops):
     ----------
     plan : Plan
         What is to be done; here it may wait.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral and dead band.
@@ -232,26 +232,30 @@ def following_fault(plan: Plan, plant: Plants, loop: Loops):
     Returns
     -------
     fault : Fault
-        Its closed form is the series to second order, for slow motion and without waits.
+        Its closed form is the series to second order, for slow motion and without waits; None
+        where a plant has no linear form.
     """
     check_ticks(plan, loop)
     check_linear(loop)
     circuit = plan.circuit
     wanted = circuit.position(plan.places)
     deviation = _followed(plan, plant, _ideal(loop), wanted)
-    first, second = trailing(plan, plant, loop)
-    closed = np.abs(first + second).max()
-    # The gain that leaves half, which with delays isn't a power's: looked for among factors.
-    factors = np.geomspace(1, 10, 200)
-    left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
-    halving = (factor for factor, worst in zip(factors, left, strict=True) if worst <= closed / 2)
+    closed = None
+    factor = 2.0
+    with suppress(NoLinearForm):
+        first, second = trailing(plan, plant, loop)
+        closed = float(np.abs(first + second).max())
+        # The gain that leaves half, with delays no power of a factor: looked for among factors.
+        factors = np.geomspace(1, 10, 200)
+        left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
+        halved = (f for f, worst in zip(factors, left, strict=True) if worst <= closed / 2)
+        factor = float(next(halved, factor))
     return Fault(
         source="following",
         deviation=deviation,
         measure="largest",
-        closed=float(closed),
-        halved_by="gain",
-        factor=float(next(halving, np.inf)),
+        closed=closed,
+        remedies=(("gain", factor), ("feed", 2**-0.5), ("power", 2**-0.5)),
     )
 
 
@@ -263,7 +267,7 @@ def encoder_fault(plan: Plan, plant: Plants, loop: Loops):
     ----------
     plan : Plan
         What is to be done.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral and dead band.
@@ -271,7 +275,8 @@ def encoder_fault(plan: Plan, plant: Plants, loop: Loops):
     Returns
     -------
     fault : Fault
-        Up to the rest at the lap's end, where one rounding stays for good.
+        Up to the rest at the lap's end, where one rounding stays for good. Its closed form is None
+        where a plant has no linear form.
     """
     check_ticks(plan, loop)
     check_linear(loop)
@@ -280,18 +285,21 @@ def encoder_fault(plan: Plan, plant: Plants, loop: Loops):
     with_counts = _followed(plan, plant, loop, wanted)
     without = _followed(plan, plant, _ideal(loop), wanted)
     middle, rates, _ = planned_motion(plan)
-    slope = gradient(circuit, middle, circuit.position(middle))
-    square = 0.0
-    for axis, control, f, rate in zip(plant, loop, slope.T, rates.T, strict=True):
-        passed = (f * control.count) ** 2 * rounding_passed(axis, control, rate)
-        square += np.average(passed[:-1], weights=plan.ticks[:-1])
+    at = circuit.position(middle)
+    slope = gradient(circuit, middle, at)
+    closed = None
+    with suppress(NoLinearForm):
+        square = 0.0
+        for axis, control, f, rate, q in zip(plant, loop, slope.T, rates.T, at.T, strict=True):
+            passed = (f * control.count) ** 2 * rounding_passed(axis, control, rate, q)
+            square += np.average(passed[:-1], weights=plan.ticks[:-1])
+        closed = float(np.sqrt(square))
     return Fault(
         source="encoder",
         deviation=with_counts - without,
         measure="rms",
-        closed=float(np.sqrt(square)),
-        halved_by="count",
-        factor=2.0,
+        closed=closed,
+        remedies=(("encoder", 1 / 2),),
     )
 
 
@@ -308,7 +316,7 @@ def pose_fault(plan: Plan, pose: Pose):
     normal = circuit.profile.normal(plan.places)
     closed = float(np.abs(dot(moved[:, 1:], normal)).max())
     return Fault(
-        source="pose", deviation=off, measure="largest", closed=closed, halved_by="pose", factor=2.0
+        source="pose", deviation=off, measure="largest", closed=closed, remedies=(("pose", 1 / 2),)
     )
 
 

@@ -36,7 +36,6 @@ Areas = Annotated[ArrayLike, Rule("(m,) float", _row)]
 Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
 Slopes = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad/m")]
 Bends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions)]
-Twists = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions)]
 Levers = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "m")]
 
 
@@ -61,10 +60,8 @@ class Limits:
         Opening of the valve, 1 at most, that the steady motion may ask for; needs `axes`.
     axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
-    jerk : float
-        Greatest change of the acceleration, in m/s^3.
-    joint_speed, joint_acceleration, joint_jerk : float
-        Of each joint, in rad/s, rad/s^2 and rad/s^3.
+    joint_speed, joint_acceleration : float
+        Of each joint, in rad/s and rad/s^2.
     power : float
         Of the cutter head, in W, on whole grooves, as those of a first lap; needs `ground`.
     ground : Ground, optional
@@ -83,10 +80,8 @@ class Limits:
     flow: Bound = np.inf
     valve: Bound = np.inf
     axes: Pair(Hydraulics) | None = None
-    jerk: Bound = np.inf
     joint_speed: Bound = np.inf
     joint_acceleration: Bound = np.inf
-    joint_jerk: Bound = np.inf
     power: Bound = np.inf
     ground: Ground | None = None
 
@@ -107,12 +102,11 @@ class Limits:
         *,
         slopes: Slopes | None = None,
         bends: Bends | None = None,
-        twists: Twists | None = None,
         levers: Levers | None = None,
         groove: Areas | None = None,
         pushed: Ends | None = None,
     ):
-        """Return the fastest feed from rest to rest; its own changes have any jerk.
+        """Return the fastest feed from rest to rest.
 
         Parameters
         ----------
@@ -125,8 +119,8 @@ class Limits:
         slopes : (m + 1, 2) float, optional
             First derivatives of the positions by the length of way, in rad/m; without them the way
             is straight and limits of the joints are left out.
-        bends, twists : (m + 1, 2) float, optional
-            Their second and third derivatives, in rad/m^2 and rad/m^3; needed with `slopes`.
+        bends : (m + 1, 2) float, optional
+            Their second derivatives, in rad/m^2; needed with `slopes`.
         levers : (m + 1, 2) float, optional
             How far the cutter moves by a radian of each joint, in m; needed with `slopes`.
         groove : (m,) float, optional
@@ -143,17 +137,15 @@ class Limits:
         Raises
         ------
         ValueError
-            As `bounds`, or if only some of slopes, bends, twists and levers are given.
+            As `bounds`, or if only some of slopes, bends and levers are given.
         """
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the moves before and after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         joint = np.array([self.joint_acceleration] * 2)
-        turns = slopes, bends, twists, levers
+        turns = slopes, bends, levers
         if any(turn is None for turn in turns) != (slopes is None):
-            raise ValueError(
-                "slopes: bends, twists and levers must be given with them; got one alone."
-            )
+            raise ValueError("slopes: bends and levers must be given with them; got one alone.")
         if slopes is None:
             straight = np.tile([1.0, 0.0], (len(square), 1))
             places = Places(
@@ -167,17 +159,12 @@ class Limits:
             return np.sqrt(fastest(lengths, places))
         if any(turn.shape != positions.shape for turn in turns):
             raise ValueError(
-                f"slopes: must have the shape {positions.shape} of the positions, and bends, "
-                f"twists and levers too; got {', '.join(str(turn.shape) for turn in turns)}."
+                f"slopes: must have the shape {positions.shape} of the positions, and bends "
+                f"and levers too; got {', '.join(str(turn.shape) for turn in turns)}."
             )
         with np.errstate(divide="ignore", over="ignore"):
-            fastest_turn = self.joint_speed / np.max(np.abs(slopes), axis=-1)
-            # At a steady feed v the jerk is that of the way, v^3 times its third derivative.
-            cube = np.minimum(
-                self.jerk / np.linalg.norm(levers * twists, axis=-1),
-                self.joint_jerk / np.max(np.abs(twists), axis=-1),
-            )
-        square = np.minimum(square, np.minimum(fastest_turn, np.cbrt(cube)) ** 2)
+            fastest_turn = (self.joint_speed / np.max(np.abs(slopes), axis=-1)) ** 2
+        square = np.minimum(square, fastest_turn)
         places = Places(square, self.acceleration, joint, slopes, bends, levers)
         return np.sqrt(fastest(lengths, places))
 

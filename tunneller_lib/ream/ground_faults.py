@@ -15,6 +15,9 @@ from .outward import gradient
 from .planning import Plan
 from .sensitivity import planned_motion
 
+# Force and speed both go with the feed: of a load that the ground makes a square is left.
+SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
+
 
 class LoadedLaps:
     """Laps of a plan's circuit under loads: each is run once, whoever asks for it.
@@ -90,8 +93,7 @@ def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm, *, laps: LoadedL
         deviation=deviation,
         measure="largest",
         closed=float(np.abs(off).max()),
-        halved_by="gain",
-        factor=2.0,
+        remedies=(("gain", 2.0),),
     )
 
 
@@ -136,8 +138,7 @@ def ground_fault(
         deviation=laps.overbreak(arm=arm, ground=ground) - laps.overbreak(arm=arm),
         measure="largest",
         closed=float(np.abs(off).max()),
-        halved_by="power",
-        factor=2.0,
+        remedies=(*SLOWER, ("gain", 2.0)),
     )
 
 
@@ -199,8 +200,7 @@ def picks_fault(
         deviation=laps.overbreak(arm=arm, ground=ground, picks=True) - mean,
         measure="largest",
         closed=float(off[:-1].max()),
-        halved_by="power",
-        factor=2.0,
+        remedies=(*SLOWER, ("gain", 2.0)),
     )
 
 

@@ -6,8 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import checked
-from ..motion import Compressible, Rigid
-from ..motion.quantities import Pair
 from ..motion.sizing import Sizes
 from ..motion.stability import gain_limit
 from ..paths.circuit import Circuit
@@ -53,15 +51,15 @@ class Margin(NamedTuple):
 
 
 @checked
-def gain_margins(circuit: Circuit, plant: Pair(Rigid, Compressible), loop: Loops):
+def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     """Return the margins of both loops on a circuit, before anything is planned.
 
     Parameters
     ----------
     circuit : Circuit
         Which both joints follow.
-    plant : Rigid or Compressible or a pair of them
-        The axes theta and phi.
+    plant : Plant or a pair of them
+        The axes theta and phi, which must have cylinders.
     loop : Loop or a pair of them
         Their position loops, without integral.
 
@@ -71,6 +69,7 @@ def gain_margins(circuit: Circuit, plant: Pair(Rigid, Compressible), loop: Loops
         Of each joint the gain in 1/s, at its least limit along the circuit, and the resonance in
         Hz, at its least, of which 2 zeta times as much must be above the gain.
     """
+    axes = _cylinders(plant)
     at = circuit.position(np.linspace(0, circuit.profile.perimeter, PLACES))
     found = []
     # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
@@ -78,7 +77,7 @@ def gain_margins(circuit: Circuit, plant: Pair(Rigid, Compressible), loop: Loops
     for joint, name in enumerate(JOINTS):
         one = plant[joint]
         control = loop[joint]
-        axis = one.axis
+        axis = axes[joint]
         limit = _known_limit(one, control, tuple(at[:, joint].tolist()))
         least = float(np.min(axis.natural_frequency(at[:, joint])))
         ratio = axis.damping / (2 * axis.inertia * least)
@@ -106,8 +105,8 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
     ----------
     plan : Plan
         What is to be done; the ground that pushes is that of its limits.
-    plant : Rigid or Compressible or a pair of them
-        The axes theta and phi.
+    plant : Plant or a pair of them
+        The axes theta and phi, which must have cylinders.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral.
     sizes : Sizes
@@ -125,8 +124,7 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
         If a plant has no cylinder, or a loop another tick than the plan or an integral.
     """
     check_ticks(plan, loop)
-    if not all(isinstance(one, (Rigid, Compressible)) for one in plant):
-        raise ValueError("plant: must be of class Rigid or Compressible, which have cylinders.")
+    axes = _cylinders(plant)
     circuit = plan.circuit
     way = plan.route
     length = (plan.reached[1:] + plan.reached[:-1]) / 2
@@ -140,7 +138,7 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
         force = (1 + ground.ripple) * ground.force(engaged_areas(circuit, places) * feed)
         torque = force[:, None] * push_levers(circuit, ground, places, at, slopes)
         for joint, name in enumerate(JOINTS):
-            has, needs = _torques(plant[joint].axis, at[:, joint], torque[:, joint])
+            has, needs = _torques(axes[joint], at[:, joint], torque[:, joint])
             remedy = (
                 f"a lower [limits] feed or power, or a greater {'lift' if joint == 0 else 'swing'}"
                 "_bore or supply in [hydraulics], would do"
@@ -148,15 +146,14 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
             found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
     found += gain_margins(circuit, plant, loop)
     drawn = 0.0
-    for joint, one in enumerate(plant):
+    for joint, axis in enumerate(axes):
         # The pump fills one side of a cylinder in forward motion, the other in backward motion.
-        forward, backward = one.axis.linkage.displacements(at[:, joint])
+        forward, backward = axis.linkage.displacements(at[:, joint])
         rate = slopes[:, joint] * feed
         drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
     oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
     found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
-    for one, name in zip(plant, ("lift", "swing"), strict=True):
-        axis = one.axis
+    for axis, name in zip(axes, ("lift", "swing"), strict=True):
         ends = axis.linkage.length(axis.low), axis.linkage.length(axis.high)
         found.append(
             Margin(
@@ -168,6 +165,15 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
             )
         )
     return found
+
+
+def _cylinders(plant):
+    """Return the `Hydraulics` of both plants, which must have them."""
+    axes = [one.hydraulics for one in plant]
+    if None in axes:
+        lacking = plant[axes.index(None)]
+        raise ValueError(f"plant: must have cylinders; got {type(lacking).__name__}, without.")
+    return axes
 
 
 @functools.lru_cache(8)

@@ -58,7 +58,7 @@ class Moves:
 
 
 def strains(torus, positions, tick, limits):
-    """Return how near to its limits of acceleration and of jerk a run goes.
+    """Return how near to its limits of acceleration a run goes.
 
     Parameters
     ----------
@@ -73,16 +73,15 @@ def strains(torus, positions, tick, limits):
 
     Returns
     -------
-    acceleration, jerk : (n + 1,) float
-        As shares of the limits: at each tick, and between each tick and the one before.
+    acceleration : (n + 1,) float
+        At each tick, as a share of the limits: the greater of the cutter's and of the joints'.
     """
     lever = levers(torus, positions)
     still = np.concatenate([positions[:1], positions, positions[-1:]])
     second = np.diff(still, n=2, axis=0) / tick**2
-    third = np.diff(second, axis=0, prepend=0 * second[:1]) / tick
-    return (
-        _share(second, lever, limits.acceleration, limits.joint_acceleration),
-        _share(third, lever, limits.jerk, limits.joint_jerk),
+    return np.maximum(
+        np.linalg.norm(lever * second, axis=-1) / limits.acceleration,
+        np.abs(second).max(-1) / limits.joint_acceleration,
     )
 
 
@@ -129,10 +128,3 @@ def move_lengths(moved, strain, step):
         ticks.append(end - start)
         start = end
     return np.array(ticks)
-
-
-def _share(rates, lever, cutter, joint):
-    """Return the greater share (n,) of a limit at the cutter and of one at the joints."""
-    return np.maximum(
-        np.linalg.norm(lever * rates, axis=-1) / cutter, np.abs(rates).max(-1) / joint
-    )

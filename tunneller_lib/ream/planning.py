@@ -252,8 +252,7 @@ def plan(
     -----
     The way is run as fast as all limits let it, evaluated at whole ticks, and divided into straight
     moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): equal
-    ones at a constant feed. A jerk limit is kept by a mean over time, and where that leaves a limit
-    all is slowed.
+    ones at a constant feed. Where whole ticks leave a limit all is slowed.
 
     Examples
     --------
@@ -297,7 +296,7 @@ def plan(
         )
     positions = way.at(along)
     positions[-1] = positions[0]  # not off by a rounding
-    ticks = move_lengths(along, strains(torus, positions, tick, limits)[0], step)
+    ticks = move_lengths(along, strains(torus, positions, tick, limits), step)
     ends = np.concatenate([[0], np.cumsum(ticks)])
     feed = np.gradient(along, tick)
     feed[[0, -1]] = 0
@@ -336,7 +335,7 @@ def _eased(way, circuit, limits, advance, tick):
         if not tick * MOST_TICKS > moment[-1]:
             break  # refused for its ticks
         i, along = _sampled(length, speed, moment, tick)
-        strain, _ = strains(circuit.machine.torus, way.at(along), tick, limits)
+        strain = strains(circuit.machine.torus, way.at(along), tick, limits)
         if strain.max() <= EASED:
             break
         worse = np.ones_like(length)
@@ -383,7 +382,6 @@ def _timed(way, circuit, limits, load, length, ease):
         **load,
         slopes=way.at(length, order=1) * ease[:, None],
         bends=way.at(length, order=2) * ease[:, None],
-        twists=way.at(length, order=3),
         levers=levers(circuit.machine.torus, at),
     )
     straight = limits.profile(moves, at, **load)
@@ -416,11 +414,8 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
     slower = 1.0
     for _ in range(MOST_SLOWINGS):
         _, along = _sampled(length, speed, slower * moment, tick)
-        along = _without_jerk(way, torus, limits, along, tick)
-        strain, change = strains(torus, way.at(along), tick, limits)
         excess = max(
-            np.cbrt(change.max()),
-            np.sqrt(strain.max()),
+            np.sqrt(strains(torus, way.at(along), tick, limits).max()),
             np.max(np.diff(along) / tick / limits.feed),
             np.max(np.abs(np.diff(way.at(along), axis=0))) / tick / limits.joint_speed,
         )
@@ -428,42 +423,15 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
             return along
         slower *= excess * (1 + 1e-6)
     raise ValueError(
-        "limits: must be such that a slower lap keeps them; got a jerk that none of them kept."
+        f"limits: must be such that a slower lap keeps them; none of {MOST_SLOWINGS} did."
     )
-
-
-def _without_jerk(way, torus, limits, along, tick):
-    """Return lengths of way, one a tick, as means over so many ticks that the jerk is allowed.
-
-    Where the way's own turns leave the limit, whatever the feed's changes, the longest of them.
-    """
-    if min(limits.jerk, limits.joint_jerk) == np.inf:
-        return along
-
-    def smoothed(n):
-        padded = np.concatenate([np.full(n - 1, along[0]), along, np.full(n - 1, along[-1])])
-        total = np.concatenate([[0], np.cumsum(padded - along[0])])
-        return along[0] + (total[n:] - total[:-n]) / n
-
-    def kept(n):
-        return strains(torus, way.at(smoothed(n)), tick, limits)[1].max() <= 1
-
-    few, many = 0, 1
-    while not kept(many):
-        if 16 * many > len(along):
-            return smoothed(many)
-        few, many = many, 2 * many
-    while many - few > 1:
-        middle = (few + many) // 2
-        few, many = (few, middle) if kept(middle) else (middle, many)
-    return smoothed(many)
 
 
 def _stepping(limits, advance, tick):
     """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m."""
     if not advance:
         return np.zeros(1)
-    ticks = move_ticks(advance, limits.feed, limits.acceleration, limits.jerk, tick)
+    ticks = move_ticks(advance, limits.feed, limits.acceleration, tick)
     return advance * move_shares(ticks)
 
 
@@ -495,13 +463,12 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
         distance,
         min(float(speed), limits.joint_speed * scale),
         GENTLY * min(limits.acceleration, limits.joint_acceleration * scale),
-        min(limits.jerk, limits.joint_jerk * scale),
         tick,
     )
     shares = move_shares(ticks)
     positions = start + shares[:, None] * turn
     positions[-1] = end
-    moves = move_lengths(distance * shares, strains(torus, positions, tick, limits)[0], step)
+    moves = move_lengths(distance * shares, strains(torus, positions, tick, limits), step)
     at = np.concatenate([[0], np.cumsum(moves)])
     return Moves(setpoints=positions[at], ticks=moves, tick=tick, count=count)
 

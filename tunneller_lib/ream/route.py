@@ -59,7 +59,7 @@ class Route:
         return float(self.ends[-1])
 
     @checked
-    def at(self, length: Lengths, *, order: Whole(0, 3) = 0):
+    def at(self, length: Lengths, *, order: Whole(0, 2) = 0):
         """Return joint positions, or a derivative of them by the length of way.
 
         Parameters
@@ -67,7 +67,7 @@ class Route:
         length : (...) float
             Lengths of way from the lap's begin, in m.
         order : int
-            Of the derivative, 0 to 3.
+            Of the derivative, 0 to 2.
 
         Returns
         -------
@@ -207,7 +207,7 @@ def _power(coefficients, x, order):
         return ((a * x + b) * x + c) * x + d
     if order == 1:
         return (3 * a * x + 2 * b) * x + c
-    return 6 * a * x + 2 * b if order == 2 else 6 * a + 0 * x
+    return 6 * a * x + 2 * b
 
 
 def _bump(x, sign, order):
@@ -216,4 +216,4 @@ def _bump(x, sign, order):
         return 3 / 16 + 3 * x**2 / 8 - x**4 / 16 - sign * x / 2
     if order == 1:
         return 3 * x / 4 - x**3 / 4 - sign / 2
-    return 3 * (1 - x**2) / 4 if order == 2 else -3 * x / 2
+    return 3 * (1 - x**2) / 4

@@ -8,12 +8,12 @@ import numpy as np
 
 from ..arguments import checked
 from ..exact import dot, norm
-from ..motion import Compressible, Lag, Resonance, Rigid
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .outward import gradient, wall_frame
 from .planning import Plan
 
 HARMONICS = 64  # of the encoder's rounding
+ANGLES = 41  # of a lap, at which a plant is asked: oil's stiffness changes slowly between them
 
 
 def joint_bend(circuit, s, q, rate):
@@ -42,37 +42,38 @@ def geodesic_bend(circuit, s, q, direction):
     return curvature * dot(direction, tangent) ** 2 - of_torus
 
 
-def _lateness(plant):
-    """Return the time by which a plant's rate is late in slow motion, in s."""
-    if isinstance(plant, Lag):
-        return plant.lag
-    if isinstance(plant, Resonance):
-        return 2 * plant.damping / plant.frequency
-    if isinstance(plant, Compressible):
-        return plant.axis.valve_lag + _lateness(plant.axis.resonance(0.0))
-    if isinstance(plant, Rigid):
-        return plant.axis.valve_lag
-    return 0.0
+def _linear(plant, angles):
+    """Return the linear plants [m] of a plant's small motions near joint angles (m,), in rad."""
+    asked = np.linspace(angles.min(), angles.max(), ANGLES)
+    models = [plant.linear(angle) for angle in asked.tolist()]
+    nearest = np.abs(angles[:, None] - asked).argmin(axis=-1)
+    return [models[i] for i in nearest]
 
 
-def rounding_passed(plant, loop, rate):
-    """Return the mean square (m,) of what an encoder's rounding becomes at a joint, in counts^2.
+def rounding_passed(plant, loop, rate, angle):
+    """Return the mean square (m,) of an encoder's rounding as a plant passes it on, in counts^2.
 
     At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
-    loop passes on each one, sampled at the ticks: 1/12 in slow motion, 1/12 Kv T / (2 - Kv T) for
-    T0 in fast motion. The axis also answers to the rounding and shifts its phase, which a linear
-    theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion. On the wall 0.65 to 1.43 times
-    this rms were measured, of T0, T1 and T2 at 30 to 200 mm/s with 2^12 to 2^18 counts a turn.
+    loop, at the joint angle (m,) in rad, passes on each one, sampled at the ticks: 1/12 in slow
+    motion, 1/12 Kv T / (2 - Kv T) for T0 in fast motion. The axis also answers to the rounding and
+    shifts its phase, which a linear theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion.
+    On the wall 0.65 to 1.43 times this rms were measured, of T0, T1 and T2 at 30 to 200 mm/s with
+    2^12 to 2^18 counts a turn.
     """
     if not loop.count:
         return np.zeros(len(rate))
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
-    linear = plant if hasattr(plant, "discrete") else Lag(1.0, _lateness(plant))
-    Ad, Bd = linear.discrete(loop.tick)
-    held = np.broadcast_to((Bd / linear.gain).astype(complex)[:, None], (*z.shape, len(Bd), 1))
-    open_loop = np.linalg.solve(z[..., None, None] * np.eye(len(Bd)) - Ad, held)[..., 0, 0]
+    models = _linear(plant, angle)
+    of_model = {one: one.discrete(loop.tick) for one in set(models)}
+    Ad, Bd = (np.stack(part) for part in zip(*(of_model[one] for one in models), strict=True))
+    steady = np.array([one.command(1.0) for one in models])
+    order = Bd.shape[-1]
+    held = np.broadcast_to(
+        (Bd * steady[:, None]).astype(complex)[:, None, :, None], (*z.shape, order, 1)
+    )
+    open_loop = np.linalg.solve(z[..., None, None] * np.eye(order) - Ad[:, None], held)[..., 0, 0]
     open_loop = loop.gain * open_loop / z**loop.delay
     passed = np.abs(open_loop / (1 + open_loop)) ** 2
     return np.sum(passed / k**2, axis=-1) / (2 * np.pi**2)
@@ -103,7 +104,7 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
     ----------
     plan : Plan
         What is to be done.
-    plant : Integrator, Lag, Resonance, Rigid, Compressible or a pair of them
+    plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral and dead band; encoders are
@@ -114,6 +115,11 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
     deviation : (2, m) float
         Two terms of a series, in m: where all gains are u times as high, the deviation is the
         first over u and the second over u^2.
+
+    Raises
+    ------
+    NoLinearForm
+        If a plant has no linear form.
     """
     check_ticks(plan, loop)
     check_linear(loop)
@@ -124,7 +130,9 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
     share = np.array([one.feedforward for one in loop])
     lag = 1 / np.array([one.gain for one in loop])
     delay = np.array([one.delay * tick for one in loop])
-    late = delay + np.array([_lateness(axis) for axis in plant])
+    late = delay + np.transpose(
+        [[one.lateness for one in _linear(axis, q)] for axis, q in zip(plant, at.T, strict=True)]
+    )
     behind = -(1 - share) * lag * rate
     slope = gradient(circuit, middle, at)
     first = dot(slope, behind - lag * ((1 - share) * tick / 2 + late) * change)

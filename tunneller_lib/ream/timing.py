@@ -128,26 +128,20 @@ def fastest(lengths, places):
     return np.array(square)
 
 
-def move_ticks(distance, speed, acceleration, jerk, tick):
-    """Return the ticks (n0, n1, n2) of three means that make the fastest move from rest to rest.
+def move_ticks(distance, speed, acceleration, tick):
+    """Return the ticks (n0, n1) of two means that make the fastest move from rest to rest.
 
-    A step of the `distance` D, smoothed by means over n0, n1 and n2 ticks one after the other, has
-    the greatest speed D / n0, acceleration D / (n0 n1) and jerk D / (n0 n1 n2). With n0 >= n1 + n2
-    and n1 >= n2 that is the motion of seven phases. In m, s and what follows; `speed` and `jerk`
-    may be infinite. Rounded up to whole ticks, the limits are kept.
+    A step of the `distance` D, smoothed by means over n0 and n1 ticks one after the other, has the
+    greatest speed D / n0 and acceleration D / (n0 n1). With n0 >= n1 that is the motion of three
+    phases. In m, s and what follows; the `speed` may be infinite. Rounded up to whole ticks, the
+    limits are kept.
     """
-    reached = acceleration
-    if jerk < inf:
-        reached = min(reached, sqrt(speed * jerk), (distance * jerk * jerk / 2) ** (1 / 3))
-    n2 = reached / jerk
-    # Where the speed isn't reached the first mean is as long as both others.
-    n1 = min(speed / reached, (sqrt(n2 * n2 + 4 * distance / reached) - n2) / 2)
-    n1 = max(n1, n2)
-    n0 = distance / (reached * n1)
-    first, second, third = (max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1, n2))
-    # Rounded up each by itself they could overlap, and two changes of the acceleration add.
-    second = max(second, third)
-    return [max(first, second + third if jerk < inf else second), second, third]
+    # Where the speed isn't reached the first mean is as long as the second.
+    n1 = min(speed / acceleration, sqrt(distance / acceleration))
+    n0 = distance / (acceleration * n1)
+    first, second = (max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1))
+    # Rounded up each by itself they could overlap.
+    return [max(first, second), second]
 
 
 def move_shares(ticks):

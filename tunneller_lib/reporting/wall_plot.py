@@ -1,4 +1,4 @@
-"""The wall of a cut on the Axes `ax`, unrolled: along the section against along the tunnel."""
+"""The wall of a cut on the Axes `ax`: unrolled, and what single laps leave along the section."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -45,6 +45,38 @@ def draw_unrolled(ax: Axes, cut: Cut, *, limit: Length = 1.5e-3):
     )
     ax.figure.colorbar(shades, ax=ax, label=SCALAR, extend="both")
     return shades
+
+
+@checked
+def draw_laps(ax: Axes, cut: Cut, *, tolerance: Length):
+    """Draw what the first lap of a cut leaves and, beside it, the last.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    cut : Cut
+        A simulated or carved cut.
+    tolerance : float
+        Drawn to both sides, in m.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        Over-break in mm against the place along the offset section in m: of the first lap, in whole
+        ground, and of the last, which is cut beside another, if there are two.
+    """
+    plan = cut.plan
+    places = plan.places
+    deviations = 1e3 * cut.lap_deviations
+    lines = ax.plot(places, deviations[0], color=COLOURS["error"], lw=0.8, label="lap 1")
+    if plan.laps > 1:
+        beside = f"lap {plan.laps}, beside another"
+        lines += ax.plot(places, deviations[-1], color=COLOURS["chord"], lw=0.8, label=beside)
+    for side in (-1e3, 1e3):
+        ax.axhline(side * tolerance, color=COLOURS["cutter"], lw=0.5, ls="--")
+    ax.set(xlabel="place along the offset section / m", ylabel="over-break / mm")
+    ax.legend()
+    return lines
 
 
 def _from_roof(section, angle):

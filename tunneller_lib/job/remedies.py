@@ -1,0 +1,89 @@
+"""Which key of a job halves a fault of its budget, as another simulation confirms."""
+
+from dataclasses import replace
+from inspect import signature
+
+import numpy as np
+
+from ..motion.stability import is_stable
+from ..ream import plan
+from ..ream.error_budget import fault_sources
+from ..ream.remedies import halving
+
+# In which table of a job each remedy is.
+TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
+          "encoder": "controller", "gain": "controller",
+          "feed": "limits", "acceleration": "limits", "power": "limits"}  # fmt: skip
+USUAL = {name: about.default for name, about in signature(plan).parameters.items()}
+
+
+def halved_by(job, faults, say=None):
+    """Return (key, factor, left) for each of the `faults` of a `job`: what halves it.
+
+    The key as the job writes it, ``[table] key``, by which factor it is multiplied, and the share
+    of the fault that the simulation then leaves. All three are None where none of the keys tried
+    leaves a half. `say` is told how far it is.
+    """
+    runs = {}  # of changed jobs: a change may be tried for several faults
+
+    def again(number, what, factor):
+        if (what, factor) not in runs:
+            runs[what, factor] = _sources(changed(job, what, factor))
+        sources = runs[what, factor]
+        return sources and sources[number]()
+
+    found = []
+    for number, fault in enumerate(faults):
+        if say is not None:
+            say(f"halving: source {number + 1} of {len(faults)}")
+        remedy = halving(fault, lambda what, factor, k=number: again(k, what, factor))
+        found.append(
+            (None,) * 3
+            if remedy is None
+            else (_key(job, remedy.what), remedy.factor, float(remedy.left))
+        )
+    return found
+
+
+def changed(job, what, factor):
+    """Return a `job` with one of its remedies multiplied by a `factor`; None if it lacks it."""
+    if what == "pose":
+        return replace(job, pose={name: factor * value for name, value in job.pose.items()})
+    what = _own(job, what)
+    table = getattr(job, TABLES[what])
+    value = table.get(what, USUAL.get(what))
+    if value is None:
+        return None
+    return replace(job, **{TABLES[what]: {**table, what: factor * value}})
+
+
+def _own(job, what):
+    """Return the key for `what`: an encoder has the counts of the set-values unless told."""
+    return "count" if what == "encoder" and "encoder" not in job.controller else what
+
+
+def _key(job, what):
+    """Return a remedy's key as the `job` writes it, with its table."""
+    if what == "pose":
+        return "[pose]"
+    what = _own(job, what)
+    table = getattr(job, TABLES[what])
+    degrees = "_deg" if what in getattr(table, "degrees", ()) else ""
+    return f"[{TABLES[what]}] {what}{degrees}"
+
+
+def _sources(job):
+    """Return `fault_sources` of a job; None where there is none, or it would be refused."""
+    if job is None:
+        return None
+    try:
+        planned = job.planned
+        plants, loops = job.axes
+        given = dict(pose=job.error, arm=job.arm, ground=job.pushing)
+    except ValueError:
+        return None
+    at = planned.setvalues
+    angles = np.linspace(at.min(axis=0), at.max(axis=0), 5)
+    if not all(map(is_stable, plants, loops, angles.T)):
+        return None
+    return fault_sources(planned, plants, loops, **given)
