@@ -4,6 +4,8 @@ The foot is the ring's point and R times the unit vector from there, and its spe
 a complex step. No angle occurs, and no polynomial.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
@@ -39,7 +41,7 @@ def length_of_feet(torus, p, q):
             marks.add(minimize_scalar(of, bounds=ends, options={"xatol": 1e-14}).x)
     marks = sorted(marks)
     total = 0.0
-    for low, high in zip(marks[:-1], marks[1:], strict=True):
+    for low, high in pairwise(marks):
         # In shares of the way from both marks that grow like a power: peaks become plain.
         for mark, side in ((low, 1), (high, -1)):
             half = (high - low) / 2

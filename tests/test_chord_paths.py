@@ -77,7 +77,7 @@ def test_path_length_is_right_to_1e_9_on_spindles_horn_and_rings(ratio):
 @pytest.mark.parametrize(("torus", "p", "q", "length"), [
     (MACHINE.torus, (0, 65), (150, -65), 2.65077),  # was 3.98469
     (Torus(0.2, 0.8), (0, 40), (95, -40), 1.90571),  # 0.349 m from the ring circle; was refused
-    (Torus(1, 1.4), (0, 129), (28, -129), 2.49917),
+    (Torus(1, 1.4), (0, 129), (28, -129), 2.49471),
 ])  # fmt: skip
 def test_path_length_where_one_panel_does_not_tell_it(torus, p, q, length):
     p, q = np.radians([p, q])
@@ -128,8 +128,7 @@ def test_path_that_jumps_for_all_that_its_points_tell_is_refused(ends, gap):
 @pytest.mark.parametrize("share", [1 / 2, 3 / 8, 1 / 3])
 def test_path_of_ones_own_that_jumps_is_refused_wherever_it_jumps(share):
     def way(torus, p, q, t):
-        return np.stack([np.where(t < share, 0.1, 0.2) * np.ones(np.shape(p)[:-1] + (1,)),
-                         0.3 * np.ones(np.shape(p)[:-1] + (1,)) * np.ones(len(t))], axis=-1)  # fmt: skip
+        return np.where((t < share)[:, None], p[..., None, :], q[..., None, :])
 
     mine = ChordPath("mine", way, "error", "-")
     with pytest.raises(ValueError, match=rf"^p, q: must be ends whose .* at {share:.3g}"):
@@ -158,11 +157,10 @@ def test_path_of_ones_own_with_corners_has_the_length_of_its_parts():
 @pytest.mark.parametrize("p", [(3.0, 0.0), (-3.5, 0.0), (1e8, 0.0)])
 def test_path_length_over_the_seam_of_the_angles_is_that_of_the_equator(p):
     q = (p[0] + 0.5, 0.0)
-    for name in CHORD_PATHS:
-        length = path_length(MACHINE.torus, CHORD_PATHS[name], p, q)
-        assert length == pytest.approx(
-            (MACHINE.r + MACHINE.R) * 0.5, rel=1e-7 if p[0] > 4 else 1e-12
-        )
+    for name, path in CHORD_PATHS.items():
+        length = path_length(MACHINE.torus, path, p, q)
+        own = 1e-6 if name == "joint space" and p[0] > 1e6 else 1e-12  # its angles' own rounding
+        assert length == pytest.approx((MACHINE.r + MACHINE.R) * 0.5, rel=own)
 
 
 def test_joint_line_of_many_turns_has_their_length():
