@@ -156,8 +156,11 @@ def _speed_and_ends(torus, joint):
     """Return the speed's series (ORDER, k) and the ends (2, k, 3) of paths at a panel's nodes."""
     _, weights, slope, basis, ends = _rules()
     # An angle that is told within one turn, as from -pi to pi, jumps where the path doesn't.
-    wrapped = np.ptp(joint, axis=1, keepdims=True) <= 2 * np.pi
-    theta, phi = np.moveaxis(np.where(wrapped, np.unwrap(joint, axis=1), joint), -1, 0)
+    span = np.ptp(joint, axis=1, keepdims=True)
+    wrapped = (np.pi < span) & (span <= 2 * np.pi)
+    if np.any(wrapped):
+        joint = np.where(wrapped, np.unwrap(joint, axis=1), joint)
+    theta, phi = np.moveaxis(joint, -1, 0)
     rho = torus.r + torus.R * np.cos(phi)
     speed = np.hypot(rho * (theta @ slope.T), torus.R * (phi @ slope.T))
     series = np.moveaxis((speed * weights) @ basis, -1, 0)
