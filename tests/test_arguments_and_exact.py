@@ -133,7 +133,7 @@ def test_radius_and_excess_against_mpmath(scale, gap):
 def test_in_blocks_is_the_function_itself(shape):
     rows = np.arange(np.prod(shape), dtype=float).reshape(shape)
     blocks = []
-    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, block=4)
+    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, 2, block=4)
     np.testing.assert_array_equal(found, 2 * rows)
     assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
 
@@ -195,7 +195,7 @@ def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
         return 2 * block
 
     given = np.arange(3.0 * rows).reshape(rows, 3)
-    np.testing.assert_array_equal(exact.in_blocks(double, given), 2 * given)
+    np.testing.assert_array_equal(exact.in_blocks(double, given, given.shape[-1]), 2 * given)
     assert max(sizes, default=0) * 3 * 8 <= 2**18  # a quarter of a MiB, of rows of three
 
 

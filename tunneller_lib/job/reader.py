@@ -86,7 +86,7 @@ USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, as of `ream.
 MOST_ENCODER = 0.1  # rad, as of a plan's count
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Job:
     """What a file asks for, in SI units: each table a dict of its names and values.
 

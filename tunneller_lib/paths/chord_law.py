@@ -20,7 +20,7 @@ ORDER = 48  # nodes of the quadrature over an arc
 PLACES = 65  # of an arc among which the widest gap is sought
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 @checked
 class ChordLaw:
     """The law of the tangent-sphere path's error: aside = r g, excess of length = (r/R)^2 F.

@@ -105,8 +105,7 @@ def projected_length(torus: Torus, p: Positions, q: Positions):
         untold to so many digits, and the chord is refused as well.
     """
     check_on_sheet(torus, p, q)
-    found, shape = _panels(torus, p, q)
-    return lengths(found, math.prod(shape)).reshape(shape)[()]
+    return lengths(torus, lambda *way: _feet(torus, *way), p, q)
 
 
 def _feet(torus, p, q, t):
@@ -124,34 +123,26 @@ def _half_angle(torus, p, q):
     return np.arctan2(norm(last - first), norm(last + first))
 
 
-def _panels(torus, p, q):
-    """Return the panels of tangent-sphere paths, and the leading axes of their ends."""
-    p, q = np.broadcast_arrays(p, q)
-    ends = p.reshape(-1, 2), q.reshape(-1, 2)
-    return panels(torus, lambda *way: _feet(torus, *way), *ends), p.shape[:-1]
-
-
 def _equal_arcs(torus, p, q, u):
     """Return t (..., n) at which the path has run the shares u of its length.
 
     On each panel the speed's series is integrated term by term and inverted by Newton's method,
     each root kept in a bracket.
     """
-    found, shape = _panels(torus, p, q)
-    total = lengths(found, math.prod(shape))
+    p, q = np.broadcast_arrays(p, q)
+    found = panels(torus, lambda *way: _feet(torus, *way), p.reshape(-1, 2), q.reshape(-1, 2))
+    total, run = np.zeros((2, math.prod(p.shape[:-1])))  # and run so far
+    for panel in found:
+        total[panel.rows] += 2 * panel.series[0]
     wanted = total[:, None] * u
     t = np.ones(wanted.shape)
-    run = np.zeros(total.shape)  # so far
     for rows, low, high, series, _ in found:
-        here = 2 * series[0]
-        left = np.clip(wanted[rows] - run[rows, None], 0, here[:, None])
-        x = _where_run(series, left)
+        left = wanted[rows] - run[rows, None]
+        x = _where_run(series, np.clip(left, 0, 2 * series[0][:, None]))
         # A later panel takes over where the path runs on into it.
-        t[rows] = np.where(
-            wanted[rows] >= run[rows, None], low + (high - low) * (1 + x) / 2, t[rows]
-        )
-        run[rows] += here
-    return t.reshape(*shape, len(u))
+        t[rows] = np.where(left >= 0, low + (high - low) * (1 + x) / 2, t[rows])
+        run[rows] += 2 * series[0]
+    return t.reshape(*p.shape[:-1], len(u))
 
 
 def _where_run(series, run):

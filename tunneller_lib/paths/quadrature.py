@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..exact import norm
+from ..exact import in_blocks, norm
 
 ORDER = 48  # nodes on a panel
+BLOCK = 1024  # paths measured at once, whose nodes fit the cache
 RESOLVED = 1e-10  # of the straight way: what a panel may leave untold
 ROUNDING = 1e-14  # of r + R, times the angles: what their roundings make of a length
 GAPS = 10  # times that all gaps between the panels of a path may be
@@ -130,12 +131,18 @@ def panels(torus, way, p, q):
     return found
 
 
-def lengths(found, count):
-    """Return the lengths (count,), in m, of so many paths from their panels."""
-    total = np.zeros(count)
-    for panel in found:
-        total[panel.rows] += 2 * panel.series[0]
-    return total
+def lengths(torus, way, p, q):
+    """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), as `panels`."""
+
+    def of_block(ends):
+        p, q = np.split(ends, 2, axis=-1)
+        total = np.zeros((len(ends), 1))
+        for panel in panels(torus, way, p, q):
+            total[panel.rows, 0] += 2 * panel.series[0]
+        return total
+
+    ends = np.concatenate(np.broadcast_arrays(p, q), axis=-1)
+    return in_blocks(of_block, ends, 1, BLOCK)[..., 0]
 
 
 def _check_joined(p, q, rows, t, gaps):
