@@ -5,6 +5,7 @@ import dataclasses
 import importlib
 import inspect
 import pkgutil
+import types
 import typing
 
 import numpy as np
@@ -35,17 +36,20 @@ def every_dataclass():
 KINDS = sorted(set(every_dataclass()), key=lambda kind: (kind.__module__, kind.__name__))
 
 
-def compares_or_hashes_badly(annotation):
-    """Tell whether a field may be an array, a list or a dict."""
-    if typing.get_origin(annotation) is typing.Annotated:
-        return typing.get_args(annotation)[0] is ArrayLike  # lists come as tuples
-    text = inspect.formatannotation(annotation)
-    return any(word in text for word in ("ndarray", "list", "dict"))
+def may_be_an_array(annotation):
+    """Tell whether what is annotated may be an array, or a list, that may have some."""
+    origin, parts = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Annotated:
+        return parts[0] is ArrayLike  # lists come as tuples
+    if origin in (typing.Union, types.UnionType):
+        return any(map(may_be_an_array, parts))
+    return annotation in (np.ndarray, list)
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_class_compares_by_identity_if_a_field_may_be_an_array(kind):
-    bad = [field.name for field in dataclasses.fields(kind) if compares_or_hashes_badly(field.type)]
+    fields = [field for field in dataclasses.fields(kind) if field.compare]
+    bad = [field.name for field in fields if may_be_an_array(field.type)]
     if bad:
         assert kind.__eq__ is object.__eq__, f"{', '.join(bad)}: @dataclass(frozen=True, eq=False)"
         assert kind.__hash__ is object.__hash__
@@ -57,9 +61,11 @@ def test_class_compares_by_identity_if_a_field_may_be_an_array(kind):
 def test_object_can_be_compared_and_hashed(kind):
     one = instance(kind)
     assert one == one
-    assert len({one, one}) == 1
     assert (one == copy.copy(one)) in (True, False)
     assert one != 3
+    # What is equal by the values of a dict has no hash, as a dict has none.
+    if kind.__eq__ is object.__eq__ or not any(f.type is dict for f in dataclasses.fields(kind)):
+        assert len({one, one}) == 1
 
 
 def test_geodesic_is_equal_to_itself_alone():
