@@ -110,8 +110,8 @@ class Section:
         """
         y, z = np.broadcast_arrays(y, z)
         arcs = self.arcs
-        # More than any gap, lest a point fall into it.
-        slack = 2 * (CLOSED * self.perimeter + self.slack)
+        slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
+        slack += 2 * self.slack
         inside = np.full(y.shape, np.inf)
         for arc in arcs:
             inside = np.minimum(inside, arc.depth.unchecked(arc, y, z, slack))
