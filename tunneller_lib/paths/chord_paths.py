@@ -14,7 +14,7 @@ from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
-from .quadrature import lengths
+from .quadrature import path_lengths
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
 
@@ -201,7 +201,7 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     0.63
     """
     check_on_sheet(torus, p, q)
-    return lengths(torus, lambda *way: ChordPath.__call__.unchecked(path, torus, *way), p, q)
+    return path_lengths(torus, lambda *way: ChordPath.__call__.unchecked(path, torus, *way), p, q)
 
 
 def _end_point(torus, end):

@@ -10,7 +10,7 @@ from ..arguments import Positions, checked
 from ..exact import norm
 from ..surfaces import Torus
 from .bounds import Count, check_on_sheet, check_points
-from .quadrature import lengths, panels
+from .quadrature import panels, path_lengths
 
 
 @checked
@@ -105,7 +105,7 @@ def projected_length(torus: Torus, p: Positions, q: Positions):
         untold to so many digits, and the chord is refused as well.
     """
     check_on_sheet(torus, p, q)
-    return lengths(torus, lambda *way: _feet(torus, *way), p, q)
+    return path_lengths(torus, lambda *way: _feet(torus, *way), p, q)
 
 
 def _feet(torus, p, q, t):

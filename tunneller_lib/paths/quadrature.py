@@ -131,8 +131,11 @@ def panels(torus, way, p, q):
     return found
 
 
-def lengths(torus, way, p, q):
-    """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), as `panels`."""
+def path_lengths(torus, way, p, q):
+    """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), by their way.
+
+    They are as true as `panels`, and refused as there.
+    """
 
     def of_block(ends):
         p, q = np.split(ends, 2, axis=-1)
