@@ -30,6 +30,53 @@ def test_real_does_not_copy_what_is_float_already():
     assert arguments.real("x", value) is value
 
 
+class Column:
+    """What pandas' columns of numbers that may be missing are to numpy: arrays of objects."""
+
+    def __init__(self, *values):
+        self.values = values
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.values, dtype=dtype or object)
+
+
+MISSING = type("MISSING", (), {"__bool__": lambda self: [][0]})()  # no number, as pandas' NA
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (Column(1, 2), [1, 2]),
+        (Column(1.5, np.float64(2)), [1.5, 2]),
+        (Column(np.int64(7), 8.5), [7, 8.5]),
+        (Column(), []),
+        (Column([1, 2], [3, 4]), [[1, 2], [3, 4]]),
+        (np.ma.masked_array([1.0, 2.0]), [1.0, 2.0]),
+        (np.ma.masked_array([1, 2], [False, False]), [1, 2]),
+    ],
+)
+def test_numbers_that_might_be_missing_pass_where_none_is(value, expected):
+    found = arguments.real("x", value)
+    assert type(found) is np.ndarray and found.dtype == float
+    np.testing.assert_array_equal(found, expected)
+    if np.asarray(expected).dtype.kind == "i":
+        np.testing.assert_array_equal(arguments.whole("x", value, 0, 9), expected)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Column(1, MISSING), Column(1, None), Column(True, 2), Column("1", 2), Column(1j),
+        Column(1, [2]), Column(10**400), np.ma.masked_array([1.0, 2.0], [False, True]),
+    ],
+)  # fmt: skip
+def test_a_missing_number_is_refused(value):
+    with pytest.raises(ValueError, match=r"^x: must hold real numbers in a regular array; got "):
+        arguments.real("x", value)
+    with pytest.raises(ValueError, match=r"^x: must hold whole numbers from 0 to 9; got "):
+        arguments.whole("x", value, 0, 9)
+
+
 @pytest.mark.parametrize("value", ["1", None, 1j, [1j], ["1"], [[1], [1, 2]], object(), {1: 2}])
 @pytest.mark.parametrize(
     "take",
@@ -133,7 +180,7 @@ def test_radius_and_excess_against_mpmath(scale, gap):
 def test_in_blocks_is_the_function_itself(shape):
     rows = np.arange(np.prod(shape), dtype=float).reshape(shape)
     blocks = []
-    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, block=4)
+    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, 2, block=4)
     np.testing.assert_array_equal(found, 2 * rows)
     assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
 
@@ -195,7 +242,7 @@ def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
         return 2 * block
 
     given = np.arange(3.0 * rows).reshape(rows, 3)
-    np.testing.assert_array_equal(exact.in_blocks(double, given), 2 * given)
+    np.testing.assert_array_equal(exact.in_blocks(double, given, given.shape[-1]), 2 * given)
     assert max(sizes, default=0) * 3 * 8 <= 2**18  # a quarter of a MiB, of rows of three
 
 

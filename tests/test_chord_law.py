@@ -5,8 +5,10 @@ import csv
 import numpy as np
 import pytest
 from mpmath import mp
+from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
 
+from tests.foot_lengths import length_of_feet
 from tests.references import short_chords
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, geodesic_inverse, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -175,7 +177,29 @@ def test_bound_holds_up_to_the_horn_and_not_on_rings():
         assert 0.0409 < np.max(scaled(ratio, p, q)) <= SUP
     assert scaled(1.1) == pytest.approx(0.0510, abs=5e-5)
     fails = brentq(lambda ratio: scaled(ratio) - SUP, 1, 1.1)
-    assert fails == pytest.approx(1.0177, abs=1e-4)
+    assert fails == pytest.approx(1.0176623, abs=2e-7)
+
+
+def test_bound_fails_from_the_same_ring_by_a_second_method():
+    """Clairaut's integrals for the geodesic, the foot's speed in space for the path."""
+
+    def excess_in_space(ratio):
+        torus = Torus(ratio, 1)
+        (start, phi), (stop, _) = CORNERS
+
+        def half(clairaut, power):
+            def integrand(at):
+                rho = ratio + np.cos(at)
+                return rho ** (1 - 2 * power) / np.sqrt(rho**2 - clairaut**2)
+
+            return quad(integrand, 0, phi, epsabs=0, epsrel=1e-12)[0]
+
+        rho = ratio + np.cos(phi)
+        clairaut = brentq(lambda c: 2 * c * half(c, 1) - (stop - start), 0.1 * rho, 0.99 * rho)
+        return length_of_feet(torus, *CORNERS) / (2 * half(clairaut, 0)) - 1
+
+    fails = brentq(lambda ratio: excess_in_space(ratio) / ratio**2 - SUP, 1, 1.1, xtol=1e-9)
+    assert fails == pytest.approx(1.0176623, abs=2e-7)
 
 
 def test_constant_of_the_bound_cannot_be_smaller():

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.foot_lengths import length_of_feet
+from tests.long import many
 from tunneller_lib.paths import (
     CHORD_PATHS,
     geodesic_inverse,
@@ -56,6 +58,116 @@ def test_path_length_is_that_of_a_fine_polyline(torus, path):
     fine = points(torus, path(torus, p, q, np.linspace(0, 1, 4001)))
     polyline = np.linalg.norm(np.diff(fine, axis=1), axis=-1).sum(axis=-1)
     np.testing.assert_allclose(path_length(torus, path, p, q), polyline, rtol=2e-7)
+
+
+@pytest.mark.parametrize("ratio", [10, 1.4, 1.01, 1, 0.9, 0.5])
+def test_path_length_is_right_to_1e_9_on_spindles_horn_and_rings(ratio):
+    """Against the foot's speed in space; up to 85 deg and turns up to 170 deg."""
+    torus = Torus(1 / ratio, 1)
+    rng = np.random.default_rng(45)
+    n = many(12, 400)
+    p = np.radians(rng.uniform((0, -85), (0, 85), (n, 2)))
+    q = np.radians(rng.uniform((0, -85), (170, 85), (n, 2)))
+    expected = [length_of_feet(torus, *ends) for ends in zip(p, q, strict=True)]
+    length = path_length(torus, CHORD_PATHS["tangent spheres"], p, q)
+    np.testing.assert_allclose(length, expected, rtol=1e-9)
+    np.testing.assert_allclose(projected_length(torus, p, q), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("torus", "p", "q", "length"), [
+    (MACHINE.torus, (0, 65), (150, -65), 2.65077),  # was 3.98469
+    (Torus(0.2, 0.8), (0, 40), (95, -40), 1.90571),  # 0.349 m from the ring circle; was refused
+    (Torus(1, 1.4), (0, 129), (28, -129), 2.49471),
+])  # fmt: skip
+def test_path_length_where_one_panel_does_not_tell_it(torus, p, q, length):
+    p, q = np.radians([p, q])
+    assert length_of_feet(torus, p, q) == pytest.approx(length, abs=5e-6)
+    for found in (path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+                  projected_length(torus, p, q)):  # fmt: skip
+        assert found == pytest.approx(length_of_feet(torus, p, q), rel=1e-10)
+
+
+RING_HALF = np.arccos(1 / (1 + 0.2 * np.cos(0.09)))  # of a chord that meets the ring circle
+
+
+def by_the_axis(gap):
+    return MACHINE.torus, (0.1, 0.3), (np.pi + 0.1 - gap, -0.2)
+
+
+def by_the_ring(gap):
+    return Torus(1, 0.2), (gap - RING_HALF, 0.09), (RING_HALF, -0.09)
+
+
+def from_a_node(gap):
+    return MACHINE.torus, (0, 0), (1, np.arccos(-0.1) - gap)
+
+
+@pytest.mark.parametrize("ends", [by_the_axis, by_the_ring, from_a_node])
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 5e-6])
+def test_path_length_close_by_a_jump_is_right(ends, gap):
+    torus, p, q = ends(gap)
+    expected = length_of_feet(torus, p, q)
+    for found in (path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+                  projected_length(torus, p, q)):  # fmt: skip
+        assert found == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("ends", [by_the_axis, by_the_ring])
+@pytest.mark.parametrize("gap", [0, 1e-15, 1e-12, 1e-9])
+def test_path_that_jumps_for_all_that_its_points_tell_is_refused(ends, gap):
+    torus, p, q = ends(gap)
+    for call in (lambda: path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+                 lambda: projected_length(torus, p, q),
+                 lambda: project_chord(torus, p, q, 5, spacing="arc")):  # fmt: skip
+        with pytest.raises(
+            ValueError, match=r"^p, q: must be ends whose path doesn't jump.*or nea"
+        ):
+            call()
+
+
+@pytest.mark.parametrize("share", [1 / 2, 3 / 8, 1 / 3])
+def test_path_of_ones_own_that_jumps_is_refused_wherever_it_jumps(share):
+    def way(torus, p, q, t):
+        return np.where((t < share)[:, None], p[..., None, :], q[..., None, :])
+
+    mine = ChordPath("mine", way, "error", "-")
+    with pytest.raises(ValueError, match=rf"^p, q: must be ends whose .* at {share:.3g}"):
+        path_length(MACHINE.torus, mine, (0.1, 0.3), (0.2, 0.3))
+
+
+def test_path_of_ones_own_that_misses_its_end_is_refused():
+    mine = ChordPath("mine", lambda torus, p, q, t: CHORD_PATHS["joint space"].way(
+        torus, p, q + 1e-6, t), "error", "-")  # fmt: skip
+    with pytest.raises(ValueError, match=r"^p, q: must be ends whose path doesn't jump"):
+        path_length(MACHINE.torus, mine, (0.1, 0.3), (0.2, 0.4))
+
+
+def test_path_of_ones_own_with_corners_has_the_length_of_its_parts():
+    """It goes to one side, back over its start, and on."""
+
+    def way(torus, p, q, t):
+        turned = np.interp(t, [0, 0.3, 1], [0, -0.5, 1])[:, None]
+        return p[..., None, :] + turned * (q - p)[..., None, :]
+
+    mine = ChordPath("mine", way, "error", "-")
+    length = path_length(MACHINE.torus, mine, (0.1, 0), (0.5, 0))
+    assert length == pytest.approx((MACHINE.r + MACHINE.R) * 0.4 * 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("p", [(3.0, 0.0), (-3.5, 0.0), (1e8, 0.0)])
+def test_path_length_over_the_seam_of_the_angles_is_that_of_the_equator(p):
+    q = (p[0] + 0.5, 0.0)
+    for name, path in CHORD_PATHS.items():
+        length = path_length(MACHINE.torus, path, p, q)
+        own = 1e-6 if name == "joint space" and p[0] > 1e6 else 1e-12  # its angles' own rounding
+        assert length == pytest.approx((MACHINE.r + MACHINE.R) * 0.5, rel=own)
+
+
+def test_joint_line_of_many_turns_has_their_length():
+    parallel = MACHINE.r + MACHINE.R * np.cos(0.2)
+    for turn in (2 * np.pi, 100.0, 1e8):
+        length = path_length(MACHINE.torus, CHORD_PATHS["joint space"], (0, 0.2), (turn, 0.2))
+        assert length == pytest.approx(parallel * turn, rel=1e-12)
 
 
 @every_torus

@@ -146,6 +146,32 @@ def test_job_takes_pieces_and_circles(job):
     assert circle.planned.circuit.section.perimeter == pytest.approx(np.pi)
 
 
+def test_job_takes_pieces_of_a_drawing_s_digits(job):
+    """A mouth profile to nine decimals, whose pieces miss each other by half a nanometre."""
+    down = np.arctan2(0.875, 0.3)
+    arcs = [
+        (0, 0, 0.5, 0, np.pi),
+        (-0.3, 0, 0.2, np.pi, down),
+        (0, 0.875, 1.125, np.pi + down, np.pi - 2 * down),
+        (0.3, 0, 0.2, -down, down),
+    ]
+    names = "y", "z", "radius", "start", "sweep"
+    rows = [", ".join(f"{name} = {value:.9f}" for name, value in zip(names, arc, strict=True))
+            for arc in arcs]  # fmt: skip
+    pieces = ", ".join(f'{{kind = "arc", {row}}}' for row in rows)
+    changes = {EGG: 'shape = "pieces"', "a = 0.5 ": f"pieces = [{pieces}] #",
+               "height = -0.36": "height = 0"}  # fmt: skip
+    section = read_job(job(changes)).planned.circuit.section
+    assert 1e-11 < section.slack < 1e-8
+    changes["a = 0.5 "] = f"pieces = [{pieces}]\nsnap = 1e-12 #"
+    with pytest.raises(
+        ValueError, match=r"^\[section\] pieces: \d of 4 doesn't begin where the last"
+    ):
+        read_job(job(changes)).planned  # noqa: B018
+    with pytest.raises(WrongJob, match=r"^\[section\] snap: isn't known; known are a"):
+        read_job(job({"a = 0.5 ": "a = 0.5\nsnap = 1e-6 #"}))
+
+
 WRONG = [
     ({"r = 0.08": "r : 0.08"}, r"job\.toml: isn't TOML; Expected '=' after a key.*line 8"),
     ({"r = 0.08": "q = 0.08"}, r"^\[machine\] q: isn't known; known are r, R, theta_min"),

@@ -132,6 +132,80 @@ def test_offset_beyond_the_tightest_bend_is_refused(pieces, d):
         closed_profile(pieces).offset(d)
 
 
+def mouth(decimals=None):
+    """Return the pieces of a mouth profile, 1 m wide and 0.75 m high, rounded to decimals.
+
+    Roof, two bends of 0.2 m and a floor of 1.125 m meet without a corner.
+    """
+    down = np.arctan2(0.875, 0.3)  # where bend and floor meet, below the horizontal
+    pieces = [
+        Arc(0.0, 0.0, 0.5, 0.0, np.pi),
+        Arc(-0.3, 0.0, 0.2, np.pi, down),
+        Arc(0.0, 0.875, 1.125, np.pi + down, np.pi - 2 * down),
+        Arc(0.3, 0.0, 0.2, -down, down),
+    ]
+    if decimals is None:
+        return pieces
+    return [Arc(*(round(value, decimals) for value in vars(arc).values())) for arc in pieces]
+
+
+def test_mouth_profile_given_to_nine_decimals_is_the_exact_one_to_a_nanometre():
+    exact, given = closed_profile(mouth()), closed_profile(mouth(9))
+    assert exact.slack == 0 < given.slack < 1e-8
+    assert given.least_radius == exact.least_radius == 0.2
+    assert given.area == pytest.approx(exact.area, abs=3e-9)
+    for d in (0.0, 0.18, -0.5):
+        one, other = exact.offset(d), given.offset(d)
+        s = np.linspace(0, one.perimeter, 2_000)
+        np.testing.assert_allclose(other.depth(*one.point(s).T), 0, atol=3e-9)
+        np.testing.assert_allclose(other.point(s), one.point(s), atol=1e-8)
+    angle = np.linspace(0, 7, 1_000)
+    np.testing.assert_allclose(given.ray(angle), exact.ray(angle), atol=1e-8)
+    points = np.random.default_rng(3).uniform(-0.6, 0.6, (5_000, 2)).T
+    np.testing.assert_allclose(given.depth(*points), exact.depth(*points), atol=3e-9)
+
+
+def test_depth_about_every_blend_of_a_profile_that_snaps_is_steady():
+    """No point falls into a gap, on the section or on its offsets."""
+    section = closed_profile(mouth(7))
+    assert 1e-8 < section.slack < 1e-6
+    for profile in (section, section.offset(0.1), section.offset(-1.0)):
+        steps = np.linspace(-3e-6, 3e-6, 1001)
+        for s in profile.blends[:-1]:
+            point, normal = profile.point(s), profile.normal(s)
+            tangent = np.array([-normal[1], normal[0]])
+            for inside in (1e-3, 0.0, -1e-3):
+                y, z = (point - inside * normal + steps[:, None] * tangent).T
+                np.testing.assert_allclose(profile.depth(y, z), inside, atol=1e-6)
+
+
+def test_gap_may_be_what_snap_says_and_no_more():
+    for snap in (0.0, 1e-9, 1e-4):
+        wide = changed(1, length=0.4 + 1.01 * snap + 1e-11)
+        with pytest.raises(ValueError, match="3 of 6 doesn't begin where the last one ended"):
+            closed_profile(wide, snap=snap)
+        close = changed(1, length=0.4 + 0.99 * snap)
+        section = closed_profile(close, snap=snap)
+        assert section.slack == pytest.approx(0.99 * snap, abs=1e-12)
+        assert section.least_radius == 0.25
+
+
+def test_turn_of_a_corner_stays_one():
+    leaning = [Line(-0.5, -0.5, 1e-5, 1.0), *SQUARE[1:]]
+    leaning[1] = Line(0.5, -0.5 + 1e-5, QUARTER, 1.0 - 1e-5)
+    assert closed_profile(leaning).least_radius == 0
+    assert closed_profile(SQUARE).least_radius == 0 == closed_profile(SQUARE).slack
+
+
+def test_snap_beyond_a_thousandth_of_the_perimeter_is_refused():
+    perimeter = closed_profile(mouth()).perimeter
+    assert closed_profile(mouth(9), snap=perimeter / 1000 * (1 - 1e-12)).slack < 1e-8
+    with pytest.raises(ValueError, match="snap: must be at most a thousandth"):
+        closed_profile(mouth(9), snap=perimeter / 1000 * 1.001)
+    with pytest.raises(ValueError, match="snap: must be one finite number, not below zero"):
+        closed_profile(mouth(9), snap=-1e-6)
+
+
 def changed(index, **fields):
     pieces = horseshoe()
     pieces[index] = replace(pieces[index], **fields)
@@ -145,7 +219,9 @@ def changed(index, **fields):
         ([(0, 0, 1)], r"pieces\[0\]: must be of class Arc or Line"),
         (horseshoe()[:-1], "1 of 5 isn't met: it isn't closed; the gap is 0.4 m"),
         (None, "must be a list of Arc or Line"),
-        (changed(1, heading=-QUARTER + 1e-9), "doesn't begin where"),
+        (changed(1, heading=-QUARTER + 1e-5), "doesn't begin where"),
+        (changed(1, length=0.4 + 1.1e-6), "3 of 6 doesn't begin where .* the gap is 1.1e-06 m"),
+        (changed(0, sweep=np.pi + 2e-6), "never turn to the right; 2 of 6 begins with 0.000115"),
         (changed(1, length=0.41), "3 of 6 doesn't begin where the last one ended"),
         (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
         (changed(2, y=-0.2), "3 of 6 doesn't begin"),

@@ -1,5 +1,7 @@
 """Line meets torus, judged in whole numbers: Eq. 5 corrected, over points on a dyadic grid."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -354,3 +356,15 @@ def test_real_roots_of_any_degree():
     for wrong in ([1.0], np.ones(quartics.MOST_ROOTS + 2)):
         with pytest.raises(ValueError, match=r"^coefficients: must be of a degree from 1 to "):
             quartics.real_roots(wrong)
+
+
+def test_many_lines_take_little_memory_and_have_the_bits_of_few():
+    torus = Torus(0.1, 0.9)
+    a, b = np.random.default_rng(45).normal(size=(2, 40_000, 3))
+    few = [torus.meet_line(a[part], b[part]) for part in (slice(5_000), slice(5_000, None))]
+    tracemalloc.start()
+    every = torus.meet_line(a, b)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    np.testing.assert_array_equal(every, np.concatenate(few))
+    assert peak <= 500 * len(a)  # bytes; all at once took 1500 a line

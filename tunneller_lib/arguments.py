@@ -291,7 +291,7 @@ def real(name, value):
     Raises
     ------
     ValueError
-        If `value` isn't an array of real numbers, or is masked.
+        If `value` isn't an array of real numbers, or one of them is masked or missing.
 
     Examples
     --------
@@ -300,21 +300,29 @@ def real(name, value):
     """
     if type(value) is np.ndarray and value.dtype == float:
         return value
-    array = _array(value)
+    array = as_array(value)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must hold real numbers in a regular array; got {shown(value)}.")
     with np.errstate(over="ignore"):
         return np.asarray(array, dtype=float)
 
 
-def _array(value):
+def as_array(value):
     """Return a value as an array, of objects where it is none that numpy knows."""
-    if isinstance(value, np.ma.MaskedArray):
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         return np.asarray(None)  # what a mask hides must not be taken for a number
     try:
-        return np.asarray(value)
+        array = np.asarray(value)
+        if array.dtype == object and all(map(_is_number, array.flat)):
+            # A column of pandas that allows for missing numbers, and has none.
+            array = np.asarray(array.tolist()).reshape(array.shape)
+        return array
     except Exception:  # ragged lists, whole numbers of hundreds of digits, somebody's class
         return np.asarray(None)
+
+
+def _is_number(value):
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
 def finite_array(name, value):
@@ -407,7 +415,7 @@ def whole(name, value, low, high):
 
     The argument's name is for the message.
     """
-    array = _array(value)
+    array = as_array(value)
     # Two passes that keep nothing are twice as fast as comparisons of every number.
     within = array.dtype.kind in "iu" and (
         not array.size or (low <= array.min() and array.max() <= high)
@@ -421,7 +429,7 @@ def whole(name, value, low, high):
 
 def one_whole(name, value, low, high):
     """Return `value` as an int with low <= value <= high; the name is for the message."""
-    array = _array(value)
+    array = as_array(value)
     if array.ndim or array.dtype.kind not in "iu" or not low <= array <= high:
         raise ValueError(
             f"{name}: must be one whole number from {low} to {high}; got {shown(value)}."

@@ -75,14 +75,14 @@ def radius_and_excess(x, z, r):
     return rho, (lead + rest) / (rho + r)
 
 
-def in_blocks(function, rows, block=8192):
+def in_blocks(function, rows, width, block=8192):
     """Return `function` of an array (..., n), called on blocks of rows that fit the cache.
 
-    `function` maps (k, n) to (k, n). Numpy's intermediate arrays would otherwise travel to
+    `function` maps (k, n) to (k, width). Numpy's intermediate arrays would otherwise travel to
     memory and back, which costs more than the arithmetic.
     """
     flat = rows.reshape(-1, rows.shape[-1])
-    out = np.empty_like(flat)
+    out = np.empty((len(flat), width))
     for start in range(0, len(flat), block):
         out[start : start + block] = function(flat[start : start + block])
-    return out.reshape(rows.shape)
+    return out.reshape(*rows.shape[:-1], width)

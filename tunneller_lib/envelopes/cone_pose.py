@@ -87,7 +87,7 @@ class ConePose:
         return np.array(self.vertex) + along * rulings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TouchingCone:
     """One cone in third-order contact with a surface, of those that `hyperosculating_cones` finds.
 

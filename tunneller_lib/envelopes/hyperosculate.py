@@ -27,7 +27,7 @@ EACH_OF_MANY, EACH_OF_FEW = 4e-6, 6e-5
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cones:
     """Cones in third-order contact with a surface: arrays with a row a cone, and their sequence.
 

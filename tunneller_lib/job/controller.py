@@ -87,7 +87,7 @@ SLOW_STATE = [
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
     """What the texts are made from.
 

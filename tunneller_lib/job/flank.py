@@ -67,7 +67,7 @@ FEED = dict(cutting="m/s", x="m/s", y="m/s", z="m/s", tilt="rad/s", turn="rad/s"
             tilt_acceleration="rad/s^2", turn_acceleration="rad/s^2")  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FlankResult:
     """What came of a flank job.
 
@@ -98,7 +98,7 @@ class FlankResult:
         return np.cumsum([0, *count])[:-1].tolist()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FlankJob:
     """What a file asks for, in SI units. `read_flank` makes one.
 

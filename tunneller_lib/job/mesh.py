@@ -21,7 +21,7 @@ PLY_POINT = np.dtype([("place", "<f8", 3), ("value", "<f8"), ("colour", "u1", 3)
 PLY_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """Polygons of as many corners each.
 

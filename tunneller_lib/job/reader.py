@@ -51,7 +51,7 @@ def _circle(radius):
 SHAPES = {
     "egg": (Egg, dict(a="m")),
     "circle": (_circle, dict(radius="m")),
-    "pieces": (closed_profile, {}),
+    "pieces": (closed_profile, dict(snap="m")),
 }
 PIECES = {
     "arc": (Arc, dict(y="m", z="m", radius="m", start="rad", sweep="rad")),
@@ -346,11 +346,11 @@ def _read_section(given):
     given = dict(given)
     shape = given.pop("shape", None)
     one_of("[section] shape", shape, SHAPES)
+    _, units = SHAPES[shape]
     if shape != "pieces":
-        _, units = SHAPES[shape]
         return {"shape": shape, **read_table("section", given, units, units)}
     rows = given.pop("pieces", None)
-    read_table("section", given, {"pieces": TEXT, "shape": TEXT})
+    rest = read_table("section", given, {"pieces": TEXT, "shape": TEXT} | units)
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise WrongJob("[section] pieces: must be a list of tables, [[section.pieces]].")
     pieces = []
@@ -362,7 +362,7 @@ def _read_section(given):
         sizes = read_table(where, row, units, units)
         with said_of(where, sizes):
             pieces.append(make(**sizes))
-    return {"shape": shape, "pieces": tuple(pieces)}
+    return {"shape": shape, "pieces": tuple(pieces), **rest}
 
 
 def _shape(section):

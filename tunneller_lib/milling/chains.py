@@ -27,7 +27,7 @@ IN_CRADLE = "the cradle is in the way"
 BETWEEN = 4  # places from one position to the next at which that is looked at
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chain:
     """Positions one after the other: arrays with a row a position.
 
@@ -254,7 +254,7 @@ def _trace(patch, mill, s, t, axis, step, most):
     return list(zip(found, ends.tolist(), strict=True))
 
 
-@dataclass
+@dataclass(eq=False)
 class _Here:
     """Of points that are asked, whether one has a cone, and of those that do all that follows."""
 

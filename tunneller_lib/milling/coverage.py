@@ -21,7 +21,7 @@ LEAST = 0.01  # of the patch's area, that a chain must add
 TRIED = 6  # starts a round, of which the one is taken whose strip adds most
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coverage:
     """Chains, and what a mill leaves of a patch that goes along all of them.
 

@@ -30,7 +30,7 @@ CRADLE = "enters the machine's cradle"
 _STATES = {"convex": "convex (K > 0)", "spherical": "umbilic (both curvatures alike)"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Positions:
     """Positions of a conical mill: arrays with a row a position.
 

@@ -16,7 +16,7 @@ CLOSER = 12  # points between two of a line, between which strips meet
 PAIRS = 2**20  # of contacts that are looked at together, to keep within memory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scallops:
     """What strips leave on lines from contacts of one to contacts of the next: a row a line.
 

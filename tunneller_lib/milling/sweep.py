@@ -101,7 +101,7 @@ def _closer(points, mill, motion, where, step, last):
     return least
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Strip:
     """What a mill leaves across its way, at each position of a chain.
 

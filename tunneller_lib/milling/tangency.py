@@ -41,7 +41,7 @@ def _apart(name, value):
 Apart = Annotated[ArrayLike, Rule("float or (k,) float", _apart, "m")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TwoContacts:
     """Positions of a conical mill that touches a patch twice: arrays with a row a position.
 
@@ -243,7 +243,7 @@ def touch_along(patch, mill, chain, tolerance, others, machine, n, apart=None):
     return fitting(patch, mill, parts, len(run) // 2, ends, tolerance, others, machine, n)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Lines:
     """Lines through the contacts of a chain, in its tangent planes, and places to either side."""
 

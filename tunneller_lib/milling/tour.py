@@ -20,7 +20,7 @@ TRAVERSE = "traverse"
 APPROACH = "approach"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tour:
     """Where a mill stands one after the other: arrays with a row a place.
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import (
     Rule,
+    as_array,
     bounded_array,
     none_beyond,
     not_negative,
@@ -85,11 +86,8 @@ def _torque(name, value):
 
 
 def _complex_frequencies(name, value):
-    try:
-        array = np.asarray(value)
-    except Exception:  # ragged lists, somebody's class
-        array = np.asarray(None)
-    if array.dtype.kind not in "iufc" or isinstance(value, np.ma.MaskedArray):
+    array = as_array(value)
+    if array.dtype.kind not in "iufc":
         raise ValueError(f"{name}: must hold numbers in a regular array; got {shown(value)}.")
     with np.errstate(over="ignore"):
         array = array.astype(complex)

@@ -35,7 +35,7 @@ Setvalues = Annotated[
 Slopes = Annotated[ArrayLike, Rule("(ticks,) or (ticks, n) float", moderate_array, "rad/s")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Track:
     """What a simulated run did, of one axis or (..., n) of n.
 

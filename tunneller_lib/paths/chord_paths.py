@@ -6,20 +6,17 @@ which direction is the whole difference.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from ..arguments import Positions, checked, positions
 from ..exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
-from .quadrature import gauss_rule
+from .quadrature import path_lengths
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
-ORDER = 48  # nodes of the quadrature of a path's length
 
 
 @dataclass(frozen=True)
@@ -182,13 +179,20 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     Returns
     -------
     length : (...) float
-        In m; on a working sheet to 1e-9 of itself, mostly to rounding: Gauss-Legendre quadrature
-        of the speed of the polynomial through the path at the nodes.
+        In m, to 1e-9 of itself, or to 1e-13 (r + R) where that is more; mostly to rounding. The
+        angles may be of any size; their own rounding beyond one turn isn't counted.
 
     Raises
     ------
     ValueError
-        If an end isn't on the working sheet, or the path doesn't join them.
+        If an end isn't on the working sheet, or the path doesn't join them: if there is none, or
+        it jumps, or nearly, as where a chord passes the axis or the ring circle far nearer than
+        1e-6 (r + R).
+
+    Notes
+    -----
+    Gauss-Legendre quadrature of the speed of polynomials through the path, on panels: as many as
+    its swings take, see `quadrature.panels`.
 
     Examples
     --------
@@ -196,20 +200,8 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     >>> round(float(path_length(Torus(0.1, 0.9), path, (0, -0.3), (0, 0.4))), 12)
     0.63
     """
-    t, weights, slope = _nodes()
-    way = ChordPath.__call__.unchecked(path, torus, p, q, t)
-    rate = np.einsum("ij,...jk->...ik", slope, way)
-    rho = torus.r + torus.R * np.cos(way[..., 1])
-    return np.hypot(rho * rate[..., 0], torus.R * rate[..., 1]) @ weights
-
-
-@cache
-def _nodes():
-    """Return Gauss-Legendre nodes and weights for t, and the matrix that differentiates there."""
-    x, weights = gauss_rule(ORDER)
-    basis = legendre.legvander(x, ORDER - 1)
-    slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(ORDER)], axis=1)
-    return (1 + x) / 2, weights / 2, 2 * np.linalg.solve(basis.T, slopes.T).T
+    check_on_sheet(torus, p, q)
+    return path_lengths(torus, lambda *way: ChordPath.__call__.unchecked(path, torus, *way), p, q)
 
 
 def _end_point(torus, end):

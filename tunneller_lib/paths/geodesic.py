@@ -28,7 +28,7 @@ def _rows_of_positions(name, value):
 Ways = Annotated[ArrayLike, Rule("(..., m, 2) float", _rows_of_positions, "rad")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GeodesicPoints:
     """Points along geodesics, from first to last: made by `geodesic_direct`.
 
@@ -108,7 +108,7 @@ class GeodesicPoints:
         return dot(gap, np.take_along_axis(across, near, axis=-2))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Geodesic:
     """Shortest geodesics between pairs of points: made by `geodesic_inverse`.
 

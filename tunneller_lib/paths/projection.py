@@ -1,18 +1,16 @@
 """The tangent-sphere path: a chord projected normally onto the torus (section 3.3)."""
 
+import math
 from typing import Literal
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ..arguments import Positions, checked
-from ..exact import norm, radius_and_excess
+from ..exact import norm
 from ..surfaces import Torus
 from .bounds import Count, check_on_sheet, check_points
-from .quadrature import gauss_rule
-
-ORDER = 48  # samples of the path's speed along a chord
-RESOLVED = 1e-9  # largest share of the last terms in the speed's Legendre series
+from .quadrature import panels, path_lengths
 
 
 @checked
@@ -50,7 +48,7 @@ def project_chord(
     ValueError
         If n is below 2 or asks for too many points, `spacing` is another word, or a position isn't
         (theta, phi) or isn't on the working sheet, r + R cos(phi) >= 0. With equal arcs also where
-        a chord passes so close to the axis or to the ring circle that its length can't be told.
+        the length can't be told, see `projected_length`.
 
     Notes
     -----
@@ -68,8 +66,7 @@ def project_chord(
            [ 0. ,  0.3]])
     """
     check_on_sheet(torus, p, q)
-    start, chord = _chord(torus, p, q)
-    check_points(n, chord.shape[:-1])
+    check_points(n, np.broadcast_shapes(p.shape, q.shape)[:-1])
     u = np.linspace(0, 1, n)
     if spacing == "chord":
         t = u
@@ -80,9 +77,7 @@ def project_chord(
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
     else:
         t = _equal_arcs(torus, p, q, u)
-    t = np.broadcast_to(t, (*chord.shape[:-1], n))
-    m = start[..., None, :] + t[..., None] * chord[..., None, :]
-    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
+    return _feet(torus, p, q, t)
 
 
 @checked
@@ -99,23 +94,26 @@ def projected_length(torus: Torus, p: Positions, q: Positions):
     Returns
     -------
     length : (...) float
-        In m, to about 1e-9 of itself, to rounding on the reference machine: Gauss-Legendre
-        quadrature of the foot's exact speed.
+        In m, to 1e-9 of itself, or to 1e-13 (r + R) where that is more; to rounding on the
+        reference machine.
 
     Raises
     ------
     ValueError
-        If an end isn't on the working sheet, or a chord passes so close to the axis or to the
-        ring circle, where its foot jumps, that the quadrature doesn't settle.
+        If an end isn't on the working sheet, or a chord crosses the axis or the ring circle, where
+        its foot jumps. It may pass them at 1e-6 (r + R); much nearer, rounding leaves the foot
+        untold to so many digits, and the chord is refused as well.
     """
     check_on_sheet(torus, p, q)
-    return _speed_series(torus, p, q)[0]
+    return path_lengths(torus, lambda *way: _feet(torus, *way), p, q)
 
 
-def _chord(torus, p, q):
-    """Return where chords begin (..., 3), and the vectors (..., 3) to their ends."""
+def _feet(torus, p, q, t):
+    """Return the joint positions (..., n, 2) of the feet of M(t), at shares t (..., n)."""
     start = Torus.point.unchecked(torus, p[..., 0], p[..., 1])
-    return start, Torus.point.unchecked(torus, q[..., 0], q[..., 1]) - start
+    chord = Torus.point.unchecked(torus, q[..., 0], q[..., 1]) - start
+    m = start[..., None, :] + t[..., None] * chord[..., None, :]
+    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
 
 
 def _half_angle(torus, p, q):
@@ -125,60 +123,43 @@ def _half_angle(torus, p, q):
     return np.arctan2(norm(last - first), norm(last + first))
 
 
-def _speed(torus, p, q, t):
-    """Return |dN/dt| of the foot N of M(t), from the rates of its two angles."""
-    start, chord = _chord(torus, p, q)
-    chord = np.broadcast_to(chord, np.broadcast_shapes(start.shape, chord.shape))[..., None, :]
-    x, y, z = np.moveaxis(start[..., None, :] + t[..., None] * chord, -1, 0)
-    dx, dy, dz = np.moveaxis(chord, -1, 0)
-    rho, beyond = radius_and_excess(x, z, torus.r)
-    distance = np.hypot(beyond, y)
-    turning = (z * dx - x * dz) / rho**2
-    swinging = (beyond * dy - y * (x * dx + z * dz) / rho) / distance**2
-    parallel = torus.r + torus.R * beyond / distance
-    return np.hypot(torus.R * swinging, parallel * turning)
-
-
-def _speed_series(torus, p, q):
-    """Return the Legendre series (ORDER, ...) of the speed in x = 2t - 1, from -1 to 1.
-
-    Its first term is the mean speed over t from 0 to 1, and so the path's length.
-    """
-    nodes, weights = gauss_rule(ORDER)
-    with np.errstate(invalid="ignore", divide="ignore"):  # a chord through the axis or the ring
-        speed = _speed(torus, p, q, (1 + nodes) / 2)
-    basis = legendre.legvander(nodes, ORDER - 1) * (np.arange(ORDER) + 0.5)
-    series = np.moveaxis((speed * weights) @ basis, -1, 0)
-    tail = np.max(np.abs(series[-4:]), axis=0)
-    settled = tail <= RESOLVED * series[0] + np.finfo(float).tiny  # also for a chord of no length
-    if not np.all(settled):
-        raise ValueError(
-            "p, q: a chord must keep away from the axis and from the ring circle, where its foot "
-            "jumps; got one that passes through or close by."
-        )
-    return series
-
-
 def _equal_arcs(torus, p, q, u):
     """Return t (..., n) at which the path has run the shares u of its length.
 
-    The speed's series is integrated term by term and inverted by Newton's method, each root kept
-    in a bracket.
+    On each panel the speed's series is integrated term by term and inverted by Newton's method,
+    each root kept in a bracket.
     """
-    series = _speed_series(torus, p, q)
+    p, q = np.broadcast_arrays(p, q)
+    found = panels(torus, lambda *way: _feet(torus, *way), p.reshape(-1, 2), q.reshape(-1, 2))
+    total, run = np.zeros((2, math.prod(p.shape[:-1])))  # and run so far
+    for panel in found:
+        total[panel.rows] += 2 * panel.series[0]
+    wanted = total[:, None] * u
+    t = np.ones(wanted.shape)
+    for rows, low, high, series, _ in found:
+        left = wanted[rows] - run[rows, None]
+        x = _where_run(series, np.clip(left, 0, 2 * series[0][:, None]))
+        # A later panel takes over where the path runs on into it.
+        t[rows] = np.where(left >= 0, low + (high - low) * (1 + x) / 2, t[rows])
+        run[rows] += 2 * series[0]
+    return t.reshape(*p.shape[:-1], len(u))
+
+
+def _where_run(series, run):
+    """Return x (k, n), from -1 to 1, up to which speeds with a series (ORDER, k) run so far."""
     arc = legendre.legint(series, lbnd=-1)
-    wanted = 2 * series[0][..., None] * u
-    x = np.broadcast_to(2 * u - 1, wanted.shape)
-    low, high = np.full(wanted.shape, -1.0), np.full(wanted.shape, 1.0)
+    whole = 2 * series[0][:, None]
+    x = 2 * run / np.where(whole > 0, whole, 1) - 1
+    low, high = np.full(run.shape, -1.0), np.full(run.shape, 1.0)
     for _ in range(60):
-        left = wanted - _series(x, arc)
-        if np.all(np.abs(left) <= 1e-15 * wanted[..., -1:]):
+        left = run - _series(x, arc)
+        if np.all(np.abs(left) <= 1e-15 * whole):
             break
         low, high = np.where(left > 0, x, low), np.where(left < 0, x, high)
         speed = _series(x, series)
         newton = x + left / np.where(speed > 0, speed, 1)
         x = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
-    return (1 + x) / 2
+    return x
 
 
 def _series(x, coefficients):

@@ -1,8 +1,19 @@
-"""Gauss and Legendre's quadrature, whose nodes are computed once."""
+"""Gauss and Legendre's quadrature, and paths in panels on which it tells their length."""
 
 from functools import cache
+from typing import NamedTuple
 
+import numpy as np
 from numpy.polynomial import legendre
+
+from ..exact import in_blocks, norm
+
+ORDER = 48  # nodes on a panel
+BLOCK = 1024  # paths measured at once, whose nodes fit the cache
+RESOLVED = 1e-10  # of the straight way: what a panel may leave untold
+ROUNDING = 1e-14  # of r + R, times the angles: what their roundings make of a length
+GAPS = 10  # times that all gaps between the panels of a path may be
+HALVINGS = 30  # of a panel, after which a path jumps for all that its points tell
 
 
 @cache
@@ -15,3 +26,166 @@ def gauss_rule(count):
     for row in rule:
         row.flags.writeable = False
     return rule
+
+
+class Panel(NamedTuple):
+    """Some paths between two shares of their way.
+
+    Parameters
+    ----------
+    rows : (k,) int
+        Which of the paths.
+    low, high : float
+        The shares, from 0 to 1.
+    series : (ORDER, k) float
+        The Legendre series of the speed in x, from -1 to 1. Its first term is the mean speed, and
+        half the length.
+    ends : (2, k, 3) float
+        The first and the last point, in m, as the nodes between tell them.
+    """
+
+    rows: np.ndarray
+    low: float
+    high: float
+    series: np.ndarray
+    ends: np.ndarray
+
+    def pick(self, kept):
+        """Return the panel of those paths (k,) bool that are kept."""
+        return Panel(self.rows[kept], *self[1:3], self.series[:, kept], self.ends[:, kept])
+
+
+def panels(torus, way, p, q):
+    """Return panels that make up paths on a torus, those of one path from p to q.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    way : callable
+        Of p, q and shares t (n,) of the way, to joint positions (k, n, 2).
+    p, q : (k, 2) float
+        Joint positions of the ends, in rad.
+
+    Returns
+    -------
+    panels : list of Panel
+        Together they tell each length to 1e-9 of itself, or to what rounding makes of angles:
+        1e-13 (r + R) up to a turn.
+
+    Raises
+    ------
+    ValueError
+        If a path doesn't run from p to q without a jump, for all that its points tell.
+
+    Notes
+    -----
+    On a panel the angles are polynomials through ORDER nodes. They hide nothing: a swing between
+    two nodes is a step of the angles, where a spike of the speed could fall through. A panel will
+    do where the last terms of the speed's series are small, or where its halves are as long as it
+    is: that also is so where rounding spoils the terms. Others are halved. A path may not jump
+    where two panels meet, as where a chord crosses the axis right there.
+    """
+    first, last = (torus.point(*np.moveaxis(end, -1, 0)) for end in (p, q))
+    turned = np.maximum(1, np.abs(way(p, q, np.array([0.0, 1.0]))).max(axis=(1, 2)))
+    rounding = ROUNDING * (torus.r + torus.R) * turned
+    within = RESOLVED * norm(last - first) + rounding
+
+    def measured(rows, low, high):
+        t, _, _, _, _ = _rules()
+        joint = way(p[rows], q[rows], low + (high - low) * t)
+        return Panel(rows, low, high, *_speed_and_ends(torus, joint))
+
+    def off_ends(panel):
+        """Return by how much a panel misses p or q, at which it may end."""
+        before = norm(panel.ends[0] - first[panel.rows]) if panel.low == 0 else 0.0
+        return before + (norm(panel.ends[1] - last[panel.rows]) if panel.high == 1 else 0.0)
+
+    def settled(panel, halvings):
+        tail = np.max(np.abs(panel.series[-4:]), axis=0)
+        enough = tail + off_ends(panel) <= within[panel.rows]
+        yield panel if enough.all() else panel.pick(enough)
+        panel = panel.pick(~enough)
+        if not panel.rows.size:
+            return
+        if halvings == 0:
+            raise _jump(p, q, panel.rows[0], panel.low)
+        middle = (panel.low + panel.high) / 2
+        halves = measured(panel.rows, panel.low, middle), measured(panel.rows, middle, panel.high)
+        change = np.abs(halves[0].series[0] + halves[1].series[0] - panel.series[0])
+        gap = norm(halves[1].ends[0] - halves[0].ends[1])
+        enough = change + gap + sum(map(off_ends, halves)) <= within[panel.rows]
+        for half in halves:
+            yield half.pick(enough)
+            yield from settled(half.pick(~enough), halvings - 1)
+
+    found = [panel for panel in settled(measured(np.arange(len(p)), 0.0, 1.0), HALVINGS)
+             if panel.rows.size]  # fmt: skip
+    # What all joints of a path, its ends included, leave open counts together.
+    reached, gaps = first.copy(), np.zeros(len(p))
+    for rows, low, _, _, (start, stop) in found:
+        gaps[rows] += norm(start - reached[rows])
+        _check_joined(p, q, rows, low, gaps[rows] / within[rows])
+        reached[rows] = stop
+    _check_joined(p, q, np.arange(len(p)), 1.0, (gaps + norm(last - reached)) / within)
+    return found
+
+
+def path_lengths(torus, way, p, q):
+    """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), by their way.
+
+    They are as true as `panels`, and refused as there.
+    """
+
+    def of_block(ends):
+        p, q = np.split(ends, 2, axis=-1)
+        total = np.zeros((len(ends), 1))
+        for panel in panels(torus, way, p, q):
+            total[panel.rows, 0] += 2 * panel.series[0]
+        return total
+
+    ends = np.concatenate(np.broadcast_arrays(p, q), axis=-1)
+    return in_blocks(of_block, ends, 1, BLOCK)[..., 0]
+
+
+def _check_joined(p, q, rows, t, gaps):
+    """Raise ValueError where gaps (k,), in what a panel may leave untold, make a jump up to t."""
+    if np.any(gaps > GAPS):
+        raise _jump(p, q, rows[np.argmax(gaps)], t)
+
+
+def _jump(p, q, row, t):
+    ends = " to ".join(f"({theta:g}, {phi:g})" for theta, phi in (p[row], q[row]))
+    return ValueError(
+        "p, q: must be ends whose path doesn't jump, as the foot of a chord does where it crosses "
+        f"the axis or the ring circle; got {ends} rad, which at {t:g} of the way does, or nearly."
+    )
+
+
+def _speed_and_ends(torus, joint):
+    """Return the speed's series (ORDER, k) and the ends (2, k, 3) of paths at a panel's nodes."""
+    _, weights, slope, basis, ends = _rules()
+    # An angle that is told within one turn, as from -pi to pi, jumps where the path doesn't.
+    span = np.ptp(joint, axis=1, keepdims=True)
+    wrapped = (np.pi < span) & (span <= 2 * np.pi)
+    if np.any(wrapped):
+        joint = np.where(wrapped, np.unwrap(joint, axis=1), joint)
+    theta, phi = np.moveaxis(joint, -1, 0)
+    rho = torus.r + torus.R * np.cos(phi)
+    speed = np.hypot(rho * (theta @ slope.T), torus.R * (phi @ slope.T))
+    series = np.moveaxis((speed * weights) @ basis, -1, 0)
+    return series, torus.point((theta @ ends.T).T, (phi @ ends.T).T)
+
+
+@cache
+def _rules():
+    """Return what a panel needs: nodes from 0 to 1, weights, and three matrices.
+
+    They take values at the nodes to slopes there, speeds to their series, and values to both ends.
+    """
+    x, weights = gauss_rule(ORDER)
+    values = legendre.legvander(x, ORDER - 1)
+    slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(ORDER)], axis=1)
+    slope = np.linalg.solve(values.T, slopes.T).T
+    ends = np.linalg.solve(values.T, legendre.legvander(np.array([-1.0, 1.0]), ORDER - 1).T).T
+    return (1 + x) / 2, weights, slope, values * (np.arange(ORDER) + 0.5), ends

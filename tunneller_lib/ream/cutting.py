@@ -33,7 +33,7 @@ Cost = Whole(1, 2**31 - 1)
 Energy = Annotated[float, Rule("float", size)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cut:
     """A cut that was simulated.
 

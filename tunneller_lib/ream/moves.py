@@ -10,7 +10,7 @@ FINEST = 4096  # parts of a count, to which setpoints are rounded
 MOST = 2**30  # parts, and parts times the ticks of a move, that 32 bits hold with their sums
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Moves:
     """Moves of both joints, straight and of whole ticks: m of them between m + 1 setpoints.
 

@@ -53,7 +53,7 @@ Ticks = Wholes("(...) int", 0, 2**40)
 Tick = Annotated[float, Rule("float", size, "s")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plan(Moves):
     """A planned cut: the moves of one lap, the same in every lap, its last move the rest.
 

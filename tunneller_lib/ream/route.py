@@ -27,7 +27,7 @@ def _knots(name, value):
 Knots = Annotated[ArrayLike, Rule("(n,) float", _knots, "m")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Route:
     """A lap's way in joint space, as a function of the cutter's length of way l, in m.
 

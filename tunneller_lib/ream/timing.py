@@ -15,7 +15,7 @@ import numpy as np
 HALVINGS = 60  # of the range in which the greatest x of a place is looked for
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Places:
     """What bounds the motion of a tool at each of m + 1 places of a way, which has any unit.
 

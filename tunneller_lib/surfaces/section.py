@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Angles, Each, Finite, Lengths, checked
+from ..arguments import Angles, Each, Finite, Lengths, NotNegative, checked
 from .pieces import Arc, Line
 
 CLOSED = 1e-12  # largest gap between pieces, over the perimeter
 SMOOTH = 1e-12  # largest turn at a blend, in rad: beyond it is a corner
+SNAP = 1e-6  # m, by which pieces may miss each other unless one says otherwise
 
 
 class Section:
@@ -18,6 +19,7 @@ class Section:
     """
 
     arcs: tuple
+    slack: float = 0.0  # m, by which ends may miss each other, see `closed_profile`
 
     @property
     def blends(self):
@@ -49,7 +51,7 @@ class Section:
     @property
     def least_radius(self):
         """Return the radius of the tightest bend, in m: 0 where there is a corner."""
-        corner = np.any(self._turns() > SMOOTH)
+        corner = np.any(self._turns() > SMOOTH + self.slack / self.perimeter)
         return 0.0 if corner else float(min(arc.radius for arc in self.arcs))
 
     def _turns(self):
@@ -109,6 +111,7 @@ class Section:
         y, z = np.broadcast_arrays(y, z)
         arcs = self.arcs
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
+        slack += 2 * self.slack
         inside = np.full(y.shape, np.inf)
         for arc in arcs:
             inside = np.minimum(inside, arc.depth.unchecked(arc, y, z, slack))
@@ -135,7 +138,9 @@ class Section:
             raise ValueError(
                 f"d: must be below the section's least radius {self.least_radius:g} m; got {d:g} m."
             )
-        return Profile(tuple(arc.inset(d) for arc in self.arcs))
+        # A blend that turns by up to slack / perimeter gapes at a distance.
+        wider = self.slack * (1 + abs(d) / self.perimeter)
+        return Profile(tuple(arc.inset(d) for arc in self.arcs), wider)
 
     @checked
     def ray(self, angle: Angles):
@@ -150,7 +155,7 @@ class Section:
             raise ValueError("section: must have the origin of its plane inside; it hasn't.")
         cos, sin = np.cos(angle), np.sin(angle)
         low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
-        pieces = Profile(self.arcs)  # which are made once
+        pieces = Profile(self.arcs, self.slack)  # which are made once
         for _ in range(60):  # the depth of a convex section changes its sign once along a ray
             middle = (low + high) / 2
             inside = pieces.depth.unchecked(pieces, middle * cos, middle * sin) > 0
@@ -167,19 +172,26 @@ class Profile(Section):
     arcs : tuple of Arc or Line
         In counter-clockwise order, each starting where the last one ends; `closed_profile` checks
         that they do.
+    slack : float
+        By how much they may miss that, in m.
     """
 
     arcs: tuple
+    slack: float = 0.0
 
 
 @checked
-def closed_profile(pieces: Each(Arc, Line)):
+def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
     """Return the section that pieces make, after checking that they close.
 
     Parameters
     ----------
     pieces : list of Arc or Line
         In counter-clockwise order.
+    snap : float, optional
+        In m, a thousandth of the perimeter at most; 1e-6 m, which is 0.001 mm, by default. Ends
+        that are no farther apart count as one point, and turns up to snap / perimeter as none: a
+        drawing has so many digits. The section is true to as much as its pieces miss each other.
 
     Returns
     -------
@@ -204,17 +216,24 @@ def closed_profile(pieces: Each(Arc, Line)):
             raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
     if not section.arcs:
         raise ValueError("pieces: must be at least one; got none.")
+    perimeter = section.perimeter
+    if snap > perimeter / 1000:
+        raise ValueError(
+            "snap: must be at most a thousandth of the perimeter, "
+            f"{perimeter / 1000:.3g} m; got {snap:g} m."
+        )
     # Each begins where the one before it ends. The first is asked last: it closes the curve, which
     # is another sentence.
     ends = np.array([arc.locate(np.array([0.0, arc.length]))[0] for arc in section.arcs])
     gaps = np.linalg.norm(ends[:, 0] - np.roll(ends[:, 1], 1, axis=0), axis=-1)
     for k in [*range(1, len(gaps)), 0]:
-        if gaps[k] > CLOSED * section.perimeter:
+        if gaps[k] > CLOSED * perimeter + snap:
             what = "doesn't begin where the last one ended" if k else "isn't met: it isn't closed"
             raise ValueError(f"pieces: {k + 1} of {len(gaps)} {what}; the gap is {gaps[k]:.3g} m.")
     # A corner to the left keeps the section convex, one to the right doesn't.
     turns = section._turns()
-    if np.any(turns < -SMOOTH):
+    smooth = SMOOTH + snap / perimeter
+    if np.any(turns < -smooth):
         k = int(np.argmin(turns))
         raise ValueError(
             f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins with "
@@ -227,4 +246,8 @@ def closed_profile(pieces: Each(Arc, Line)):
             "pieces: must go round once, counter-clockwise; they turn by "
             f"{np.degrees(round_once):.4g} deg."
         )
-    return section
+    # What they miss each other by; nothing of those that meet and blend to rounding.
+    bend = np.max(np.abs(turns[np.abs(turns) <= smooth]), initial=0)
+    if gaps.max() <= CLOSED * perimeter and bend <= SMOOTH:
+        return section
+    return Profile(section.arcs, float(gaps.max() + bend * perimeter))

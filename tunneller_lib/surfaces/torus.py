@@ -296,7 +296,7 @@ class Torus:
         return self._foot(m, 1, 1)
 
     def _foot(self, m, sigma, eps):
-        return in_blocks(lambda block: self._foot_of_rows(block, sigma, eps), m)
+        return in_blocks(lambda block: self._foot_of_rows(block, sigma, eps), m, 3)
 
     def _foot_of_rows(self, m, sigma, eps):
         x, y, z = m.T
@@ -347,7 +347,8 @@ class Torus:
         array([ 7.,  9., 11., 13.])
         """
         torus_line.check_differ(a, b)
-        return torus_line.meet(self, a, b)
+        lines = np.concatenate(np.broadcast_arrays(a, b), axis=-1)
+        return in_blocks(lambda some: torus_line.meet(self, some[:, :3], some[:, 3:]), lines, 4)
 
 
 def _joint_motion(position, rate):
