@@ -228,9 +228,11 @@ def _quickly(shape, q, u):
     start, started = _stepped(line, -reach, 1, GUARD / 4 * size)
     end, ended = _stepped(line, reach, -1, GUARD / 4 * size)
     # Up to the one and from the other on the distance is too great: passing, they prove a miss.
+    # By less, as on a disc without a corner, rounding may have made them pass.
     missed = start - end > CLOSE * size
+    met = started & ended & (start <= end)
     enter = where(missed, np.inf, (shift + start) / speed)
-    return enter, where(missed, -np.inf, (shift + end) / speed), near & (missed | started & ended)
+    return enter, where(missed, -np.inf, (shift + end) / speed), near & (missed | met)
 
 
 def _stepped(line, t, sign, guard):
