@@ -314,20 +314,17 @@ def limits(kind, rng, n):
     scale = 2.0 ** rng.choice([0, 0, -320, 320], n)
     tiny = np.where(scale < 1, 0.0, 2.0 ** -rng.integers(40, 61, n))
     first, last, high = rng.choice([1.0, 1.0, 4.0, 0.0, -1.0, -1.0], (3, n))
-    if kind in ("frustum", "box"):  # which have no axis or edge of length zero
+    first, last, high = (np.where(size < 0, tiny, size) for size in (first, last, high))
+    if kind in ("rod", "capsule"):
+        last = first
+    elif kind == "rounded":  # no point
+        first = np.where((first == 0) & (last == 0), 1, first)
+    else:  # frusta have an axis, boxes have edges
         high = np.where(high == 0, 1, high)
-    if kind == "box":
-        first, last = (np.where(size == 0, 1, size) for size in (first, last))
-        tiny = np.where(scale < 1, 1, tiny)
-    elif kind != "frustum":
-        high = np.where((kind == "rod") & (high == 0) & (rng.random(n) < 0.8), 1, high)
-        last = first if kind != "rounded" else last
-    first, last, high = (np.where(size < 0, tiny, size) * scale for size in (first, last, high))
-    if kind == "rounded":  # no point
-        first = np.where((first == 0) & (last == 0), scale, first)
-    if kind == "frustum":
-        high = np.where(high == 0, scale, high)
         last = np.where(rng.random(n) < 0.3, first, last)
+    if kind == "box":
+        first, last = np.where(first == 0, 1, first), np.where(last == 0, 1, last)
+    first, last, high = first * scale, last * scale, high * scale
     share = rng.choice([0, 0.5, 1], n)
     # Around the axis by a whole triple; beside it by one of a sphere.
     pair = rng.choice([[3, 4], [4, 3], [5, 0], [0, 5]], n) * rng.choice([-1, 1], (n, 2))
@@ -351,7 +348,11 @@ def limits(kind, rng, n):
         p = at + e3 * (rows[2] * rows[3]) + out * (rows[0] + (rows[1] - rows[0]) * rows[3])
     way = rng.integers(0, 5, n)[:, None]
     u = np.select([way == 0, way == 1, way == 2, way == 3], [e3, side, out + 5 * e3, out],
-                  some(rng, n)).astype(float)  # fmt: skip
+                  some(rng, n))  # fmt: skip
+    # Seen end-on a needle has no size, or one so small that nothing is promised.
+    needle = (kind in WITH_AXES) & (1e15 * np.maximum(first, last) < 2 * high)
+    end_on = np.all(np.cross(u, e3) == 0, axis=-1)
+    u = np.where((needle & end_on)[:, None], out + 5 * e3, u).astype(float)
     u[np.all(u == 0, axis=-1)] = 1
     return shapes, p, u
 
