@@ -119,5 +119,7 @@ def judged_facets(found, kind, shapes, facets, u, roundings=64):
         for end, outward in ((enter, -1), (leave, 1)):
             slack = 16 * EPS * max(sizes[i] / np.linalg.norm(way), abs(end))
             late[i] |= meets(kind, shape, facet, way, end + outward * slack, -margin)
-            early[i] |= not meets(kind, shape, facet, way, end - outward * slack, margin)
+            # A facet that only touches may have passed by so much farther on.
+            later = end - outward * slack, end
+            early[i] |= not any(meets(kind, shape, facet, way, t, margin) for t in later)
     return late, early

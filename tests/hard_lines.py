@@ -302,6 +302,61 @@ def ordinary(kind, rng, n):
     return shapes, first, last - first
 
 
+def limits(kind, rng, n):
+    """Lines through the surfaces of shapes that a docstring only just allows.
+
+    Each size is zero where it may be, a last digit of the others, as great, or at either end of the
+    range: discs without a corner, balls, segments, cones' tips, rods of hardly any length.
+    """
+    matrix, N = whole_rotations(rng, n, most=4)
+    e1, e2, e3 = np.moveaxis(matrix, -1, 0)
+    # All sizes are these shares of one scale; shapes at the origin keep every digit of them.
+    scale = 2.0 ** rng.choice([0, 0, -320, 320], n)
+    tiny = np.where(scale < 1, 0.0, 2.0 ** -rng.integers(40, 61, n))
+    first, last, high = rng.choice([1.0, 1.0, 4.0, 0.0, -1.0, -1.0], (3, n))
+    first, last, high = (np.where(size < 0, tiny, size) for size in (first, last, high))
+    if kind in ("rod", "capsule"):
+        last = first
+    elif kind == "rounded":  # no point
+        first = np.where((first == 0) & (last == 0), 1, first)
+    else:  # frusta have an axis, boxes have edges
+        high = np.where(high == 0, 1, high)
+        last = np.where(rng.random(n) < 0.3, first, last)
+    if kind == "box":
+        first, last = np.where(first == 0, 1, first), np.where(last == 0, 1, last)
+    first, last, high = first * scale, last * scale, high * scale
+    share = rng.choice([0, 0.5, 1], n)
+    # Around the axis by a whole triple; beside it by one of a sphere.
+    pair = rng.choice([[3, 4], [4, 3], [5, 0], [0, 5]], n) * rng.choice([-1, 1], (n, 2))
+    out = pair[:, :1] * e1 + pair[:, 1:] * e2  # 5 N long
+    side = pair[:, :1] * e2 - pair[:, 1:] * e1
+    at = rng.integers(-9, 10, (n, 3)) * scale[:, None] * rng.integers(0, 2, n)[:, None]
+    rows = [size[:, None] for size in (first, last, high, share)]
+    if kind == "box":
+        edges = e1 * rows[0], e2 * rows[1], e3 * rows[2]
+        shapes = np.concatenate([at, *edges], axis=-1)
+        p = at + sum(edge * rng.choice([0, 0.5, 1], (n, 1)) for edge in edges)
+    elif kind == "rounded":
+        shapes = np.concatenate([at, e3, 5 * N[:, None] * np.concatenate(rows[:2], -1),
+                                 np.zeros((n, 4))], axis=-1)  # fmt: skip
+        up = rng.integers(0, 2, (n, 1))  # from the flat side, or at the greatest radius
+        p = at + out * rows[0] * np.where(up, rows[3], 1) + rows[1] * np.where(up, 5 * e3, out)
+    else:
+        b = at + e3 * rows[2]
+        shapes = np.concatenate([at, b, 5 * N[:, None] * np.concatenate(rows[:2], -1),
+                                 np.zeros((n, 4))], axis=-1)  # fmt: skip
+        p = at + e3 * (rows[2] * rows[3]) + out * (rows[0] + (rows[1] - rows[0]) * rows[3])
+    way = rng.integers(0, 5, n)[:, None]
+    u = np.select([way == 0, way == 1, way == 2, way == 3], [e3, side, out + 5 * e3, out],
+                  some(rng, n))  # fmt: skip
+    # Seen end-on a needle has no size, or one so small that nothing is promised.
+    needle = (kind in WITH_AXES) & (1e15 * np.maximum(first, last) < 2 * high)
+    end_on = np.all(np.cross(u, e3) == 0, axis=-1)
+    u = np.where((needle & end_on)[:, None], out + 5 * e3, u).astype(float)
+    u[np.all(u == 0, axis=-1)] = 1
+    return shapes, p, u
+
+
 FAMILIES = (touches, tangents, rulings, ends, axial, tips, grazes, leaning, far, from_far, scaled,
-            floats, proportions, sizes, ordinary)  # fmt: skip
+            floats, proportions, sizes, ordinary, limits)  # fmt: skip
 TOUCHING = (touches, tangents, rulings, ends, axial, tips, far)

@@ -151,10 +151,12 @@ def test_cross_keeps_its_digits(a, b):
 
 
 @given(vectors, vectors)
-def test_dot_and_norm(a, b):
-    a, b = np.array(a), np.array(b)
-    assert exact.dot(a, b) == pytest.approx(float(np.sum(a * b)), abs=1e4)
-    assert exact.norm(a) == pytest.approx(float(np.linalg.norm(a)), rel=4 * EPS)
+def test_dot_is_right_to_three_roundings_of_its_terms_and_norm_to_four(a, b):
+    terms = [Fraction(x) * Fraction(y) for x, y in zip(a, b, strict=True)]
+    found = Fraction(float(exact.dot(np.array(a), np.array(b))))
+    least = 3 * Fraction(5e-324)  # where products leave the range of normal numbers
+    assert abs(found - sum(terms)) <= 3 * Fraction(EPS) * sum(map(abs, terms)) + least
+    assert exact.norm(np.array(a)) == pytest.approx(float(np.linalg.norm(a)), rel=4 * EPS)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1, 1e6])

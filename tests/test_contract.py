@@ -310,6 +310,32 @@ def test_odd_arguments_are_answered_or_refused_in_a_sentence(call):
         tried(call, case)
 
 
+def level(random, value):
+    """Return small whole numbers of a value's shape, or the value where it holds none.
+
+    So points coincide and lie level, upright or in line, which odd numbers hardly ever do.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, RuntimeError):
+        return value
+    if array.dtype.kind not in "if" or array.size > 1000:
+        return value
+    kept = random.random() < 0.2
+    few = [0, 0, 1, 1, 2] if array.dtype.kind == "i" else [0, 0, 0, 1, 1, -1, 0.5, 2]
+    drawn = np.array(random.choices(few, k=array.size), dtype=array.dtype).reshape(array.shape)
+    return value if kept else drawn if array.ndim else drawn.item()
+
+
+@every_call
+def test_level_arguments_are_answered_or_refused_in_a_sentence(call):
+    """Of each call, with all its numbers whole and small: 8 cases, in `make long` 500."""
+    for case in range(many(8, 500) if call.parameters else 0):
+        random = Random(f"{call.room}.{call.name}, level {case}")
+        given = {name: level(random, value) for name, value in call.valid.items()}
+        tried_with(call, given, f"Level case {case}")
+
+
 ONCE_FOUND = {
     "envelopes.fit_surface": 783,
     "envelopes.recognise_measured": 918,
@@ -334,11 +360,14 @@ def tried(call, case):
     random = Random(f"{call.room}.{call.name}, {case}")
     names = sorted(call.parameters)
     some = random.sample(names, min(random.randint(1, 3), len(names)))
-    given = {name: odd(random) for name in some}
+    tried_with(call, {name: odd(random) for name in some}, f"Case {case}")
+
+
+def tried_with(call, given, case):
     try:
         answered_or_refused(call, call.valid | given)
     except Exception as error:
-        error.add_note(f"Case {case}, with {reprlib.repr(given)}.")
+        error.add_note(f"{case}, with {reprlib.repr(given)}.")
         raise
 
 

@@ -113,7 +113,6 @@ def test_any_use_of_the_inputs_stays_within_bounds(driven, stored):
     wanted = next(islice(random_jobs(8), 1))
     controller = driven(wanted, setpoints="stored" if stored else "computed")
     lap = wanted.planned
-    c = controller.c
     modes = set()
 
     def press(n, c):
@@ -131,4 +130,3 @@ def test_any_use_of_the_inputs_stays_within_bounds(driven, stored):
     assert np.all(found[:, :2] >= np.floor(every.min(axis=0)) - 1)
     assert np.all(found[:, :2] <= np.ceil(every.max(axis=0)) + 1)
     assert np.all(np.abs(found[:, 4:6]) <= 1)
-    assert c.nStarved >= 0

@@ -5,17 +5,32 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from tests.exact_shapes import EPS, exact_interval, exact_intervals, judged, size_of
-from tests.hard_lines import FAMILIES, KINDS, TOUCHING, scaled, sizes
+from tests.exact_shapes import EPS, exact_interval, exact_intervals, full_size, judged, size_of
+from tests.hard_lines import (
+    FAMILIES,
+    KINDS,
+    TOUCHING,
+    WITH_AXES,
+    Whole,
+    limits,
+    ordinary,
+    scaled,
+    sizes,
+    some,
+)
 from tests.long import many
+from tunneller_lib.replica.rod_cases import whole_rotations
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc, meet_box
 from tunneller_lib.surfaces.box import meet_boxes
 from tunneller_lib.surfaces.frustum import meet_frusta
 from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
+FAR = 1e15  # sizes from which the promise holds, as the docstrings say
 LINES = many(75, 2_500)  # a family and kind, each judged in whole numbers
-MIDDLING = [f for f in FAMILIES if f not in (scaled, sizes)]  # not at the range's ends already
+MIDDLING = [
+    f for f in FAMILIES if f not in (scaled, sizes, limits)
+]  # not at the range's ends already
 every_kind = pytest.mark.parametrize("kind", KINDS)
 every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
 
@@ -84,8 +99,134 @@ def test_one_line_has_the_bits_of_many(family, kind):
         shape = shape_of(kind, row)
         alone = shape.meet_line(point, way)
         assert all(type(end) is np.float64 for end in alone)
-        beside = shape.meet_line(np.stack([point, point + way]), np.stack([way, way]))
+        both = np.stack([point, point + way])
+        beside = shape.meet_line(both, np.stack([way, way]))
         np.testing.assert_array_equal(alone, np.array(beside)[:, 0])
+        # One direction for all, as a raster has it.
+        np.testing.assert_array_equal(shape.meet_line(both, way), beside)
+
+
+@every_kind
+def test_a_raster_has_the_bits_of_single_lines(kind):
+    rng = np.random.default_rng(13)
+    edges = np.linalg.qr(rng.normal(size=(3, 3)))[0] * [[0.9], [1.2], [0.4]]
+    at = rng.normal(size=3)
+    row = [*at, *edges.ravel()] if kind == "box" else [*at, *(at + edges[0]), 0.25, 0.2, *[0] * 4]
+    shape = shape_of(kind, np.array(row))
+    x = np.linspace(-1.5, 1.5, 30)
+    raster = at + np.stack([*np.meshgrid(x, x), 0 * np.add.outer(x, x)], axis=-1)
+    for way in ((0.0, 0.0, 1.0), (0.1, -0.2, 0.9), tuple(edges[0])):
+        found = np.array(shape.meet_line(raster, way))
+        assert 5 < np.isfinite(found[0]).sum() < x.size**2
+        for i, j in np.ndindex(x.size, x.size):
+            np.testing.assert_array_equal(shape.meet_line(raster[i, j], way), found[:, i, j])
+
+
+def promised(kind, shapes, p, u):
+    """Return for which lines (n,) the docstrings promise anything: those given near enough."""
+    ends = [shapes[:, :3], shapes[:, 3:6]] if kind in WITH_AXES else [shapes[:, :3]]
+    away = np.max([np.linalg.norm(p - end, axis=-1) for end in ends], axis=0)
+    return away <= FAR * size_of(kind, shapes, u)
+
+
+@every_kind
+def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(kind):
+    # Each shape with lines of many directions through a place of its surface, and parallel ones.
+    shapes, p, u = limits(kind, np.random.default_rng(21), many(40, 400))
+    every = 4 if kind == "rounded" else 1  # whose judge takes twenty times as long
+    asked = 0
+    for i in range(0, len(shapes), every):
+        shape = shape_of(kind, shapes[i])
+        step = 2.0 ** np.frexp(full_size(kind, shapes[i : i + 1]) / np.abs(u[i]).max())[1]
+        for points, along in ((p[i], u[::every]), (p[i] + np.outer([-2, 0, 1] * step, u[i]), u[i])):
+            found = shape.meet_line(points, along)
+            points, along = np.broadcast_arrays(points, along)
+            alone = [shape.meet_line(*line) for line in zip(points, along, strict=True)]
+            np.testing.assert_array_equal(np.transpose(alone), found)
+            rows = np.tile(shapes[i], (len(points), 1))
+            asked += np.sum(near := promised(kind, rows, points, along))
+            wrong = judged(found, kind, rows, points, along)
+            assert not np.any(wrong & near)
+    assert asked > 0.8 * len(shapes[::every]) * (3 + len(u[::every]))
+
+
+THIN = [0.0, 1e-100, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6]
+
+
+@pytest.mark.parametrize("corner", THIN)
+def test_lines_given_by_a_point_of_a_thin_disc_meet_it_there(corner):
+    # Whole points of the disc, whole or any directions: exact arithmetic has nothing to say.
+    rng, n = np.random.default_rng(22), many(400, 20_000)
+    matrix, N = (part[0] for part in whole_rotations(rng, 1, most=4))
+    disc = RoundedDisc((5, -7, 9), matrix[:, 2], 9 * float(N), corner * 9 * float(N))
+    p = np.array(disc.centre) + rng.integers(-6, 7, (n, 2)) @ matrix[:, :2].T
+    assert np.all(np.sum((p - disc.centre) ** 2, axis=-1) <= disc.radius**2)
+    for u in (rng.normal(size=(n, 3)), some(rng, n) + np.array([0.0, 0.0, 30.0])):
+        enter, leave = disc.meet_line(p, u)
+        assert np.all(enter <= leave)
+        # As far from there as a surface that is off by the promise is, along so slanting a line.
+        slope = np.abs(u @ disc.unit)
+        off = (64 * EPS * (disc.radius + disc.corner) + disc.corner) / slope
+        assert np.all(enter <= off) and np.all(leave >= -off)
+
+
+def test_points_without_a_size_are_met_where_they_are():
+    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
+    assert Rod((1, 2, 3), (1, 2, 3), 0, "round").meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
+    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 4), (0, 1, 0))[0] == np.inf
+
+
+def far_away(kind, rng, n):
+    """Return touches given by points as far away as the promise allows, exactly on their lines."""
+    whole = Whole(kind, rng, n)
+    turn = rng.integers(-5, 6, (2, n, 1))
+    tangent = whole.side * turn[0] + whole.ruling * turn[1]
+    which = rng.integers(0, 3, n)[:, None]
+    shapes, p, u = whole.lines(np.select([which == 0, which == 1], [tangent, whole.ruling],
+                                         some(rng, n)))  # fmt: skip
+    # The touch is at the origin, where multiples of the direction are exact.
+    shapes[:, :3] -= p
+    if kind in WITH_AXES:
+        shapes[:, 3:6] -= p
+    steps = FAR * size_of(kind, shapes, u) / np.linalg.norm(u, axis=-1)
+    power = np.frexp(steps)[1] - (53 - np.frexp(np.abs(u).max(axis=-1))[1])  # all that fit beside u
+    steps = np.ldexp(np.floor(np.ldexp(steps, -power) * rng.uniform(0.9, 1, n)), power)
+    return shapes, u * (steps * rng.choice([-1, 1], n))[:, None], u
+
+
+@every_kind
+def test_promise_holds_for_points_1e15_sizes_away(kind):
+    shapes, p, u = lines = far_away(kind, np.random.default_rng(23), fewer(kind, many(400, 4000)))
+    away = np.linalg.norm(p, axis=-1) / size_of(kind, shapes, u)
+    assert np.all((away > 0.8 * FAR) & (away < 1.01 * FAR))
+    enter, leave = exact_intervals(kind, *lines)
+    assert np.all(enter <= leave)
+    assert not np.any(judged(meet(kind, *lines), kind, *lines))
+    for row, point, way in list(zip(*lines, strict=True))[:20]:
+        alone = np.array(shape_of(kind, row).meet_line(point, way))
+        assert not np.any(judged(alone[:, None], kind, row[None], point[None], way[None]))
+
+
+@pytest.mark.parametrize("kind", WITH_AXES)
+@pytest.mark.parametrize("ratio", [1e3, 1e9, FAR])
+def test_promise_holds_for_needles_seen_end_on(kind, ratio):
+    # As long as 1e15 sizes: what lines nearly along the axis see of them is as wide as they are.
+    rng, n = np.random.default_rng(24), many(200, 2000)
+    axis, other, a = rng.normal(size=(3, n, 3))
+    axis *= ratio / np.linalg.norm(axis, axis=-1, keepdims=True)
+    side = np.cross(axis, other)
+    side /= np.linalg.norm(side, axis=-1, keepdims=True)
+    radii = np.repeat(rng.uniform(0.5, 1, (n, 1)), 2, axis=-1)
+    if kind == "frustum":
+        radii[:, 1] *= rng.choice([0, 0.5, 1], n)
+    b = a + axis
+    start = rng.integers(0, 2, n)
+    p = np.where(start[:, None], b, a) + side * radii[np.arange(n), start][:, None]
+    lean = rng.choice([0, 2.0**-3, 1, 8], n)[:, None] * rng.normal(size=(n, 3))
+    lines = np.concatenate([a, b, radii, np.zeros((n, 4))], axis=-1), p, (b - a) + lean
+    found = meet(kind, *lines)
+    assert np.mean(found[0] <= found[1]) > 0.5
+    assert not np.any(judged(found, kind, *lines))
 
 
 @every_kind
@@ -132,7 +273,7 @@ def test_kernel_scales_by_powers_of_two_bit_for_bit(family, kind):
 def test_judge_notices_each_fault(kind):
     # An answer emptied, one end moved inwards or outwards by more than the promise.
     n = many(200, 600) if kind != "rounded" else many(24, 60)
-    lines = FAMILIES[-1](kind, np.random.default_rng(3), n)
+    lines = ordinary(kind, np.random.default_rng(3), n)
     shapes, _, u = lines
     enter, leave = exact_intervals(kind, *lines)
     chord = leave - enter
@@ -285,7 +426,7 @@ def test_memory_a_line_with_a_shape_of_its_own_is_at_most_64_bytes(kind):
 
 @every_kind
 def test_shapes_and_lines_broadcast_with_each_other(kind):
-    shapes, p, u = FAMILIES[-1](kind, np.random.default_rng(12), 6)
+    shapes, p, u = ordinary(kind, np.random.default_rng(12), 6)
     found = meet(kind, shapes[:, None, None], p[:2, None], u[3:])
     assert np.shape(found) == (2, 6, 2, 3)
     for i, j, k in np.ndindex(6, 2, 3):
@@ -310,7 +451,7 @@ def test_a_box_by_hand():
 
 def test_edges_of_a_box_may_be_of_either_hand():
     rng = np.random.default_rng(9)
-    shapes, p, u = FAMILIES[-1]("box", rng, 300)
+    shapes, p, u = ordinary("box", rng, 300)
     edges = shapes[:, 3:6], shapes[:, 6:9], shapes[:, 9:]
     expected = meet_boxes(shapes[:, :3], *edges, p, u)
     assert np.mean(np.isfinite(expected[0])) > 0.1

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.exact_facets import judged_facets
-from tests.exact_shapes import EPS
+from tests.exact_shapes import EPS, full_size
 from tests.hard_lines import KINDS, Whole, _floats
 from tests.long import many
 from tests.test_exact_kernel import shape_of
@@ -54,6 +54,20 @@ def test_facets_keep_the_promise(family, kind):
     found = met(kind, shapes, facets, u)
     if family is touching:
         assert np.all(found[0] <= found[1])  # a touch is never missed
+    assert not np.any(judged_facets(found, kind, shapes, facets, u))
+
+
+@every_kind
+@pytest.mark.parametrize("family", [touching, anywhere], ids=lambda f: f.__name__)
+def test_facets_keep_the_promise_from_a_million_sizes_away(family, kind):
+    n = many(15, 200) if kind != "rounded" else many(3, 20)
+    shapes, facets, u = family(kind, np.random.default_rng(7), n)
+    sizes = full_size(kind, shapes) + np.abs(facets - facets[:, :1]).max(axis=(1, 2))
+    steps = np.floor(1e6 * sizes / np.linalg.norm(u, axis=-1))
+    facets = facets - (u * steps[:, None])[:, None]
+    found = met(kind, shapes, facets, u)
+    if family is touching:
+        assert np.all(found[0] <= found[1])
     assert not np.any(judged_facets(found, kind, shapes, facets, u))
 
 

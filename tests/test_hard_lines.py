@@ -126,9 +126,7 @@ def test_peers_were_asked_every_line_of_what_they_have(rows):
     assert not any(kept[word] for kept in ours.values() for word in wrong)
     # A ray's start is rounded, so that a touch of the table may be none of the ray's.
     assert sum(kept["touches lost"] for kept in ours.values()) <= 10
-    assert sum(kept["lines"] for kept in ours.values()) == sum(
-        row["family"] != "sizes" for row in rows
-    )
+    assert sum(kept["lines"] for kept in ours.values()) == len(hard_lines_peers.asked(rows))
     for kept in asked.values():
         for group, count in kept.items():
             assert count["lines"] <= ours[group]["lines"]
@@ -136,7 +134,7 @@ def test_peers_were_asked_every_line_of_what_they_have(rows):
 
 def test_touches_that_the_library_loses_are_misses_of_the_rounded_ray(rows):
     """A public routine gets a ray that starts outside; its rounded start may miss what p meets."""
-    rays = [hard_lines_peers.ray_of(row) for row in rows if row["family"] != "sizes"]
+    rays = [hard_lines_peers.ray_of(row) for row in hard_lines_peers.asked(rows)]
     lost = 0
     for kind in KINDS:
         touches = [ray for ray in rays if ray["kind"] == kind and touching(ray)]

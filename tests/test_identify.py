@@ -80,6 +80,18 @@ def test_standard_errors_are_those_of_many_logs(kind, noise):
     assert np.mean([one.rms for one in found]) == pytest.approx(noise, rel=0.02)
 
 
+def test_a_delay_above_the_true_one_is_named_in_one_of_ten_noisy_logs_at_most():
+    # By two standard deviations of the likelihood it would be one of twenty; by one, one of three.
+    rng = np.random.default_rng(2)
+    above = 0
+    for _ in range(60):
+        valve = openings(rng, 400)
+        valve[:20] = 0.0
+        speed = axis_log(Lag(0.5, 0.04), valve, 2)[1]
+        above += identify_axis(valve, speed + 0.1 * rng.standard_normal(400), TICK).delay > 2
+    assert above <= 6
+
+
 def test_axis_of_oil_gives_its_steady_gain_within_a_tenth():
     axis = reference_axes(REFERENCE_MACHINE)[1]
     plant = Compressible(axis)

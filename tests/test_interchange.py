@@ -193,6 +193,25 @@ def test_what_is_no_stl_is_refused(content):
         read_stl(content)
 
 
+def triangle_in_text(corner):
+    return f"solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 {corner} 0\n".encode()
+
+
+@pytest.mark.parametrize("corner", ["2e100", "-1e101", "1e300", "1e999"])
+def test_corners_of_an_stl_have_squares_in_range(corner):
+    with pytest.raises(ValueError, match=r"^content: must have finite corners"):
+        read_stl(triangle_in_text(corner))
+    assert len(read_stl(triangle_in_text("9e99")).points) == 3
+
+
+def test_infinite_corners_of_a_binary_stl_are_refused():
+    places = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    content = bytearray(stl(Mesh(places, np.array([[0, 1, 2]]))))
+    content[84 + 12 : 84 + 16] = np.float32(np.inf).tobytes()
+    with pytest.raises(ValueError, match=r"^content: must have finite corners"):
+        read_stl(bytes(content))
+
+
 def test_normals_at_corners_are_those_of_a_ball():
     ball = pyvista.Icosphere(radius=0.3, center=(1.0, 2.0, 3.0), nsub=4)
     mesh = Mesh(np.array(ball.points, dtype=float), ball.regular_faces)

@@ -57,7 +57,7 @@ def test_meet_rods_of_many_hard_lines(lines_of, ends):
 @every_end
 @pytest.mark.parametrize("slight", ["tilt", "length"])
 def test_meet_line_of_one_rod_with_a_slight_tilt_or_length(slight, ends):
-    # Many lines of one direction, as the fast way takes them: through rims, the wall, the inside.
+    # Many lines of one direction: through rims, the wall, the inside.
     rng = np.random.default_rng(11)
     n = 60
     for i in range(60):
@@ -220,7 +220,7 @@ def test_contains_surface_and_ends():
 
 
 @every_end
-def test_parallel_lines_are_as_one_by_one(ends):
+def test_lines_of_one_direction_have_the_bits_of_lines_with_a_direction_each(ends):
     rng = np.random.default_rng(9)
     for direction in ((0, 0, 1), (0, -3, 0), (1, 2, -2), (90, 0, 120), (1e-9, 0, 1)):
         rod = Rod((1, 2, 3), (91, 2, 123), 25, ends=ends)
@@ -229,7 +229,7 @@ def test_parallel_lines_are_as_one_by_one(ends):
         fast = rod.meet_line(p.reshape(200, 200, 3), direction)
         slow = rod.meet_line(p, np.broadcast_to(np.array(direction, float), p.shape))
         for one, other in zip(fast, slow, strict=True):
-            np.testing.assert_allclose(one, other.reshape(200, 200), rtol=1e-11, atol=1e-12)
+            np.testing.assert_array_equal(one, other.reshape(200, 200))
         assert np.isfinite(fast[0]).any() and not np.isfinite(fast[0]).all()
 
 
@@ -356,7 +356,7 @@ def test_lines_beside_a_ruling_are_off_by_last_bits():
     a, b, radius, p, _ = rulings(np.random.default_rng(1), 500)
     axis = (b - a) / np.linalg.norm(b - a, axis=-1, keepdims=True)
     distance = np.linalg.norm(np.cross(p - a, axis), axis=-1)
-    assert np.max(np.abs(distance / radius - 1)) < 1e-14
+    assert 0 < np.max(np.abs(distance / radius - 1)) < 1e-14
 
 
 def test_meet_line_touches_the_rim_of_a_nearly_vertical_rod_where_it_is():

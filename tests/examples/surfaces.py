@@ -29,7 +29,15 @@ INSTANCES = {
     Body: Body(1.2, 0.3, -0.2, 0.1),
     Box: Box((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)),
     Cone: Cone(0.5),
-    Cutter: Cutter.ball(1, 5),
+    Cutter: Cutter(
+        (
+            Rod((0, 0, 1), (0, 0, 5), 1),
+            Rod((0, 0, 1), (0, 0, 4), 1, ends="round"),
+            Frustum((0, 0, 0), (0, 0, 1), 0, 1),
+            RoundedDisc((0, 0, 1), (0, 0, 1), 0.5, 0.5),
+            Box((-0.5, -0.5, 0.5), *np.eye(3)),
+        )
+    ),
     Egg: Egg(0.5),
     Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
     Line: Line(0.0, 0.0, 0.3, 1.0),

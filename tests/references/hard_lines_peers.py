@@ -42,6 +42,15 @@ def cases():
         return list(csv.DictReader(file))
 
 
+def asked(rows):
+    """Return the rows that the routines are asked.
+
+    At a size near 1 the other lengths of a needle of 1e-99 by 1e99 m are no lengths any more, and
+    of a solid without thickness the routines are made for none.
+    """
+    return [row for row in rows if row["family"] not in ("sizes", "limits")]
+
+
 def ray_of(row):
     """Return a row as a ray: its shape at a size near 1, scaled by a power of two, from outside."""
     shape = np.array([float(row[f"s{i}"]) for i in range(1, 13)])
@@ -72,8 +81,7 @@ def write_rays(folder):
     """Write the rays for the others, and this library's own answers."""
     from tests.test_exact_kernel import shape_of
 
-    # At a size near 1 the other lengths of a needle of 1e-99 by 1e99 m are no lengths any more.
-    rays = [ray_of(row) for row in cases() if row["family"] != "sizes"]
+    rays = [ray_of(row) for row in asked(cases())]
     (folder / "rays.json").write_text(json.dumps(rays))
     answers = []
     for ray in rays:

@@ -20,7 +20,7 @@ SEED = 23
 # Whole numbers take little room in the file, those of full mantissa a lot.
 ROWS = {family: 55 if family in (lines.leaning, lines.floats, lines.proportions, lines.sizes,
                                   lines.ordinary, lines.scaled, lines.far, lines.from_far)
-        else 655 for family in lines.FAMILIES}  # fmt: skip
+        else 200 if family is lines.limits else 655 for family in lines.FAMILIES}  # fmt: skip
 SHAPE = [f"s{i}" for i in range(1, 13)]
 LINE = ["px", "py", "pz", "ux", "uy", "uz"]
 COLUMNS = ["kind", "family", *SHAPE, *LINE, "enter", "leave", "depth", "give", "give_single"]

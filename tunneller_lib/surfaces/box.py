@@ -297,7 +297,9 @@ class Box:
         A line meets the box where it's between three pairs of planes at once. Whether it does is
         decided by how far the faces would have to move, with one guard, so that a line through
         an edge or a corner isn't lost. The answer is that of a box whose faces are off by at most
-        64 eps of its diagonal.
+        64 eps of its diagonal. Along the line each end may be off by another 16 eps, of the
+        diagonal or of the greater distance of the ends from the given point. All this holds while
+        that point is at most 1e15 diagonals away.
 
         Examples
         --------

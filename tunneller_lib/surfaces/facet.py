@@ -70,8 +70,9 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
     the solid's limb along that edge, or with the face where the solid reaches farthest along the
     facet's normal. Each has a closed form, but for the rounded rim, which takes a search that
     can't fail. The answer is that of a solid whose surface is off by at most 64 eps of the sum of
-    its size, the facet's and the distance at which the facet's first corner passes the solid. A
-    touch is never missed.
+    its size, the facet's and the distance at which the facet's first corner passes the solid, and
+    along the direction by another 16 eps, of its size or of the way moved, for facets that are
+    given at most 1e6 times this sum away. A touch is never missed.
 
     Examples
     --------

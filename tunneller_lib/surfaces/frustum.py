@@ -141,7 +141,8 @@ class Frustum:
         is no crack at a rim or at the tip; the roots only say where. The answer is that of a
         frustum whose surface is off by at most 64 eps (radius + run), of the wider disc and with
         run the length of the axis as the line sees it, for needles and wafers alike: a line that
-        touches the frustum is never missed.
+        touches the frustum is never missed. `Rod.meet_line` says how exact the ends are along the
+        line and from how far away this holds.
 
         Examples
         --------

@@ -24,8 +24,6 @@ from .blocks import (
 from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
 from .vectors import differences, lengths
 
-BLOCK = 16384  # parallel lines treated at once, so that they stay in the cache
-
 
 @checked
 def meet_rods(
@@ -84,23 +82,15 @@ def check_rods(a, b, radius):
 
 def _meet_flat(a, b, p, u, radius):
     """Return `enter` and `leave` of lines against flat rods, vectors and numbers."""
-    return _meet_seen(frame(a, b, u), p, u, radius)
-
-
-def _meet_capsules(a, b, p, u, radius):
-    """Return the same of capsules."""
-    return _meet_seen_round(frame(a, b, u), p, u, radius)
-
-
-def _meet_seen(axis, p, u, radius):
-    """Return `enter` and `leave` of lines p along u, which see a flat rod's axis so."""
+    axis = frame(a, b, u)
     s, m, z, shift = nearest_point(axis, p, u)
     interval = flat_interval(axis.run, axis.rise, axis.length, radius, s, m)
     return _along_lines(axis, z, shift, *interval)
 
 
-def _meet_seen_round(axis, p, u, radius):
+def _meet_capsules(a, b, p, u, radius):
     """Return the same of capsules."""
+    axis = frame(a, b, u)
     s, m, z, shift = nearest_point(axis, p, u)
     interval = round_interval(axis.run, axis.rise, axis.length, radius, s, m)
     return _along_lines(axis, z, shift, *interval)
@@ -188,8 +178,7 @@ class Rod:
         point : (..., 3) float
             One point of each line, in m.
         direction : (..., 3) float
-            Direction of each line, of any length but zero. Many lines of one direction (3,) are
-            first looked at in the plane across it, which is faster.
+            Direction of each line, of any length but zero; one (3,) for all will do.
 
         Returns
         -------
@@ -207,8 +196,12 @@ class Rod:
         Line and finite cylinder, "Treating the line as a point within a 2D shape", with the
         sign of its first miss condition corrected and the ellipses' caps included. The answer is
         that of a rod whose surface is off by at most 64 eps (radius + run), with run the length
-        of the axis as the line sees it, however far away the given point or the origin is: a
-        line that touches the rod is never missed.
+        of the axis as the line sees it: a line that touches the rod is never missed. Along the
+        line each end may be off by another 16 eps, of radius + length or of the greater distance
+        of the ends from the given point. All this holds while that point is at most
+        1e15 (radius + run) from either end of the axis, wherever the origin is; beyond, roundings
+        of the way to the rod count. What has no size for the line, a point or a segment along it,
+        is met where no rounding is in the way.
 
         Examples
         --------
@@ -216,101 +209,12 @@ class Rod:
         >>> float(enter), round(float(leave), 3)
         (-12.0, 54.667)
         """
-        if direction.ndim > 1 or point.ndim == 1:
-            return self._meet_any(point, direction)
-        enter = np.empty(point.shape[:-1])
-        leave = np.empty(point.shape[:-1])
-        rows = point.reshape(-1, 3)
-        firsts = enter.reshape(-1)
-        lasts = leave.reshape(-1)
-        u = direction.tolist()
-        axis = frame(self.a, self.b, u)
-        for start in range(0, len(rows), BLOCK):
-            block = slice(start, start + BLOCK)
-            self._meet_parallel(axis, rows[block], u, firsts[block], lasts[block])
-        return enter, leave
-
-    def _meet_any(self, point, direction):
-        """Return `enter` and `leave` of lines of any directions (..., 3)."""
         shape = _Numbers(self.a, self.b, differences(self.b, self.a), self.radius)
         flat = self.ends == "flat"
         careful = _flat_carefully if flat else _round_carefully
         quick = _flat_quickly if flat else _round_quickly
         plain = well_shaped(lengths(shape.axis), shape.radius)
         return meet_in_blocks(quick, careful, shape, plain, point, direction)
-
-    def _meet_parallel(self, axis, p, u, enter, leave):
-        """Write `enter` and `leave` of lines p (n, 3) of one direction."""
-        bound = max(-p.min(), p.max()) + max(map(abs, axis.start))
-        r = self.radius
-        run = axis.run
-        rise = axis.rise
-        # Off the coordinate axes the product with a far point isn't good enough to go on with.
-        noise = GUARD * (bound if np.count_nonzero(u) > 1 else 0.0)
-        reach = r + 2 * GUARD * (r + run) + noise
-        # First one product a line: most pass beside the rod, |s| > reach, and need no more.
-        s = _along(p, axis.start, axis.across)
-        w = (r - s) * (r + s)
-        close = w >= (r - reach) * (r + reach)
-        # The short formulas serve flat rods that the lines see neither end-on (run) nor level
-        # (rise), given by points that are near enough to be exact.
-        plain = noise <= GUARD * (r + run) < min(run, rise * r / max(axis.length, r))
-        if not plain or self.ends == "round":
-            enter[:], leave[:] = np.inf, -np.inf
-            near = np.flatnonzero(close)
-            m = _along(p[near], axis.start, axis.flat)
-            near = near[(m >= -reach) & (m <= run + reach)]
-            enter[near], leave[near] = self._carefully(axis, p[near], u)
-        elif 2 * np.count_nonzero(close) > len(p):  # to pick them out would cost too much
-            self._meet_plainly(axis, p, s, w, u, (enter, leave))
-        else:
-            enter[:], leave[:] = np.inf, -np.inf
-            near = np.flatnonzero(close)
-            found = np.empty((2, len(near)))
-            self._meet_plainly(axis, p[near], s[near], w[near], u, found)
-            enter[near], leave[near] = found
-
-    def _meet_plainly(self, axis, p, s, w, u, found):
-        """Write to `found` where lines enter and leave that pass at s, with w = r^2 - s^2."""
-        r = self.radius
-        run = axis.run
-        rise = axis.rise
-        length = axis.length
-        # `flat_interval` with the tests for special cases left out, in as few passes as can be.
-        m = _along(p, axis.start, axis.flat)
-        off = np.abs(m - run / 2)  # from the middle of the shadow, whose half length is k
-        with np.errstate(invalid="ignore"):
-            np.sqrt(w, out=w)  # not a number beside the rod, where no comparison holds
-            k = w * (rise / length) + run / 2
-        missed = ~(off <= k)
-        w *= length / run
-        disc = m * (-run / rise)
-        middle = m * (rise / run)
-        z = _along(p, axis.start, axis.along)
-        apart = length**2 / rise  # the two discs' planes, along the lines
-        first, last = np.maximum(disc, middle - w), np.minimum(disc + apart, middle + w)
-        # Disc and wall ought to agree at a rim; where rounding parts them, and within the guard,
-        # whose root is the most that it adds to k, the careful way decides.
-        guard = 3 * GUARD * (r + run)  # the most that `reach` adds to r
-        more = np.sqrt(guard * (2 * r + guard))
-        edge = np.flatnonzero(missed)
-        edge = edge[
-            (np.abs(s[edge]) <= r + guard) & (off[edge] <= np.fmax(k[edge], run / 2) + more)
-        ]
-        edge = np.append(edge, np.flatnonzero(~missed & (last < first)))
-        for t, end, none in zip(found, (first, last), (np.inf, -np.inf), strict=True):
-            np.subtract(end, z, out=t)
-            if axis.speed != 1:
-                t /= axis.speed
-            np.copyto(t, none, where=missed)
-        if len(edge):
-            found[0][edge], found[1][edge] = self._carefully(axis, p[edge], u)
-
-    def _carefully(self, axis, p, u):
-        """Return `enter` and `leave` of lines p (n, 3) of one direction."""
-        meet = _meet_seen_round if self.ends == "round" else _meet_seen
-        with np.errstate(all="ignore"):
-            return meet(axis, p.T.copy(), u, self.radius)
 
 
 class _Numbers(NamedTuple):
@@ -372,12 +276,3 @@ def _end_on_ball(lines, radius, sign):
     end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
     clear = abs(room) > CLOSE * radius * radius
     return where(room > 0, end, -sign * np.inf), clear
-
-
-def _along(p, start, unit):
-    """Return the products of p - start with a unit vector, perhaps a view of p."""
-    parts = []
-    for i in np.flatnonzero(unit):
-        part = p[:, i] - start[i] if start[i] else p[:, i]
-        parts.append(part * unit[i] if unit[i] != 1 else part)
-    return sum(parts[1:], parts[0]) if parts else np.zeros(len(p))

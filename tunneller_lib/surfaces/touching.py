@@ -218,7 +218,9 @@ def _of_wall(cut, a, b, start, end):
     # The wall's normal there is perpendicular to the edge: it leans by the wall's slope.
     with np.errstate(divide="ignore", invalid="ignore"):
         lean = (end - start) / length * scalar_products(axis, cut.edge) / sine
-        root = np.sqrt(np.where(np.abs(lean) <= 1, (1 - lean) * (1 + lean), np.nan))
+    # So steep an edge sees no limb; the upright one of a wall along an axis is infinitely so.
+    lean = np.where(np.abs(lean) <= 1, lean, np.nan)
+    root = np.sqrt((1 - lean) * (1 + lean))
     for sign in (1, -1):
         radial = lean * toward + sign * root * aside
         yield _crossing(cut, a[:, None] + start * radial, b[:, None] + end * radial)
