@@ -101,7 +101,7 @@ def test_dropped_job_fills_the_form_and_its_files_are_the_command_s(browser, tmp
     assert browser.run("document.getElementById('budget').textContent") == printed
     links = browser.run(f"[...{ANSWER}.querySelectorAll('a[download]')].map((a) => a.download)")
     assert {Path(name).suffix for name in links} >= {".stl", ".st", ".xml", ".dxf", ".c", ".csv"}
-    drawn = {"plan.png", "wall.png"}
+    drawn = {"plan.png", "wall.png", "manifest.txt"}  # which has the pictures' digests, too
     there = {name: fetched(browser, name, tmp_path / "saved") for name in {*links} - drawn}
     files["mine.toml"] = text.encode()
     assert {*there} == {*files} - drawn

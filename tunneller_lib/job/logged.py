@@ -10,10 +10,12 @@ from ..arguments import Rule, checked, shown
 from ..motion.identify import LEAST_ROWS, MOST_ROWS, identify_axis, identify_loop
 from ..motion.quantities import Share
 from .csv_reading import read_csv
+from .tables import content_of, text_of
 
 TIME = "time_s"
 # The columns beside the time: what was the input, what the axis did.
 LOGS = [("valve", "speed_rad_s"), ("valve", "position_rad"), ("set_rad", "actual_rad")]
+MOST_BYTES = 100 * MOST_ROWS  # of a file
 UNEVEN = 0.01  # of a tick, by which a row's time may be off
 UNITS = {"valve": "rad/s", "set_rad": "1/s"}
 
@@ -26,6 +28,11 @@ def _found(name, value):
 
 
 Found = Annotated[dict, Rule("dict", _found)]
+
+
+def read_log(path):
+    """Return the text of a log, or raise WrongJob."""
+    return text_of(path, content_of(path, "a log", MOST_BYTES))
 
 
 @checked

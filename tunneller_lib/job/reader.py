@@ -5,7 +5,7 @@ Names and types are checked here; sizes by what they are for.
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -117,6 +117,8 @@ class Job:
         Arguments of `Ground`: empty where nothing pushes back.
     body : dict
         Arguments of `Body`: empty where only arm and cutter fill room.
+    stamp : str
+        Of which job its files are: name, digest and version. Jobs that ask for the same are equal.
     """
 
     machine: dict
@@ -130,6 +132,7 @@ class Job:
     hydraulics: dict
     ground: dict
     body: dict
+    stamp: str = field(default="tunneller_lib", compare=False)
 
     @cached_property
     def made(self):
@@ -306,10 +309,10 @@ def read_job(path: str | Path):
         If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
         have or lacks one.
     """
-    tables = parsed_toml(path)
+    tables, stamp = parsed_toml(path)
     check_leaves(tables)
     check_kind(path, tables, CUT, FLANK, "tunneller flank")
-    known = [field.name for field in fields(Job)]
+    known = [one.name for one in fields(Job) if one.name != "stamp"]
     for name, table in tables.items():
         if name not in known:
             raise WrongJob(f"[{brief(name)}]: is no table of a job{hint(name, known)}.")
@@ -333,6 +336,7 @@ def read_job(path: str | Path):
         hydraulics=read_table("hydraulics", given["hydraulics"], HYDRAULICS),
         ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
         body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
+        stamp=stamp,
     )
 
 
