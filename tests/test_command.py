@@ -451,7 +451,7 @@ REFUSED = [
     ({"tick = 5e-3": "tick = 0"}, "[plan] tick: must be"),
     ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, "[limits] power: needs the ground"),
     ({"along = 40": "along = 100000", "around = 60": "around = 100000"},
-     "[wall] along, around: 100000 x 100000 lines with room for"),
+     "[wall] along, around: 100000 x 100000 rays, with all that is made of them, need 5e+03 GB"),
     ({"a = 0.5 ": "a = 0.9 "}, "machine: can't cut this section; width, half width"),
     ({"feed = 0.2": "feed = nan"}, "[limits] feed: must be one finite number above zero; got nan."),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":

@@ -308,9 +308,7 @@ def test_what_a_system_leaves_in_a_folder_does_not_matter(jobs, tmp_path):
     assert cut(jobs, "later", tmp_path / "cut") == 0 and told_by(tmp_path / "cut") == "later"
 
 
-def test_scene_and_animation_say_their_job_and_replace_none_but_their_like(
-    jobs, tmp_path, capsys
-):
+def test_scene_and_animation_say_their_job_and_replace_none_but_their_like(jobs, tmp_path, capsys):
     for command, name, more in (("scene", "a.html", []), ("animate", "a.gif", ["--frames", "2"])):
         out = tmp_path / name
         of = {job: [command, str(jobs / f"{job}.toml"), "--out", str(out), *more] for job in JOBS}
@@ -318,6 +316,7 @@ def test_scene_and_animation_say_their_job_and_replace_none_but_their_like(
             assert main(of[job]) == 0
             stamp = stamp_of(f"{job}.toml", JOBS[job].encode())
             assert stamp.encode() in out.read_bytes()[:4096]
+            assert out.read_bytes().count(stamp.encode()) == 1
         made = out.read_bytes()
         assert main(of["bad"]) == 1 and not out.exists()
         assert Path(f"{out}.earlier").read_bytes() == made

@@ -60,7 +60,7 @@ def identify_log(text: str, *, feedforward: Share(2) = 0.0):
         If a column is missing, rows are too few or too many, the times aren't even, or nothing
         moves; it names columns as the log does.
     """
-    _, columns = read_csv(text)
+    _, columns = read_csv(text, most=2 * MOST_ROWS)
     pair = next((pair for pair in LOGS if {TIME, *pair} <= set(columns)), None)
     if pair is None:
         known = "; or ".join(", ".join((TIME, *pair)) for pair in LOGS)

@@ -20,6 +20,7 @@ from ..ream.chatter import chatter_margins
 from ..ream.cutting import expected_seconds
 from ..ream.margins import capability
 from ..removal import Ground
+from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 from .tables import (
     CUT,
@@ -74,6 +75,8 @@ CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", del
 POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
 WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
 MOST_RAYS = 100_000  # each way; memory bounds both together
+# Bytes at a command's peak, as tests/test_memory.py measures them.
+A_RAY, A_TICK = 500, 1500
 PLANTS = "T0", "T1", "T2", "T3"
 OILY = "T2", "T3"  # those that ask for cylinders
 VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
@@ -278,7 +281,20 @@ class Job:
         shape = about.pop("along"), about.pop("around")
         with said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
-            return shape, positive("thickness", about.get("thickness", 0.1))
+            thickness = positive("thickness", about.get("thickness", 0.1))
+        self._check_memory(shape)
+        return shape, thickness
+
+    def _check_memory(self, shape):
+        """Raise ValueError if the wall of a `shape`, or the laps, take more than is allowed."""
+        with _rays_said():
+            check_fits(shape, A_RAY, allowed_memory(), "rays, with all that is made of them,")
+        ticks = self.planned.laps * int(self.planned.ticks.sum())
+        if A_TICK * ticks > allowed_memory():
+            raise ValueError(
+                f"[plan] tick, laps: {ticks} ticks need {A_TICK * ticks / 1e9:.3g} GB, and "
+                f"{allowed_memory() / 1e9:.3g} GB are allowed."
+            )
 
     @checked
     def simulated(self, say: Callable[[str], object] | None = None):
