@@ -87,7 +87,7 @@ def test_a_ray_takes_at_most_what_the_guard_counts(tmp_path, command, least):
 
 def test_a_tick_takes_at_most_what_the_guard_counts(tmp_path):
     peaks, ticks = [], []
-    for tick in (1e-3, 5e-4, 2.5e-4):
+    for tick in (1e-3, 1e-3, 5e-4, 2.5e-4):  # the first also brings compilers
         slow = {"tick = 0.02": f"tick = {tick}", "feed = 2.0": "feed = 0.5"}
         job = read_job(changed(tmp_path, slow))
         ticks.append(job.planned.ticks.sum())
@@ -96,8 +96,8 @@ def test_a_tick_takes_at_most_what_the_guard_counts(tmp_path):
             numbers = results.summarise(job, cut)
             results.write_all(job, cut, tmp_path / "out", numbers, lambda text: None)
             peaks.append(most())
-    a_tick, _ = np.polyfit(ticks, peaks, 1)
-    assert 0.6 * reader.A_TICK < a_tick < reader.A_TICK
+    a_tick, _ = np.polyfit(ticks[1:], peaks[1:], 1)
+    assert 0.5 * reader.A_TICK < a_tick < reader.A_TICK
 
 
 def test_job_that_takes_too_much_is_refused_with_what_fits(tmp_path, monkeypatch):
