@@ -2,14 +2,19 @@
 
 import csv
 import re
+import subprocess
+import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import tunneller_lib
 from tests.blocks import EVERY_PAIR, fails_late, small, survey
 from tunneller_lib.__main__ import main
 from tunneller_lib.paths import CHORD_PATHS, atlas, geodesic_inverse
+from tunneller_lib.reporting import sweep
 from tunneller_lib.reporting.sweep import compute_blocks
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -101,15 +106,76 @@ def test_sweep_refuses_another_number_of_processes(tmp_path, jobs):
         compute_blocks(small, [(0, 0)], tmp_path, jobs=jobs)
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
-def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveyed):
+@pytest.fixture(scope="module")
+def cluster():
+    """Two workers and their scheduler, which is in this process."""
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
-        address = cluster.scheduler_address
-        there = compute_blocks(survey, FEW, tmp_path / "there", scheduler=address)
+        yield cluster
+
+
+of_a_cluster = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+
+
+@of_a_cluster
+def test_sweep_on_a_cluster_of_two_workers_gives_the_same_bits(tmp_path, surveyed, cluster):
+    modules = {name: module for name, module in sys.modules.items() if "tunneller" in name}
+    address = cluster.scheduler_address
+    there = compute_blocks(survey, FEW, tmp_path / "there", scheduler=address)
     for one, other in zip(loaded(there), loaded(surveyed), strict=True):
         np.testing.assert_array_equal(one, other)
+    # What a scheduler in this process was sent would stand in the place of the library.
+    assert all(sys.modules[name] is module for name, module in modules.items())
+    assert all(Path(module.__file__).exists() for module in modules.values())
+    assert not any("dask" in path for path in sys.path if path.endswith(".zip"))
+
+
+@of_a_cluster
+def test_worker_without_this_very_library_is_refused_before_a_block(
+    tmp_path, cluster, monkeypatch, capsys
+):
+    answer = dict.fromkeys(cluster.scheduler.workers, "another's digest")
+    monkeypatch.setattr("distributed.Client.run", lambda *_: answer)
+    folder, table = tmp_path / "blocks", tmp_path / "atlas.csv"
+    code = main(["atlas", "--folder", str(folder), "--table", str(table),
+                 "--scheduler", cluster.scheduler_address])  # fmt: skip
+    told = capsys.readouterr().err.splitlines()
+    assert code == 1 and len(told) == 2 and not table.exists() and not list(folder.rglob("*.npy"))
+    assert re.fullmatch(
+        r"refused: scheduler: must have workers with tunneller_lib [\d.]+, its files and numpy the "
+        r"same as here; got 2 of 2 without, such as tcp://[\d.:]+\.", told[1]
+    )  # fmt: skip
+
+
+@of_a_cluster
+def test_cluster_without_a_worker_is_refused(tmp_path):
+    from distributed import LocalCluster
+
+    with (
+        LocalCluster(n_workers=0, dashboard_address=":0") as cluster,
+        pytest.raises(ValueError, match=r"^scheduler: must have workers .*; got none\.$"),
+    ):
+        compute_blocks(small, [(0, 0)], tmp_path, scheduler=cluster.scheduler_address)
+
+
+def test_question_to_a_worker_needs_no_module_of_ours(tmp_path):
+    import cloudpickle
+
+    (tmp_path / "asked").write_bytes(cloudpickle.dumps(sweep._digest))
+    code = "import pickle; print(pickle.load(open('asked', 'rb'))())"
+
+    def answered(*packages):
+        for package in packages:
+            (tmp_path / package.__name__).symlink_to(Path(package.__file__).parent)
+        command = [sys.executable, "-S", "-c", code]
+        done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    assert answered(cloudpickle) == "None"  # no numpy
+    assert answered(np) == "None"  # no library
+    assert answered(tunneller_lib) == sweep._digest()
 
 
 def test_command_writes_the_summary(tmp_path, monkeypatch):

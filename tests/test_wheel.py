@@ -85,4 +85,5 @@ def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_pa
     assert files == {
         "budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
         "controller.st", "controller.c", "controller.xml", "section.dxf", "wall.vtp", "wall.stl",
+        "manifest.txt",
     }  # fmt: skip

@@ -225,16 +225,14 @@ def table(text):
     return Path(text)
 
 
-def read(options, out, *, budget=False):
+def read(options, *, budget=False):
     """Return the job that a command's options name and its cut, planned and simulated.
 
-    Whether the file `out` can be written is looked at between, and no folder made yet. Where a
-    `budget` is wanted a job that has none is refused.
+    Where a `budget` is wanted a job that has none is refused.
     """
     import numpy as np
 
     from .job import read_job, say
-    from .job.atomic_write import check_writable
 
     job = read_job(options.job)
     if budget and (integral := job.controller.get("integral")):
@@ -245,7 +243,6 @@ def read(options, out, *, budget=False):
     say("planning ...")
     plan = job.planned
     start = time.monotonic()
-    check_writable(out)
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     rays = f"{job.wall['along']} x {job.wall['around']} rays"
     axes, wall = job.expected_seconds
@@ -286,18 +283,21 @@ def seldom_swept():
 def run_cut(options):
     """Plan, simulate, and write the budget and the files."""
     from .job import say
+    from .job.atomic_write import list_files, output
     from .job.results import summarise, summary_text, write_all
 
     folder = options.out or Path("build") / own_name(options.job)
-    job, cut = read(options, folder / "budget.csv", budget=True)
-    numbers = summarise(job, cut, say)
-    if not options.json:
-        tell(summary_text(numbers) + "\n")
-    files = write_all(job, cut, folder, numbers, say)
-    files += draw_wall(job, cut, folder / "wall.png", say)
+    with output(folder) as new:
+        job, cut = read(options, budget=True)
+        numbers = summarise(job, cut, say)
+        if not options.json:
+            tell(summary_text(numbers) + "\n")
+        files = write_all(job, cut, new, numbers, say)
+        files += draw_wall(job, cut, new / "wall.png", say)
+        files.append(list_files(new, job.stamp))
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
-    return {**numbers, "files": files}
+    return {**numbers, "files": [str(folder / file.name) for file in files]}
 
 
 def draw_wall(job, cut, path, say):
@@ -310,47 +310,55 @@ def draw_wall(job, cut, path, say):
     except ImportError as error:
         say(f"{path.name} is left out: {missing(error, '[picture]')}")
         return []
-    say(f"writing {path}")
+    say(f"writing {path.name}")
     drawing, ax = figure(height=9)
     wall_plot.draw_unrolled(ax, cut, limit=job.limit)
-    files = [str(pictures.write_picture(path, drawing))]
+    files = [pictures.write_picture(path, drawing, job.stamp)]
     laps = path.with_name("laps.png")
-    say(f"writing {laps}")
+    say(f"writing {laps.name}")
     drawing, ax = figure(height=6)
     wall_plot.draw_laps(ax, cut, tolerance=job.plan["tolerance"])
-    return [*files, str(pictures.write_picture(laps, drawing))]
+    return [*files, pictures.write_picture(laps, drawing, job.stamp)]
 
 
 def run_scene(options):
     """Write the scene at a share of the run."""
     import_module("trame")  # else first asked for when the page is written, after the simulation
     from .job import say
+    from .job.atomic_write import check_writable, output
     from .reporting import pictures, tunnel_scene
 
     out = options.out or Path("build") / f"{own_name(options.job)}.html"
-    job, cut = read(options, out)
-    tick = round(options.share * (len(cut.centres) - 1))
-    if options.share < 1:
-        say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
-    plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
-    return {"files": [str(pictures.write_picture(out, plotter))]}
+    check_writable(out)
+    with output(out) as new:
+        job, cut = read(options)
+        tick = round(options.share * (len(cut.centres) - 1))
+        if options.share < 1:
+            say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
+        plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
+        pictures.write_picture(new, plotter, job.stamp)
+    return {"files": [str(out)]}
 
 
 def run_animate(options):
     """Write the pictures of the run."""
+    from .job.atomic_write import check_writable, output
     from .reporting import pictures, tunnel_scene
 
     out = options.out or Path("build") / f"{own_name(options.job)}.gif"
-    job, cut = read(options, out)
-    count = options.frames
-    every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
-    return {"files": [str(pictures.write_picture(out, counted(every, count)))]}
+    check_writable(out)
+    with output(out) as new:
+        job, cut = read(options)
+        count = options.frames
+        every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
+        pictures.write_picture(new, counted(every, count), job.stamp)
+    return {"files": [str(out)]}
 
 
 def run_flank(options):
     """Find positions of a mill, chain them, and write them and what they leave."""
     from .job import say
-    from .job.atomic_write import check_writable
+    from .job.atomic_write import list_files, output
     from .job.flank import read_flank
     from .job.flank_files import flank_text, summarise_flank, write_flank
 
@@ -361,37 +369,34 @@ def run_flank(options):
 
         scene.empty().close()  # raises where nothing can be drawn
     folder = options.out or Path("build") / own_name(options.job)
-    job = read_flank(options.job, options.points)
-    check_writable(folder / "paths.csv")
-    with said_of_file(options.points, "text", "content"):
-        job.patch  # noqa: B018 - measured points are read for it
-    result = job.solved(say)
-    numbers = summarise_flank(job, result)
-    if not options.json:
-        tell(flank_text(numbers) + "\n")
-    files = write_flank(job, result, folder, say)
-    if options.scene:
-        say("drawing the scene ...")
-        plotter = flank_scene.mill_scene(job, result)
-        files.append(str(pictures.write_picture(folder / "scene.html", plotter)))
-    if options.animate:
-        every = flank_scene.mill_pictures(job, result, options.animate)
-        every = counted(every, options.animate)
-        files.append(str(pictures.write_picture(folder / "way.gif", every)))
+    with output(folder) as new:
+        job = read_flank(options.job, options.points)
+        with said_of_file(options.points, "text", "content"):
+            job.patch  # noqa: B018 - measured points are read for it
+        result = job.solved(say)
+        numbers = summarise_flank(job, result)
+        if not options.json:
+            tell(flank_text(numbers) + "\n")
+        files = write_flank(job, result, new, say)
+        if options.scene:
+            say("drawing the scene ...")
+            plotter = flank_scene.mill_scene(job, result)
+            files.append(pictures.write_picture(new / "scene.html", plotter, job.stamp))
+        if options.animate:
+            every = flank_scene.mill_pictures(job, result, options.animate)
+            every = counted(every, options.animate)
+            files.append(pictures.write_picture(new / "way.gif", every, job.stamp))
+        files.append(list_files(new, job.stamp))
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
-    return {**numbers, "files": files}
+    return {**numbers, "files": [str(folder / file.name) for file in files]}
 
 
 def run_identify(options):
     """Say what a log tells."""
-    from .job import WrongJob
-    from .job.logged import identified_text, identify_log
+    from .job.logged import identified_text, identify_log, read_log
 
-    try:
-        text = options.log.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise WrongJob(f"{options.log}: is no text in UTF-8.") from None
+    text = read_log(options.log)
     with said_of_file(options.log, "text"):
         numbers = identify_log(text, feedforward=options.feedforward)
     if not options.json:

@@ -33,9 +33,9 @@ def draw_plan(plan):
 def draw(job, cut, path, say):
     """Write plan and wall of a cut as pictures; return the files written."""
     plan = path.with_name("plan.png")
-    say(f"writing {plan}")
-    pictures.write_picture(plan, draw_plan(cut.plan))
-    return [str(plan), *draw_wall(job, cut, path, say)]
+    say(f"writing {plan.name}")
+    pictures.write_picture(plan, draw_plan(cut.plan), job.stamp)
+    return [plan, *draw_wall(job, cut, path, say)]
 
 
 def cut(text, name):

@@ -101,7 +101,8 @@ def test_dropped_job_fills_the_form_and_its_files_are_the_command_s(browser, tmp
     assert browser.run("document.getElementById('budget').textContent") == printed
     links = browser.run(f"[...{ANSWER}.querySelectorAll('a[download]')].map((a) => a.download)")
     assert {Path(name).suffix for name in links} >= {".stl", ".st", ".xml", ".dxf", ".c", ".csv"}
-    drawn = {"plan.png", "wall.png", "laps.png"}
+    # The manifest has the pictures' digests, too.
+    drawn = {"plan.png", "wall.png", "laps.png", "manifest.txt"}
     there = {name: fetched(browser, name, tmp_path / "saved") for name in {*links} - drawn}
     files["mine.toml"] = text.encode()
     assert {*there} == {*files} - drawn

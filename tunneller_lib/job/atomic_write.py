@@ -1,11 +1,25 @@
 """Files that nobody finds half-written."""
 
 import errno
+import hashlib
 import os
-from contextlib import contextmanager
+import shutil
+from contextlib import ExitStack, contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
 from ..arguments import checked, shown
+from .progress import say
+from .tables import brief
+
+try:
+    import fcntl
+except ImportError:  # Windows, and pages: nobody else writes there
+    fcntl = None
+
+MANIFEST = "manifest.txt"
+HEAD = 4096  # bytes of a file, among which is what it is of
+LITTER = {MANIFEST, ".DS_Store", "Thumbs.db"}  # which systems leave where somebody looks
 
 
 @checked
@@ -69,3 +83,151 @@ def replacement(path: Path):
         os.replace(new, path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def list_files(folder, stamp):
+    """Write a folder's manifest: what its files are of, and their digests; return its path.
+
+    ``sha256sum -c manifest.txt`` checks it.
+    """
+    lines = [f"# {stamp}; sha256 of each file:"]
+    lines += [f"{_digest(file)}  {file.name}" for file in sorted(folder.iterdir())]
+    return write(folder / MANIFEST, "\n".join([*lines, ""]))
+
+
+@checked
+@contextmanager
+def output(path: Path):
+    """Give a new path, whose folder or file takes the place of what an earlier run left at `path`.
+
+    What is there must be an earlier run's: a folder of files as its manifest lists them, see
+    `list_files`, or a file that names this library in its head.
+
+    Raises
+    ------
+    OSError
+        If another process is writing there, or what is there isn't an earlier run's.
+
+    Notes
+    -----
+    All is written beside, into ``.NAME.tunneller``. At the end the earlier folder is moved in
+    there, the new one to its place, and the rest is removed. A process that is killed leaves the
+    earlier folder or the new one, or none between the two moves: then the next run puts the
+    earlier one back first. After an error the earlier one is moved to ``NAME.earlier``, so that
+    nobody takes it for what was asked for; after an interrupt it stays.
+    """
+    place = Path(os.path.realpath(path))
+    work = place.with_name(f".{place.name}.tunneller")
+    check_writable(work / "lock")
+    with _locked(work, path):
+        _tidy(work, place)
+        if what := _other(place):
+            why = f"{what}; move that elsewhere, or give another --out"
+            raise FileExistsError(errno.EEXIST, why, str(path))
+        new = work / "new" / place.name
+        new.parent.mkdir()
+        try:
+            yield new
+            if _other(place):  # by now
+                _put_aside(place, path)
+            if place.exists():
+                os.rename(place, work / "old")
+            os.rename(new, place)
+        except Exception as error:
+            if isinstance(error, OSError) and not error.filename:  # of a full disk
+                error.filename = str(path)
+            _tidy(work, place)
+            if place.exists():
+                _put_aside(place, path)
+            raise
+        finally:
+            _tidy(work, place)
+
+
+@contextmanager
+def _locked(work, path):
+    """Hold the folder in which an output is made, and remove it at the end."""
+    made = [folder for folder in work.parents if not folder.exists()]
+    while (file := _lock(work, path)) is None:
+        pass  # its last holder was removing it
+    try:
+        yield
+    finally:
+        with file, suppress(OSError):  # of a folder that isn't empty
+            (work / "lock").unlink()
+            for folder in (work, *made):
+                folder.rmdir()
+
+
+def _lock(work, path):
+    """Return the lock's file, or None if it isn't there any more; the system frees it at an end."""
+    work.mkdir(parents=True, exist_ok=True)
+    with suppress(FileNotFoundError), ExitStack() as held:
+        file = held.enter_context(open(work / "lock", "a"))
+        if fcntl:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                why = "another run is writing there"
+                raise BlockingIOError(errno.EAGAIN, why, str(path)) from None
+        if os.path.samestat(os.fstat(file.fileno()), os.stat(work / "lock")):
+            held.pop_all()
+            return file
+    return None
+
+
+def _tidy(work, place):
+    """Remove what a run has left where it worked; an output that it took away is put back."""
+    if (work / "old").exists() and not place.exists():
+        os.rename(work / "old", place)
+    for name in ("old", "new"):
+        _remove(work / name)
+
+
+def _remove(path):
+    """Remove a folder or a file, if it is there."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _put_aside(place, path):
+    """Move what an earlier run left to a name beside it that is free, and say so."""
+    names = (f"{place.name}.earlier{number or ''}" for number in count())
+    aside = next(name for name in names if not os.path.lexists(place.with_name(name)))
+    os.rename(place, place.with_name(aside))
+    say(f"{path}: what an earlier run left there is now {path.with_name(aside)}")
+
+
+def _other(place):
+    """Return what is there that isn't an earlier run's as it was left; nothing if all is."""
+    if not place.exists():
+        return ""
+    if place.is_file():
+        with place.open("rb") as file:
+            return "" if b"tunneller_lib " in file.read(HEAD) else "is a file that no run has left"
+    if os.path.ismount(place) or os.path.samefile(place, os.curdir):
+        return "is a folder that is mounted, or the one where you are"
+    listed = _listed(place)
+    for file in sorted(place.iterdir()):
+        known = file.is_file() and not file.is_symlink() and file.name in {*listed, *LITTER}
+        if not known or listed.get(file.name, digest := _digest(file)) != digest:
+            return f"holds {brief(file.name)}, which isn't as a run has left it"
+    return ""
+
+
+def _listed(folder):
+    """Return the digests of files by their names, as a folder's manifest has them, if any."""
+    try:
+        lines = (folder / MANIFEST).read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return {}
+    pairs = (line.partition("  ") for line in lines if not line.startswith("#"))
+    return {name: digest for digest, _, name in pairs}
+
+
+def _digest(path):
+    """Return the SHA-256 of a file's content, in hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

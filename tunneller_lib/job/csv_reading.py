@@ -2,17 +2,19 @@
 
 import numpy as np
 
-from ..arguments import checked, shown
+from ..arguments import Whole, checked, shown
 
 
 @checked
-def read_csv(text: str):
+def read_csv(text: str, *, most: Whole(1, 2**31) = 2**31):
     """Return what a table says, such as those that `csv_tables` writes.
 
     Parameters
     ----------
     text : str
         Lines of ``# name = value``, a heading, rows of numbers. Blank lines don't count.
+    most : int
+        Of lines, for each takes many times its length.
 
     Returns
     -------
@@ -24,9 +26,12 @@ def read_csv(text: str):
     Raises
     ------
     ValueError
-        If there is no heading, its names aren't separated by commas, a name stands twice in it, a
-        line has another length, or something is no number.
+        If there are too many lines or no heading, its names aren't separated by commas, a name
+        stands twice in it, a line has another length, or something is no number.
     """
+    count = text.count("\n")
+    if count > most:
+        raise ValueError(f"text: must have at most {most} lines; got {count}.")
     head = [line[2:].split(" = ") for line in text.splitlines() if line.startswith("# ")]
     about = {name: _number(name, value) for name, value in (p for p in head if len(p) == 2)}
     lines = {

@@ -37,10 +37,12 @@ from .tables import (
     WrongJob,
     check_kind,
     check_leaves,
+    content_of,
     one_of,
     parsed_toml,
     read_table,
     said_of,
+    text_of,
 )
 
 UNITS = {"m": 1.0, "mm": 1e-3}
@@ -53,6 +55,7 @@ SURFACES = {
 TABLES = *FLANK, "machine", "feed", "box", "cradle"  # the last four may be missing
 SEVERAL = "mill", "box", "cradle"  # of which there may be some, in double brackets
 MOST_TABLES = 20
+MOST_POINTS_BYTES = 20_000_000  # of a file
 MILL = dict(half_angle="rad", tip_radius="m", length="m", holder_radius="m", holder_length="m")
 SPINDLE = dict(spindle_radius="m", spindle_length="m")
 PATHS = dict(tolerance="m", step="m", side=WHOLE, points=WHOLE, strips=WHOLE, contacts=WHOLE,
@@ -124,6 +127,8 @@ class FlankJob:
     cradle : list of dict
         Boxes likewise, in the machine's coordinates from the pivot while A is 0, of what tilts
         with the table and doesn't turn.
+    stamp : str
+        Of which job its files are, as of `Job`.
     """
 
     surface: dict
@@ -134,6 +139,7 @@ class FlankJob:
     feed: dict | None = None
     boxes: list = field(default_factory=list)
     cradle: list = field(default_factory=list)
+    stamp: str = field(default="tunneller_lib", compare=False)
 
     @cached_property
     def tools(self):
@@ -272,7 +278,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     WrongJob
         If a file can't be read, or says what it shouldn't or lacks what it should.
     """
-    tables = parsed_toml(path)
+    tables, stamp = parsed_toml(path)
     check_leaves(tables)
     check_kind(path, tables, FLANK, CUT, "tunneller cut")
     for name, table in tables.items():
@@ -336,7 +342,7 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     boxes, cradle = (_read_boxes(tables, name) for name in ("box", "cradle"))
     if cradle and machine is None:
         raise WrongJob("[cradle]: needs the machine that it belongs to, [machine].")
-    return FlankJob(surface, mills, paths, machine, measured, feed, boxes, cradle)
+    return FlankJob(surface, mills, paths, machine, measured, feed, boxes, cradle, stamp)
 
 
 def _read_boxes(tables, name):
@@ -382,14 +388,8 @@ def _faces(box):
 
 def _content(path):
     """Return what a file holds: bytes of an STL file, else text."""
-    try:
-        if Path(path).suffix.lower() == ".stl":
-            return Path(path).read_bytes()
-        return Path(path).read_text(encoding="utf-8-sig")
-    except ValueError:  # what is no UTF-8, too
-        raise WrongJob(f"{path}: is no text in UTF-8.") from None
-    except OSError as error:
-        raise WrongJob(f"{path}: can't be read; {error.strerror}.") from None
+    content = content_of(path, "a file of points", MOST_POINTS_BYTES)
+    return content if Path(path).suffix.lower() == ".stl" else text_of(path, content)
 
 
 def _read_surface(given):

@@ -339,8 +339,7 @@ def write_flank(job: FlankJob, result: FlankResult, folder: Path, say: Callable[
 
     Returns
     -------
-    files : list of str
-        Their paths.
+    files : list of pathlib.Path
     """
     milled = milled_surface(job, result)
     contents = {
@@ -355,6 +354,6 @@ def write_flank(job: FlankJob, result: FlankResult, folder: Path, say: Callable[
         contents["axes.csv"] = tours_csv(job, result)
     files = []
     for name, content in contents.items():
-        say(f"writing {folder / name}")
-        files.append(str(write(folder / name, content)))
+        say(f"writing {name}")
+        files.append(write(folder / name, content))
     return files

@@ -10,10 +10,12 @@ from ..arguments import Rule, checked, shown
 from ..motion.identify import LEAST_ROWS, MOST_ROWS, identify_axis, identify_loop
 from ..motion.quantities import Share
 from .csv_reading import read_csv
+from .tables import content_of, text_of
 
 TIME = "time_s"
 # The columns beside the time: what was the input, what the axis did.
 LOGS = [("valve", "speed_rad_s"), ("valve", "position_rad"), ("set_rad", "actual_rad")]
+MOST_BYTES = 100 * MOST_ROWS  # of a file
 UNEVEN = 0.01  # of a tick, by which a row's time may be off
 UNITS = {"valve": "rad/s", "set_rad": "1/s"}
 
@@ -26,6 +28,11 @@ def _found(name, value):
 
 
 Found = Annotated[dict, Rule("dict", _found)]
+
+
+def read_log(path):
+    """Return the text of a log, or raise WrongJob."""
+    return text_of(path, content_of(path, "a log", MOST_BYTES))
 
 
 @checked
@@ -53,7 +60,7 @@ def identify_log(text: str, *, feedforward: Share(2) = 0.0):
         If a column is missing, rows are too few or too many, the times aren't even, or nothing
         moves; it names columns as the log does.
     """
-    _, columns = read_csv(text)
+    _, columns = read_csv(text, most=2 * MOST_ROWS)
     pair = next((pair for pair in LOGS if {TIME, *pair} <= set(columns)), None)
     if pair is None:
         known = "; or ".join(", ".join((TIME, *pair)) for pair in LOGS)

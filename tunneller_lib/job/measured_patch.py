@@ -10,6 +10,7 @@ from .mesh import read_stl, vertex_normals
 from .tables import said_of
 
 COLUMNS = "x_m", "y_m", "z_m", "nx", "ny", "nz"
+MOST_ROWS = 200_000
 NEIGHBOURS = 8  # of a measured point, whose normals must be like its own
 HOLE = 5.0  # times the points' usual distance, a place of the patch that is farther from any
 INNER = 0.08  # share of measured points that may lie beyond the patch on each of its four sides
@@ -64,7 +65,7 @@ def _corners(content):
 
 def _table(text):
     """Return points (n, 3), in m, and unit normals that a table holds, or raise ValueError."""
-    _, columns = read_csv(text)
+    _, columns = read_csv(text, most=MOST_ROWS)
     if set(COLUMNS) - set(columns):
         raise ValueError(
             f"text: must have the columns {', '.join(COLUMNS)}; got {', '.join(columns)}."

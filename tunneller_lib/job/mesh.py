@@ -4,6 +4,7 @@ import base64
 import re
 from dataclasses import dataclass, field
 from html import escape
+from itertools import chain
 from typing import Annotated
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..removal import DexelGrid
 
 MM = 1000.0
 SCALAR = "over-break / mm"
+BLOCK = 2**16  # numbers or faces that are written at once
 STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 PLY_POINT = np.dtype([("place", "<f8", 3), ("value", "<f8"), ("colour", "u1", 3)])
 PLY_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
@@ -59,7 +61,7 @@ def wall_surface(wall: DexelGrid, circuit: Circuit):
     """
     _check_rays(wall)
     n, m = wall.low.shape[1:]
-    corners = np.arange(n * m).reshape(n, m)
+    corners = _numbered(n, m)
     faces = np.stack(_around(corners), axis=-1).reshape(-1, 4)
     over = MM * overbreak(wall, circuit)
     return Mesh(standing(wall).reshape(-1, 3), faces, {SCALAR: over.ravel()})
@@ -85,15 +87,23 @@ def wall_solid(wall: DexelGrid):
     inner = standing(wall)
     back = wall.high.max(axis=0)
     outer = np.stack([inner[..., 0], back * wall.lines.cos, back * wall.lines.sin], axis=-1)
-    k = np.arange(2 * n * m).reshape(2, n, m)
+    k = _numbered(2, n, m)
     sheets = [(k[0], -1), (k[1], 1), (k[:, 0], 1), (k[:, -1], -1)]
-    faces = []
-    for sheet, side in sheets:
-        a, b, c, d = _around(sheet)
-        for corners in ((a, b, c), (a, c, d)):
-            faces.append(np.stack(corners[::side], axis=-1).reshape(-1, 3))
+    halves = [(sheet, side, half) for sheet, side in sheets for half in ((0, 1, 2), (0, 2, 3))]
+    ends = np.cumsum([0, *(sheet[1:].size for sheet, _, _ in halves)])
+    faces = np.empty((ends[-1], 3), k.dtype)  # one by one into their places, to save memory
+    for (sheet, side, half), first, last in zip(halves, ends[:-1], ends[1:], strict=True):
+        corners = _around(sheet)
+        for column, which in enumerate(half[::side]):
+            faces[first:last, column] = corners[which].ravel()
     points = np.concatenate([inner.reshape(-1, 3), outer.reshape(-1, 3)])
-    return Mesh(points, np.concatenate(faces))
+    return Mesh(points, faces)
+
+
+def _numbered(*shape):
+    """Return the numbers of points in an array of this shape, in 32 bits where these do."""
+    count = int(np.prod(shape))
+    return np.arange(count, dtype=np.int32 if count < 2**31 else np.int64).reshape(shape)
 
 
 def _around(sheet):
@@ -112,18 +122,34 @@ def _check_rays(wall):
 
 
 @checked
-def stl(mesh: Mesh):
-    """Return a Mesh of triangles as binary STL, in mm."""
+def stl(mesh: Mesh, stamp: str = "tunneller_lib"):
+    """Return a `mesh` of triangles as binary STL, in mm, whose header has a `stamp`."""
+    return b"".join(stl_blocks(mesh, stamp))
+
+
+def stl_blocks(mesh, stamp):
+    """Return blocks of bytes that make a file, as of `stl`."""
     if mesh.faces.shape[1] != 3:
         raise ValueError(f"mesh: must be of triangles; got {mesh.faces.shape[1]} corners a face.")
-    corners = MM * mesh.points[mesh.faces]
+    head = f"in mm, {stamp}".encode("ascii", "replace")[:80].ljust(80)
+    count = np.uint32(len(mesh.faces)).tobytes()
+    return chain([head, count], (_stl_faces(mesh.points[some]) for some in _blocks(mesh.faces)))
+
+
+def _stl_faces(corners):
+    """Return triangles, whose corners (k, 3, 3) are in m, as binary STL has them."""
+    corners = MM * corners
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
     faces = np.zeros(len(corners), STL)
     faces["normal"] = normal / np.where(length > 0, length, 1)
     faces["corners"] = corners
-    head = b"by tunneller_lib, in millimetres".ljust(80)
-    return head + np.uint32(len(faces)).tobytes() + faces.tobytes()
+    return faces.tobytes()
+
+
+def _blocks(rows):
+    """Yield the rows of an array in blocks."""
+    return (rows[first : first + BLOCK] for first in range(0, len(rows), BLOCK))
 
 
 def _content(name, value):
@@ -238,27 +264,39 @@ end_header
 
 
 @checked
-def vtp(mesh: Mesh):
-    """Return a Mesh as VTK's polygonal data in XML, in m."""
+def vtp(mesh: Mesh, stamp: str = "tunneller_lib"):
+    """Return a `mesh` as VTK's polygonal data in XML, in m, with a `stamp` in a comment."""
+    return b"".join(vtp_blocks(mesh, stamp))
+
+
+def vtp_blocks(mesh, stamp):
+    """Yield blocks of bytes that make a file, as of `vtp`."""
     count, corners = mesh.faces.shape
-    values = "".join(_data_array(name, of) for name, of in mesh.values.items())
-    ends = corners * np.arange(1, count + 1)
-    return f"""<?xml version="1.0"?>
+    yield f"""<?xml version="1.0"?>
+<!-- {escape(stamp).replace("--", "__")} -->
 <VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
 <PolyData><Piece NumberOfPoints="{len(mesh.points)}" NumberOfPolys="{count}">
-<PointData>{values}</PointData>
-<Points>{_data_array("Points", mesh.points)}</Points>
-<Polys>{_data_array("connectivity", mesh.faces.ravel())}{_data_array("offsets", ends)}</Polys>
-</Piece></PolyData>
-</VTKFile>
-""".encode()
+<PointData>""".encode()
+    for name, of in mesh.values.items():
+        yield from _data_array(name, of)
+    yield b"</PointData>\n<Points>"
+    yield from _data_array("Points", mesh.points)
+    yield b"</Points>\n<Polys>"
+    yield from _data_array("connectivity", mesh.faces.ravel())
+    yield from _data_array("offsets", corners * np.arange(1, count + 1))
+    yield b"</Polys>\n</Piece></PolyData>\n</VTKFile>\n"
 
 
 def _data_array(name, numbers):
-    """Return numbers as an element: base64 of their bytes after the count of these."""
+    """Yield numbers as an element: base64 of their bytes after the count of these."""
     kind, dtype = ("Int64", "<i8") if numbers.dtype.kind == "i" else ("Float64", "<f8")
-    content = numbers.astype(dtype).tobytes()
-    text = base64.b64encode(np.uint64(len(content)).astype("<u8").tobytes() + content).decode()
     columns = numbers.shape[1] if numbers.ndim > 1 else 1
     about = f'type="{kind}" Name="{escape(name)}" NumberOfComponents="{columns}" format="binary"'
-    return f"<DataArray {about}>{text}</DataArray>"
+    yield f"<DataArray {about}>".encode()
+    rest = np.uint64(8 * numbers.size).astype("<u8").tobytes()
+    for some in _blocks(numbers):
+        rest += some.astype(dtype).tobytes()
+        whole = len(rest) - len(rest) % 3
+        yield base64.b64encode(rest[:whole])
+        rest = rest[whole:]
+    yield base64.b64encode(rest) + b"</DataArray>"

@@ -5,7 +5,7 @@ Names and types are checked here; sizes by what they are for.
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from ..ream.chatter import chatter_margins
 from ..ream.cutting import expected_seconds
 from ..ream.margins import capability
 from ..removal import Ground
+from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 from .tables import (
     CUT,
@@ -74,6 +75,9 @@ CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", del
 POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
 WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
 MOST_RAYS = 100_000  # each way; memory bounds both together
+# Bytes at a command's peak. tests/test_memory.py measures 160 (cut) to 470 (animate) a ray, and 770
+# a tick; with plant T3 these are 945.
+A_RAY, A_TICK = 500, 1200
 PLANTS = "T0", "T1", "T2", "T3"
 OILY = "T2", "T3"  # those that ask for cylinders
 VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
@@ -117,6 +121,8 @@ class Job:
         Arguments of `Ground`: empty where nothing pushes back.
     body : dict
         Arguments of `Body`: empty where only arm and cutter fill room.
+    stamp : str
+        Of which job its files are: name, digest and version. Jobs that ask for the same are equal.
     """
 
     machine: dict
@@ -130,6 +136,7 @@ class Job:
     hydraulics: dict
     ground: dict
     body: dict
+    stamp: str = field(default="tunneller_lib", compare=False)
 
     @cached_property
     def made(self):
@@ -275,7 +282,20 @@ class Job:
         shape = about.pop("along"), about.pop("around")
         with said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
-            return shape, positive("thickness", about.get("thickness", 0.1))
+            thickness = positive("thickness", about.get("thickness", 0.1))
+        self._check_memory(shape)
+        return shape, thickness
+
+    def _check_memory(self, shape):
+        """Raise ValueError if the wall of a `shape`, or the laps, take more than is allowed."""
+        with _rays_said():
+            check_fits(shape, A_RAY, allowed_memory(), "rays, with all that is made of them,")
+        ticks = self.planned.laps * int(self.planned.ticks.sum())
+        if A_TICK * ticks > allowed_memory():
+            raise ValueError(
+                f"[plan] tick, laps: {ticks} ticks need {A_TICK * ticks / 1e9:.3g} GB, and "
+                f"{allowed_memory() / 1e9:.3g} GB are allowed."
+            )
 
     @checked
     def simulated(self, say: Callable[[str], object] | None = None):
@@ -306,10 +326,10 @@ def read_job(path: str | Path):
         If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
         have or lacks one.
     """
-    tables = parsed_toml(path)
+    tables, stamp = parsed_toml(path)
     check_leaves(tables)
     check_kind(path, tables, CUT, FLANK, "tunneller flank")
-    known = [field.name for field in fields(Job)]
+    known = [one.name for one in fields(Job) if one.name != "stamp"]
     for name, table in tables.items():
         if name not in known:
             raise WrongJob(f"[{brief(name)}]: is no table of a job{hint(name, known)}.")
@@ -333,6 +353,7 @@ def read_job(path: str | Path):
         hydraulics=read_table("hydraulics", given["hydraulics"], HYDRAULICS),
         ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
         body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
+        stamp=stamp,
     )
 
 

@@ -12,12 +12,11 @@ from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
-from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
 from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
-from .mesh import stl, vtp, wall_solid, wall_surface
+from .mesh import stl_blocks, vtp_blocks, wall_solid, wall_surface
 from .reader import Job
 from .remedies import halved_by
 
@@ -47,6 +46,12 @@ CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
 # Who answers for a fault, for people.
 DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
+# How the first line of a file of each kind says which job it is of; wall.stl and wall.vtp have
+# places of their own for it.
+STAMPED = {
+    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".xml": "<!-- {} -->\n",
+    ".dxf": "999\n{}\n",
+}  # fmt: skip
 
 
 def _summary(name, value):
@@ -291,7 +296,8 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
     cut : Cut
         The simulated job.
     folder : pathlib.Path
-        Made where it is missing; files of these names are replaced.
+        Made where it is missing; files of these names are replaced. `atomic_write.output` gives
+        one whose files come into place together.
     numbers : dict
         From `summarise`, for the table of the error budget.
     say : function
@@ -299,8 +305,8 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
 
     Returns
     -------
-    files : list of str
-        Their paths.
+    files : list of pathlib.Path
+        Each says which job it is of.
     """
     plan = job.planned
     controller = program(plan, job)
@@ -316,13 +322,20 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         "controller.st": lambda: structured_text_of(controller),
         "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
-        "wall.vtp": lambda: vtp(wall_surface(cut.wall, plan.circuit)),
-        "wall.stl": lambda: stl(wall_solid(cut.wall)),
+        "wall.vtp": lambda: vtp_blocks(wall_surface(cut.wall, plan.circuit), job.stamp),
+        "wall.stl": lambda: stl_blocks(wall_solid(cut.wall), job.stamp),
     }
+    folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, make in makers.items():
-        say(f"writing {folder / name}")
-        files.append(str(write(folder / name, make())))
+        say(f"writing {name}")
+        files.append(folder / name)
+        content = make()
+        if isinstance(content, str):
+            head = STAMPED[files[-1].suffix].format(job.stamp)
+            content = [head.encode(), content.encode()]
+        with files[-1].open("wb") as file:
+            file.writelines(content)  # block by block, since a wall may be large
     return files
 
 

@@ -4,13 +4,16 @@ Metres, seconds, radians and what follows from them; the name of an angle may en
 its value is then in degrees.
 """
 
+import hashlib
 import re
 import tomllib
 from contextlib import contextmanager
 from difflib import get_close_matches
+from pathlib import Path
 
 import numpy as np
 
+from .. import __version__
 from ..arguments import shown
 
 TEXT, WHOLE = "text", "whole number"
@@ -25,6 +28,7 @@ TOO_MUCH = {
 CUT, FLANK = ("section", "limits", "plan", "controller"), ("surface", "mill", "paths")
 # The time that TOML's keys of many dots take grows with the square of their number.
 MOST_BYTES, MOST_IN_A_LINE = 100_000, 4_000
+NAMED = 20  # letters of a job's name, so that all fits a header of 80 bytes
 LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # as TOML has them
 # Numbers of a message.
 IN_RADIANS = re.compile(r"-?\bpi(?:/2)?\b|-?\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b")
@@ -40,32 +44,63 @@ class Table(dict):
     degrees = frozenset()
 
 
-def parsed_toml(path):
-    """Return what a file says in TOML, or raise WrongJob."""
-    name = brief(str(path)) or "the file without a name"
+def content_of(path, what, most):
+    """Return the bytes of a file, or raise WrongJob; of more than `most`, which `what` may have.
+
+    No more than these are read, for a file may be endless.
+    """
+    name = _name_of(path)
     try:
         with open(path, "rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            content = file.read(most + 1)
     except OSError as error:
         raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
     except ValueError:  # of a zero byte, or of half a pair of UTF-16
         raise WrongJob(f"{name}: can't be read; it isn't the name of a file.") from None
-    if len(content) > MOST_BYTES:
-        raise WrongJob(f"{name}: is larger than a job may be, {MOST_BYTES} bytes.")
+    if len(content) > most:
+        raise WrongJob(f"{name}: is larger than {what} may be, {most} bytes.")
+    return content
+
+
+def text_of(path, content):
+    """Return the text that the content of a file is, or raise WrongJob."""
     try:
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise WrongJob(f"{name}: is no text in UTF-8.") from None
+        raise WrongJob(f"{_name_of(path)}: is no text in UTF-8.") from None
+
+
+def _name_of(path):
+    """Return what a message calls a file."""
+    return brief(str(path)) or "the file without a name"
+
+
+def parsed_toml(path):
+    """Return what a file says in TOML, and its stamp, as of `stamp_of`; or raise WrongJob."""
+    name = _name_of(path)
+    content = content_of(path, "a job", MOST_BYTES)
+    text = text_of(path, content)
     if max(map(len, text.split("\n"))) > MOST_IN_A_LINE:
         raise WrongJob(f"{name}: has a line of more than {MOST_IN_A_LINE} characters.")
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text), stamp_of(Path(path).name, content)
     except tomllib.TOMLDecodeError as error:
         raise WrongJob(f"{name}: isn't TOML; {brief(str(error).rstrip('.'))}.") from None
     except RecursionError:
         raise WrongJob(f"{name}: is nested too deeply for a job.") from None
     except ValueError:  # Python's own limit, of thousands of digits
         raise WrongJob(f"{name}: has a number with too many digits.") from None
+
+
+def stamp_of(name, content):
+    """Return what a job's files say that they are of: its name, its text's digest, the version.
+
+    Without a date, so that the same job gives the same bytes. Letters are such that any comment
+    may hold them.
+    """
+    plain = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "_" for c in name)
+    digest = hashlib.sha256(content).hexdigest()[:16]
+    return f"tunneller_lib {__version__}, job {plain[:NAMED]}, sha256 {digest}"
 
 
 def check_leaves(tables):

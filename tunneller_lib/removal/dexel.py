@@ -102,7 +102,7 @@ class DexelGrid:
         self, lines: Lines, low: Lengths, high: Lengths, *, memory: Positive | None = None
     ):
         shape = (len(lines.x), len(lines.cos))
-        self.memory = _allowed(memory)
+        self.memory = allowed_memory(memory)
         _refuse(shape, 1, self.memory)
         self.lines = lines
         low = _on_lines("low", low, shape)
@@ -140,7 +140,7 @@ class DexelGrid:
         """
         if not np.all(np.less(low, high)):
             raise ValueError(f"low: must be below high on each axis; got {low} and {high}.")
-        _refuse(shape, 1, _allowed(memory))
+        _refuse(shape, 1, allowed_memory(memory))
         return cls(parallel(low[:2], high[:2], shape), low[2], high[2], memory=memory)
 
     @classmethod
@@ -180,7 +180,7 @@ class DexelGrid:
         >>> bool(np.isclose(grid.volume, np.pi * (0.6**2 - 0.5**2)))
         True
         """
-        _refuse(shape, 1, _allowed(memory))
+        _refuse(shape, 1, allowed_memory(memory))
         if not start < stop:
             raise ValueError(f"start: must be below stop; got {start:g} and {stop:g} m.")
         for name, distances in (("inner", inner), ("outer", outer)):
@@ -450,8 +450,8 @@ def _on_lines(name, sides, shape):
         ) from None
 
 
-def _allowed(memory):
-    """Return the bytes that a grid may take."""
+def allowed_memory(memory=None):
+    """Return the bytes that may be taken: `memory`, or else half of the computer's."""
     if memory is not None:
         return memory
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
@@ -459,14 +459,19 @@ def _allowed(memory):
     return 2.0**32
 
 
-def _refuse(shape, slots, memory):
-    """Raise ValueError if intervals in so many slots, and as much for work, don't fit."""
-    need = 32.0 * slots * shape[0] * shape[1]
+def check_fits(shape, each, memory, what):
+    """Raise ValueError if `what`, as many as a `shape` says, of some bytes each, don't fit."""
+    need = each * shape[0] * shape[1]
     if need > memory:
         share = np.sqrt(memory / need)
         n, m = (max(int(size * share), 1) for size in shape)
-        room = f"{slots} interval{'' if slots == 1 else 's'}"
         raise ValueError(
-            f"shape: {shape[0]} x {shape[1]} lines with room for {room} each need "
-            f"{need / 1e9:.3g} GB, and {memory / 1e9:.3g} GB are allowed; {n} x {m} would fit."
+            f"shape: {shape[0]} x {shape[1]} {what} need {need / 1e9:.3g} GB, and "
+            f"{memory / 1e9:.3g} GB are allowed; {n} x {m} would fit."
         )
+
+
+def _refuse(shape, slots, memory):
+    """Raise ValueError if intervals in so many slots, and as much for work, don't fit."""
+    room = f"{slots} interval{'' if slots == 1 else 's'}"
+    check_fits(shape, 32.0 * slots, memory, f"lines with room for {room} each")

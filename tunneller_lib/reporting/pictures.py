@@ -14,6 +14,7 @@ from ..job.atomic_write import replacement
 from .style import ERROR_MAP
 
 DPI = 200  # of a drawing
+MILLISECONDS = 80  # for which a picture of an animation stands
 
 # The viewer takes the page's element of the class content, or else all of its body.
 # The words stand below it, for its bar of colours reaches down to the scene's edge.
@@ -25,7 +26,7 @@ PAGE = """<body style="display: flex; flex-direction: column; height: 100vh">
     </p>"""
 
 
-def write_picture(path, content):
+def write_picture(path, content, stamp="tunneller_lib"):
     """Write a scene, a drawing or the pictures of an animation, whole or not at all.
 
     Parameters
@@ -35,6 +36,8 @@ def write_picture(path, content):
         .gif for pictures.
     content : pyvista.Plotter, matplotlib.figure.Figure or iterable of (n, m, 3) uint8
         What.
+    stamp : str
+        Of which job it is, for the file's head.
 
     Returns
     -------
@@ -44,7 +47,7 @@ def write_picture(path, content):
     writers = {".html": _html, ".png": _png, ".gif": _gif}
     path = Path(path)
     with replacement(path) as new:
-        writers[path.suffix](new, content)
+        writers[path.suffix](new, content, stamp)
     return path
 
 
@@ -74,7 +77,7 @@ FIT = """<script>
 </body>"""
 
 
-def _html(path, plotter):
+def _html(path, plotter, stamp):
     width, height = plotter.window_size
     page = plotter.trame.export_html(None).getvalue()
     title = escape(plotter.title)
@@ -82,6 +85,8 @@ def _html(path, plotter):
         page = page.replace('"Below"', json.dumps(bar.GetBelowRangeAnnotation() or "below"))
     plotter.close()
     page = re.sub("<title>.*?</title>", f"<title>{title}</title>", page, count=1)
+    made = f'<meta name="generator" content="{escape(stamp)}">'
+    page = page.replace("<head>", f"<head>{made}", 1)
     page = page.replace("<body>", PAGE.format(title), 1)
     head, _, tail = page.rpartition("</body>")
     page = head + FIT.format(width / height) + tail
@@ -90,12 +95,13 @@ def _html(path, plotter):
     path.write_text(page, encoding="utf-8", newline="\n")
 
 
-def _png(path, drawing):
+def _png(path, drawing, stamp):
     drawing.set_dpi(DPI)
-    FigureCanvasAgg(drawing).print_png(path)  # savefig would draw twice, once for the layout
+    # Not by savefig, which would draw twice, once for the layout.
+    FigureCanvasAgg(drawing).print_png(path, metadata={"Comment": stamp})
 
 
-def _gif(path, pictures, milliseconds=80):
+def _gif(path, pictures, stamp):
     """Write pictures in 255 colours, those of the error scale and of the rest of a few pictures."""
     pictures = [PIL.Image.fromarray(pixels) for pixels in pictures]
     few = np.concatenate([*pictures[:: max(1, len(pictures) // 4)], pictures[-1]])
@@ -106,4 +112,11 @@ def _gif(path, pictures, milliseconds=80):
     palette = PIL.Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *np.concatenate([scale, others]).ravel().tolist()])
     pictures = [p.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for p in pictures]
-    pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=milliseconds, loop=0)
+    pictures[0].save(
+        path,
+        save_all=True,
+        append_images=pictures[1:],
+        duration=MILLISECONDS,
+        loop=0,
+        comment=stamp.encode(),
+    )

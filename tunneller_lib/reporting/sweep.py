@@ -1,9 +1,6 @@
 """Long sweeps, block by block, on local cores or a Dask cluster, on from where one stopped."""
 
-import hashlib
 import os
-import shutil
-import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -13,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import __version__
 from ..arguments import Whole, checked
+from ..job.atomic_write import replacement
 from ..job.progress import say
-
-PACKAGE = Path(__file__).resolve().parents[1]
 
 
 @checked
@@ -40,8 +37,9 @@ def compute_blocks(
         Where they are kept, a file each, in a subfolder named after the survey and this package's
         digest. Each is written whole or not at all: an interrupted sweep goes on from there.
     scheduler : str, optional
-        Address of a Dask scheduler whose workers have numpy and scipy; this package is sent to
-        them. Without it the local cores work. The same blocks give the same bits.
+        Address of a Dask scheduler. Each worker must have this library installed, the same to the
+        byte, with the same numpy; nothing is sent but blocks. Without it the local cores work.
+        The same blocks give the same bits.
     jobs : int, optional
         Number of local processes, at most 10 000; as many as there are cores by default.
 
@@ -53,7 +51,7 @@ def compute_blocks(
     Raises
     ------
     ValueError
-        If an argument is none of those.
+        If an argument is none of those, or a worker hasn't this library.
     """
     folder = Path(folder) / f"{survey.__name__}-{_digest()}"
     folder.mkdir(parents=True, exist_ok=True)
@@ -65,22 +63,41 @@ def compute_blocks(
     if missing:
         with _cluster(scheduler) if scheduler else _cores(jobs) as results:
             for block, table in results(survey, missing):
-                with tempfile.NamedTemporaryFile(
-                    dir=folder, suffix=".part", delete=False
-                ) as beside:  # a name of its own: another sweep may fill the same folder
-                    np.save(beside, table)
-                os.replace(beside.name, files[block])
+                with replacement(files[block]) as new:  # another sweep may fill the same folder
+                    np.save(new, table)
                 done += 1
                 pace = (time.monotonic() - start) / (done - len(blocks) + len(missing))
                 say(f"{done} of {len(blocks)} blocks, {pace * (len(blocks) - done):.0f} s to go")
     return list(files.values())
 
 
-def _digest():
-    """Return what tells one state of this package, and one numpy, from another."""
-    parts = [path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))]
-    parts.append(np.__version__.encode())
-    return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
+def _asking():
+    """Return a function that tells one state of this package, and one numpy, from another.
+
+    One within another is sent to a worker as it is, which may have no module of ours; it returns
+    None there.
+    """
+
+    def digest():
+        import hashlib
+        from importlib.util import find_spec
+        from pathlib import Path
+
+        try:
+            import numpy
+        except ImportError:
+            return None
+        found = find_spec("tunneller_lib")
+        if not found or not found.origin:
+            return None
+        files = sorted(Path(found.origin).parent.rglob("*.py"))
+        parts = [*(path.read_bytes() for path in files), numpy.__version__.encode()]
+        return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
+
+    return digest
+
+
+_digest = _asking()
 
 
 @contextmanager
@@ -106,13 +123,28 @@ def _cluster(scheduler):
     """Give a function that yields blocks and their results as a cluster's workers finish them."""
     import distributed
 
-    with distributed.Client(scheduler) as client, tempfile.TemporaryDirectory() as folder:
-        archive = Path(folder) / PACKAGE.name
-        client.upload_file(shutil.make_archive(archive, "zip", PACKAGE.parent, PACKAGE.name))
+    with distributed.Client(scheduler) as client:
+        workers = _checked_workers(client)
 
         def results(survey, blocks):
-            waiting = {client.submit(survey, block, pure=False): block for block in blocks}
+            waiting = {
+                client.submit(survey, block, pure=False, workers=workers): block for block in blocks
+            }
             for future, table in distributed.as_completed(waiting, with_results=True):
                 yield waiting[future], table
 
         yield results
+
+
+def _checked_workers(client):
+    """Return the addresses of a cluster's workers, or raise ValueError if one isn't as we are."""
+    states = client.run(_digest)
+    wrong = [address for address, found in states.items() if found != _digest()]
+    if wrong or not states:
+        came = f"{len(wrong)} of {len(states)} without" if states else "none"
+        first = f", such as {wrong[0]}" if wrong else ""
+        raise ValueError(
+            f"scheduler: must have workers with tunneller_lib {__version__}, its files and numpy "
+            f"the same as here; got {came}{first}."
+        )
+    return list(states)

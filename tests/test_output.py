@@ -1,0 +1,336 @@
+"""What a command leaves: one job's files whole, whatever happens to it, and a user's untouched."""
+
+import os
+import re
+import subprocess
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from tests.examples.job import _JOB
+from tunneller_lib.__main__ import main
+from tunneller_lib.job.atomic_write import list_files, output
+from tunneller_lib.job.tables import stamp_of
+
+READS = ["notebooks/flank.toml"]
+
+ROOT = Path(__file__).resolve().parents[1]
+LATER = _JOB.read_text(encoding="utf-8").replace("gain = 10", "gain = 9")
+BAD = LATER.replace("gain = 9", "gain = 1000")
+JOBS = {"earlier": _JOB.read_text(encoding="utf-8"), "later": LATER, "bad": BAD}
+
+
+def told_by(folder):
+    """Return whose files are in a folder that is whole: each as listed and of the same job."""
+    first, *lines = (folder / "manifest.txt").read_text().splitlines()
+    names = set()
+    for line in lines:
+        digest, name = line.split("  ")
+        content = (folder / name).read_bytes()
+        assert sha256(content).hexdigest() == digest, name
+        assert first.removeprefix("# ").partition(";")[0].encode() in content, name
+        names.add(name)
+    assert {path.name for path in folder.iterdir()} == {*names, "manifest.txt"}
+    assert len(names) > 11
+    name, digest = re.search(r"job (\w+)\.toml, sha256 (\w+);", first).groups()
+    assert sha256(JOBS[name].encode()).hexdigest().startswith(digest)
+    return name
+
+
+@pytest.fixture(scope="module")
+def jobs(tmp_path_factory):
+    """Return a folder with the jobs, and the results of one where nothing was in the way."""
+    folder = tmp_path_factory.mktemp("jobs")
+    for name, text in JOBS.items():
+        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    assert main(["cut", str(folder / "earlier.toml"), "--out", str(folder / "earlier")]) == 0
+    return folder
+
+
+def cut(jobs, name, out):
+    return main(["cut", str(jobs / f"{name}.toml"), "--out", str(out)])
+
+
+def test_files_say_which_job_they_are_of(jobs):
+    assert told_by(jobs / "earlier") == "earlier"
+    # By another program, where there is one.
+    if Path("/usr/bin/sha256sum").exists():
+        check = ["sha256sum", "--check", "--strict", "manifest.txt"]
+        subprocess.run(check, cwd=jobs / "earlier", check=True, stdout=subprocess.DEVNULL)
+
+
+def test_same_job_gives_the_same_bytes(jobs, tmp_path):
+    assert cut(jobs, "earlier", tmp_path / "again") == 0
+    for path in (jobs / "earlier").iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes(), path.name
+
+
+def test_stamp_keeps_to_letters_that_any_comment_may_hold():
+    stamp = stamp_of('*/ -->\n*) "é".toml' + 99 * "x", b"text")
+    assert re.fullmatch(r"tunneller_lib [\d.]+, job [\w.]{20}, sha256 [0-9a-f]{16}", stamp, re.A)
+    assert sha256(b"text").hexdigest().startswith(stamp[-16:])
+
+
+# Ends its children, which cut another job over a folder, at each event in turn that touches files.
+KILLED = """
+import os, shutil, sys
+from pathlib import Path
+from tunneller_lib import __main__ as command
+from tunneller_lib.job import results
+from tests.test_output import told_by
+
+jobs, place = map(Path, sys.argv[1:])
+options = command.parser().parse_args(["cut", str(jobs / "later.toml")])
+made = command.read(options, budget=True)
+numbers = results.summarise(*made)
+command.read = lambda options, budget: made
+results.summarise = lambda *_: numbers
+command.draw_wall(*made, jobs / "wall.png", str)  # imported
+arguments = ["cut", str(jobs / "later.toml"), "--out", str(place / "cut")]
+sys.stderr = open(os.devnull, "w")
+
+def ended(after):
+    # Return the exit code of a cut that is killed before it touches a file once more.
+    if not (child := os.fork()):
+        left = [after]
+        def count(event, about):
+            if about and str(about[0]).startswith(str(place)):
+                left[0] -= 1
+                if left[0] < 0:
+                    os._exit(99)
+        sys.addaudithook(count)
+        sys.stdout = sys.stderr
+        os._exit(command.main(arguments))
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+after, seen = 0, []
+while True:
+    for path in place.iterdir():
+        shutil.rmtree(path)
+    shutil.copytree(jobs / "earlier", place / "cut")
+    code = ended(after)
+    seen.append(told_by(place / "cut") if (place / "cut").exists() else "none")
+    if code == 0:
+        break
+    assert code == 99, code
+    if after % 5 == 0 or seen[-1] == "none":  # the next run ends well and leaves nothing behind
+        assert ended(9**9) == 0 and told_by(place / "cut") == "later"
+        assert [path.name for path in place.iterdir()] == ["cut"]
+    after += 1
+print(*seen)
+"""
+
+
+def test_cut_killed_anywhere_leaves_the_files_of_one_job(jobs, tmp_path):
+    command = [sys.executable, "-c", KILLED, jobs, tmp_path]
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    seen = done.stdout.split()
+    assert seen.count("earlier") > 50 and seen.count("later") > 3 and seen.count("none") == 1
+    assert seen == sorted(seen, key=["earlier", "none", "later"].index)
+
+
+# Cuts two jobs into one folder at once, and says each one's exit code.
+AT_ONCE = """
+import os, sys, time
+from pathlib import Path
+from tunneller_lib import __main__ as command
+from tests.test_output import told_by
+
+jobs, place = map(Path, sys.argv[1:])
+read = command.read
+sys.stderr = open(os.devnull, "w")
+for trial in range(10):
+    children = {}
+    for name in ("earlier", "later"):
+        if not (child := os.fork()):
+            sys.stdout = sys.stderr
+            begin = time.monotonic() + 0.1 * (trial % 3 if name == "later" else 1)
+            while time.monotonic() < begin:
+                pass
+            os._exit(command.main(["cut", str(jobs / f"{name}.toml"), "--out", str(place)]))
+        children[child] = name
+    codes = {}
+    while children:
+        child, status = os.wait()
+        codes[children.pop(child)] = os.waitstatus_to_exitcode(status)
+    well = [name for name, code in codes.items() if code == 0]
+    assert set(codes.values()) <= {0, 2} and told_by(place) == well[-1], codes
+    print(len(well))
+"""
+
+
+def test_two_cuts_at_once_leave_the_files_of_the_one_that_ended_well(jobs, tmp_path):
+    command = [sys.executable, "-c", AT_ONCE, jobs, tmp_path / "cut"]
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split().count("1") >= 8  # in most trials one came while the other worked
+    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
+
+
+def test_second_run_into_a_folder_is_refused_in_a_sentence(jobs, tmp_path, capsys):
+    out = tmp_path / "cut"
+    with output(out) as new:
+        new.mkdir()
+        list_files(new, "tunneller_lib")
+        assert cut(jobs, "later", out) == 2
+    told = capsys.readouterr().err
+    assert told == f"wrong: {out}: another run is writing there.\n" and out.exists()
+
+
+def test_job_that_is_refused_leaves_none_of_an_earlier_run_in_its_place(jobs, tmp_path, capsys):
+    out = tmp_path / "cut"
+    for number in ("", "1"):
+        assert cut(jobs, "later", out) == 0 and cut(jobs, "bad", out) == 1
+        *_, said, why = capsys.readouterr().err.splitlines()
+        assert said == f"{out}: what an earlier run left there is now {out}.earlier{number}"
+        assert why.startswith("refused: ") and not out.exists()
+        assert told_by(Path(f"{out}.earlier{number}")) == "later"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cut.earlier", "cut.earlier1"]
+    assert main(["cut", str(tmp_path / "none.toml"), "--out", str(tmp_path / "a" / "b")]) == 2
+    assert not (tmp_path / "a").exists()
+
+
+def test_run_that_is_interrupted_leaves_the_earlier_one(jobs, tmp_path, monkeypatch):
+    assert cut(jobs, "earlier", tmp_path / "cut") == 0
+
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    for place in ("job.results.summarise", "__main__.draw_wall", "job.atomic_write.list_files"):
+        with monkeypatch.context() as patch:
+            patch.setattr(f"tunneller_lib.{place}", stop)
+            assert cut(jobs, "later", tmp_path / "cut") == 130
+        assert told_by(tmp_path / "cut") == "earlier"
+        assert [path.name for path in tmp_path.iterdir()] == ["cut"]
+
+
+def renaming(monkeypatch, fails, error):
+    """Let the renaming with a number fail with an error."""
+    rename, count = os.rename, iter(range(99))
+
+    def one(*paths):
+        if next(count) == fails:
+            raise error
+        rename(*paths)
+
+    monkeypatch.setattr("os.rename", one)
+
+
+@pytest.mark.parametrize(("fails", "error", "left"), [
+    (0, KeyboardInterrupt(), "cut"), (1, KeyboardInterrupt(), "cut"),
+    (0, PermissionError(13, "no"), "cut.earlier"), (1, PermissionError(13, "no"), "cut.earlier"),
+])  # fmt: skip
+def test_exchange_that_fails_midway_keeps_the_earlier_run(
+    jobs, tmp_path, monkeypatch, fails, error, left
+):
+    assert cut(jobs, "earlier", tmp_path / "cut") == 0
+    renaming(monkeypatch, fails, error)
+    with pytest.raises(type(error)), output(tmp_path / "cut") as new:
+        new.mkdir()
+    assert [path.name for path in tmp_path.iterdir()] == [left]
+    assert told_by(tmp_path / left) == "earlier"
+
+
+def a_note(out):
+    (out / "notes.txt").write_text("mine")
+
+
+def an_edit(out):
+    (out / "budget.csv").write_text("mine")
+
+
+def a_folder(out):
+    (out / "figures").mkdir()
+
+
+def a_link(out):
+    (out / "line.c").unlink()
+    (out / "line.c").symlink_to(out / "controller.c")
+
+
+def no_manifest(out):
+    (out / "manifest.txt").unlink()
+
+
+def state(folder):
+    """Return what lies in a folder, and where links lead."""
+    paths = sorted(folder.rglob("*"))
+    return [(p, p.readlink() if p.is_symlink() else p.is_dir() or p.read_bytes()) for p in paths]
+
+
+@pytest.mark.parametrize("change", [a_note, an_edit, a_folder, a_link, no_manifest])
+@pytest.mark.parametrize("name", ["later", "bad"])
+def test_folder_that_holds_a_user_s_files_is_refused_and_stays(
+    jobs, tmp_path, capsys, change, name
+):
+    assert cut(jobs, "earlier", tmp_path / "cut") == 0
+    change(tmp_path / "cut")
+    before = state(tmp_path)
+    assert cut(jobs, name, tmp_path / "cut") == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert re.search(r"cut: holds [\w.]+, which isn't as a run has left it; move that else", told)
+    assert state(tmp_path) == before
+
+
+def test_files_that_a_user_leaves_during_the_run_are_kept_aside(jobs, tmp_path, capsys):
+    out = tmp_path / "cut"
+    assert cut(jobs, "earlier", out) == 0
+    with output(out) as new:
+        new.mkdir()
+        list_files(new, "tunneller_lib")
+        a_note(out)
+    assert (tmp_path / "cut.earlier" / "notes.txt").read_text() == "mine"
+    assert [path.name for path in out.iterdir()] == ["manifest.txt"]
+    assert capsys.readouterr().err.endswith(f"is now {out}.earlier\n")
+
+
+def test_folder_where_one_is_isn_t_taken_away(jobs, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cut(jobs, "later", Path(".")) == 2
+    assert ".: is a folder that is mounted, or the one where you are; " in capsys.readouterr().err
+
+
+def test_link_to_a_folder_stays_one(jobs, tmp_path):
+    (tmp_path / "disk" / "cut").mkdir(parents=True)
+    (tmp_path / "cut").symlink_to(tmp_path / "disk" / "cut")
+    assert cut(jobs, "later", tmp_path / "cut") == 0
+    assert (tmp_path / "cut").is_symlink() and told_by(tmp_path / "disk" / "cut") == "later"
+    assert [path.name for path in (tmp_path / "disk").iterdir()] == ["cut"]
+
+
+def test_what_a_system_leaves_in_a_folder_does_not_matter(jobs, tmp_path):
+    assert cut(jobs, "earlier", tmp_path / "cut") == 0
+    (tmp_path / "cut" / ".DS_Store").write_bytes(b"")
+    (tmp_path / "cut" / "wall.png").unlink()
+    assert cut(jobs, "later", tmp_path / "cut") == 0 and told_by(tmp_path / "cut") == "later"
+
+
+def test_scene_and_animation_say_their_job_and_replace_none_but_their_like(jobs, tmp_path, capsys):
+    for command, name, more in (("scene", "a.html", []), ("animate", "a.gif", ["--frames", "2"])):
+        out = tmp_path / name
+        of = {job: [command, str(jobs / f"{job}.toml"), "--out", str(out), *more] for job in JOBS}
+        for job in ("earlier", "later"):
+            assert main(of[job]) == 0
+            stamp = stamp_of(f"{job}.toml", JOBS[job].encode())
+            assert stamp.encode() in out.read_bytes()[:4096]
+            assert out.read_bytes().count(stamp.encode()) == 1
+        made = out.read_bytes()
+        assert main(of["bad"]) == 1 and not out.exists()
+        assert Path(f"{out}.earlier").read_bytes() == made
+        out.write_text("mine")
+        capsys.readouterr()
+        assert main(of["later"]) == 2 and out.read_text() == "mine"
+        assert f"{name}: is a file that no run has left; " in capsys.readouterr().err
+    assert {path.suffix for path in tmp_path.iterdir()} == {".html", ".gif", ".earlier"}
+
+
+def test_disk_that_takes_no_more_is_told_with_the_folder(jobs, tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tunneller_lib.job.atomic_write.list_files", full)
+    assert cut(jobs, "later", tmp_path / "cut") == 2 and list(tmp_path.iterdir()) == []
+    assert capsys.readouterr().err.endswith(f"wrong: {tmp_path}/cut: No space left on device.\n")
