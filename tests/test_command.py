@@ -199,7 +199,7 @@ ODD_FILES = [
     (b'[section]\nshape = "\\u202egge"', "section.shape: must be a text of printable characters; "),
     (b'[controller]\nplant = "T0\\u0007"', "controller.plant: must be a text of printable "),
     (b".".join([b"a"] * 90) + b" = 1", "[a]: is no table of a job; known are machine, "),
-    (b'["' + b"a" * 3000 + b'"]', "[" + "a" * 197 + "...]: is no table of a job; known are"),
+    (b'["' + b"a" * 3000 + b'"]', "[" + "a" * 99 + "..." + "a" * 98 + "]: is no table of a job; known"),
     (b"machine = " + b"[" * 90 + b"]" * 90, "machine: must be a table, [machine]; got [[[[[[[...]"),
 ]  # fmt: skip
 

@@ -12,6 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from ..arguments import shown
+from ..terminal import fit
 
 TEXT, WHOLE = "text", "whole number"
 ANGULAR = "rad", "rad/s", "rad/s^2"  # whose names may end in _deg
@@ -94,9 +95,8 @@ def check_leaves(tables):
 
 
 def brief(text):
-    """Return a text for a message, in 200 characters that no terminal obeys."""
-    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:201])
-    return printable if len(printable) <= 200 else f"{printable[:197]}..."
+    """Return a name or a text for a message, in 200 characters that no terminal obeys."""
+    return fit(text, 200)
 
 
 def read_table(table, given, units, needed=()):
