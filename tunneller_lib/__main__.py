@@ -24,9 +24,10 @@ ABOUT = """plan, simulate and show cuts of a tunnelling robot
 A job is a TOML file in metres, seconds and radians (or degrees, in names that end in _deg);
 notebooks/reference.toml is one. Progress goes to stderr.
 
-Ends with 0 if all is well, though there may be warnings; with 1 if the job is understood but
-refused, with the reason; with 2 if a file, the command or a package isn't there or isn't as it
-must be; with 130 if it is interrupted."""
+Ends with 0 if all is well, though there may be warnings; with 1 if a value of the job is refused,
+with the reason; with 2 if something can't be read: a file or a package that isn't there, what is
+no TOML, a command, a table or a name that isn't known or is missing; with 130 if it is interrupted.
+"""
 
 
 def main(arguments=None):
