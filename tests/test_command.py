@@ -450,7 +450,7 @@ REFUSED = [
     ({"count_deg = 0.0054931640625": "count_deg = -1"},
      "[plan] count_deg: must be one finite number, not below zero; got -1."),
     ({"# encoder_deg = 0": "encoder_deg = 10"},
-     "[controller] encoder_deg: must be from 5.72958e-08 to 5.72958 degrees; got 10. Is 0.351562 "),
+     "[controller] encoder_deg: must be from 5.72958e-08 to 5.72958 degrees; got 10. If that "),
     ({"# encoder_deg = 0": "encoder = -1"},
      "[controller] encoder: must be from 0 to 0.1 rad; got -1."),
     ({"tick = 5e-3": "tick = 0"}, "[plan] tick: must be"),
@@ -468,21 +468,21 @@ REFUSED = [
 # Ten wrong jobs and the whole sentence that is said of each.
 ADVICE = [
     ({"R = 0.80 ": "R = 800"},
-     "[machine] R: must be from 0.01 to 20 m; got 800. Is 0.8 m meant (800 mm)?"),
+     "[machine] R: must be from 0.01 to 20 m; got 800. If that is in mm, it is 0.8 m."),
     ({"depth = 0.02 ": "depth = 20"},
-     "[machine] depth: must be at most 1 m; got 20. Is 0.02 m meant (20 mm)?"),
+     "[machine] depth: must be at most 1 m; got 20. If that is in mm, it is 0.02 m."),
     ({"tick = 5e-3 ": "tick = 5"},
-     "[plan] tick: must be at most 0.5 s; got 5. Is 0.005 s meant (5 ms)?"),
+     "[plan] tick: must be at most 0.5 s; got 5. If that is in ms, it is 0.005 s."),
     ({"feed = 0.2 ": "feed = 100"},
-     "[limits] feed: must be from 0.0001 to 1 m/s; got 100. Is 0.1 m/s meant (100 mm/s)?"),
+     "[limits] feed: must be from 0.0001 to 1 m/s; got 100. If that is in mm/s, it is 0.1 m/s"),
     ({"acceleration = 0.5": "acceleration = 500"},
-     "[limits] acceleration: must be from 0.0001 to 50 m/s^2; got 500. Is 0.5 m/s^2 meant (500 "
-     "mm/s^2)?"),
+     "[limits] acceleration: must be from 0.0001 to 50 m/s^2; got 500. If that is in mm/s^2, "
+     "it is 0.5 m/s^2."),
     ({"theta_min_deg = -60": "theta_min = -60"},
      "[machine] theta_min: must be at most 3.2 rad in size; got -60. In degrees its name is "
      "theta_min_deg."),
     ({"tolerance = 1e-3 ": "tolerance = 1 "},
-     "[plan] tolerance: must be at most 0.1 m; got 1. Is 0.001 m meant (1 mm)?"),
+     "[plan] tolerance: must be at most 0.1 m; got 1. If that is in mm, it is 0.001 m."),
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 "},
      "[plan] tolerance: must be at least what a count of 0.00549 degrees moves the cutter, "
      "8.4e-05 m; got 1e-07 m."),

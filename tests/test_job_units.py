@@ -85,11 +85,12 @@ def test_every_number_in_another_unit_is_refused_and_the_right_one_told(table, k
         given = IN[other](number)
         said = told(table, key, float(given), size)
         assert said.startswith(f"[{table}] {key}: must be ") and f"; got {given:g}" in said
-        meant = re.findall(r"(?:Is|or) (\S+) ([^()]+) meant \(\S+ ([^)]*)\)", said)
-        right = [float(value) for value, unit, its in meant if (unit, its) == (size.unit, other)]
+        meant = re.findall(
+            r"[Ii]f(?: that is)? in ([^,]+), (?:it is )?(\S+) ([^;]+?)[;.](?= |$)", said
+        )
+        right = [float(value) for its, value, unit in meant if (unit, its) == (size.unit, other)]
         assert right == [pytest.approx(number, rel=1e-5)], said
-        assert all(size.least <= abs(float(value)) <= size.most for value, _, _ in meant)
-        assert said.endswith("?")
+        assert all(size.least <= abs(float(value)) <= size.most for _, value, _ in meant)
 
 
 @pytest.mark.parametrize(("table", "key", "size"), [
@@ -106,16 +107,17 @@ def test_every_angle_of_ten_degrees_and_more_without_its_suffix_is_told_the_name
 
 
 @pytest.mark.parametrize(("line", "said"), [
-    ("step = 5e-3", "[plan] step: must be at most 0.3 m; got 5. Is 0.005 m meant (5 mm)?"),
-    ("power = 3e3", "[limits] power: must be from 20 to 1e+07 W; got 3. Is 3000 W meant (3 kW)?"),
+    ("step = 5e-3", "[plan] step: must be at most 0.3 m; got 5. If that is in mm, it is 0.005 m."),
+    ("power = 3e3", "[limits] power: must be from 20 to 1e+07 W; got 3. "
+     "If that is in kW, it is 3000 W."),
     ("energy = 20e6", "[ground] energy: must be from 1000 to 1e+10 J/m^3; got 20. "
-     "Is 2e+07 J/m^3 meant (20 MJ/m^3), or 7.2e+07 J/m^3 meant (20 kWh/m^3)?"),
+     "If that is in MJ/m^3, it is 2e+07 J/m^3; if in kWh/m^3, 7.2e+07 J/m^3."),
     ("# supply = 160e5", "[hydraulics] supply: must be from 100000 to 1e+08 Pa; got 160. "
-     "Is 1.6e+07 Pa meant (160 bar)?"),
+     "If that is in bar, it is 1.6e+07 Pa."),
     ("count_deg = 0.0054931640625", "[plan] count_deg: must be from 5.72958e-08 to 5.72958 "
-     "degrees; got 65536. Is 0.00549316 degrees meant (65536 counts a turn)?"),
+     "degrees; got 65536. If that is in counts a turn, it is 0.00549316 degrees."),
     ("feed = 0.1 ", "[limits] feed: must be from 0.0001 to 1 m/s; got 3. "
-     "Is 0.003 m/s meant (3 mm/s), or 0.05 m/s meant (3 m/min)?"),
+     "If that is in mm/s, it is 0.003 m/s; if in m/min, 0.05 m/s."),
 ])  # fmt: skip
 def test_job_in_usual_units_is_told_what_is_meant(tmp_path, line, said):
     name = line.removeprefix("# ").partition(" ")[0]

@@ -100,7 +100,7 @@ def flat(sizes):
 @pytest.mark.parametrize(
     ("old", "new", "code", "said"),
     [
-        ("R = 0.80", "R = 800", 1, "refused: [machine] R: must be from 0.01 to 20 m; got 800. Is "),
+        ("R = 0.80", "R = 800", 1, "refused: [machine] R: must be from 0.01 to 20 m; got 800. If"),
         ("gain = 10 ", "gain = 90 ", 1, "refused: [controller] gain"),
         ("[section]", "[sectoin]", 2, "wrong: [sectoin]: is no table of a job"),
     ],

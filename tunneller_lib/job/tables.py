@@ -208,8 +208,9 @@ def _check_size(where, key, value, size, in_degrees):
     for other, factor in others:
         found = factor(value) if callable(factor) else factor * value
         if size.least <= abs(found) <= size.most:
-            meant.append(f"{found / one:.6g} {unit} meant ({value:g} {other})")
-    raise ValueError(f"{said} Is {', or '.join(meant)}?" if meant else said)
+            that = "it is " if not meant else ""
+            meant.append(f"in {other}, {that}{found / one:.6g} {unit}")
+    raise ValueError(f"{said} If that is {'; if '.join(meant)}." if meant else said)
 
 
 @contextmanager
