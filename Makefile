@@ -41,7 +41,7 @@ stale: environment ## say which notebooks `make report` would run, and why
 site: report ## the notebooks and the report as web pages, build/site/index.html
 	@$(BIN)/python -m report.site
 
-live: report ## those pages with sliders that move without Python, build/live/index.html (fetches 39 MB once, or else 106 MB)
+live: report ## those pages with sliders that move without Python, build/live/index.html (fetches 39 MB of Pyodide once, or else open-webui's wheel with it, 106 MB)
 	@$(BIN)/python -m report.live
 
 # A worker takes a file at a time, in the order of testpaths: notebooks, which take longest, first,

@@ -70,10 +70,31 @@ class Environment:
         """Tell whether it is the wanted one, and all is there as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
-        if self.stamp.read_text() != self.wanted():
+        wanted, *names = self.stamp.read_text().splitlines()
+        if wanted != self.wanted():
+            return False
+        if changed := self.changed(names):
+            say(f"{self.folder.name} isn't as it was set up: {', '.join(changed)}")
             return False
         since = self.stamp.stat().st_mtime
         return not self.spoilt(since)
+
+    def versions(self):
+        """Return the version of each package that is installed, by its name."""
+        records = self.folder.glob("lib/python3*/site-packages/*.dist-info/RECORD")
+        found = [
+            record.parent.name.removesuffix(".dist-info").rpartition("-") for record in records
+        ]
+        return {re.sub(r"[-_.]+", "-", name).lower(): version for name, _, version in found}
+
+    def changed(self, names):
+        """Return a few words on each of these packages that isn't there as it is pinned."""
+        found, pins = self.versions(), pinned()
+        return [
+            f"{name} is {found.get(name, 'missing')}, not {pins[name]}"
+            for name in names
+            if found.get(name) != pins[name]
+        ]
 
     def spoilt(self, since=0.0):
         """Return the names of the packages that miss a file or have another than they recorded.
@@ -134,17 +155,30 @@ class Environment:
             run(*add, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
         if spoilt := self.spoilt():
             fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
+        # Of the pinned packages those that this Python and system ask for; a later look asks for
+        # them all, and leaves alone what somebody installed besides.
+        names = sorted(self.versions().keys() & pinned().keys())
+        if changed := self.changed(names):
+            fail(f"Set-up stopped: {', '.join(changed)}. The next call tries again.")
         self.settle()
-        self.stamp.write_text(self.wanted())
+        self.stamp.write_text("\n".join([self.wanted(), *names]))
 
     def settle(self):
-        """Write what makes the checkout importable, and JupyterLab's settings."""
+        """Write, where it isn't there, what makes the checkout importable and JupyterLab quiet."""
         [packages] = self.folder.glob("lib/python3*/site-packages")
-        (packages / "_own_checkout.py").write_text(OWN_CHECKOUT.format(root=str(ROOT)))
-        (packages / "checkout.pth").write_text("import _own_checkout\n")
-        settings = self.folder / "share" / "jupyter" / "lab" / "settings" / "overrides.json"
-        settings.parent.mkdir(parents=True, exist_ok=True)
-        settings.write_text(json.dumps(SETTINGS))
+        for path, content in [
+            (packages / "_own_checkout.py", OWN_CHECKOUT.format(root=str(ROOT))),
+            (packages / "checkout.pth", "import _own_checkout\n"),
+            (self.folder / "share/jupyter/lab/settings/overrides.json", json.dumps(SETTINGS)),
+        ]:
+            if not path.exists() or path.read_text() != content:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(content)
+
+
+def pinned():
+    """Return the version of each package that environment.txt pins, by its name."""
+    return dict(re.findall(r"^([a-z0-9-]+)==([^ ]+)", PINS.read_text(), re.M))
 
 
 def main(environment):
@@ -157,6 +191,7 @@ def main(environment):
     whole = environment.is_whole()
     provide_libraries(for_venv=not whole)
     if whole:
+        environment.settle()
         return
     free = shutil.disk_usage(ROOT).free
     if free < NEEDED:

@@ -518,6 +518,49 @@ def test_a_disk_that_is_full_loses_no_answer(tmp_path):
     assert not [path for path in tmp_path.rglob("*.nbi")]  # it was to be kept, and wasn't
 
 
+SPOILT = """
+import os, pickle
+from pathlib import Path
+from tunneller_lib import compiled
+from tunneller_lib.elementwise import lesser
+compiled._Work.compiled = True
+
+def asked():
+    compiled._compiled.cache_clear()  # as the next command
+    assert compiled.call(lesser, 3.0, 2.0) == compiled.call(lesser, 2.0, 5.0) == 2
+    hits = compiled._compiled(lesser).stats.cache_hits
+    return sum(hits.values())
+
+def files():
+    return sorted(path for path in Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nb?"))
+
+assert asked() == 0 and asked() == 1
+assert [path.suffix for path in files()] == [".nbc", ".nbi"]
+for k in (0, 1):
+    whole = files()[k].read_bytes()
+    cut = [whole[:size] for size in (0, 1, 2, 10, len(whole) // 2, len(whole) - 1)]
+    for content in [*cut, b"no pickle at all", pickle.dumps(42), pickle.dumps(None) + whole]:
+        files()[k].write_bytes(content)
+        asked()
+        assert asked() == 1, (k, content[:20])  # it is kept anew
+index = files()[1]
+index.unlink()
+index.mkdir()  # which can't be deleted as a file
+assert asked() == asked() == 0
+"""
+
+
+def test_a_kept_form_that_is_cut_short_or_another_is_compiled_anew_and_kept(tmp_path):
+    pytest.importorskip("numba")
+    child(SPOILT, NUMBA_CACHE_DIR=str(tmp_path))
+
+
+def test_a_folder_of_kept_forms_that_is_none_loses_no_answer(tmp_path):
+    pytest.importorskip("numba")
+    (tmp_path / "file").touch()
+    child(FULL, NUMBA_CACHE_DIR=str(tmp_path / "file"))
+
+
 FUSED = """
 from tunneller_lib import compiled
 compiled.expect(2 * compiled.LONG, "axes")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.long import many
 from tunneller_lib.motion import Compressible, Lag, Loop, follow, identify, reference_axes
 from tunneller_lib.motion.identify import identify_axis, identify_loop
 from tunneller_lib.surfaces import REFERENCE_MACHINE
@@ -80,25 +81,144 @@ def test_standard_errors_are_those_of_many_logs(kind, noise):
     assert np.mean([one.rms for one in found]) == pytest.approx(noise, rel=0.02)
 
 
-def test_a_delay_above_the_true_one_is_named_in_one_of_ten_noisy_logs_at_most():
-    # By two standard deviations of the likelihood it would be one of twenty; by one, one of three.
-    rng = np.random.default_rng(2)
-    above = 0
-    for _ in range(60):
-        valve = openings(rng, 400)
-        valve[:20] = 0.0
-        speed = axis_log(Lag(0.5, 0.04), valve, 2)[1]
-        above += identify_axis(valve, speed + 0.1 * rng.standard_normal(400), TICK).delay > 2
-    assert above <= 6
-
-
-def test_axis_of_oil_gives_its_steady_gain_within_a_tenth():
+def test_axis_of_oil_is_refused_unless_noise_hides_its_oil():
     axis = reference_axes(REFERENCE_MACHINE)[1]
     plant = Compressible(axis)
-    valve = openings(np.random.default_rng(3), 800) / 4
+    rng = np.random.default_rng(3)
+    valve = openings(rng, 800) / 4
     _, speed = axis_log(plant, valve)
-    found = identify_axis(valve, speed, TICK)
+    with pytest.raises(ValueError, match=r"^measured: doesn't fit a lag: what it leaves must be n"):
+        identify_axis(valve, speed, TICK)
+    found = identify_axis(valve, speed + 0.1 * rng.standard_normal(len(speed)), TICK)
     assert found.gain.value == pytest.approx(0.05 / plant.command(0.05, 0.1), rel=0.1)
+
+
+# Logs of an axis, made apart from the library: between two ticks its speed goes exponentially to
+# the gain times the opening.
+
+
+def exact_log(gain, lag, valve, delay=0, tick=TICK, most=np.inf):
+    """Return speeds and positions of a lag, whose speed that is asked for may be bounded."""
+    speed = position = 0.0
+    rows = []
+    kept = np.exp(-tick / lag)
+    for opening in [0.0] * delay + valve.tolist():
+        rows.append((speed, position))
+        wanted = float(np.clip(gain * opening, -most, most))
+        position += wanted * tick + (speed - wanted) * lag * (1 - kept)
+        speed = wanted + (speed - wanted) * kept
+    return np.array(rows[: len(valve)]).T
+
+
+def random_log(rng, number):
+    """Return a random good log: kind, valve, what was measured, gain, lag and delay."""
+    gain, delay = rng.uniform(0.1, 2.0), int(rng.integers(0, 9))
+    lag = np.exp(rng.uniform(np.log(0.005), np.log(0.1)))
+    valve = openings(rng, int(rng.integers(400, 1000)))
+    valve[:20] = 0.0
+    speed, position = exact_log(gain, lag, valve, delay)
+    if number % 2:
+        noise = 0.3 * gain * TICK * 10 ** rng.uniform(-2, 1)
+        return "position", valve, position + noise * rng.normal(size=len(valve)), gain, lag, delay
+    noise = np.std(speed) * 10 ** rng.uniform(-4, -1)
+    return "speed", valve, speed + noise * rng.normal(size=len(valve)), gain, lag, delay
+
+
+def test_true_values_lie_within_their_errors_as_often_as_these_say():
+    rng = np.random.default_rng(11)
+    away, mistaken, count = [], 0, many(200, 1000)
+    for number in range(count):
+        kind, valve, measured, gain, lag, delay = random_log(rng, number)
+        found = identify_axis(valve, measured, TICK, kind=kind)  # none is refused
+        mistaken += found.delay != delay
+        away.append(
+            [
+                (found.gain.value - gain) / found.gain.error,
+                (found.lag.value - lag) / found.lag.error,
+            ]
+        )
+    assert mistaken > 0  # noise takes one delay for another: the errors know of it
+    away = np.abs(away)
+    for size, share in ((1, 0.683), (2, 0.954), (3, 0.997)):
+        within = np.mean(away < size, axis=0)
+        assert np.abs(within - share).max() < 4 * np.sqrt(share * (1 - share) / count), within
+
+
+def with_overlap(valve, width):
+    return np.sign(valve) * np.maximum(np.abs(valve) - width, 0)
+
+
+BAD_AXES = {
+    "an overlap of 4 %": lambda valve: exact_log(0.47, 0.02, with_overlap(valve, 0.04), 1),
+    "an overlap of 4 %, made up for": lambda valve: exact_log(
+        0.47 / 0.96, 0.02, with_overlap(valve, 0.04), 1
+    ),
+    "saturation": lambda valve: exact_log(0.47, 0.02, valve, 1, most=0.15),
+    "a delay of 12 ticks": lambda valve: exact_log(0.47, 0.02, valve, 12),
+    "a delay of 15 ticks": lambda valve: exact_log(0.47, 0.02, valve, 15),
+    "a delay of 40 ticks": lambda valve: exact_log(0.47, 0.02, valve, 40),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "noise"), [
+    ("speed", 0.0), ("speed", 1e-3), ("speed", 1e-2),
+    ("position", 0.0), ("position", 1e-4), ("position", 1e-3),
+])  # fmt: skip
+@pytest.mark.parametrize("case", BAD_AXES)
+def test_axis_that_does_not_fit_a_lag_is_refused(case, kind, noise):
+    rng = np.random.default_rng(12)
+    for _ in range(many(3, 30)):
+        valve = openings(rng)
+        valve[:20] = 0.0
+        speed, position = BAD_AXES[case](valve)
+        measured = speed if kind == "speed" else position
+        measured = measured + noise * rng.standard_normal(len(valve))
+        with pytest.raises(ValueError, match=r"^measured: doesn't fit a lag[: ].*got .*\.$"):
+            identify_axis(valve, measured, TICK, kind=kind)
+
+
+def test_valve_in_percent_and_times_in_milliseconds_are_refused():
+    valve = openings(np.random.default_rng(13))
+    speed, _ = exact_log(0.47, 0.02, valve)
+    most = f"{100 * np.abs(valve).max():g}"
+    said = rf"^valve: must be shares from -1 to 1 of the full valve; got {most}\. If that is in %, "
+    with pytest.raises(ValueError, match=said):
+        identify_axis(100 * valve, speed, TICK)
+    said = r"^tick: must be at most 0\.1 s; got 5\. If that is in ms, it is 0\.005 s\.$"
+    for call in (identify_axis, identify_loop):
+        with pytest.raises(ValueError, match=said):
+            call(valve, speed, 5.0)
+    limit = np.repeat([0.0, 1.0, -1.0, 0.3], 200)
+    speed, _ = exact_log(0.47, 0.5, limit, tick=0.1)
+    found = identify_axis(limit, speed, 0.1)  # at both limits at once
+    assert found.gain.value == pytest.approx(0.47) and found.lag.value == pytest.approx(0.5)
+    for valve, tick in ((np.nextafter(1, 2) * limit, 0.1), (limit, np.nextafter(0.1, 1))):
+        with pytest.raises(ValueError, match=r"^(valve|tick): must be"):
+            identify_axis(valve, speed, tick)
+
+
+@pytest.mark.parametrize("digits", [3, 4, 5])
+def test_positions_in_counts_fit_a_lag_and_their_errors_hold(digits):
+    rng = np.random.default_rng(14)
+    for _ in range(10):
+        valve = openings(rng)
+        valve[:20] = 0.0
+        _, position = exact_log(0.47, 0.02, valve, 2)
+        found = identify_axis(valve, np.round(position, digits), TICK, kind="position")
+        assert abs(found.gain.value - 0.47) < 4 * found.gain.error
+        assert abs(found.lag.value - 0.02) < 4 * found.lag.error < 0.02
+
+
+def test_a_delay_at_the_end_of_its_range_is_found_and_one_beyond_is_refused():
+    valve = openings(np.random.default_rng(15))
+    valve[:20] = 0.0
+    for delay in (9, 10):
+        speed, _ = exact_log(0.47, 0.02, valve, delay)
+        assert identify_axis(valve, speed, TICK).delay == delay
+    speed, _ = exact_log(0.47, 0.02, valve, 11)
+    said = r"^measured: doesn't fit a lag with a delay of at most 10 ticks; got one of about 11\.$"
+    with pytest.raises(ValueError, match=said):
+        identify_axis(valve, speed, TICK)
 
 
 def set_values(rng, rows=1500):
@@ -130,6 +250,37 @@ def test_loop_is_found_within_its_errors(gain, lag, share, delay):
             assert abs(value - true) < 4 * error + 1e-6
     # A tick of delay more is nearly as much lag less, so that noise may take one for the other.
     assert abs(found.delay * TICK + found.lag.value - delay * TICK - lag) < TICK
+
+
+BAD_LOOPS = {
+    "an overlap": {"dead_band": 0.04},
+    "a valve that is full": {"limit": 0.2},
+    "a long delay": {"delay": 15},
+}
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e-4])
+@pytest.mark.parametrize("case", BAD_LOOPS)
+def test_loop_that_does_not_fit_a_lag_is_refused(case, noise):
+    rng = np.random.default_rng(16)
+    wanted = set_values(rng)
+    loop = Loop(8.0, TICK, **{"delay": 1} | BAD_LOOPS[case])
+    actual = follow(Lag(0.5, 0.02), loop, wanted).position
+    actual = actual + noise * rng.standard_normal(len(actual))
+    with pytest.raises(ValueError, match=r"^actual: doesn't fit a lag[: ].*got .*\.$"):
+        identify_loop(wanted, actual, TICK)
+
+
+def test_true_values_of_loops_lie_within_four_of_their_errors():
+    rng = np.random.default_rng(17)
+    for _ in range(many(12, 100)):
+        gain, lag, delay = rng.uniform(3, 15), rng.uniform(0.005, 0.04), int(rng.integers(0, 4))
+        wanted = set_values(rng)
+        clean = follow(Lag(0.5, lag), Loop(gain, TICK, delay=delay), wanted).position
+        noisy = clean + 10 ** rng.uniform(-6, -3.5) * rng.standard_normal(len(clean))
+        found = identify_loop(wanted, noisy, TICK)
+        assert abs(found.gain.value - gain) < 4 * found.gain.error
+        assert abs(found.lag.value - lag) < 4 * found.lag.error
 
 
 @pytest.mark.parametrize("kind", ["speed", "position"])

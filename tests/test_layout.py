@@ -19,7 +19,7 @@ LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
 NOTEBOOKS = notebooks()
 FLOORS = {
-    "arguments": 0, "compiled": 0, "elementwise": 0, "exact": 0,
+    "arguments": 0, "compiled": 0, "elementwise": 0, "exact": 0, "terminal": 0,
     "surfaces": 1, "envelopes": 1, "repeatable": 1,
     "paths": 2, "removal": 2, "motion": 2,
     "ream": 3, "replica": 3, "milling": 3,

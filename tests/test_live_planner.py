@@ -80,7 +80,8 @@ def test_reference_job_has_a_line_for_each_name_of_a_job_which_says_its_unit_fir
     }
     for (table, name), line in words.items():
         key = name.removesuffix("_deg")
-        unit = known[table][key].replace("rad", "deg" if name != key else "rad")
+        unit = getattr(known[table][key], "unit", known[table][key])
+        unit = unit.replace("rad", "deg" if name != key else "rad")
         assert unit in ("1", reader.TEXT) or line.startswith(f"{unit}, "), (table, name)
 
 
@@ -102,7 +103,7 @@ def flat(sizes):
 @pytest.mark.parametrize(
     ("old", "new", "code", "said"),
     [
-        ("R = 0.80", "R = 800", 2, "wrong: [machine] R: must be at most 50 m; got 800."),
+        ("R = 0.80", "R = 800", 1, "refused: [machine] R: must be from 0.01 to 20 m; got 800. If"),
         ("gain = 10 ", "gain = 90 ", 1, "refused: [controller] gain"),
         ("[section]", "[sectoin]", 2, "wrong: [sectoin]: is no table of a job"),
     ],

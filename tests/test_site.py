@@ -532,6 +532,20 @@ def test_pages_that_run_hold_the_runtime_the_library_and_their_licences(running)
             assert study.read(file) == (ROOT / file).read_bytes()
     found = {p.name for p in (running / "live/licences").rglob("*") if p.is_file()}
     assert {"LICENSE", "Pyodide-MPL-2.0.txt", "Python-PSF-2.0.txt"} <= found
+    assert_viewer_has_its_licences(running)
+
+
+def assert_viewer_has_its_licences(folder):
+    """Assert that the texts which vtk.js and the page around it come under lie beside both."""
+    assert (folder / "scenes" / "viewer.js").exists()
+    for name, year in (("vtk.js", "2016"), ("trame-vtk", "2022")):
+        text = (folder / "scenes" / "licences" / f"{name}-BSD-3-Clause.txt").read_text()
+        assert f"Copyright (c) {year}, Kitware Inc." in text
+        assert "Redistributions in binary form must reproduce the above copyright" in text
+
+
+def test_site_holds_the_licences_of_the_viewer_of_scenes(site):
+    assert_viewer_has_its_licences(site)
 
 
 def test_no_own_script_of_pages_that_run_names_an_address():

@@ -2,8 +2,14 @@
 
 import asyncio
 import gc
+import json
+import os
+import re
+import subprocess
+import sys
 import threading
 import weakref
+from pathlib import Path
 from types import SimpleNamespace
 
 import ipywidgets
@@ -15,6 +21,7 @@ from tunneller_lib.reporting import figure, scene, sliders
 from tunneller_lib.reporting.camera import live, refill
 from tunneller_lib.reporting.interactive import ROOM
 
+ROOT = Path(__file__).resolve().parents[1]
 SLIDERS = "tunneller_lib.reporting.interactive"
 
 
@@ -102,13 +109,77 @@ def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
 
 
 def test_scene_to_turn_has_a_title_and_is_smoothed_the_fast_way():
-    frame = ipywidgets.HTML("<iframe src='scene'></iframe>")
+    frame = ipywidgets.HTML("<iframe src='scene?ui=1'></iframe>")
+    frame.src = "scene?ui=1"
     smoothed = []
     plotter = SimpleNamespace(
         show=lambda return_viewer: frame, enable_anti_aliasing=smoothed.append
     )
-    assert live(plotter, 'a "ball"').value.startswith('<iframe title="a &quot;ball&quot;" src')
+    begin = '<iframe title="a &quot;ball&quot;" src=\'scene?ui=1&secret=s'
+    assert live(plotter, 'a "ball"').value.startswith(begin)
     assert smoothed == ["msaa"]
+
+
+SERVED = """
+import asyncio, json, re, sys
+import aiohttp, msgpack, pyvista
+from wslink.chunking import UnChunker, generate_chunks
+from tunneller_lib.reporting import scene
+from tunneller_lib.reporting.camera import live
+
+async def welcome(address, word):  # what the server answers to a page that says a word
+    hello = {"wslink": "1.0", "id": "system:c0:0", "method": "wslink.hello",
+             "args": [{} if word is None else {"secret": word}]}
+    async with aiohttp.ClientSession() as session, session.ws_connect(address) as page:
+        for chunk in generate_chunks(msgpack.packb(hello), 100_000):
+            await page.send_bytes(chunk)
+        whole, answer = UnChunker(), None
+        while answer is None:
+            answer = whole.process_chunk((await page.receive(10)).data)
+        return answer
+
+async def main():
+    if "early" in sys.argv:  # somebody showed a scene of their own, which started the server
+        own = pyvista.Plotter(off_screen=True, notebook=True)
+        own.show(return_viewer=True)
+    found = []
+    for _ in range(2):
+        plotter = scene.empty()
+        plotter.notebook = True
+        plotter.add_mesh(scene.ball((0, 0, 0), 1.0))
+        value = live(plotter, "a ball").value
+        port, word = re.search(':([0-9]+)/index.html[^"]*&secret=([^"]+)"', value).groups()
+        address = f"ws://127.0.0.1:{port}/ws"
+        said = [await welcome(address, one) for one in (word, "wslink-secret", "", None)]
+        found.append([word, *("clientID" in str(one.get("result")) for one in said)])
+    print(json.dumps(found))
+
+asyncio.run(main())
+"""
+
+
+@pytest.fixture(scope="module")
+def served():
+    """What two processes' servers of scenes say to pages that know their word, or another."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYVISTA_")}
+    environment["PYVISTA_JUPYTER_BACKEND"] = "trame"
+    done = [subprocess.run([sys.executable, "-c", SERVED, when], cwd=ROOT, env=environment,
+                           capture_output=True, text=True) for when in ("", "early")]  # fmt: skip
+    assert [one.returncode for one in done] == [0, 0], done[0].stderr + done[1].stderr
+    return [json.loads(one.stdout) for one in done]
+
+
+def test_scenes_are_served_to_those_alone_who_say_the_word_of_the_process(served):
+    for every in served:
+        assert [welcome for _, *welcome in every] == 2 * [[True, False, False, False]]
+        assert every[0][0] == every[1][0]  # the server is one for all scenes
+
+
+def test_word_for_scenes_is_random_and_differs_from_process_to_process(served):
+    words = {every[0][0] for every in served}
+    assert len(words) == 2
+    for word in words:
+        assert re.fullmatch("s[0-9a-f]{32}", word)  # 128 bits, and nothing that a page changes
 
 
 def test_sliders_refuse_what_cannot_be_shown(monkeypatch):

@@ -1,7 +1,7 @@
 """The library behind an open study of a hydraulically actuated tunnelling robot.
 
 Floors, each importing only from those below: `reporting`; `job`; `ream`, `replica`; `paths`,
-`motion`, `removal`; `surfaces`, `envelopes`; `arguments`, `exact`.
+`motion`, `removal`; `surfaces`, `envelopes`; `arguments`, `exact`, `terminal`.
 Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
 """
 

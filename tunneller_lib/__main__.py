@@ -5,14 +5,16 @@ import atexit
 import csv
 import gc
 import json
+import math
 import os
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 
 from . import __version__
+from .terminal import fit
 
 # Whatever isn't in Python itself is imported by the command that needs it: --help needs nothing,
 # and what is missing, or an interrupt meanwhile, is said in a sentence.
@@ -22,9 +24,10 @@ ABOUT = """plan, simulate and show cuts of a tunnelling robot
 A job is a TOML file in metres, seconds and radians (or degrees, in names that end in _deg);
 notebooks/reference.toml is one. Progress goes to stderr.
 
-Ends with 0 if all is well, though there may be warnings; with 1 if the job is understood but
-refused, with the reason; with 2 if a file, the command or a package isn't there or isn't as it
-must be; with 130 if it is interrupted."""
+Ends with 0 if all is well, though there may be warnings; with 1 if a value of the job is refused,
+with the reason; with 2 if something can't be read: a file or a package that isn't there, what is
+no TOML, a command, a table or a name that isn't known or is missing; with 130 if it is interrupted.
+"""
 
 
 def main(arguments=None):
@@ -36,7 +39,7 @@ def main(arguments=None):
     try:
         answer = options.run(options)
         if answer is not None:
-            tell(json.dumps(answer, indent=1) if options.json else "\n".join(answer["files"]))
+            tell(answer if options.json else "\n".join(answer["files"]))
         return 0
     except KeyboardInterrupt:
         return ended(options, 130, "interrupted", True)
@@ -61,6 +64,8 @@ SELDOM = 1_000_000  # objects that are made before Python looks for garbage
 # Of a lap's axes, for the budget and for what halves its faults: of each joint alone, and of both
 # under loads besides.
 BUDGET_RUNS, LOADED_RUNS = 7, 17
+JSON = "answer in JSON, in SI units; null for a number that isn't finite"
+LONGEST_PATH = 5000  # characters: more than systems take
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
@@ -88,18 +93,39 @@ def missing(error, extra="[scene]"):
 
 def ended(options, code, how, why):
     """Say how a command of these options ended early, and why; return its exit code."""
-    print(how if why is True else f"{how}: {why}", file=sys.stderr, flush=True)
+    why = why if why is True else fit(why)
+    try:
+        print(how if why is True else f"{how}: {why}", file=sys.stderr, flush=True)
+    except OSError:  # on a full disk
+        unread(sys.stderr)
     if getattr(options, "json", False):
-        tell(json.dumps({how: why}))
+        with suppress(OSError):  # of which there was a sentence
+            tell({how: why})
     return code
 
 
-def tell(text):
-    """Print an answer; who stopped reading it, as `| head` does, still gets the files."""
+def tell(answer):
+    """Print an answer, lines or what JSON has; who stopped reading it still gets the files."""
+    if isinstance(answer, str):
+        text = "\n".join(fit(line, LONGEST_PATH) for line in answer.split("\n"))
+    else:
+        text = json.dumps(for_json(answer), indent=1, allow_nan=False)
     try:
         print(text, flush=True)
-    except BrokenPipeError:
+    except BrokenPipeError:  # `| head` has read enough
         unread(sys.stdout)
+    except OSError as error:
+        unread(sys.stdout)
+        raise OSError(error.errno, error.strerror, "standard output") from None
+
+
+def for_json(value):
+    """Return what JSON has, None in the place of each number that it hasn't: inf and nan."""
+    if isinstance(value, dict):
+        return {name: for_json(inner) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [for_json(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def unread(stream):
@@ -107,9 +133,17 @@ def unread(stream):
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
+class Parser(argparse.ArgumentParser):
+    """A parser whose refusals are lines fit for a terminal, whatever was typed."""
+
+    def error(self, message):
+        """End with 2 and the message."""
+        super().error(fit(message))
+
+
 def parser():
     """Return the parser of the arguments."""
-    whole = argparse.ArgumentParser(
+    whole = Parser(
         prog="tunneller", description=ABOUT, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     whole.add_argument("--version", action="version", version=f"tunneller {__version__}")
@@ -134,7 +168,7 @@ def parser():
             metavar=f"FILE{out}" if out else "FOLDER",
             help="under build/ by default",
         )
-        added.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
+        added.add_argument("--json", action="store_true", help=JSON)
     scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
     film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 by default")
     film.add_argument(
@@ -159,7 +193,7 @@ def parser():
         metavar="PICTURES",
         help="also write way.gif, an animation of so many pictures",
     )
-    flank.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
+    flank.add_argument("--json", action="store_true", help=JSON)
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
     log.description += "; a log of a loop must begin at rest, for at least 10 rows"
     log.add_argument(
@@ -174,7 +208,7 @@ def parser():
         metavar="SHARE",
         help="of the slope that a loop adds, 0 by default",
     )
-    log.add_argument("--json", action="store_true", help="answer in JSON, in SI units")
+    log.add_argument("--json", action="store_true", help=JSON)
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
     added.add_argument(
         "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"

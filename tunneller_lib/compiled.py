@@ -10,9 +10,12 @@ import functools
 import importlib
 import inspect
 import math
+import os
 import sys
 import threading
 from collections import defaultdict
+from contextlib import suppress
+from pathlib import Path
 from types import FunctionType
 from typing import ClassVar
 
@@ -127,11 +130,40 @@ def call(function, *arguments, kind=None, **parts):
     if _Work.compiled and (kind is None or ready(kind)):
         with _compiling:
             fast = _compiled(function, *parts.items())
-        try:
-            return fast(*arguments)
-        except OSError:  # on a full disk: it is compiled, but can't be kept for another day
-            return fast(*arguments)
+        return _run(fast, arguments)
     return (_Work.other or call_plain)(function, *arguments, **parts)
+
+
+def _run(fast, arguments):
+    """Return what a compiled function answers, whatever is wrong with its kept form.
+
+    That may be cut short, or another's, and then any error comes before a row was changed; or it
+    can't be kept for another day, as on a full disk, and then the function is compiled by now.
+    """
+    try:
+        return fast(*arguments)
+    except Exception:
+        _forget(fast)
+    try:
+        return fast(*arguments)
+    except Exception:  # nor can it be deleted
+        return _never_kept(fast.py_func)(*arguments)
+
+
+def _forget(fast):
+    """Delete what was kept of a compiled function, where one may."""
+    kept = Path(fast.stats.cache_path or os.devnull)
+    for path in kept.glob(f"*{fast.py_func.__qualname__}-*"):
+        with suppress(OSError):
+            path.unlink()
+
+
+@functools.cache
+def _never_kept(copy):
+    """Return a copy of a function, compiled; no form of it is kept or looked for."""
+    import numba
+
+    return numba.njit(copy, **copy.made_with)
 
 
 def call_plain(function, *arguments, **parts):
@@ -196,10 +228,11 @@ def _compiled(function, *parts):
     about.append(repr(options))
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
+    copy.made_with = options
     try:
         return numba.njit(cache=True, **options)(copy)
-    except RuntimeError:  # no folder that could be written to
-        return numba.njit(copy, **options)
+    except Exception:  # no folder that could be written to
+        return _never_kept(copy)
 
 
 def _copied(function, parts, made, known):

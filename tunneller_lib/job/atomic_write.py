@@ -81,6 +81,10 @@ def replacement(path: Path):
     try:
         yield new
         os.replace(new, path)
+    except OSError as error:
+        if error.filename in (None, str(new)):  # of a full disk the system names none
+            error.filename = str(path)
+        raise
     finally:
         new.unlink(missing_ok=True)
 

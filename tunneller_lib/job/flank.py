@@ -34,6 +34,7 @@ from .tables import (
     FLANK,
     TEXT,
     WHOLE,
+    Size,
     WrongJob,
     check_kind,
     check_leaves,
@@ -45,6 +46,10 @@ from .tables import (
     text_of,
 )
 
+PLAUSIBLE = {
+    "m": Size("m", most=50), "m/s": Size("m/s", most=5), "m/s^2": Size("m/s^2", most=50),
+    "rad": Size("rad", most=7), "rad/s": Size("rad/s"), "rad/s^2": Size("rad/s^2"), "1": Size("1"),
+}  # fmt: skip
 UNITS = {"m": 1.0, "mm": 1e-3}
 SURFACES = {
     "blade": dict(hub="m", height="m", chord="m", stagger="rad", twist="rad", camber="m", bow="m",
@@ -295,16 +300,16 @@ def read_flank(path: str | Path, points: str | Path | None = None):
     surface = _read_surface(tables["surface"])
     paths = {"side": 1, "points": 9, "strips": 12, "contacts": 1, "mesh": 121,
              "stock": 1e-3}  # fmt: skip
-    paths |= read_table("paths", tables["paths"], PATHS, ("tolerance", "step"))
+    paths |= _table("paths", tables["paths"], PATHS, ("tolerance", "step"))
     limits = {"points": (2, 50), "strips": (1, 100), "contacts": (1, 2), "mesh": (20, 500)}
     for name, (low, high) in limits.items():
         if not low <= paths[name] <= high:
-            raise WrongJob(f"[paths] {name}: must be from {low} to {high}; got {paths[name]}.")
+            raise ValueError(f"[paths] {name}: must be from {low} to {high}; got {paths[name]}.")
     if paths["side"] not in (1, -1):
-        raise WrongJob(f"[paths] side: must be 1 or -1; got {paths['side']}.")
+        raise ValueError(f"[paths] side: must be 1 or -1; got {paths['side']}.")
     lengths = [paths[name] for name in ("step", "stock", "tolerance")]
     if not all(0 <= length < np.inf for length in lengths) or not all(lengths[:2]):
-        raise WrongJob(
+        raise ValueError(
             "[paths] step, stock, tolerance: must be finite lengths, the first two above zero; "
             f"got {', '.join(f'{length:g}' for length in lengths)}."
         )
@@ -322,27 +327,33 @@ def read_flank(path: str | Path, points: str | Path | None = None):
         measured = _content(points)
     machine = None
     if "machine" in tables:
-        machine = read_table("machine", tables["machine"], MACHINE, MACHINE)
+        machine = _table("machine", tables["machine"], MACHINE, MACHINE)
         with said_of("machine", machine):
             _check_ranges(machine, LIMITS)
         if not 0 < machine["clearance"] < np.inf:
-            raise WrongJob(
+            raise ValueError(
                 "[machine] clearance: must be a finite length above zero; "
                 f"got {machine['clearance']:g}."
             )
     feed = None
     if "feed" in tables:
-        feed = read_table("feed", tables["feed"], FEED, FEED)
+        feed = _table("feed", tables["feed"], FEED, FEED)
         if machine is None:
             raise WrongJob("[feed]: needs the machine whose axes it is about, [machine].")
         with said_of("feed", feed):
             for name, most in feed.items():
                 if not 0 < most < np.inf:
-                    raise WrongJob(f"{name}: must be finite and above zero; got {most:g}.")
+                    raise ValueError(f"{name}: must be finite and above zero; got {most:g}.")
     boxes, cradle = (_read_boxes(tables, name) for name in ("box", "cradle"))
     if cradle and machine is None:
         raise WrongJob("[cradle]: needs the machine that it belongs to, [machine].")
     return FlankJob(surface, mills, paths, machine, measured, feed, boxes, cradle, stamp)
+
+
+def _table(name, given, units, needed):
+    """Return what a table says, its numbers of plausible sizes for their units."""
+    sizes = {key: PLAUSIBLE.get(unit, unit) for key, unit in units.items()}
+    return read_table(name, given, sizes, needed)
 
 
 def _read_boxes(tables, name):
@@ -359,7 +370,7 @@ def _rows(tables, name, units, needed):
     given = tables.get(name, [])
     given = given if isinstance(given, list) else [given]
     named = zip(_names(given, name), given, strict=True)
-    return [read_table(label, one, units, needed) for label, one in named]
+    return [_table(label, one, units, needed) for label, one in named]
 
 
 def _check_ranges(about, names):
@@ -367,7 +378,7 @@ def _check_ranges(about, names):
     for name in names:
         low, high = about[f"{name}_min"], about[f"{name}_max"]
         if not -np.inf < low < high < np.inf:
-            raise WrongJob(
+            raise ValueError(
                 f"{name}_min: must be below {name}_max, both finite; got {low:g} and {high:g}."
             )
 
@@ -404,7 +415,7 @@ def _read_surface(given):
                 lists[name] = _numbers(name, given.pop(name))
             elif name != "weights":
                 raise WrongJob(f"[surface] {name}: is missing (numbers).")
-    values = read_table("surface", given, SURFACES[kind], SURFACES[kind])
+    values = _table("surface", given, SURFACES[kind], SURFACES[kind])
     if kind == "nurbs":
         one_of("[surface] unit", values["unit"], UNITS)
     return {"kind": kind, **values, **lists}

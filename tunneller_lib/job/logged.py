@@ -105,7 +105,7 @@ def identified_text(numbers: Found):
             f"gain   {numbers['gain']:.4g} ± {numbers['gain_error']:.1g} {per}",
             f"lag    {1e3 * numbers['lag_s']:.4g} ± {1e3 * numbers['lag_error_s']:.1g} ms",
             f"delay  {numbers['delay']} ticks",
-            f"left   {numbers['rms']:.2g} {unit} rms: noise, and what the axis does otherwise",
+            f"left   {numbers['rms']:.2g} {unit} rms: noise",
         ]
     )
 

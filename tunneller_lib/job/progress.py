@@ -3,9 +3,10 @@
 import sys
 
 from ..arguments import checked
+from ..terminal import fit
 
 
 @checked
 def say(text: str):
     """Print `text` where progress belongs, at once."""
-    print(text, file=sys.stderr, flush=True)
+    print(fit(text), file=sys.stderr, flush=True)

@@ -1,6 +1,6 @@
 """A cut asked for by a small TOML file: see notebooks/reference.toml.
 
-Names and types are checked here; sizes by what they are for.
+Names, types and units are checked here; sizes by what they are for.
 """
 
 from collections.abc import Callable
@@ -27,6 +27,7 @@ from .tables import (
     FLANK,
     TEXT,
     WHOLE,
+    Size,
     WrongJob,
     brief,
     check_kind,
@@ -38,10 +39,18 @@ from .tables import (
     said_of,
 )
 
-# What each table may hold: units, TEXT or WHOLE. What has no default is needed.
-MACHINE = dict(r="m", R="m", theta_min="rad", theta_max="rad", phi_min="rad", phi_max="rad",
-               cutter_radius="m", depth="m", height="m")  # fmt: skip
-BODY = dict(length="m", width="m", low="m", high="m", holder_radius="m", holder_length="m")
+# What each table may hold: TEXT, WHOLE, or a unit and from where to where numbers are plausible. A
+# machine of some centimetres or of twenty metres may be meant, and none whose units are mistaken.
+ANGLE = Size("rad", most=3.2)
+MACHINE = dict(
+    r=Size("m", 1e-3, 5), R=Size("m", 0.01, 20), theta_min=ANGLE, theta_max=ANGLE, phi_min=ANGLE,
+    phi_max=ANGLE, cutter_radius=Size("m", 1e-3, 5), depth=Size("m", most=1),
+    height=Size("m", most=20),
+)  # fmt: skip
+BODY = dict(
+    length=Size("m", most=20), width=Size("m", most=20), low=Size("m", most=20),
+    high=Size("m", most=20), holder_radius=Size("m", most=5), holder_length=Size("m", most=10),
+)  # fmt: skip
 
 
 def _circle(radius):
@@ -50,30 +59,56 @@ def _circle(radius):
 
 # What makes a section, and of which sizes; a further one is one entry here. Pieces are read apart.
 SHAPES = {
-    "egg": (Egg, dict(a="m")),
-    "circle": (_circle, dict(radius="m")),
-    "pieces": (closed_profile, dict(snap="m")),
+    "egg": (Egg, dict(a=Size("m", 0.01, 20))),
+    "circle": (_circle, dict(radius=Size("m", 0.01, 20))),
+    "pieces": (closed_profile, dict(snap=Size("m", 0, 0.01))),
 }
 PIECES = {
-    "arc": (Arc, dict(y="m", z="m", radius="m", start="rad", sweep="rad")),
-    "line": (Line, dict(y="m", z="m", heading="rad", length="m")),
-}
-STANCE = dict(pitch="rad", yaw="rad")
-LIMITS = dict(feed="m/s", acceleration="m/s^2", volume="m^3/s", flow="m^3/s", valve="1",
-              power="W")  # fmt: skip
-GROUND = dict(energy="J/m^3", pick_speed="m/s", normal="1", ripple="1", ripple_frequency="Hz")
+    "arc": (Arc, dict(y=Size("m", most=20), z=Size("m", most=20), radius=Size("m", most=100),
+                      start=Size("rad", most=7), sweep=Size("rad", most=7))),
+    "line": (Line, dict(y=Size("m", most=20), z=Size("m", most=20), heading=Size("rad", most=7),
+                        length=Size("m", most=50))),
+}  # fmt: skip
+STANCE = dict(pitch=Size("rad", most=1.6), yaw=Size("rad", most=1.6))
+LIMITS = dict(
+    feed=Size("m/s", 1e-4, 1), acceleration=Size("m/s^2", 1e-4, 50), volume=Size("m^3/s", 0, 0.1),
+    flow=Size("m^3/s", 0, 0.01), valve=Size("1", 0, 1), power=Size("W", 20, 1e7),
+)  # fmt: skip
+GROUND = dict(
+    energy=Size("J/m^3", 1e3, 1e10), pick_speed=Size("m/s", 0.01, 20), normal=Size("1", 0, 5),
+    ripple=Size("1", 0, 2), ripple_frequency=Size("Hz", 0, 500),
+)  # fmt: skip
 CYLINDERS = dict(frame_pivot="a", arm_pivot="b", bore="bore", rod="rod", dead_length="dead_length")
-HYDRAULICS = dict(head="kg", beam="kg", supply="Pa", tank="Pa", bulk="Pa", hose="m^3",
-                  rated_flow="m^3/s", valve_lag="s", damping="1", lift_friction="N m",
-                  swing_friction="N m", piston_leak="m^3/s/Pa", valve_leak="m^3/s/Pa",
-                  pump="m^3/s")  # fmt: skip
-HYDRAULICS |= {f"{joint}_{name}": "m" for joint in ("lift", "swing") for name in CYLINDERS}
-PLAN = dict(tolerance="m", step="m", tick="s", count="rad", rest="s", laps=WHOLE, advance="m",
-            arm_radius="m", path=TEXT)  # fmt: skip
-CONTROLLER = dict(plant=TEXT, gain="1/s", integral="1/s^2", feedforward="1", delay=WHOLE,
-                  encoder="rad")  # fmt: skip
-POSE = dict(y="m", z="m", roll="rad", pitch="rad", yaw="rad")
-WALL = dict(along=WHOLE, around=WHOLE, thickness="m")
+LEAK, FRICTION = Size("m^3/s/Pa", 0, 1e-8), Size("N m", 0.1, 1e6)
+HYDRAULICS = dict(
+    head=Size("kg", 0.5, 1e5), beam=Size("kg", 0.5, 1e5), supply=Size("Pa", 1e5, 1e8),
+    tank=Size("Pa", 1e3, 1e7), bulk=Size("Pa", 1e7, 1e10), hose=Size("m^3", 1e-7, 0.01),
+    rated_flow=Size("m^3/s", 0, 0.01), valve_lag=Size("s", 0, 0.5), damping=Size("1", 0, 2),
+    lift_friction=FRICTION, swing_friction=FRICTION, piston_leak=LEAK, valve_leak=LEAK,
+    pump=Size("m^3/s", 0, 0.1),
+)  # fmt: skip
+HYDRAULICS |= {
+    f"{joint}_{name}": Size("m", 1e-3, most)
+    for joint in ("lift", "swing")
+    for name, most in zip(CYLINDERS, (20, 10, 2, 2, 10), strict=True)
+}
+# An encoder is often told by its counts or its bits.
+COUNT = Size("rad", 1e-9, 0.1, (
+    ("counts a turn", lambda number: 2 * np.pi / number),
+    ("bits", lambda number: 2 * np.pi / 2.0 ** min(number, 64)),
+))  # fmt: skip
+PLAN = dict(
+    tolerance=Size("m", 0, 0.1), step=Size("m", 0, 0.3), tick=Size("s", 0, 0.5), count=COUNT,
+    rest=Size("s", 0, 60), laps=WHOLE, advance=Size("m", 0, 2), arm_radius=Size("m", 0, 5),
+    path=TEXT,
+)  # fmt: skip
+CONTROLLER = dict(
+    plant=TEXT, gain=Size("1/s", 0, 1e4), integral=Size("1/s^2", 0, 1e6),
+    feedforward=Size("1", 0, 2), delay=WHOLE, encoder=COUNT,
+)  # fmt: skip
+TILT = Size("rad", most=0.8)
+POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
+WALL = dict(along=WHOLE, around=WHOLE, thickness=Size("m", most=2))
 MOST_RAYS = 100_000  # each way; memory bounds both together
 # Bytes at a command's peak. tests/test_memory.py measures 160 (cut) to 470 (animate) a ray, and 770
 # a tick; with plant T3 these are 945.

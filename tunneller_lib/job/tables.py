@@ -10,20 +10,33 @@ import tomllib
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from .. import __version__
 from ..arguments import shown
+from ..terminal import fit
 
 TEXT, WHOLE = "text", "whole number"
 ANGULAR = "rad", "rad/s", "rad/s^2"  # whose names may end in _deg
-# Beyond this a number is meant in another unit: the most, that unit, and what one of it is.
-TOO_MUCH = {
-    "m": (50.0, "mm", 1e-3), "m/s": (5.0, "mm/s", 1e-3), "m/s^2": (50.0, "mm/s^2", 1e-3),
-    "m^3/s": (1.0, "l/min", 1e-3 / 60), "rad": (7.0, "degrees", np.pi / 180),
-    "tick": (0.5, "ms", 1e-3), "tolerance": (0.3, "mm", 1e-3), "depth": (1.0, "mm", 1e-3),
-}  # fmt: skip
+# Units in which people give what is wanted in another, and what one of each is.
+OTHERS = {
+    "m": {"mm": 1e-3},
+    "m/s": {"mm/s": 1e-3, "m/min": 1 / 60},
+    "m/s^2": {"mm/s^2": 1e-3},
+    "m^3": {"l": 1e-3, "cm^3": 1e-6},
+    "m^3/s": {"l/min": 1e-3 / 60, "m^3/h": 1 / 3600},
+    "m^3/s/Pa": {"l/min/bar": 1e-3 / 60 / 1e5},
+    "s": {"ms": 1e-3},
+    "Hz": {"1/min": 1 / 60},
+    "kg": {"t": 1e3},
+    "N m": {"kN m": 1e3},
+    "Pa": {"bar": 1e5, "MPa": 1e6, "GPa": 1e9},
+    "W": {"kW": 1e3},
+    "J/m^3": {"MJ/m^3": 1e6, "kWh/m^3": 3.6e6},
+    "1": {"%": 1e-2},
+}
 # Tables that a job must have and that the other kind hasn't.
 CUT, FLANK = ("section", "limits", "plan", "controller"), ("surface", "mill", "paths")
 # The time that TOML's keys of many dots take grows with the square of their number.
@@ -35,7 +48,24 @@ IN_RADIANS = re.compile(r"-?\bpi(?:/2)?\b|-?\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b")
 
 
 class WrongJob(ValueError):
-    """A job, or a log, that can't be understood; the message says where and why."""
+    """A job, or a log, that can't be read: no file, no TOML, names that aren't known or missing.
+
+    A value that is refused is another ValueError. Each message says where and why.
+    """
+
+
+class Size(NamedTuple):
+    """What a number of a job may be: its `unit`, and its plausible sizes, from `least` to `most`.
+
+    Zero passes, and so does what is below zero where there is a least size: what a number is for
+    says more of these. Where people give another thing than the unit's usual others, `others`
+    has pairs of its name and what one of it is, or a function of the number.
+    """
+
+    unit: str
+    least: float = 0.0
+    most: float = np.inf
+    others: tuple | None = None
 
 
 class Table(dict):
@@ -104,7 +134,7 @@ def stamp_of(name, content):
 
 
 def check_leaves(tables):
-    """Raise WrongJob for characters that a terminal might obey, and for integers beyond 64 bits.
+    """Raise ValueError for characters that a terminal might obey, and integers beyond 64 bits.
 
     Whatever a job says may be repeated in a message. Without recursion, for dotted keys nest as
     deeply as one likes.
@@ -121,20 +151,19 @@ def check_leaves(tables):
         elif isinstance(value, list):
             left += [(where, inner) for inner in value]
         elif isinstance(value, str) and not value.isprintable():
-            raise WrongJob(
+            raise ValueError(
                 f"{where[1:]}: must be a text of printable characters; got {shown(value)}."
             )
         elif isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER:
-            raise WrongJob(f"{where[1:]}: must be a number of at most 64 bits.")
+            raise ValueError(f"{where[1:]}: must be a number of at most 64 bits.")
 
 
 def brief(text):
-    """Return a text for a message, in 200 characters that no terminal obeys."""
-    printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:201])
-    return printable if len(printable) <= 200 else f"{printable[:197]}..."
+    """Return a name or a text for a message, in 200 characters that no terminal obeys."""
+    return fit(text, 200)
 
 
-def read_table(table, given, units, needed=()):
+def read_table(table, given, sizes, needed=()):
     """Return a table's values by their names, in SI units.
 
     Parameters
@@ -143,8 +172,8 @@ def read_table(table, given, units, needed=()):
         Its name, for messages.
     given : dict
         What it says.
-    units : dict
-        What it may hold: a unit, `TEXT` or `WHOLE` for each name.
+    sizes : dict
+        What it may hold: a `Size`, `TEXT` or `WHOLE` for each name.
     needed : iterable of str
         Names that must be there.
 
@@ -158,46 +187,65 @@ def read_table(table, given, units, needed=()):
     for name, value in given.items():
         key = name
         where = f"[{table}] {brief(name)}"
-        if name.endswith("_deg") and units.get(name[:-4]) in ANGULAR:
+        if name.endswith("_deg") and _is_angle(sizes.get(name[:-4])):
             key = name[:-4]
-        if key not in units:
-            raise WrongJob(f"{where}: isn't known{hint(name, units)}.")
+        if key not in sizes:
+            angles = [f"{key}_deg" for key, size in sizes.items() if _is_angle(size)]
+            raise WrongJob(f"{where}: isn't known{hint(name, sizes, angles)}.")
         if key in values:
             raise WrongJob(f"[{table}] {key}: is given in radians and in degrees.")
-        unit = units[key].replace("rad", "degrees") if key != name else units[key]
-        kinds = {TEXT: str, WHOLE: int}.get(unit, (int, float))
+        size = sizes[key]
+        kinds = {TEXT: str, WHOLE: int}.get(size, (int, float))
         if isinstance(value, bool) or not isinstance(value, kinds):
             wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
+            unit = _unit(size, key != name)
             kind = wanted.get(unit, f"a number in {unit}")
-            raise WrongJob(f"{where}: must be {kind}; got {shown(value)}.")
-        if key == name and unit not in (TEXT, WHOLE):
-            _check_unit(where, key, value, unit)
+            raise ValueError(f"{where}: must be {kind}; got {shown(value)}.")
+        if isinstance(size, Size):
+            _check_size(where, key, value, size, key != name)
         values[key] = float(np.radians(value)) if key != name else value
         if key != name:
             degrees.add(key)
     for key in needed:
         if key not in values:
-            unit = f"{units[key]}, or {key}_deg" if units[key] in ANGULAR else units[key]
-            raise WrongJob(f"[{table}] {key}: is missing ({unit}).")
+            degrees = f", or {key}_deg" if _is_angle(sizes[key]) else ""
+            raise WrongJob(f"[{table}] {key}: is missing ({_unit(sizes[key])}{degrees}).")
     values.degrees = frozenset(degrees)
     return values
 
 
-def _check_unit(where, key, value, unit):
-    """Raise WrongJob for a number that must be in another unit than it is said to be."""
-    most, other, factor = TOO_MUCH.get(key, TOO_MUCH.get(unit, (np.inf, "", 1)))
-    if not np.inf > abs(value) > most:
+def _is_angle(size):
+    return isinstance(size, Size) and size.unit in ANGULAR
+
+
+def _unit(size, in_degrees=False):
+    """Return the unit of what a name may hold, as of a number in degrees where it is given so."""
+    unit = size.unit if isinstance(size, Size) else size
+    return unit.replace("rad", "degrees") if in_degrees else unit
+
+
+def _check_size(where, key, value, size, in_degrees):
+    """Raise ValueError for a number of an implausible size, and say which unit may be meant."""
+    one = np.pi / 180 if in_degrees else 1.0  # in SI units
+    if not 0 < abs(value) < np.inf or (value < 0 and size.least):
         return
-    size = " in size" if value < 0 else ""
-    if unit == "rad":
-        raise WrongJob(
-            f"{where}: must be at most {most:g} rad{size}; got {value:g}. In degrees its name "
-            f"is {key}_deg."
-        )
-    raise WrongJob(
-        f"{where}: must be at most {most:g} {unit}{size}; got {value:g}. "
-        f"If that is in {other}, it is {value * factor:g} {unit}."
-    )
+    if size.least <= abs(value * one) <= size.most:
+        return
+    unit = _unit(size, in_degrees)
+    least, most = size.least / one, size.most / one
+    said = f"from {least:g} to {most:g}" if size.least else f"at most {most:g}"
+    sign = " in size" if value < 0 else ""
+    said = f"{where}: must be {said} {unit}{sign}; got {value:g}."
+    if size.unit == "rad" and not in_degrees and abs(np.radians(value)) <= size.most:
+        raise ValueError(f"{said} In degrees its name is {key}_deg.")
+    others = OTHERS.get(size.unit, {}).items() if size.others is None else size.others
+    meant = []
+    for other, factor in others:
+        found = factor(value) if callable(factor) else factor * value
+        if size.least <= abs(found) <= size.most:
+            that = "it is " if not meant else ""
+            meant.append(f"in {other}, {that}{found / one:.6g} {unit}")
+    raise ValueError(f"{said} If that is {'; if '.join(meant)}." if meant else said)
 
 
 @contextmanager
@@ -251,15 +299,21 @@ def check_kind(path, tables, own, others, command):
 
 
 def one_of(where, word, words):
-    """Refuse a word that isn't one of those known."""
+    """Refuse a word that isn't one of those known, or isn't there: None."""
+    *others, last = (f'"{each}"' for each in words)
+    known = f"{', '.join(others)} or {last}"
+    if word is None:
+        raise WrongJob(f"{where}: is missing ({known}).")
     if not isinstance(word, str) or word not in words:
-        *others, last = (f'"{each}"' for each in words)
-        raise WrongJob(f"{where}: must be {', '.join(others)} or {last}; got {shown(word)}.")
+        raise ValueError(f"{where}: must be {known}; got {shown(word)}.")
 
 
-def hint(name, known):
-    """Return what a name may have been meant to be, as the end of a sentence."""
-    close = get_close_matches(name, known, n=1) or get_close_matches(
+def hint(name, known, more=()):
+    """Return what a name may have been meant to be, as the end of a sentence.
+
+    It is one of those `known`, which the sentence lists if none is near, or of `more`.
+    """
+    close = get_close_matches(name, [*known, *more], n=1) or get_close_matches(
         name.removesuffix("_deg"), known, n=1
     )
     return f"; {close[0]!r} is meant, perhaps" if close else f"; known are {', '.join(known)}"

@@ -3,8 +3,10 @@
 It gets scenes that are made already: so it needs neither pyvista nor a GL library itself.
 """
 
+import functools
 import html
 import os
+import secrets
 from pathlib import Path
 
 import numpy as np
@@ -134,10 +136,30 @@ def live(plotter, title):
     """
     plotter.window_size = WIDGET
     plotter.enable_anti_aliasing("msaa")  # which takes half the time of a still picture's
+    word = _password()
     widget = plotter.show(return_viewer=True)
     frame = f'<iframe title="{html.escape(title)}"'
-    widget.value = widget.value.replace("<iframe", frame, 1)
+    asked = f"{widget.src}&secret={word}"  # which the page takes off its address
+    widget.value = widget.value.replace("<iframe", frame, 1).replace(widget.src, asked, 1)
     return widget
+
+
+@functools.cache
+def _password():
+    """Return this process' own word for its scenes; their server refuses whoever doesn't say it.
+
+    Left alone, it would take the same word everywhere, so that any web page that is open in a
+    browser on this machine could ask for scenes and turn them.
+    """
+    import pyvista
+    from trame.app import get_server
+
+    word = f"s{secrets.token_hex(16)}"  # the page takes a number for one
+    server = get_server(pyvista.global_theme.trame.jupyter_server_name)
+    server.cli.set_defaults(authKey=word)
+    if server.running:  # for somebody's own scenes
+        server.protocol.updateSecret(word)
+    return word
 
 
 def refill(plotter, other):

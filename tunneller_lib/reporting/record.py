@@ -34,8 +34,11 @@ PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
 # picture takes two thirds of the bytes, and white stays white.
 LOWEST = 1
 # Numbers that place something in a drawing, in points; a hundredth of one is 4 micrometres.
-PLACES = re.compile(r'\b[dxy]="[^"]*"|translate\([^)]*\)')
+PLACES = re.compile(r'\b[dxy]="[^"]*"|translate\([^)]*\)|<rect [^>]*>')
 FINE = re.compile(r"-?\d+\.\d{3,}")
+# Names of clips, markers, hatches and clouds. matplotlib takes them from places in full, whose last
+# bits differ from run to run, since its solver of layouts adds in the order of memory.
+DIGESTS = re.compile(r'(?<=[#"])([phm]|image)[0-9a-f]{10}(?=[)"])')
 
 
 class Record:
@@ -292,7 +295,12 @@ def drawing_svg(figure):
     with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
         # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
         figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
-    return PLACES.sub(_rounded, content.getvalue()).encode()
+    names = {}
+
+    def named(digest):
+        return names.setdefault(digest[0], f"{digest[1]}-{len(names)}")
+
+    return DIGESTS.sub(named, PLACES.sub(_rounded, content.getvalue())).encode()
 
 
 def _rounded(places):

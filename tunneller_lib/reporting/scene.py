@@ -59,7 +59,7 @@ def empty(*, parallel: bool = True):
     Returns
     -------
     plotter : pyvista.Plotter
-        Add meshes to it, then give it to `shoot`, or call its ``show`` for a scene to turn.
+        Add meshes to it, then give it to `shoot`, which in a live notebook shows it to turn.
 
     Raises
     ------
