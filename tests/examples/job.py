@@ -63,6 +63,9 @@ around = 12
     encoding="utf-8",
 )
 
+_LISTED = Path(_FOLDER.name, "listed")
+_LISTED.mkdir()
+
 _FLANK = Path(_FOLDER.name, "flank.toml")
 _text = Path(__file__).parents[2].joinpath("notebooks", "flank.toml").read_text(encoding="utf-8")
 for old, new in {
@@ -135,8 +138,11 @@ CALLS = {
     "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
     "mesh.ply": {"mesh": _MESH, "name": "left"},
     "mesh.read_stl": {"content": mesh.stl(_MESH)},
+    "mesh.stl_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
+    "mesh.vtp_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
     "mesh.wall_solid": lambda: {"wall": _cut().wall},
     "mesh.wall_surface": lambda: {"wall": _cut().wall, "circuit": _job().planned.circuit},
+    "atomic_write.list_files": {"folder": _LISTED, "stamp": "tunneller_lib"},
     "atomic_write.write": {"content": "text"},
     "flank.read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},

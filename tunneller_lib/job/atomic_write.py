@@ -89,8 +89,9 @@ def replacement(path: Path):
         new.unlink(missing_ok=True)
 
 
-def list_files(folder, stamp):
-    """Write a folder's manifest: what its files are of, and their digests; return its path.
+@checked
+def list_files(folder: Path, stamp: str):
+    """Write a folder's manifest, its `stamp` and the digests of its files; return the path.
 
     ``sha256sum -c manifest.txt`` checks it.
     """

@@ -127,8 +127,9 @@ def stl(mesh: Mesh, stamp: str = "tunneller_lib"):
     return b"".join(stl_blocks(mesh, stamp))
 
 
-def stl_blocks(mesh, stamp):
-    """Return blocks of bytes that make a file, as of `stl`."""
+@checked
+def stl_blocks(mesh: Mesh, stamp: str):
+    """Return blocks of bytes that make a file of a `mesh` with a `stamp`, as of `stl`."""
     if mesh.faces.shape[1] != 3:
         raise ValueError(f"mesh: must be of triangles; got {mesh.faces.shape[1]} corners a face.")
     head = f"in mm, {stamp}".encode("ascii", "replace")[:80].ljust(80)
@@ -269,14 +270,15 @@ def vtp(mesh: Mesh, stamp: str = "tunneller_lib"):
     return b"".join(vtp_blocks(mesh, stamp))
 
 
-def vtp_blocks(mesh, stamp):
-    """Yield blocks of bytes that make a file, as of `vtp`."""
+@checked
+def vtp_blocks(mesh: Mesh, stamp: str):
+    """Yield blocks of bytes that make a file of a `mesh` with a `stamp`, as of `vtp`."""
     count, corners = mesh.faces.shape
     yield f"""<?xml version="1.0"?>
 <!-- {escape(stamp).replace("--", "__")} -->
 <VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
 <PolyData><Piece NumberOfPoints="{len(mesh.points)}" NumberOfPolys="{count}">
-<PointData>""".encode()
+<PointData>""".encode("ascii", "xmlcharrefreplace")
     for name, of in mesh.values.items():
         yield from _data_array(name, of)
     yield b"</PointData>\n<Points>"

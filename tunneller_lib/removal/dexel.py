@@ -460,7 +460,7 @@ def allowed_memory(memory=None):
 
 
 def check_fits(shape, each, memory, what):
-    """Raise ValueError if `what`, as many as a `shape` says, of some bytes each, don't fit."""
+    """Raise ValueError if `what`, as a `shape` counts them, of `each` bytes, exceed `memory`."""
     need = each * shape[0] * shape[1]
     if need > memory:
         share = np.sqrt(memory / need)
