@@ -20,8 +20,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, square_root, where
+from ..elementwise import larger, ratio, smaller, some, square_root, where
 from ..repeatable import growth, sine_cosine
+
+STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
+STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
+NARROW = 0.16  # of 2 R, a square: nearer to a node than its root few nodes of a quadrature do
 
 
 class Ends(NamedTuple):
@@ -59,6 +63,8 @@ class Integrand(NamedTuple):
         Of the lower limit of t, which is from -pi/2 to pi/2.
     across, along : (...) float
         Sine and cosine of how far the upper limit is from the lower.
+    sine_b, cosine_b : (...) float
+        Of the upper limit, which is below pi.
     dc, dA, dB, dE, dfirst, dlast : (...) float
         What the constants and both limits change by with the unknown.
     cos_a, cos_b : (...) float
@@ -73,6 +79,8 @@ class Integrand(NamedTuple):
     cosine: np.ndarray
     across: np.ndarray
     along: np.ndarray
+    sine_b: np.ndarray
+    cosine_b: np.ndarray
     dc: np.ndarray
     dA: np.ndarray
     dB: np.ndarray
@@ -89,13 +97,24 @@ def ends_of(torus, a, b):
     sine_b, cosine_b = sine_cosine(b / 2)
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
-    _, level_a = sine_cosine(a)
-    _, level_b = sine_cosine(b)
-    rho_a = torus.r + torus.R * level_a
-    rho_b = torus.r + torus.R * level_b
+    rho_a = distance(torus, a, cosine_a)
+    rho_b = distance(torus, b, cosine_b)
     # A product has the difference of the squares to its last digits, near ends or not.
     apart = middle * sine
     return Ends(sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b)
+
+
+def distance(torus, phi, cosine):
+    """Return rho at phi, in rad, from -pi to pi, the cosine of whose half is given."""
+    _, level = sine_cosine(phi)
+    # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
+    inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)
+    return where(level < -0.5, inside, torus.r + torus.R * level)
+
+
+def steepest(torus, ends):
+    """Return the unknown of `outer` that stands for the meridian."""
+    return -where(torus.r >= torus.R, STEEPEST, 1.0) * square_root(ends.rho_a / (2 * torus.R))
 
 
 def room(torus, ends):
@@ -115,7 +134,7 @@ def outer(torus, ends, u):
     ends : Ends
         The ends.
     u : (...) float
-        The unknown, from -sqrt(rho_a / 2R), the meridian, upwards.
+        The unknown, from `steepest`, the meridian, upwards.
 
     Returns
     -------
@@ -144,6 +163,20 @@ def outer(torus, ends, u):
     e = gap * (X + x)  # X^2 - x^2
     dx = where(rising, e / (X * X), 1.0)
     c, rest, k2, k, W = _swing(torus, ends, x, e)
+    # The meridian, c = 0, is at x = -L. On a spindle L = X, and c is a product; elsewhere it would
+    # be a difference, which cancels: near there u counts x + L by its logarithm.
+    L = square_root(ends.rho_a / (2 * R))
+    steep = (torus.r >= R) & (u < -STEEP * L)
+    if some(steep):
+        unit = (1 - STEEP) * L
+        left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
+        x = where(steep, left - L, x)
+        dx = where(steep, left / unit, dx)
+        c = where(steep, 2 * R * (left * (2 * L - left)), c)
+        rest = where(steep, (c - (torus.r - R)) / (2 * R), rest)
+        W = where(steep, square_root(larger(ends.apart + x * x, 0.0)), W)
+        k2 = where(steep, sa * sa + x * x, k2)
+        k = square_root(k2)
     # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
     # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
     sum_ = W * sa - x * sb
@@ -165,6 +198,8 @@ def outer(torus, ends, u):
         where(free, sa, sa / k),
         where(free, ends.sine, across),
         where(free, ends.cosine, along),
+        where(free, ends.cosine_b, W / k),
+        where(free, sb, sb / k),
         -2 * R * dk2,
         where(free, dk2, -dk2),
         where(free, 0.0, dk2),
@@ -174,6 +209,61 @@ def outer(torus, ends, u):
         x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a,
         -W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b,
     )
+
+
+def narrow_end(torus, ends, b):
+    """Return where a way of `outer` nears a node, or an inner equator, at its end at b, too."""
+    return (b < 0) & (
+        smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b)) < NARROW * (2 * torus.R)
+    )
+
+
+def halves(way):
+    """Return a way of `outer` that ends below the outer equator in two: to there, and the rest.
+
+    The integrands repeat backwards after t = pi/2: the rest is mirrored, and ends there as well.
+    """
+    down = Integrand(
+        way.c,
+        way.A,
+        way.B,
+        way.E,
+        way.sine,
+        way.cosine,
+        way.cosine,
+        way.sine,
+        1.0,
+        0.0,
+        way.dc,
+        way.dA,
+        way.dB,
+        way.dE,
+        way.dfirst,
+        0.0,
+        way.cos_a,
+        way.cos_b,
+    )
+    rest = Integrand(
+        way.c,
+        way.A,
+        way.B,
+        way.E,
+        way.sine_b,
+        -way.cosine_b,
+        -way.cosine_b,
+        way.sine_b,
+        1.0,
+        0.0,
+        way.dc,
+        way.dA,
+        way.dB,
+        way.dE,
+        -way.dlast,
+        0.0,
+        way.cos_a,
+        way.cos_b,
+    )
+    return down, rest
 
 
 def second(torus, ends, u, sense=1):
@@ -228,7 +318,7 @@ def second(torus, ends, u, sense=1):
         (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
         (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
     ):
-        limits = sine, cosine, cosine, sine  # the span is what is missing to a right angle
+        limits = sine, cosine, cosine, sine, 1.0, 0.0  # what is missing to a right angle
         rates = -2 * R * dk2, -dk2, dk2, 0.0, speed, 0.0
         legs.append(Integrand(c, rest, k2, 0.0, *limits, *rates, cos_a, cos_b))
     return legs
@@ -271,7 +361,7 @@ def inner(torus, ends, u):
     # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
     cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
     cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
-    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine
+    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine, cb, -sb
     rates = dc, dkappa2, 0.0, dkappa2, 0.0, 0.0
     return Integrand(c, kappa2, 1.0, kappa2, *limits, *rates, cos_a, cos_b)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..elementwise import larger, ratio, smaller, square_root, where
 from ..repeatable import area_sine, growth, sine_cosine
-from .geodesic_classes import Ends, outer, room
+from .geodesic_classes import STEEP, Ends, halves, narrow_end, outer, room, steepest
 from .quadrature import gauss_rule
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
@@ -97,12 +97,17 @@ def solve(family, torus, ends, a, b, angle, low=None):
         begin = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
     few = on_working_sheet(torus, a, angle)
     many = NODES_OF_RING if torus.r > torus.R else NODES
-    for count, which in ((NODES_OF_WORKING_SHEET, few), (many, ~few)):
+    narrow = narrow_end(torus, ends, b) if family is outer else np.zeros_like(few)
+    for count, form, which in (
+        (NODES_OF_WORKING_SHEET, family, few),
+        (many, family, ~few & ~narrow),
+        (many, _halved, ~few & narrow),
+    ):
         index = np.flatnonzero(which)
         for first in range(0, index.size, BLOCK):
             block = index[first : first + BLOCK]
             some = (Ends(*(value[block] for value in ends)), angle[block])
-            found[:, block] = _newton(family, torus, *some, *(v[block] for v in begin), count)
+            found[:, block] = _newton(form, torus, *some, *(v[block] for v in begin), count)
     return Root(*found)
 
 
@@ -130,6 +135,11 @@ def integrate(torus, way, count):
     sums = two_nodes(torus, way, stretched(torus, way), shares, weights)
     turned, rate, length = (folded(values, count // 2) for values in sums)
     return turned, rate + moving(torus, way), length
+
+
+def _halved(torus, ends, u):
+    """Return `outer` in two legs."""
+    return list(halves(outer(torus, ends, u)))
 
 
 def stretched(torus, way):
@@ -285,12 +295,18 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
             total = length + now.c * miss
             found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
             if np.all(done):
-                break
+                return found
         # The others go on without those that are done.
         ends = _only(ends, ~done)
         angle, u, scale, low, high, before, left = (
             array[~done] for array in (angle, u, scale, low, high, before, left)
         )
+    # On what is nearly a sphere all ways of a class may turn by the same to the last digit: then
+    # any u will do, however far the last step was.
+    way = family(torus, ends, u)
+    turned, _, length = integrate(torus, way, count)
+    end = way[-1] if isinstance(way, list) else way
+    found[:, left] = turned, length + end.c * (angle - turned), end.c, end.cos_a, end.cos_b
     return found
 
 
@@ -320,9 +336,16 @@ def start(torus, ends, a, b, angle):
     share = smaller(larger(x / X, 0.0), 0.95)
     risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
     guess = where(x > 0, risen, 0.99 * x)
+    # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
+    if torus.r >= R:
+        L = square_root(rho_a / (2 * R))
+        rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
+        times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
+        far = 2 * area_sine((times - 1 / times) / 2)
+        guess = where(x < -STEEP * L, -L * (STEEP + (1 - STEEP) * far), guess)
     guess = where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
     # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
     # b > 0 so large a scale would let them end too early near the inner equator, where roots are
     # small themselves; one that asks for steps of rounding size doesn't.
     scale = where(b <= 0, ends.sine_a, ROUNDING)
-    return guess, scale, -square_root(rho_a / (2 * R))
+    return guess, scale, steepest(torus, ends)

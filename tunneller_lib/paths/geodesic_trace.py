@@ -31,7 +31,6 @@ from .geodesic_orbit import (
     whole_part,
 )
 
-ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 ROUNDS = 30  # Newton's method takes about four
 BLOCK = 8192  # points at a time: they need the same room however many there are
 EACH, POINT = 1.1e-4, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
@@ -99,14 +98,15 @@ def trace(r, given, s):
     r : float
         r / R.
     given : (3, n) float
-        theta, phi and azimuths at the starts, in rad. What isn't finite has no answer.
+        phi and azimuths at the starts, in rad, from -pi to pi, and the sines of the azimuths, zero
+        along a meridian. What isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, over the radius of the tube.
 
     Returns
     -------
     found : (3, n, p) float
-        theta, phi and azimuths, in rad, each counted on; NaN where there is no answer.
+        What theta gained, phi and azimuths, in rad, each counted on; NaN where there is no answer.
     """
     found = np.empty((3, *s.shape))
     plain = EACH * len(s) + POINT * s.size
@@ -151,12 +151,12 @@ def follow_each(r, given, s, shares, integral, values, edges, series, found):
         Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
         begin, and what they gain from there, as series.
     found : (3, n, p) float
-        Filled with theta, phi and azimuths.
+        Filled with what theta gained, phi and azimuths.
     """
     for i in range(len(s)):
-        theta = given[0][i]
-        phi = given[1][i]
-        azimuth = given[2][i]
+        phi = given[0][i]
+        azimuth = given[1][i]
+        sine = given[2][i]
         ways = s[i]
         heading = headed(r, phi, azimuth)
         whither = azimuth + ways[len(ways) - 1]
@@ -164,28 +164,20 @@ def follow_each(r, given, s, shares, integral, values, edges, series, found):
         if not sound:
             for k in range(len(ways)):
                 found[0][i][k] = found[1][i][k] = found[2][i][k] = math.nan
-        elif abs(heading.sine) <= ALONG_MERIDIAN:
+        elif sine == 0:
             for k in range(len(ways)):
                 found[0][i][k] = 0.0
-                found[1][i][k] = heading.phi + heading.rising * ways[k]
-                found[2][i][k] = heading.azimuth
-        else:
-            _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
-        for k in range(len(ways)):
-            if ways[k] == 0 and sound:
-                found[0][i][k] = theta
-                found[1][i][k] = phi
+                found[1][i][k] = phi + heading.rising * ways[k]
                 found[2][i][k] = azimuth
-            else:  # whole turns were taken off, and are put back
-                found[0][i][k] += theta
-                found[1][i][k] += phi - heading.phi
-                found[2][i][k] += azimuth - heading.azimuth
+        else:
+            side = where(sine < 0, -1.0, 1.0)
+            on_orbit = orbit_of(r, phi, side * sine, heading.cosine)
+            _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, found)
 
 
-def _follow(r, heading, ways, shares, integral, values, edges, series, i, found):
-    """Write down points of geodesic i, which leaves the meridian."""
-    side = where(heading.sine < 0, -1.0, 1.0)
-    orbit, start = orbit_of(r, heading.phi, side * heading.sine, heading.cosine)
+def _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, found):
+    """Write down points of geodesic i, which leaves the meridian to a side."""
+    orbit, start = on_orbit
     count = int(orbit.panels)
     _tabulate(orbit, count, shares, integral, values, edges, series)
     y = panel_place(orbit, abs(start.t))
@@ -197,8 +189,6 @@ def _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
     whole = 2 * edges[0][count]  # of half a swing, or of a round
     turn = 2 * edges[1][count]
     for k in range(len(ways)):
-        if ways[k] == 0:
-            continue
         rest = ways[k] + before
         swings = whole_part(rest / whole)
         rest -= swings * whole
@@ -242,25 +232,24 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
 
 def _by_arrays(r, given, s):
     """Return points (3, p, n) of geodesics whose arc lengths s are (p, n)."""
-    heading = headed(r, given[1], given[2])
-    whither = given[2] + s[-1]
+    phi, azimuth, sine = given
+    heading = headed(r, phi, azimuth)
+    whither = azimuth + s[-1]
     sound = heading.on_sheet & (whither - whither == 0)
-    meridian = sound & (abs(heading.sine) <= ALONG_MERIDIAN)
+    meridian = sound & (sine == 0)
     found = np.full((3, *s.shape), np.nan)
     found[0, :, meridian] = 0.0
-    found[1, :, meridian] = (heading.phi + heading.rising * s)[:, meridian].T
-    found[2, :, meridian] = heading.azimuth[meridian, None]
+    found[1, :, meridian] = (phi + heading.rising * s)[:, meridian].T
+    found[2, :, meridian] = azimuth[meridian, None]
     other = np.flatnonzero(sound & ~meridian)
-    side = np.where(heading.sine < 0, -1.0, 1.0)[other]
-    leaving = heading.phi[other], side * heading.sine[other], heading.cosine[other]
+    side = np.where(sine < 0, -1.0, 1.0)[other]
+    leaving = phi[other], side * sine[other], heading.cosine[other]
     orbit, start = _orbits(r, *leaving)
     for same in _alike(orbit):
         alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
-        turned, phi, azimuth = _on_orbits(*alike, s[:, other[same]])
-        found[:, :, other[same]] = side[same] * turned, phi, side[same] * azimuth
-    # Whole turns were taken off, and are put back.
-    turns = given - np.stack([np.zeros_like(heading.phi), heading.phi, heading.azimuth])
-    return np.where((s == 0) & sound, given[:, None], found + turns[:, None])
+        turned, place, direction = _on_orbits(*alike, s[:, other[same]])
+        found[:, :, other[same]] = side[same] * turned, place, side[same] * direction
+    return found
 
 
 @np.errstate(divide="ignore")

@@ -33,6 +33,8 @@ from .geodesic_pair import (
     normal_form,
     padded,
     radii,
+    through,
+    turn_and_ends,
 )
 from .geodesic_root import NODES, NODES_OF_RING, NODES_OF_WORKING_SHEET, integrate, rule, solve
 
@@ -109,18 +111,17 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     shape = p.shape[:-1]
-    starts = p.reshape(-1, 2)
-    stops = q.reshape(-1, 2)
+    ends = turn_and_ends(p, q)
     size, unit = radii(torus)
-    answers = np.empty((4, len(starts)))
-    codes = np.empty((2, len(starts)), np.uint8)
-    each = ONE_BY_ONE if len(starts) <= FEW else BY_ARRAYS
-    compiled.expect(each[size.r > size.R] * len(starts), "geodesics")
+    answers = np.empty((4, len(ends)))
+    codes = np.empty((2, len(ends)), np.uint8)
+    each = ONE_BY_ONE if len(ends) <= FEW else BY_ARRAYS
+    compiled.expect(each[size.r > size.R] * len(ends), "geodesics")
 
     def answer(block):
-        answers[:, block], codes[:, block] = _shortest(size, starts[block], stops[block])
+        answers[:, block], codes[:, block] = _shortest(size, ends[block])
 
-    compiled.each_block(answer, len(starts), BLOCK, "geodesics")
+    compiled.each_block(answer, len(ends), BLOCK, "geodesics")
     answers[::3] *= unit  # length and Clairaut's constant
     return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in (*answers, *codes)))
 
@@ -163,7 +164,7 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     size, unit = radii(torus)
-    pair = normal_form(size, *_columns(p.reshape(-1, 2), q.reshape(-1, 2)))
+    pair = normal_form(size, *turn_and_ends(p, q).T)
     least = _least_second(size, pair)
     long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
     # Both at once, which takes a pair hardly longer than one.
@@ -184,36 +185,34 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     return Geodesic(torus, *(np.broadcast_to(end, (*shape, 2)) for end in (p, q)), *fields)
 
 
-def _shortest(size, p, q):
-    """Return length, azimuths and c (4, n), and codes (2, n), of pairs of ends (n, 2)."""
+def _shortest(size, ends):
+    """Return length, azimuths and c (4, n), and codes (2, n), of `turn_and_ends` (n, 3)."""
     ready = compiled.ready("geodesics")
-    if not ready and len(p) > FEW:
-        return _shortest_by_arrays(size, p, q)
-    answers = np.empty((4, len(p)))
-    codes = np.empty((2, len(p)), np.uint8)
+    if not ready and len(ends) > FEW:
+        return _shortest_by_arrays(size, ends)
+    answers = np.empty((4, len(ends)))
+    codes = np.empty((2, len(ends)), np.uint8)
     many = NODES_OF_RING if size.r > size.R else NODES
     rules = padded(NODES_OF_WORKING_SHEET), padded(many)
     counts = NODES_OF_WORKING_SHEET // 2, many // 2
     rows = np.empty((3, max(one.shape[1] for one in rules)))
-    # Copies, which may be written to and are of one order: one compiled form serves all.
-    ends = np.array(p, order="C"), np.array(q, order="C")
-    arguments = size, *ends, *rules, counts, rows, answers, codes
+    arguments = size, ends, *rules, counts, rows, answers, codes
     if ready:
         compiled.call(find, *arguments, **{**NUMBERS, "ratio": divided})
     else:
         try:
             compiled.call_plain(find, *arguments)
         except ZeroDivisionError:  # a product of numbers below 1e-150, which arrays divide by
-            return _shortest_by_arrays(size, p, q)
+            return _shortest_by_arrays(size, ends)
     open_ = np.flatnonzero(codes[0] == OPEN)
     if open_.size:
-        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, p[open_], q[open_])
+        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, ends[open_])
     return answers, codes
 
 
-def _shortest_by_arrays(size, p, q):
+def _shortest_by_arrays(size, ends):
     """Return the same."""
-    pair = normal_form(size, *_columns(p, q))
+    pair = normal_form(size, *ends.T)
     outside = _near_side(size, pair)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     inside = _inside(size, pair, pair.b < 0)
@@ -221,11 +220,6 @@ def _shortest_by_arrays(size, p, q):
     shortest = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
     codes = shortest.kind, certificate(size, pair, shortest.kind)
     return _finished(size, pair, shortest), codes
-
-
-def _columns(p, q):
-    """Return theta and phi of both ends, each (n,)."""
-    return p[:, 0], p[:, 1], q[:, 0], q[:, 1]
 
 
 def _finished(size, pair, way):
@@ -249,7 +243,7 @@ def _near_side(torus, pair):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
     ways = level(torus, pair)
     # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
-    turns = pair.angle <= _half_swing_by_the_node(torus)
+    turns = pair.angle <= max(_half_swing_by_the_node(torus), np.pi)
     there = pair.on_sheet & (ways.kind == NONE) & turns
     _search(torus, outer, pair, there, ways)
     return ways
@@ -318,11 +312,16 @@ def _inside(torus, pair, allowed=True):
     # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
     past = (a == 0) & (angle > conjugate_turn(torus))
     _settle(ways, past, OUTER, span * angle, span, 0.0, 0.0)
-    if narrow <= 0:  # the working sheet of a horn or a spindle has no inner equator
+    if narrow < 0:  # the working sheet of a spindle ends at its nodes
         return ways
     # Round the tube the other way, if there are two ends.
-    meridian = (angle == 0) & ((b < 0) | (a > b)) & allowed
-    _settle(ways, meridian, MERIDIAN, torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
+    meridian = pair.on_sheet & (angle == 0) & ((b < 0) | (a > b)) & allowed
+    _settle(ways, meridian, MERIDIAN, through(torus, pair).length, 0.0, 1.0, 1.0)
+    if narrow == 0:
+        # Both nodes of a horn are one point: any way through it enters above and leaves below.
+        node = pair.on_sheet & (angle > 0) & (angle <= np.pi) & ((b < 0) | (a > b)) & allowed
+        _settle(ways, node, *through(torus, pair))
+        return ways
     # Along the inner equator c = r - R, the class's other end.
     both = (a == np.pi) & (np.abs(b) == np.pi)
     _settle(ways, both, INNER, narrow * angle, narrow, 0.0, 0.0)
