@@ -19,6 +19,7 @@ from .geodesic_pair import CERTIFICATES, INNER, KINDS, NONE, POINT, rho, turn_an
 from .geodesic_trace import trace
 
 ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
+STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
 
 
 def _rows_of_positions(name, value):
@@ -145,8 +146,8 @@ class Geodesic:
     def kind(self):
         """Return kinds as (...) str.
 
-        "meridian", "outer", "inner" (over the inner equator of a ring torus), "point" (the ends
-        coincide), or "none" where an end isn't on the working sheet.
+        "meridian", "outer", "inner" (over the inner equator of a ring torus, or through the node
+        of a horn), "point" (the ends coincide), or "none" where an end isn't on the working sheet.
         """
         return KINDS[self.kind_code]
 
@@ -239,26 +240,28 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     >>> way.position[-1].round(12)
     array([0. , 0.4])
     """
-    return _followed(torus, p, azimuth, length, n, 0.0)
+    return _followed(torus, p, azimuth, length, n)
 
 
-def _followed(torus, p, azimuth, length, n, clairaut):
+def _followed(torus, p, azimuth, length, n, clairaut=None):
     """Return points of geodesics as `geodesic_direct` does.
 
-    By `clairaut`, rho times the sine of the azimuth, it follows what is a meridian to the last
-    digit of the azimuth.
+    With `clairaut`, rho times the sine of the azimuth, for each, it follows ways that a node parts
+    from the meridian, however near they are to it.
     """
-    each = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length, clairaut)
-    theta, phi, azimuth, length, clairaut = each
+    theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     check_ratio(torus)
     check_points(n, theta.shape)
     s = length[..., None] * np.linspace(0, 1, n)
     given = np.stack([theta, phi, azimuth]).reshape(3, -1, 1)
     near = reduced(given[1:, :, 0])
     sine, _ = sine_cosine(near[1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        steep = clairaut.ravel() / rho(torus, near[0])
-    sine = np.where(abs(sine) <= ALONG_MERIDIAN, steep, sine)
+    if clairaut is None:
+        sine = np.where(abs(sine) <= ALONG_MERIDIAN, 0.0, sine)
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steep = np.ravel(clairaut) / rho(torus, near[0])
+        sine = np.where(abs(sine) <= STEEP, steep, sine)
     found = trace(torus.r / torus.R, np.stack([*near, sine]), s.reshape(-1, n) / torus.R)
     # Whole turns were taken off, and are put back.
     found[0] += given[0]

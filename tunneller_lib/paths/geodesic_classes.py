@@ -16,6 +16,7 @@ No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by r
 All is element by element, for floats, arrays or compiled loops. A `torus` is whatever has r and R.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,8 @@ from ..repeatable import growth, sine_cosine
 
 STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
 STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
-NARROW = 0.16  # of 2 R, a square: nearer to a node than its root few nodes of a quadrature do
+NARROW = 0.32  # of R: what is nearer to the axis there than that needs a leg of its own
+CLOSE = 1e-5  # rad
 
 
 class Ends(NamedTuple):
@@ -112,9 +114,14 @@ def distance(torus, phi, cosine):
     return where(level < -0.5, inside, torus.r + torus.R * level)
 
 
+def wide(torus):
+    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
+    return torus.r > 0.9 * torus.R
+
+
 def steepest(torus, ends):
     """Return the unknown of `outer` that stands for the meridian."""
-    return -where(torus.r >= torus.R, STEEPEST, 1.0) * square_root(ends.rho_a / (2 * torus.R))
+    return -where(wide(torus), STEEPEST, 1.0) * square_root(ends.rho_a / (2 * torus.R))
 
 
 def room(torus, ends):
@@ -156,17 +163,20 @@ def outer(torus, ends, u):
     # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
     # there is no such end, and x = u joins without a bend.
     rising = u > 0
-    grown = growth(where(rising, smaller(2 * u / X, _farthest(torus)), 0.0))
+    farthest = _farthest(torus)
+    grown = growth(where(rising, smaller(2 * u / X, farthest), 0.0))
     x = where(rising, X * (grown / (2 + grown)), u)
     # X - x without cancellation where u is great.
     gap = where(rising, 2 * X / (2 + grown), X - u)
     e = gap * (X + x)  # X^2 - x^2
     dx = where(rising, e / (X * X), 1.0)
+    if torus.r <= R:  # there the class ends by the node, and nothing turns farther
+        dx = where(2 * u / X > farthest, 0.0, dx)
     c, rest, k2, k, W = _swing(torus, ends, x, e)
-    # The meridian, c = 0, is at x = -L. On a spindle L = X, and c is a product; elsewhere it would
-    # be a difference, which cancels: near there u counts x + L by its logarithm.
+    # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels there,
+    # and by the node of a horn the least c turns far: u counts x + L by its logarithm.
     L = square_root(ends.rho_a / (2 * R))
-    steep = (torus.r >= R) & (u < -STEEP * L)
+    steep = wide(torus) & (u < -STEEP * L)
     if some(steep):
         unit = (1 - STEEP) * L
         left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
@@ -211,59 +221,74 @@ def outer(torus, ends, u):
     )
 
 
-def narrow_end(torus, ends, b):
-    """Return where a way of `outer` nears a node, or an inner equator, at its end at b, too."""
-    return (b < 0) & (
-        smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b)) < NARROW * (2 * torus.R)
-    )
+def peaked(torus, ends, b, angle):
+    """Return where a way of `outer` may need three legs, lest its quadrature miss a peak.
 
-
-def halves(way):
-    """Return a way of `outer` that ends below the outer equator in two: to there, and the rest.
-
-    The integrands repeat backwards after t = pi/2: the rest is mirrored, and ends there as well.
+    There it nears a node, or an inner equator, at its end at b, too; or it passes by a node so
+    closely as only ways do that turn by an `angle` next to what half a swing turns there.
     """
-    down = Integrand(
+    near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
+    low = (b < 0) & (near < NARROW * torus.R)
+    return low | (half_swing_by_the_node(torus) - angle < CLOSE)
+
+
+def half_swing_by_the_node(torus):
+    """Return the turned angle of half a swing that just misses the node, in rad."""
+    if torus.r >= torus.R:
+        return math.inf
+    return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
+
+
+def in_legs(way):
+    """Return a way of `outer` in three legs, that begin or end where the integrands have peaks.
+
+    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
+    is mirrored, for the integrands repeat backwards. What a way doesn't have is of no length.
+    """
+    rising = way.sine < 0
+    below = way.cosine_b < 0
+    sine = larger(way.sine, 0.0)
+    cosine = where(rising, 1.0, way.cosine)
+    across = where(rising, way.sine_b, way.across)
+    along = where(rising, way.cosine_b, way.along)
+    up = sine, cosine, where(rising, -way.sine, 0.0), where(rising, way.cosine, 1.0)
+    down = sine, cosine, where(below, cosine, across), where(below, sine, along)
+    last = (
+        where(below, way.sine_b, 1.0),
+        where(below, -way.cosine_b, 0.0),
+        where(below, -way.cosine_b, 0.0),
+        where(below, way.sine_b, 1.0),
+    )
+    return (
+        _leg(way, up, 0.0, -way.dfirst),
+        _leg(way, down, 0.0, where(below, 0.0, way.dlast)),
+        _leg(way, last, where(below, -way.dlast, 0.0), 0.0),
+    )
+
+
+def _leg(way, limits, dfirst, dlast):
+    """Return a part of a way between other limits."""
+    sine, cosine, across, along = limits
+    return Integrand(
         way.c,
         way.A,
         way.B,
         way.E,
-        way.sine,
-        way.cosine,
-        way.cosine,
-        way.sine,
-        1.0,
-        0.0,
+        sine,
+        cosine,
+        across,
+        along,
+        sine,  # not used of a leg
+        cosine,
         way.dc,
         way.dA,
         way.dB,
         way.dE,
-        way.dfirst,
-        0.0,
+        dfirst,
+        dlast,
         way.cos_a,
         way.cos_b,
     )
-    rest = Integrand(
-        way.c,
-        way.A,
-        way.B,
-        way.E,
-        way.sine_b,
-        -way.cosine_b,
-        -way.cosine_b,
-        way.sine_b,
-        1.0,
-        0.0,
-        way.dc,
-        way.dA,
-        way.dB,
-        way.dE,
-        -way.dlast,
-        0.0,
-        way.cos_a,
-        way.cos_b,
-    )
-    return down, rest
 
 
 def second(torus, ends, u, sense=1):

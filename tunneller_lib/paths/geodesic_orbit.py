@@ -17,7 +17,7 @@ import numpy as np
 from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
 from .geodesic_classes import distance
-from .geodesic_pair import Radii
+from .geodesic_pair import PI_REST, Radii
 
 TERMS = 24  # of the series of a panel
 PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
@@ -129,9 +129,14 @@ def orbit_of(r, phi, sine, cosine):
     # as its negative.
     rising = where(cosine < 0, -1.0, 1.0)
     falling = -rising * phi
-    t = where(free, (math.pi - falling) / 2, arctangent(-slope, half_sine))
-    begun = whole_part(t / math.pi)
-    return orbit, Start(phi, rising, t - math.pi * begun, begun)
+    # Next to where a round begins t is small, and it is no difference of pi and another angle.
+    beyond = where(falling < 0, -1.0, 1.0)
+    round_tube = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
+    opposed = half_sine < 0
+    swing = arctangent(where(opposed, slope, -slope), abs(half_sine))
+    half = where(opposed, where(slope > 0, -1.0, 1.0), 0.0)
+    begun = where(free, (1 - beyond) / 2, half)
+    return orbit, Start(phi, rising, where(free, round_tube, swing), begun)
 
 
 def whole_part(x):

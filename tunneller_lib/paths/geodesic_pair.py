@@ -14,8 +14,9 @@ from ..compiled import loop
 from ..elementwise import larger, ratio, some, square_root, where
 from ..exact import two_sum
 from ..repeatable import arctangent, reduced, sine_cosine
-from .geodesic_classes import distance, ends_of, halves, inner, narrow_end, outer
+from .geodesic_classes import distance, ends_of, in_legs, inner, outer, peaked
 from .geodesic_root import (
+    AGREES,
     ROUNDS,
     folded,
     moving,
@@ -36,7 +37,6 @@ LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as 
 NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
 LARGE = 2.0**500  # times it, what is below NEAR keeps its digits, however small it is
 PI_REST = 1.2246467991473532e-16  # what pi is more than the double next to it
-AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 
 
 class Radii(NamedTuple):
@@ -245,8 +245,8 @@ def _shortest(torus, pair, few, many, counts, rows):
     nodes = few if sheet else many
     count = counts[0] if sheet else counts[1]
     begin = start(torus, ends, a, b, angle)
-    halved = not sheet and narrow_end(torus, ends, b)
-    way = _search(torus, ends, angle, begin, True, halved, nodes, count, rows)
+    hard = not sheet and peaked(torus, ends, b, angle)
+    way = _search(torus, ends, angle, begin, True, hard, nodes, count, rows)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     if ring and b < 0 and way.kind != OPEN:
         other = _search(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, count, rows)
@@ -259,7 +259,7 @@ def _shortest(torus, pair, few, many, counts, rows):
     return way
 
 
-def _search(torus, ends, angle, begin, outside, halved, nodes, count, rows):
+def _search(torus, ends, angle, begin, outside, hard, nodes, count, rows):
     """Return the way of `outer`, or else of `inner`, that turns by an angle in rad."""
     u, scale, low = begin
     high = math.inf
@@ -271,13 +271,14 @@ def _search(torus, ends, angle, begin, outside, halved, nodes, count, rows):
         if done:
             kind = OUTER if outside else INNER
             return Way(kind, total, way.c, way.cos_a, way.cos_b)
-        if halved:
-            down, rest = halves(way)
-            turned, rate, length = _summed(torus, down, nodes, count, rows)
-            more, faster, longer = _summed(torus, rest, nodes, count, rows)
-            turned += more
-            rate += faster
-            length += longer
+        if hard:
+            one, two, three = in_legs(way)
+            first = _summed(torus, one, nodes, count, rows)
+            second = _summed(torus, two, nodes, count, rows)
+            third = _summed(torus, three, nodes, count, rows)
+            turned = first[0] + second[0] + third[0]
+            rate = first[1] + second[1] + third[1]
+            length = first[2] + second[2] + third[2]
         else:
             turned, rate, length = _summed(torus, way, nodes, count, rows)
         miss = angle - turned

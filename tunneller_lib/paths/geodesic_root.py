@@ -11,7 +11,7 @@ import numpy as np
 
 from ..elementwise import larger, ratio, smaller, square_root, where
 from ..repeatable import area_sine, growth, sine_cosine
-from .geodesic_classes import STEEP, Ends, halves, narrow_end, outer, room, steepest
+from .geodesic_classes import STEEP, Ends, in_legs, outer, peaked, room, steepest, wide
 from .quadrature import gauss_rule
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
@@ -21,6 +21,7 @@ NODES_OF_RING = 64
 BLOCK = 2048  # pairs at a time, so that the quadrature's arrays stay in the cache
 ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
 NEAR = 1e-5  # rad
+AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
 ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
 
@@ -97,11 +98,11 @@ def solve(family, torus, ends, a, b, angle, low=None):
         begin = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
     few = on_working_sheet(torus, a, angle)
     many = NODES_OF_RING if torus.r > torus.R else NODES
-    narrow = narrow_end(torus, ends, b) if family is outer else np.zeros_like(few)
+    hard = ~few & peaked(torus, ends, b, angle) if family is outer else np.zeros_like(few)
     for count, form, which in (
         (NODES_OF_WORKING_SHEET, family, few),
-        (many, family, ~few & ~narrow),
-        (many, _halved, ~few & narrow),
+        (many, family, ~few & ~hard),
+        (many, _outer_in_legs, hard),
     ):
         index = np.flatnonzero(which)
         for first in range(0, index.size, BLOCK):
@@ -137,9 +138,9 @@ def integrate(torus, way, count):
     return turned, rate + moving(torus, way), length
 
 
-def _halved(torus, ends, u):
-    """Return `outer` in two legs."""
-    return list(halves(outer(torus, ends, u)))
+def _outer_in_legs(torus, ends, u):
+    """Return `outer` as a list of legs."""
+    return list(in_legs(outer(torus, ends, u)))
 
 
 def stretched(torus, way):
@@ -260,11 +261,13 @@ def newton(u, miss, rate, scale, low, high, before):
     # The turned angle grows with u: the sign of the miss says on which side the root is.
     low = where(miss > 0, u, low)
     high = where(miss < 0, u, high)
-    step = where(miss == 0, 0.0, ratio(miss, rate))
+    # Beyond the end of a class nothing changes, and the end may be the answer.
+    step = where((miss == 0) | (rate == 0), 0.0, ratio(miss, rate))
+    onward = (rate != 0) | (abs(miss) <= AGREES)
     # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
     # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
     # too far yet, u doubles at most, for a rate near zero would throw it where none comes back.
-    onward = (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
+    onward &= (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
     endless = high == np.inf
     most = where(endless, 2 * abs(u) + 0.5, high)
     sound = (low <= u + step) & (u + step <= most) & onward
@@ -306,6 +309,8 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
     way = family(torus, ends, u)
     turned, _, length = integrate(torus, way, count)
     end = way[-1] if isinstance(way, list) else way
+    near = np.abs(turned - angle) * max(torus.r / torus.R, 1) <= AGREES
+    turned = np.where(near, turned, np.nan)
     found[:, left] = turned, length + end.c * (angle - turned), end.c, end.cos_a, end.cos_b
     return found
 
@@ -337,7 +342,7 @@ def start(torus, ends, a, b, angle):
     risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
     guess = where(x > 0, risen, 0.99 * x)
     # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
-    if torus.r >= R:
+    if wide(torus):
         L = square_root(rho_a / (2 * R))
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
         times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
@@ -347,5 +352,6 @@ def start(torus, ends, a, b, angle):
     # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
     # b > 0 so large a scale would let them end too early near the inner equator, where roots are
     # small themselves; one that asks for steps of rounding size doesn't.
-    scale = where(b <= 0, ends.sine_a, ROUNDING)
+    # By a node the whole class is no longer than X.
+    scale = smaller(where(b <= 0, ends.sine_a, ROUNDING), X)
     return guess, scale, steepest(torus, ends)

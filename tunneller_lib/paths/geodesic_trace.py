@@ -37,7 +37,8 @@ EACH, POINT = 1.1e-4, 1.2e-5  # s in plain Python for a geodesic, and for each o
 SOON = 1e-3  # s, about what arrays take at least
 FASTER = 15  # so many times as fast as plain Python are arrays where they are large
 KIND = "points of geodesics"  # of work, for `compiled`
-ROOM = (2, TERMS), (2, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
+LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
+ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
 @checked
@@ -149,7 +150,7 @@ def follow_each(r, given, s, shares, integral, values, edges, series, found):
         The `panel_rule`.
     values, edges, series
         Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
-        begin, and what they gain from there, as series.
+        begin and what is left of the second, and what they gain from there, as series.
     found : (3, n, p) float
         Filled with what theta gained, phi and azimuths.
     """
@@ -185,7 +186,11 @@ def _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, fo
     x = 2 * (y - panel) - 1
     sign = where(start.t < 0, -1.0, 1.0)
     before = sign * (edges[0][panel] + series_sum(x, series[0][panel]))
-    turned = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+    gained = series_sum(x, series[1][panel])
+    turned = sign * (edges[1][panel] + gained)
+    late = abs(turned) > LATE * edges[1][count]
+    left = sign * (edges[2][panel] - gained)
+    crossing = sign / 2  # the next of the outer equator, in swings
     whole = 2 * edges[0][count]  # of half a swing, or of a round
     turn = 2 * edges[1][count]
     for k in range(len(ways)):
@@ -203,10 +208,15 @@ def _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, fo
             x, last = nearer(x, wanted, series[0][panel])
             if last:
                 break
-        beyond = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+        gained = series_sum(x, series[1][panel])
+        beyond = sign * (edges[1][panel] + gained) - turned + swings * turn
+        # Where both are great and nearly the same, as by the node of a horn, what is left of them
+        # to the outer equator isn't.
+        if late and swings + sign / 2 == crossing:
+            beyond = left - sign * (edges[2][panel] - gained)
         y = orbit.step * (panel + (1 + x) / 2)
         place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
-        found[0][i][k] = side * (beyond - turned + swings * turn)
+        found[0][i][k] = side * beyond
         found[1][i][k] = place
         found[2][i][k] = side * azimuth
 
@@ -225,6 +235,9 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
                 for j in range(TERMS + 1):
                     terms[j] += integral[k][j] * values[one][k]
             edges[one][panel + 1] = edges[one][panel] + series_sum(1.0, terms)
+    edges[2][count] = 0.0
+    for panel in range(count - 1, -1, -1):
+        edges[2][panel] = edges[2][panel + 1] + series_sum(1.0, series[1][panel])
 
 
 # ---- the same by arrays ----------------------------------------------------
@@ -273,9 +286,12 @@ def _on_orbits(orbit, start, s):
     panel = np.minimum(y.astype(int), count - 1)
     x = 2 * (y - panel) - 1
     sign = np.where(start.t < 0, -1.0, 1.0)
-    there = zip(edges[:, panel, column], series[:, :, panel, column], strict=True)
-    before, turned = (sign * (begin + series_sum(x, terms)) for begin, terms in there)
-    whole, turn = 2 * edges[:, count]
+    gained = [series_sum(x, terms) for terms in series[:, :, panel, column]]
+    before, turned = sign * (edges[:2, panel, column] + gained)
+    late = abs(turned) > LATE * edges[1, count]
+    left = sign * (edges[2, panel, column] - gained[1])
+    crossing = sign / 2
+    whole, turn = 2 * edges[:2, count]
     rest = s + before
     swings = whole_part(rest / whole)
     rest -= swings * whole
@@ -293,16 +309,19 @@ def _on_orbits(orbit, start, s):
         done |= last
         if np.all(done):
             break
-    beyond = sign * (begin[1] + series_sum(x, terms[1]))
+    gained = series_sum(x, terms[1])
+    beyond = sign * (begin[1] + gained) - turned + swings * turn
+    same = late & (swings + sign / 2 == crossing)
+    beyond = np.where(same, left - sign * (begin[2] - gained), beyond)
     y = orbit.step * (panel + (1 + x) / 2)
-    return beyond - turned + swings * turn, *point_at(orbit, start, swings + start.begun, y, sign)
+    return beyond, *point_at(orbit, start, swings + start.begun, y, sign)
 
 
 def _tabulated(orbit):
-    """Return what `_tabulate` fills in, (2, panels + 1, n) and (2, TERMS + 1, panels, n)."""
+    """Return what `_tabulate` fills in, (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
     shares, integral = panel_rule()
     count = int(orbit.panels.max(initial=1))
-    edges = np.zeros((2, count + 1, orbit.c.size))
+    edges = np.zeros((3, count + 1, orbit.c.size))
     series = np.empty((2, TERMS + 1, count, orbit.c.size))
     for panel in range(count):
         values = rates(orbit, orbit.step * (panel + shares[:, None]))
@@ -312,4 +331,6 @@ def _tabulated(orbit):
                 terms += integral[k, :, None] * values[one][k]
             series[one, :, panel] = terms
             edges[one, panel + 1] = edges[one, panel] + series_sum(1.0, terms)
+    for panel in range(count - 1, -1, -1):
+        edges[2, panel] = edges[2, panel + 1] + series_sum(1.0, series[1, :, panel])
     return edges, series

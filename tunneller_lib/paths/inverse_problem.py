@@ -14,9 +14,8 @@ from ..elementwise import NUMBERS, divided
 from ..surfaces import Torus
 from .bounds import check_ratio
 from .geodesic import Geodesic
-from .geodesic_classes import Ends, ends_of, inner, outer, second
+from .geodesic_classes import Ends, ends_of, half_swing_by_the_node, inner, outer, second
 from .geodesic_pair import (
-    AGREES,
     INNER,
     MERIDIAN,
     NONE,
@@ -36,7 +35,15 @@ from .geodesic_pair import (
     through,
     turn_and_ends,
 )
-from .geodesic_root import NODES, NODES_OF_RING, NODES_OF_WORKING_SHEET, integrate, rule, solve
+from .geodesic_root import (
+    AGREES,
+    NODES,
+    NODES_OF_RING,
+    NODES_OF_WORKING_SHEET,
+    integrate,
+    rule,
+    solve,
+)
 
 WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
@@ -66,9 +73,8 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     -------
     geodesic : Geodesic
         Length, azimuths, Clairaut's constant, kind, certificate. Where an end isn't on the working
-        sheet, r + R cos(phi) < 0, the kind is "none", the certificate empty, and the numbers are
-        NaN. So it may be, too, on what is nearly a sphere, r / R below 1e-3, where the ends are
-        within 1e-6 rad of half a turn apart: the angle turned can't be met there to 1e-9 rad.
+        sheet, r + R cos(phi) > 0, the kind is "none", the certificate empty, and the numbers are
+        NaN; all other ends have an answer.
 
     Notes
     -----
@@ -81,10 +87,13 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
         T(c) = 2R / (R + r) int_0^(pi/2) sqrt(1 + 2r / (rho + R - r)) dx,
         1 / rho^2 = cos^2(x) / c^2 + sin^2(x) / (R + r)^2,
 
-    falls as c grows. Every later arrival at the same end is longer, and so is a way through a node,
-    or one that turns by more than pi. Round a ring's tube one geodesic turns by that angle, the
-    shortest of those ways; it is looked at where the ends lie in opposite halves. So there is one
-    root to find, or two, and the shorter is returned.
+    falls as c grows. Every later arrival at the same end is longer, and so is a way that leaves a
+    node on the side where it entered, or one that turns by more than pi. Round a ring's tube one
+    geodesic turns by that angle, the shortest of those ways; it is looked at where the ends lie in
+    opposite halves. On a horn, r = R, both nodes are one point: there two arcs of meridians
+    through it take that geodesic's place, kind "inner", R (2 pi - |phi1| - |phi2|) long. So there
+    is one root to find, or two, and the shorter way is returned. As r falls to R the lengths tend
+    to the horn's. As it grows to R they don't: on the outer sheet a spindle's nodes remain apart.
 
     The certificate says why: "meridian" for the arc between ends with the same theta; "only" up to
     turns of pi / sqrt(1 + r / R), within which no later arrival falls, since T(c) is longer (below
@@ -95,9 +104,10 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     On a spindle's whole surface, its inner sheet included, the answer is the shortest where it is
     no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
-    Lengths are right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node:
-    see tests/references for a table of hard ones. Ends nearer than 1e-45 R are joined in
-    the tangent plane; only ends that are the same are a point, without a direction.
+    Lengths are right to rounding; where an end is within 0.1 rad of a node, or by one on what is
+    nearly a sphere, to 2e-13 R, most to 3e-14: see tests/references for a table of hard ones. Far
+    angles are reduced as exactly as by `Torus.point`. Ends nearer than 1e-45 R are joined in the
+    tangent plane; only ends that are the same are a point, without a direction.
 
     Examples
     --------
@@ -243,7 +253,7 @@ def _near_side(torus, pair):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
     ways = level(torus, pair)
     # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
-    turns = pair.angle <= max(_half_swing_by_the_node(torus), np.pi)
+    turns = pair.angle <= max(half_swing_by_the_node(torus), np.pi)
     there = pair.on_sheet & (ways.kind == NONE) & turns
     _search(torus, outer, pair, there, ways)
     return ways
@@ -256,7 +266,7 @@ def _second_arrivals(torus, pair, least):
     unknown, turned = least
     possible = pair.on_sheet & (angle > turned)
     for ways, sense, swings in ((before, -1, 1), (past, 1, 2)):
-        there = possible & (angle < swings * _half_swing_by_the_node(torus))
+        there = possible & (angle < swings * half_swing_by_the_node(torus))
         _search(torus, partial(second, sense=sense), pair, there, ways, sense * unknown)
     return before, past
 
@@ -294,13 +304,6 @@ def _halved(torus, ends, bracket, ahead):
     for step in 2 ** np.arange(ahead)[::-1]:
         first += step * falling[first + step - 1, place]
     return np.stack([edges[first, place], edges[first + 1, place]])
-
-
-def _half_swing_by_the_node(torus):
-    """Return the turned angle of half a swing that just misses the node, in rad."""
-    if torus.r >= torus.R:
-        return np.inf
-    return np.pi / np.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
 
 
 def _inside(torus, pair, allowed=True):
