@@ -994,3 +994,9 @@ def test_by_the_node_of_a_horn_every_end_has_an_answer_that_ends_there(off):
 
 def test_the_node_of_a_horn_is_no_place_on_its_sheet():
     check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
+
+
+def test_ends_on_either_side_of_the_outer_equator_and_all_but_on_it_have_an_answer():
+    phi = 7.893822301336877e-30
+    found = geodesic_inverse(SPINDLE, (0, -phi), (-2.3589354223928547, phi))
+    assert found.length == pytest.approx(1.5 * 2.3589354223928547, rel=1e-14)

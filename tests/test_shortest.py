@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second
+from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second, steepest
 from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.paths.geodesic_trace import half_swing
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -94,9 +94,10 @@ def test_half_swing_of_nothing_is_nothing():
 def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
     for a, b in zip(*pairs(torus, 40, seed=0), strict=True):
         X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
-        low = -np.sqrt((torus.r + torus.R * np.cos(a)) / (2 * torus.R))
+        ends = ends_of(torus, np.full(400, a), np.full(400, b))
+        low = steepest(torus, ends)[:200]
         u = np.concatenate([low * np.linspace(0.999, 0.002, 200), X * np.linspace(0.002, 8, 200)])
-        way = outer(torus, ends_of(torus, np.full(400, a), np.full(400, b)), u)
+        way = outer(torus, ends, u)
         turned, rate, length = integrate(torus, way, 96)
         assert np.all(np.diff(turned) > 0) and np.all(rate > 0)
         assert turned[0] < 0.3 and turned[-1] > 3.1
@@ -191,7 +192,7 @@ def test_rings_that_close_have_the_lengths_of_the_horn(wider):
     p, q = rng.uniform(-np.pi, np.pi, (2, 2000, 2))
     ring = geodesic_inverse(Torus(1 + wider, 1), p, q)
     horn = geodesic_inverse(HORN, p, q)
-    np.testing.assert_allclose(ring.length, horn.length, rtol=0, atol=8 * wider + 1e-14)
+    np.testing.assert_allclose(ring.length, horn.length, rtol=0, atol=8 * wider + 2e-13)
 
 
 def test_the_nodes_of_a_spindle_remain_apart_on_its_outer_sheet():

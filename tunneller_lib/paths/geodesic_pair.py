@@ -90,10 +90,17 @@ def radii(torus):
 
 def turn_and_ends(p, q):
     """Return the turns from p to q (..., 2), and phi of both (n, 3), in rad, from -pi to pi."""
-    (theta1, phi1), (theta2, phi2) = p.reshape(-1, 2).T, q.reshape(-1, 2).T
-    turn, rest = two_sum(theta2, -theta1)  # what far angles' difference loses may be more than pi
-    turn = reduced(reduced(turn) + reduced(rest))
-    return np.stack([turn, reduced(phi1), reduced(phi2)], axis=-1)
+    p, q = p.reshape(-1, 2), q.reshape(-1, 2)
+    found = np.empty((len(p), 3))
+    found[:, 0] = q[:, 0] - p[:, 0]
+    found[:, 1] = p[:, 1]
+    found[:, 2] = q[:, 1]
+    if not (np.abs(found) <= math.pi).all():
+        # What the difference of far angles loses may be more than pi.
+        turn, rest = two_sum(q[:, 0], -p[:, 0])
+        found[:, 0] = reduced(turn) + reduced(rest)
+        found = reduced(found)
+    return found
 
 
 def normal_form(torus, turn, phi1, phi2):
@@ -285,7 +292,8 @@ def _search(torus, ends, angle, begin, outside, hard, nodes, count, rows):
         low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         # For a given angle the length is stationary in c: what u lacked hardly matters.
         total = length + way.c * miss
-        if done and not abs(turned + rate * step - angle) <= AGREES:
+        reached = turned + where(step == 0, 0.0, rate * step)
+        if done and not abs(reached - angle) <= AGREES:
             break
     return Way(OPEN, math.nan, math.nan, math.nan, math.nan)
 

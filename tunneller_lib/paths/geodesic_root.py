@@ -284,7 +284,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
     before = np.zeros_like(u)
     left = np.arange(u.size)
     found = np.full((5, u.size), np.nan)
-    for _ in range(ROUNDS):
+    for _ in range(2 * ROUNDS):  # the last hundred for unknowns of 1e-30
         way = family(torus, ends, u)
         turned, rate, length = integrate(torus, way, count)
         miss = angle - turned
@@ -294,7 +294,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
             end = family(torus, last, u[done])
             now, end = (one[-1] if isinstance(one, list) else one for one in (way, end))
             # For a given angle the length is stationary in c: what u lacked hardly matters.
-            reached = turned + rate * step
+            reached = turned + where(step == 0, 0.0, rate * step)  # with a level start no rate
             total = length + now.c * miss
             found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
             if np.all(done):

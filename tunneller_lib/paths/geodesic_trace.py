@@ -86,7 +86,7 @@ def half_swing(torus: Torus, clairaut: Lengths):
     orbit, _ = _orbits(torus.r / torus.R, np.zeros_like(sine), sine, cosine)
     half = np.empty((2, sine.size))
     for same in _alike(orbit):
-        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:, -1]
+        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:2, -1]
     length, turned = 2 * half.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
