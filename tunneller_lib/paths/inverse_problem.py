@@ -163,7 +163,8 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     - for the first time: one geodesic, or none where it would have to pass a node;
     - for the second time, after a turning point on the other side: none short of a least turn, one
       to either side of it beyond, the second of them past two turning points or none;
-    - over the inner equator of a ring, on the side of the farther end: one geodesic. Between two
+    - over the inner equator of a ring, on the side of the farther end: one geodesic; on a horn one
+      way through the node, along two meridians, whichever way round. Between two
       places on the outer equator, past its first conjugate point, it gives way to the equator.
 
     That the second arrivals' turn has one least value was seen on all tori that were tried; the
