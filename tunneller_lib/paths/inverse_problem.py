@@ -104,11 +104,11 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     On a spindle's whole surface, its inner sheet included, the answer is the shortest where it is
     no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
-    Lengths are right to rounding, and to 3e-14 of themselves where the ends are within 0.1 rad of
-    two nodes or of the same one but 0.01 rad apart; to 2e-13 R where a way all but touches a node,
-    on what is nearly a sphere or a horn. See tests/references for a table of hard ones. Far angles
-    are reduced as exactly as by `Torus.point`. Ends nearer than 1e-45 R are joined in the
-    tangent plane; only ends that are the same are a point, without a direction.
+    Lengths are right to rounding. Where an end is within 0.1 rad of a node they are right to 3e-14
+    of themselves, ways shorter than 0.01 R to 2e-15 R; and to 2e-13 R where a way all but touches
+    a node or the axis, on what is nearly a sphere or a horn. See tests/references for a table of
+    hard ones. Far angles are reduced as exactly as by `Torus.point`. Ends nearer than 1e-45 R are
+    joined in the tangent plane; only ends that are the same are a point, without a direction.
 
     Examples
     --------
