@@ -200,3 +200,14 @@ def test_certificates_of_special_ends():
     found = geodesic_inverse(SPINDLE, [(0, 1), (0, 1), (0, 3)], [(0, 1), (0, -1), (0, 0)])
     assert list(found.certificate) == ["meridian", "meridian", ""]
     np.testing.assert_array_equal(found.certified, [True, True, False])
+
+
+def test_competing_ways_on_a_horn_hold_the_one_through_its_node_and_all_lead_to_the_end():
+    horn = Torus(1, 1)
+    p, q = np.random.default_rng(7).uniform(-3, 3, (2, 200, 2))
+    rivals, shortest = competing_geodesics(horn, p, q), geodesic_inverse(horn, p, q)
+    np.testing.assert_array_equal(rivals.length[0], shortest.length)
+    assert np.all(np.sum(rivals.kind == "inner", axis=0) == 1)
+    end = rivals.points(5).point[..., -1, :]
+    miss = np.linalg.norm(end - horn.point(q[:, 0], q[:, 1]), axis=-1)
+    assert np.max(miss[rivals.converged]) <= 1e-11

@@ -331,6 +331,8 @@ TORI = {
     "horn": Torus(1, 1),
     "ring": Torus(3, 1),
     "thin ring": Torus(3e4, 7),
+    "nearly a sphere": Torus(1e-9, 1),
+    "nearly a horn": Torus(0.99999, 1),
 }
 
 
@@ -350,6 +352,13 @@ def hard_ends(torus, n, seed=5):
         p[k::19, 1] = q[k::23, 1] = phi
     p[2::37] *= 1e-200
     q[2::37] *= 1e-200
+    node = np.arccos(max(-torus.r / torus.R, -1))
+    off = 10 ** rng.uniform(-9, -1, n)
+    p[3::15, 1] = (node - off)[3::15]
+    q[3::15, 1] = (np.roll(off, 1) - node)[3::15]
+    q[3::30, 0] = p[3::30, 0] + np.pi
+    q[4::15, 0] = p[4::15, 0] + off[4::15] * 1e-9
+    p[5::41, 0] += 1e9
     return p, q
 
 

@@ -141,9 +141,9 @@ def test_geodesic_in_real_time(judge, monkeypatch):
     # A handful of short sums, once for a whole path: no search of unknown length.
     rounds = []
 
-    def counted(torus, way, stretch, nodes, half, rows):
+    def counted(torus, way, nodes, half, rows):
         rounds.append(2 * half)
-        return summed(torus, way, stretch, nodes, half, rows)
+        return summed(torus, way, nodes, half, rows)
 
     summed = geodesic_pair._summed
     monkeypatch.setattr(compiled, "ready", lambda kind=None: False)

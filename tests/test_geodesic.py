@@ -835,17 +835,22 @@ def test_ends_however_near_the_outer_equator_have_an_answer_alone_and_among_many
         np.testing.assert_allclose(found.length[size < 1e-17], level.length, rtol=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "less"),
-    [(1e-2, 0), (1e-3, 0), (1e-3, 1e-9), (1e-4, 1e-6), (1e-6, 1e-6), (1e-15, 1e-6)],
-)
-def test_ends_about_half_a_turn_apart_have_an_answer(ratio, less):
-    """Where `geodesic_inverse` promises one: to half a turn from r / R = 1e-3 on, else nearly."""
-    phi1, phi2 = np.random.default_rng(2).uniform(-1.2, 1.2, (2, 1000))
-    p = np.stack([np.zeros(1000), phi1], axis=-1)
-    q = np.stack([np.full(1000, np.pi - less), phi2], axis=-1)
-    found = geodesic_inverse(Torus(ratio, 1), p, q)
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-9, 1e-15, 1e-100])
+@pytest.mark.parametrize("less", [0, 1e-15, 1e-12, 1e-9, 1e-6])
+def test_ends_about_half_a_turn_apart_have_an_answer_that_ends_there(ratio, less, n=200):
+    torus = Torus(ratio, 1)
+    phi1, phi2 = np.random.default_rng(2).uniform(-1.2, 1.2, (2, n))
+    phi2[::5] = -phi1[::5]
+    p = np.stack([np.zeros(n), phi1], axis=-1)
+    q = np.stack([np.full(n, np.pi - less), phi2], axis=-1)
+    found = geodesic_inverse(torus, p, q)
     assert np.all(found.kind != "none")
+    # Both arcs of meridians over the nearer node are no shorter.
+    node = np.pi / 2 + np.arcsin(ratio)
+    assert np.all(found.length <= 2 * node - np.abs(phi1 + phi2) + 1e-12)
+    way = found.points(9)
+    np.testing.assert_allclose(way.point[:, -1], on_torus(torus, q), rtol=0, atol=1e-12)
+    assert np.all(np.abs(way.position[..., 1]) <= node)  # it passes by the node
     # On a sphere it would be the great circle's arc over the nearer pole.
     sphere = np.pi - np.abs(phi1 + phi2)
     np.testing.assert_allclose(found.length, sphere, atol=3 * ratio + less)
@@ -861,3 +866,137 @@ def test_half_a_turn_on_nearly_a_sphere_is_the_same_alone_and_among_many():
     many = geodesic_inverse(torus, *np.tile(ends, (20, 1, 1)).swapaxes(0, 1))
     np.testing.assert_array_equal(many.kind, alone.kind)
     np.testing.assert_array_equal(many.length, alone.length)
+
+
+# Ends at the limits of the sheet.
+
+
+def near_opposite_nodes(torus, n, seed):
+    """Return ends (n, 2) from 1e-6 to 0.1 rad off opposite nodes of a spindle or a horn."""
+    rng = np.random.default_rng(seed)
+    node = np.arccos(-torus.r / torus.R)
+    off = 10 ** rng.uniform(-6, -1, (2, n))
+    return (
+        np.stack([rng.uniform(-1, 1, n), node - off[0]], axis=-1),
+        np.stack([rng.uniform(-1, 1, n) * np.pi, off[1] - node], axis=-1),
+        off,
+    )
+
+
+@pytest.mark.parametrize("torus, p, q, length", [
+    (Torus(0.99999, 1), (0, 3.13702), (2.63, -3.137), 6.274020004193208),
+    (Torus(0.1, 1), (0, 1.6708637479), (2.8, -1.6708637479), 3.3418921300),
+], ids=str)  # fmt: skip
+def test_geodesic_from_near_a_node_to_near_the_other_has_the_length_of_40_digits(
+    torus, p, q, length
+):
+    # By integrals over w, rho = c cosh(w), by mpmath's quad in 45 digits.
+    found = geodesic_inverse(torus, p, q)
+    assert found.length == pytest.approx(length, rel=1e-13 if torus.r > 0.5 else 2e-10)
+    np.testing.assert_allclose(found.points(2).point[-1], torus.point(*q), atol=1e-12)
+
+
+@pytest.mark.parametrize("torus", [MACHINE, SPINDLE, Torus(0.99999, 1), Torus(1e-4, 1)], ids=str)
+def test_geodesics_from_near_a_node_to_near_the_other_end_there(torus):
+    p, q, off = near_opposite_nodes(torus, 500, seed=14)
+    found = geodesic_inverse(torus, p, q)
+    assert np.all(found.converged)
+    end = found.points(2).point[:, -1]
+    np.testing.assert_allclose(end, on_torus(torus, q), rtol=0, atol=2e-12 * torus.R)
+    # No longer than through a node, and no shorter than a meridian.
+    node = np.arccos(-torus.r / torus.R)
+    slack = 1e-13 * torus.R
+    assert np.all(found.length >= torus.R * (2 * node - off[0] - off[1]) - slack)
+    assert np.all(found.length <= torus.R * (2 * node - np.abs(off[0] - off[1])) + slack)
+
+
+@pytest.mark.parametrize("far", [20, 1e4, 1e8, -1e8, 1e16, -3e22])
+@pytest.mark.parametrize("torus", [MACHINE, RING], ids=str)
+def test_far_angles_are_those_of_the_point(torus, far):
+    near = 0.2
+    with mp.workdps(60):
+        turn = (mpf(far) - mpf(near) + mp.pi) % (2 * mp.pi) - mp.pi
+        phi = (mpf(far) + mp.pi) % (2 * mp.pi) - mp.pi
+        turn, phi = float(turn), float(phi)
+    expected = geodesic_inverse(torus, (0, 0.3), (turn, -0.4))
+    for p, q in (((near, 0.3), (far, -0.4)), ((far, 0.3), (near, -0.4))):
+        found = geodesic_inverse(torus, p, q)
+        assert found.length == pytest.approx(expected.length, rel=1e-15)
+        np.testing.assert_allclose(
+            found.points(2).point[-1], torus.point(*q), atol=1e-14 + 4e-16 * abs(far)
+        )
+    if torus is RING:
+        expected = geodesic_inverse(torus, (0, phi), (1, 0.5)).length
+        assert geodesic_inverse(torus, (0, far), (1, 0.5)).length == pytest.approx(
+            expected, rel=1e-15
+        )
+
+
+def test_ends_that_are_far_round_and_near_each_other_keep_the_digits_of_their_difference():
+    step = 2.0**-30
+    found = geodesic_inverse(MACHINE, (100, 0), (100 + step, 0))
+    assert found.length == pytest.approx((MACHINE.r + MACHINE.R) * step, rel=1e-15)
+    assert geodesic_inverse(MACHINE, (1e99, 0.1), (1e99, 0.2)).kind == "meridian"
+
+
+WIDE = [1, 1 + 2.3e-16, 1 + 1e-12, 1.0001, 1.01, 1.1, 1.5, 3]
+
+
+@pytest.mark.parametrize("ratio", [*WIDE, 1 - 1e-12, 0.5])
+def test_ends_on_a_meridian_but_for_a_tiny_turn_have_an_answer(ratio):
+    rng = np.random.default_rng(15)
+    torus = Torus(ratio, 1)
+    reach = np.arccos(max(-ratio, -1))
+    phi1, phi2 = rng.uniform(-reach, reach, (2, 2000))
+    turn = 10 ** rng.uniform(-300, -10, 2000)
+    turn[::3] = 0.1 + 0.2 - 0.3
+    found = geodesic_inverse(
+        torus, np.stack([0 * turn, phi1], axis=-1), np.stack([turn, phi2], axis=-1)
+    )
+    assert np.all(found.converged)
+    arc = np.abs(phi1 - phi2)
+    arc = np.minimum(arc, 2 * np.pi - arc) if ratio >= 1 else arc
+    np.testing.assert_allclose(found.length, arc, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found.length[::3], arc[::3], rtol=0, atol=2e-13)
+
+
+@pytest.mark.parametrize("ratio", WIDE)
+@pytest.mark.parametrize("turn", [1e-17, 1e-12, 1e-8])
+def test_a_tiny_turn_has_its_own_clairauts_constant(ratio, turn):
+    # To first order in the turn it is c times the integral of R / rho^2.
+    a, b = 2.5, 0.3
+    nodes, weights = leggauss(400)
+    phi = b + (a - b) * (1 + nodes) / 2
+    integral = np.sum(weights / (ratio + np.cos(phi)) ** 2) * (a - b) / 2
+    found = geodesic_inverse(Torus(ratio, 1), (0, a), (turn, b))
+    assert found.clairaut == pytest.approx(turn / integral, rel=1e-9)
+
+
+def test_places_on_one_meridian_but_for_the_last_digit_of_theta_have_an_answer():
+    found = geodesic_inverse(Torus(1.5, 1), (0.3, -1.0), (0.1 + 0.2, -1.9))
+    assert found.kind == "outer" and found.length == pytest.approx(0.9, rel=1e-14)
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_by_the_node_of_a_horn_every_end_has_an_answer_that_ends_there(off):
+    torus = Torus(1, 1)
+    rng = np.random.default_rng(16)
+    p = np.stack([np.zeros(300), np.pi - off * rng.uniform(0.1, 1, 300)], axis=-1)
+    q = np.stack([rng.uniform(-np.pi, np.pi, 300), rng.uniform(-np.pi, np.pi, 300)], axis=-1)
+    q[::2, 1] = np.pi - off * rng.uniform(0.1, 1, 150)
+    q[1::4, 1] = -q[0::4, 1]
+    for ends in ((p, q), (q, p)):
+        found = geodesic_inverse(torus, *ends)
+        assert np.all(found.converged)
+        end = found.points(3).point[:, -1]
+        np.testing.assert_allclose(end, on_torus(torus, ends[1]), rtol=0, atol=2e-12)
+
+
+def test_the_node_of_a_horn_is_no_place_on_its_sheet():
+    check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
+
+
+def test_ends_on_either_side_of_the_outer_equator_and_all_but_on_it_have_an_answer():
+    phi = 7.893822301336877e-30
+    found = geodesic_inverse(SPINDLE, (0, -phi), (-2.3589354223928547, phi))
+    assert found.length == pytest.approx(1.5 * 2.3589354223928547, rel=1e-14)

@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp, mpf
 
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second
+from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second, steepest
 from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.paths.geodesic_trace import half_swing
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -94,9 +94,10 @@ def test_half_swing_of_nothing_is_nothing():
 def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
     for a, b in zip(*pairs(torus, 40, seed=0), strict=True):
         X = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
-        low = -np.sqrt((torus.r + torus.R * np.cos(a)) / (2 * torus.R))
+        ends = ends_of(torus, np.full(400, a), np.full(400, b))
+        low = steepest(torus, ends)[:200]
         u = np.concatenate([low * np.linspace(0.999, 0.002, 200), X * np.linspace(0.002, 8, 200)])
-        way = outer(torus, ends_of(torus, np.full(400, a), np.full(400, b)), u)
+        way = outer(torus, ends, u)
         turned, rate, length = integrate(torus, way, 96)
         assert np.all(np.diff(turned) > 0) and np.all(rate > 0)
         assert turned[0] < 0.3 and turned[-1] > 3.1
@@ -109,18 +110,6 @@ def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
         slack = 1e-13 * (torus.r + torus.R) * np.maximum(turned[1:], 1)
         assert np.all(np.diff(length) >= least * np.diff(turned) - slack)
         assert np.all(np.diff(length) <= most * np.diff(turned) + slack)
-
-
-@every_torus
-def test_first_arrivals_that_reach_a_node_are_the_longest(torus):
-    # In the limit the way is along two meridians: longer than any first arrival of less turn.
-    if torus.r > torus.R:
-        torus = Torus(torus.R, torus.R)
-    a, b = pairs(torus, 500, seed=1)
-    node = np.arccos(-torus.r / torus.R)
-    for turn in (0.5, 2, np.pi):
-        p, q = np.stack([0 * a, a], axis=-1), np.stack([0 * a + turn, b], axis=-1)
-        assert np.all(geodesic_inverse(torus, p, q).length < torus.R * (2 * node - a - b))
 
 
 # Step 5: later arrivals are longer.
@@ -151,7 +140,69 @@ def test_past_the_conjugate_point_the_equator_is_longer(ratio):
     assert np.all(found.length < (torus.r + torus.R) * turn)
 
 
-# Step 6: round the tube of a ring.
+# Step 6: through a node.
+
+
+@pytest.mark.parametrize("torus", [MACHINE, SPINDLE, HORN], ids=str)
+def test_no_way_into_a_node_and_back_is_shorter(torus):
+    # In the limit the way is along two meridians: longer than any first arrival of less turn.
+    a, b = pairs(torus, 500, seed=1)
+    node = np.arccos(-torus.r / torus.R)
+    for turn in (0.5, 2, np.pi):
+        p, q = np.stack([0 * a, a], axis=-1), np.stack([0 * a + turn, b], axis=-1)
+        assert np.all(geodesic_inverse(torus, p, q).length < torus.R * (2 * node - a - b))
+
+
+def polyline(points):
+    return np.sum(np.linalg.norm(np.diff(points, axis=0), axis=-1))
+
+
+@pytest.mark.parametrize("p, q", [((0, 3), (1, -3)), ((0, 2), (3, -1.7)), ((-1, -2.9), (2, 3.1))])
+def test_through_the_node_of_a_horn_there_is_a_way_that_leaves_on_the_other_side(p, q):
+    # Both arcs lie on the surface, from the points alone: their length is that of polygons.
+    t = np.linspace(0, 1, 2001)[:, None] ** [1, 1]
+    arcs = [
+        HORN.point(end[0], end[1] + (np.copysign(np.pi, end[1]) - end[1]) * t[:, 0])
+        for end in (p, q)
+    ]
+    np.testing.assert_allclose([arc[-1] for arc in arcs], 0, atol=1e-15)  # they meet
+    found = geodesic_inverse(HORN, p, q)
+    assert found.kind == "inner" and found.certified
+    assert found.length == pytest.approx(sum(map(polyline, arcs)), rel=1e-6)
+    way = found.points(1001)
+    np.testing.assert_allclose(way.point[-1], HORN.point(*q), atol=1e-14)
+    assert polyline(way.point) == pytest.approx(found.length, rel=1e-5)
+    np.testing.assert_allclose(HORN.implicit(way.point), 0, atol=1e-13)
+
+
+def test_on_a_horn_the_shorter_of_both_ways_is_returned():
+    a, b = pairs(HORN, 2000, seed=8)
+    turn = np.random.default_rng(9).uniform(0, np.pi, a.size)
+    found = geodesic_inverse(HORN, np.stack([0 * a, a], axis=-1), np.stack([turn, b], axis=-1))
+    over = np.where(b < 0, np.pi - a + np.pi + b, np.inf)
+    assert np.all(found.length <= over * (1 + 1e-15))
+    through = found.kind == "inner"
+    assert 0.2 < np.mean(through) < 0.4  # of random pairs
+    np.testing.assert_allclose(found.length[through], over[through], rtol=1e-14)
+
+
+@pytest.mark.parametrize("wider", [1e-9, 1e-12, 2.3e-16])
+def test_rings_that_close_have_the_lengths_of_the_horn(wider):
+    rng = np.random.default_rng(10)
+    p, q = rng.uniform(-np.pi, np.pi, (2, 2000, 2))
+    ring = geodesic_inverse(Torus(1 + wider, 1), p, q)
+    horn = geodesic_inverse(HORN, p, q)
+    np.testing.assert_allclose(ring.length, horn.length, rtol=0, atol=8 * wider + 2e-13)
+
+
+def test_the_nodes_of_a_spindle_remain_apart_on_its_outer_sheet():
+    known = 6.000526  # of the first arrival, which is the shortest way there
+    for narrower in (1e-9, 1e-12, 1.1e-16):
+        found = geodesic_inverse(Torus(1 - narrower, 1), (0, 3), (1, -3))
+        assert found.kind == "outer" and found.length == pytest.approx(known, abs=1e-6)
+
+
+# Step 8: round the tube of a ring.
 
 
 @pytest.mark.parametrize("torus", [NARROW, RING], ids=str)

@@ -7,9 +7,12 @@ too. Each is right to two roundings of its value.
 
 import math
 
-from .elementwise import power_above, smaller, square_root, two_to, where
+import numpy as np
+
+from .elementwise import power_above, smaller, square_root, two_to, where, within
 
 WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to whole numbers
+FAR = 2.0**21  # rad
 
 # Parts of numbers, the first of so few bits that its products with small whole numbers are exact.
 _HALF_PI = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
@@ -63,6 +66,22 @@ def sine_cosine(x):
     return where(across, quarter * cosine, half * sine), where(
         across, -quarter * sine, half * cosine
     )
+
+
+def reduced(angle):
+    """Return angles (n,) from -pi to pi, in rad: those beyond are turned back, by 2 pi exactly.
+
+    As the sine of a far angle is, they are right to the last digits of what is left of them.
+    """
+    far = abs(angle) > math.pi
+    if not far.any():
+        return angle
+    turns = (angle / (2 * math.pi) + WHOLE) - WHOLE
+    high, middle, low = (4 * part for part in _HALF_PI)
+    left = ((angle - turns * high) - turns * middle) - turns * low
+    if not (abs(angle) < FAR).all():  # such turns times a part of pi aren't exact
+        left = np.where(abs(angle) < FAR, left, np.arctan2(np.sin(angle), np.cos(angle)))
+    return np.where(far, within(left, -math.pi, math.pi), angle)
 
 
 def arctangent(y, x):

@@ -33,6 +33,12 @@ def spindle(rng):
     return r, r * (1 + log(rng, 0.01, 3))
 
 
+def nearly_horn(rng):
+    """Return r, R of a spindle with R/r - 1 from 1e-5 to 1e-2."""
+    r = log(rng, 1e-2, 1e2)
+    return r, r * (1 + log(rng, 1e-5, 1e-2))
+
+
 def node(r, R):
     """Return the greatest phi: of the node, or of the inner equator."""
     return math.acos(-r / R) if r < R else RIM
@@ -119,6 +125,14 @@ def near_a_node(rng):
     return from_azimuth(r, R, a, rng.uniform(-1, 1) * 0.9 * a, rng.uniform(0, math.pi))
 
 
+def near_both_nodes(rng):
+    """Draw ends from 1e-6 to 0.1 off opposite nodes of a spindle, which may be nearly a horn."""
+    r, R = rng.choice([sheet, spindle, nearly_horn])(rng)
+    gaps = sorted(log(rng, 1e-6, 0.1) for _ in range(2))
+    a, b = (node(r, R) - gap for gap in gaps)
+    return from_azimuth(r, R, a, -b, rng.uniform(0, math.pi))
+
+
 def nearly_conjugate(rng):
     """Draw ends on opposite sides of a ring's outer equator, about a conjugate point apart."""
     r, R = ring(rng)
@@ -169,6 +183,7 @@ FAMILIES = {
     "on a parallel": (120, on_a_parallel),
     "vertex to vertex": (100, vertex_to_vertex),
     "near a node": (120, near_a_node),
+    "near both nodes": (40, near_both_nodes),
     "nearly conjugate": (100, nearly_conjugate),
     "along the outer equator": (60, along_the_outer_equator),
     "past the conjugate point": (100, past_the_conjugate_point),

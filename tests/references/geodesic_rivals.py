@@ -13,7 +13,7 @@ PLACES, SPEEDS = ((1 + NODES) / 2) ** 3, 3 / 2 * ((1 + NODES) / 2) ** 2 * WEIGHT
 
 
 def shortest_rival(r, R, phi1, phi2, theta, length, shorter=1e-6):
-    """Return the length of a geodesic shorter than the given one, or None.
+    """Return the length of a geodesic, or a way through a horn's node, that is shorter, or None.
 
     Parameters
     ----------
@@ -40,6 +40,8 @@ def shortest_rival(r, R, phi1, phi2, theta, length, shorter=1e-6):
         for target in (theta, 2 * np.pi - theta)
         for rival in passing(*meeting, target)
     ]
+    if r == R and phi1 * phi2 < 0:  # two arcs of meridians, which meet in the node of a horn
+        rivals.append(R * (2 * np.pi - abs(phi1) - abs(phi2)))
     return min((rival for rival in rivals if rival < length * (1 - shorter)), default=None)
 
 

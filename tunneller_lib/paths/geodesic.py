@@ -12,10 +12,14 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
 from ..exact import dot
+from ..repeatable import reduced, sine_cosine
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
-from .geodesic_pair import CERTIFICATES, KINDS, NONE, POINT
+from .geodesic_pair import CERTIFICATES, INNER, KINDS, NONE, POINT, rho, turn_and_ends
 from .geodesic_trace import trace
+
+ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
+STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
 
 
 def _rows_of_positions(name, value):
@@ -142,8 +146,8 @@ class Geodesic:
     def kind(self):
         """Return kinds as (...) str.
 
-        "meridian", "outer", "inner" (over the inner equator of a ring torus), "point" (the ends
-        coincide), or "none" where an end isn't on the working sheet.
+        "meridian", "outer", "inner" (over the inner equator of a ring torus, or through the node
+        of a horn), "point" (the ends coincide), or "none" where an end isn't on the working sheet.
         """
         return KINDS[self.kind_code]
 
@@ -181,7 +185,14 @@ class Geodesic:
             As by `geodesic_direct`; NaN where there is no answer.
         """
         azimuth = np.where(self.kind_code == POINT, 0.0, self.azimuth1)
-        return geodesic_direct.unchecked(self.torus, self.p, azimuth, self.length, n)
+        way = _followed(self.torus, self.p, azimuth, self.length, n, self.clairaut)
+        if self.torus.r == self.torus.R:
+            # Through the node of a horn, where the meridians of both ends meet.
+            turn, phi, _ = turn_and_ends(self.p, self.q).T.reshape(3, *self.p.shape[:-1], 1)
+            passed = way.s > self.torus.R * (np.pi - abs(phi))
+            through = (self.kind_code == INNER)[..., None] & passed
+            way.position[..., 0] += np.where(through, turn, 0.0)
+        return way
 
 
 @checked
@@ -229,11 +240,32 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     >>> way.position[-1].round(12)
     array([0. , 0.4])
     """
+    return _followed(torus, p, azimuth, length, n)
+
+
+def _followed(torus, p, azimuth, length, n, clairaut=None):
+    """Return points of geodesics as `geodesic_direct` does.
+
+    With `clairaut`, rho times the sine of the azimuth, for each, it follows ways that a node parts
+    from the meridian, however near they are to it.
+    """
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     check_ratio(torus)
     check_points(n, theta.shape)
     s = length[..., None] * np.linspace(0, 1, n)
-    given = np.stack([theta, phi, azimuth])
-    found = trace(torus.r / torus.R, given.reshape(3, -1), s.reshape(-1, n) / torus.R)
-    theta, phi, azimuth = found.reshape(3, *s.shape)
+    given = np.stack([theta, phi, azimuth]).reshape(3, -1, 1)
+    near = reduced(given[1:, :, 0])
+    sine, _ = sine_cosine(near[1])
+    if clairaut is None:
+        sine = np.where(abs(sine) <= ALONG_MERIDIAN, 0.0, sine)
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            steep = np.ravel(clairaut) / rho(torus, near[0])
+        sine = np.where(abs(sine) <= STEEP, steep, sine)
+    found = trace(torus.r / torus.R, np.stack([*near, sine]), s.reshape(-1, n) / torus.R)
+    # Whole turns were taken off, and are put back.
+    found[0] += given[0]
+    found[1:] += given[1:] - near[..., None]
+    begins = (s.reshape(-1, n) == 0) & np.isfinite(found)
+    theta, phi, azimuth = np.where(begins, given, found).reshape(3, *s.shape)
     return GeodesicPoints(torus, s, np.stack([theta, phi], axis=-1), azimuth)

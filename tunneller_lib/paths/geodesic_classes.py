@@ -16,12 +16,18 @@ No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by r
 All is element by element, for floats, arrays or compiled loops. A `torus` is whatever has r and R.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, square_root, where
+from ..elementwise import larger, ratio, smaller, some, square_root, where
 from ..repeatable import growth, sine_cosine
+
+STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
+STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
+NARROW = 0.32  # of R: what is nearer to the axis there than that needs a leg of its own
+CLOSE = 1e-5  # rad
 
 
 class Ends(NamedTuple):
@@ -59,6 +65,8 @@ class Integrand(NamedTuple):
         Of the lower limit of t, which is from -pi/2 to pi/2.
     across, along : (...) float
         Sine and cosine of how far the upper limit is from the lower.
+    sine_b, cosine_b : (...) float
+        Of the upper limit, which is below pi.
     dc, dA, dB, dE, dfirst, dlast : (...) float
         What the constants and both limits change by with the unknown.
     cos_a, cos_b : (...) float
@@ -73,6 +81,8 @@ class Integrand(NamedTuple):
     cosine: np.ndarray
     across: np.ndarray
     along: np.ndarray
+    sine_b: np.ndarray
+    cosine_b: np.ndarray
     dc: np.ndarray
     dA: np.ndarray
     dB: np.ndarray
@@ -89,13 +99,29 @@ def ends_of(torus, a, b):
     sine_b, cosine_b = sine_cosine(b / 2)
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
-    _, level_a = sine_cosine(a)
-    _, level_b = sine_cosine(b)
-    rho_a = torus.r + torus.R * level_a
-    rho_b = torus.r + torus.R * level_b
+    rho_a = distance(torus, a, cosine_a)
+    rho_b = distance(torus, b, cosine_b)
     # A product has the difference of the squares to its last digits, near ends or not.
     apart = middle * sine
     return Ends(sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b)
+
+
+def distance(torus, phi, cosine):
+    """Return rho at phi, in rad, from -pi to pi, the cosine of whose half is given."""
+    _, level = sine_cosine(phi)
+    # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
+    inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)
+    return where(level < -0.5, inside, torus.r + torus.R * level)
+
+
+def wide(torus):
+    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
+    return torus.r > 0.9 * torus.R
+
+
+def steepest(torus, ends):
+    """Return the unknown of `outer` that stands for the meridian."""
+    return -where(wide(torus), STEEPEST, 1.0) * square_root(ends.rho_a / (2 * torus.R))
 
 
 def room(torus, ends):
@@ -115,7 +141,7 @@ def outer(torus, ends, u):
     ends : Ends
         The ends.
     u : (...) float
-        The unknown, from -sqrt(rho_a / 2R), the meridian, upwards.
+        The unknown, from `steepest`, the meridian, upwards.
 
     Returns
     -------
@@ -137,13 +163,30 @@ def outer(torus, ends, u):
     # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
     # there is no such end, and x = u joins without a bend.
     rising = u > 0
-    grown = growth(where(rising, smaller(2 * u / X, _farthest(torus)), 0.0))
+    farthest = _farthest(torus)
+    grown = growth(where(rising, smaller(2 * u / X, farthest), 0.0))
     x = where(rising, X * (grown / (2 + grown)), u)
     # X - x without cancellation where u is great.
     gap = where(rising, 2 * X / (2 + grown), X - u)
     e = gap * (X + x)  # X^2 - x^2
     dx = where(rising, e / (X * X), 1.0)
+    if torus.r <= R:  # there the class ends by the node, and nothing turns farther
+        dx = where(2 * u / X > farthest, 0.0, dx)
     c, rest, k2, k, W = _swing(torus, ends, x, e)
+    # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels there,
+    # and by the node of a horn the least c turns far: u counts x + L by its logarithm.
+    L = square_root(ends.rho_a / (2 * R))
+    steep = wide(torus) & (u < -STEEP * L)
+    if some(steep):
+        unit = (1 - STEEP) * L
+        left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
+        x = where(steep, left - L, x)
+        dx = where(steep, left / unit, dx)
+        c = where(steep, 2 * R * (left * (2 * L - left)), c)
+        rest = where(steep, (c - (torus.r - R)) / (2 * R), rest)
+        W = where(steep, square_root(larger(ends.apart + x * x, 0.0)), W)
+        k2 = where(steep, sa * sa + x * x, k2)
+        k = square_root(k2)
     # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
     # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
     sum_ = W * sa - x * sb
@@ -165,6 +208,8 @@ def outer(torus, ends, u):
         where(free, sa, sa / k),
         where(free, ends.sine, across),
         where(free, ends.cosine, along),
+        where(free, ends.cosine_b, W / k),
+        where(free, sb, sb / k),
         -2 * R * dk2,
         where(free, dk2, -dk2),
         where(free, 0.0, dk2),
@@ -173,6 +218,76 @@ def outer(torus, ends, u):
         where(free, 0.0, dlast),
         x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a,
         -W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b,
+    )
+
+
+def peaked(torus, ends, b, angle):
+    """Return where a way of `outer` may need three legs, lest its quadrature miss a peak.
+
+    There it nears a node, or an inner equator, at its end at b, too; or it passes by a node so
+    closely as only ways do that turn by an `angle` next to what half a swing turns there.
+    """
+    near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
+    low = (b < 0) & (near < NARROW * torus.R)
+    return low | (half_swing_by_the_node(torus) - angle < CLOSE)
+
+
+def half_swing_by_the_node(torus):
+    """Return the turned angle of half a swing that just misses the node, in rad."""
+    if torus.r >= torus.R:
+        return math.inf
+    return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
+
+
+def in_legs(way):
+    """Return a way of `outer` in three legs, that begin or end where the integrands have peaks.
+
+    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
+    is mirrored, for the integrands repeat backwards. What a way doesn't have is of no length.
+    """
+    rising = way.sine < 0
+    below = way.cosine_b < 0
+    sine = larger(way.sine, 0.0)
+    cosine = where(rising, 1.0, way.cosine)
+    across = where(rising, way.sine_b, way.across)
+    along = where(rising, way.cosine_b, way.along)
+    up = sine, cosine, where(rising, -way.sine, 0.0), where(rising, way.cosine, 1.0)
+    down = sine, cosine, where(below, cosine, across), where(below, sine, along)
+    last = (
+        where(below, way.sine_b, 1.0),
+        where(below, -way.cosine_b, 0.0),
+        where(below, -way.cosine_b, 0.0),
+        where(below, way.sine_b, 1.0),
+    )
+    return (
+        _leg(way, up, 0.0, -way.dfirst),
+        _leg(way, down, 0.0, where(below, 0.0, way.dlast)),
+        _leg(way, last, where(below, -way.dlast, 0.0), 0.0),
+    )
+
+
+def _leg(way, limits, dfirst, dlast):
+    """Return a part of a way between other limits."""
+    sine, cosine, across, along = limits
+    return Integrand(
+        way.c,
+        way.A,
+        way.B,
+        way.E,
+        sine,
+        cosine,
+        across,
+        along,
+        sine,  # not used of a leg
+        cosine,
+        way.dc,
+        way.dA,
+        way.dB,
+        way.dE,
+        dfirst,
+        dlast,
+        way.cos_a,
+        way.cos_b,
     )
 
 
@@ -228,7 +343,7 @@ def second(torus, ends, u, sense=1):
         (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
         (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
     ):
-        limits = sine, cosine, cosine, sine  # the span is what is missing to a right angle
+        limits = sine, cosine, cosine, sine, 1.0, 0.0  # what is missing to a right angle
         rates = -2 * R * dk2, -dk2, dk2, 0.0, speed, 0.0
         legs.append(Integrand(c, rest, k2, 0.0, *limits, *rates, cos_a, cos_b))
     return legs
@@ -271,7 +386,7 @@ def inner(torus, ends, u):
     # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
     cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
     cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
-    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine
+    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine, cb, -sb
     rates = dc, dkappa2, 0.0, dkappa2, 0.0, 0.0
     return Integrand(c, kappa2, 1.0, kappa2, *limits, *rates, cos_a, cos_b)
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..elementwise import larger, ratio, smaller, square_root, where, within
 from ..repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
-from .geodesic_pair import reduced
+from .geodesic_classes import distance
+from .geodesic_pair import PI_REST, Radii
 
 TERMS = 24  # of the series of a panel
 PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
@@ -27,15 +28,12 @@ MOST_PANELS = 60  # for the narrowest peak, about which pi/2 is 70 wide in y
 
 
 class Heading(NamedTuple):
-    """How a geodesic sets out: phi and azimuth from -pi to pi, in rad.
+    """How a geodesic sets out.
 
-    `sine` and `cosine` are the azimuth's, `rising` is 1 where phi grows at first, else -1;
-    `on_sheet` tells where the start is on the working sheet.
+    `cosine` is the azimuth's, `rising` is 1 where phi grows at first, else -1; `on_sheet` tells
+    where the start is on the working sheet.
     """
 
-    phi: np.ndarray
-    azimuth: np.ndarray
-    sine: np.ndarray
     cosine: np.ndarray
     rising: np.ndarray
     on_sheet: np.ndarray
@@ -99,12 +97,11 @@ def panel_rule():
 
 
 def headed(r, phi, azimuth):
-    """Return the `Heading` of a geodesic from phi by an azimuth, both in rad."""
-    phi = reduced(phi)
-    azimuth = reduced(azimuth)
-    sine, cosine = sine_cosine(azimuth)
-    _, level = sine_cosine(phi)
-    return Heading(phi, azimuth, sine, cosine, where(cosine < 0, -1.0, 1.0), r + level > 0)
+    """Return the `Heading` of a geodesic from phi by an azimuth, both in rad, from -pi to pi."""
+    _, cosine = sine_cosine(azimuth)
+    _, half_cosine = sine_cosine(phi / 2)
+    rho = distance(Radii(r, 1.0), phi, half_cosine)
+    return Heading(cosine, where(cosine < 0, -1.0, 1.0), rho > 0)
 
 
 def orbit_of(r, phi, sine, cosine):
@@ -114,8 +111,7 @@ def orbit_of(r, phi, sine, cosine):
     above zero, and cosine.
     """
     half_sine, half_cosine = sine_cosine(phi / 2)
-    _, level = sine_cosine(phi)
-    rho = r + level
+    rho = distance(Radii(r, 1.0), phi, half_cosine)
     c = rho * sine
     slope = cosine * square_root(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
     k2 = half_sine * half_sine + slope * slope
@@ -133,9 +129,14 @@ def orbit_of(r, phi, sine, cosine):
     # as its negative.
     rising = where(cosine < 0, -1.0, 1.0)
     falling = -rising * phi
-    t = where(free, (math.pi - falling) / 2, arctangent(-slope, half_sine))
-    begun = whole_part(t / math.pi)
-    return orbit, Start(phi, rising, t - math.pi * begun, begun)
+    # Next to where a round begins t is small, and it is no difference of pi and another angle.
+    beyond = where(falling < 0, -1.0, 1.0)
+    round_tube = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
+    opposed = half_sine < 0
+    swing = arctangent(where(opposed, slope, -slope), abs(half_sine))
+    half = where(opposed, where(slope > 0, -1.0, 1.0), 0.0)
+    begun = where(free, (1 - beyond) / 2, half)
+    return orbit, Start(phi, rising, where(free, round_tube, swing), begun)
 
 
 def whole_part(x):

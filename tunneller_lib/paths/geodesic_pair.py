@@ -11,10 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiled import loop
-from ..elementwise import larger, ratio, smaller, some, square_root, where
-from ..repeatable import arctangent, sine_cosine
-from .geodesic_classes import ends_of, inner, outer
+from ..elementwise import larger, ratio, some, square_root, where
+from ..exact import two_sum
+from ..repeatable import arctangent, reduced, sine_cosine
+from .geodesic_classes import distance, ends_of, in_legs, inner, outer, peaked
 from .geodesic_root import (
+    AGREES,
     ROUNDS,
     folded,
     moving,
@@ -34,7 +36,7 @@ OPEN = len(KINDS)  # the loop leaves the pair to arrays
 LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
 NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
 LARGE = 2.0**500  # times it, what is below NEAR keeps its digits, however small it is
-AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
+PI_REST = 1.2246467991473532e-16  # what pi is more than the double next to it
 
 
 class Radii(NamedTuple):
@@ -86,11 +88,26 @@ def radii(torus):
     return Radii(float(torus.r / unit), float(torus.R / unit)), unit
 
 
-def normal_form(torus, theta1, phi1, theta2, phi2):
-    """Return ends on a torus, theta1, phi1 and theta2, phi2 in rad, as a `EndPair`."""
-    phi1 = reduced(phi1)
-    phi2 = reduced(phi2)
-    turn = reduced(theta2 - theta1)
+def turn_and_ends(p, q):
+    """Return the turns from p to q (..., 2), and phi of both (n, 3), in rad, from -pi to pi."""
+    p, q = p.reshape(-1, 2), q.reshape(-1, 2)
+    found = np.empty((len(p), 3))
+    found[:, 0] = q[:, 0] - p[:, 0]
+    found[:, 1] = p[:, 1]
+    found[:, 2] = q[:, 1]
+    if not (np.abs(found) <= math.pi).all():
+        # What the difference of far angles loses may be more than pi.
+        turn, rest = two_sum(q[:, 0], -p[:, 0])
+        found[:, 0] = reduced(turn) + reduced(rest)
+        found = reduced(found)
+    return found
+
+
+def normal_form(torus, turn, phi1, phi2):
+    """Return ends on a torus, phi1 and phi2, and the turn between, as an `EndPair`.
+
+    All are in rad, from -pi to pi.
+    """
     angle = abs(turn)
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
     swap = abs(phi2) > abs(phi1)
@@ -105,16 +122,14 @@ def normal_form(torus, theta1, phi1, theta2, phi2):
     a = where(flat, 0.0, a)
     b = where(flat, 0.0, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    _, level_a = sine_cosine(a)
-    _, level_b = sine_cosine(b)
-    on_sheet = torus.r + torus.R * smaller(level_a, level_b) > 0
+    on_sheet = rho(torus, a) > 0
     return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet)
 
 
-def reduced(angle):
-    """Return angles from -pi to pi, untouched where they are there already."""
-    turned = (angle + math.pi) % (2 * math.pi) - math.pi
-    return where(abs(angle) <= math.pi, angle, turned)
+def rho(torus, phi):
+    """Return how far from the axis phi is, in rad from -pi to pi; zero at the node of a horn."""
+    _, cosine = sine_cosine(phi / 2)
+    return where((torus.r == torus.R) & (phi == math.pi), 0.0, distance(torus, phi, cosine))
 
 
 def level(torus, pair):
@@ -132,18 +147,24 @@ def level(torus, pair):
     cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
     near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
     if some(near):
-        _, level_a = sine_cosine(a)
-        rho = torus.r + torus.R * level_a
-        across = where(near, rho * (LARGE * angle), 1.0)
+        at = rho(torus, a)
+        across = where(near, at * (LARGE * angle), 1.0)
         down = where(near, torus.R * (LARGE * (a - b)), 0.0)
         most = larger(across, down)  # over it, squares are neither too small nor too large
         part, rest = ratio(across, most), ratio(down, most)
         size = most * square_root(part * part + rest * rest)
         kind = where(near, OUTER, kind)
         length = where(near, size / LARGE, length)
-        c = where(near, rho * ratio(across, size), c)
+        c = where(near, at * ratio(across, size), c)
         cosine = where(near, -ratio(down, size), cosine)
     return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
+
+
+def through(torus, pair):
+    """Return the way along two meridians, over phi = pi, the node of a horn."""
+    # Twice pi less a and -b, to the last digit.
+    span = ((math.pi - pair.a) + (math.pi + pair.b)) + 2 * PI_REST
+    return Way(INNER, torus.R * span, 0.0, 1.0, 1.0)
 
 
 def conjugate_turn(torus):
@@ -157,10 +178,8 @@ def azimuths(torus, pair, way):
     # and of the sine twice, since the turn is reckoned from the other end, too.
     back = pair.mirror * where(pair.swap, -1.0, 1.0)
     c = pair.side * way.c
-    _, level_a = sine_cosine(pair.a)
-    _, level_b = sine_cosine(pair.b)
-    first = arctangent(ratio(c, torus.r + torus.R * level_a), back * way.cos_a)
-    last = arctangent(ratio(c, torus.r + torus.R * level_b), back * way.cos_b)
+    first = arctangent(ratio(c, rho(torus, pair.a)), back * way.cos_a)
+    last = arctangent(ratio(c, rho(torus, pair.b)), back * way.cos_b)
     undirected = way.kind <= POINT
     first = where(undirected, math.nan, first)
     last = where(undirected, math.nan, last)
@@ -184,15 +203,15 @@ def padded(count):
 
 
 @loop(inlined=("growth", "two_to_bits", "two_nodes", "_node"))
-def find(torus, p, q, few, many, counts, rows, answers, codes):
+def find(torus, ends, few, many, counts, rows, answers, codes):
     """Write down the shortest geodesics between pairs of ends.
 
     Parameters
     ----------
     torus : Radii
         The surface.
-    p, q : (n, 2) float
-        The ends, in rad.
+    ends : (n, 3) float
+        The turn between the ends and phi of both, in rad, from -pi to pi.
     few, many : (2, k) and (2, l) float
         Quadratures: shares and weights of `padded`, for the working sheet and elsewhere.
     counts : (int, int)
@@ -204,8 +223,8 @@ def find(torus, p, q, few, many, counts, rows, answers, codes):
     codes : (2, n) int
         Filled with kinds and certificates; the kind is `OPEN` where arrays have to answer.
     """
-    for i in range(len(p)):
-        pair = normal_form(torus, p[i][0], p[i][1], q[i][0], q[i][1])
+    for i in range(len(ends)):
+        pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
         way = _shortest(torus, pair, few, many, counts, rows)
         first, last, c = azimuths(torus, pair, way)
         answers[0][i] = way.length
@@ -221,27 +240,33 @@ def _shortest(torus, pair, few, many, counts, rows):
     a, b, angle = pair.a, pair.b, pair.angle
     way = level(torus, pair)
     ring = torus.r > torus.R
-    if way.kind != NONE and not (ring and angle == 0):
-        return way
     if not pair.on_sheet:
         return way
-    if angle == 0 or (a == math.pi and abs(b) == math.pi):
+    # Arrays look at the other way along a meridian, and at the inner equator.
+    if torus.r >= torus.R and (angle == 0 or (a == math.pi and abs(b) == math.pi)):
         return _open(way)
+    if way.kind != NONE:
+        return way
     ends = ends_of(torus, a, b)
     sheet = on_working_sheet(torus, a, angle)
     nodes = few if sheet else many
     count = counts[0] if sheet else counts[1]
     begin = start(torus, ends, a, b, angle)
-    way = _search(torus, ends, angle, begin, True, nodes, count, rows)
+    hard = not sheet and peaked(torus, ends, b, angle)
+    way = _search(torus, ends, angle, begin, True, hard, nodes, count, rows)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     if ring and b < 0 and way.kind != OPEN:
-        other = _search(torus, ends, angle, (0.5, 0.0, 0.0), False, nodes, count, rows)
+        other = _search(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, count, rows)
         if other.kind == OPEN or other.length < way.length:
+            return other
+    if torus.r == torus.R and b < 0 and way.kind != OPEN:
+        other = through(torus, pair)
+        if other.length < way.length:
             return other
     return way
 
 
-def _search(torus, ends, angle, begin, outside, nodes, count, rows):
+def _search(torus, ends, angle, begin, outside, hard, nodes, count, rows):
     """Return the way of `outer`, or else of `inner`, that turns by an angle in rad."""
     u, scale, low = begin
     high = math.inf
@@ -253,13 +278,22 @@ def _search(torus, ends, angle, begin, outside, nodes, count, rows):
         if done:
             kind = OUTER if outside else INNER
             return Way(kind, total, way.c, way.cos_a, way.cos_b)
-        turned, rate, length = _summed(torus, way, stretched(torus, way), nodes, count, rows)
-        rate += moving(torus, way)
+        if hard:
+            one, two, three = in_legs(way)
+            first = _summed(torus, one, nodes, count, rows)
+            second = _summed(torus, two, nodes, count, rows)
+            third = _summed(torus, three, nodes, count, rows)
+            turned = first[0] + second[0] + third[0]
+            rate = first[1] + second[1] + third[1]
+            length = first[2] + second[2] + third[2]
+        else:
+            turned, rate, length = _summed(torus, way, nodes, count, rows)
         miss = angle - turned
         low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         # For a given angle the length is stationary in c: what u lacked hardly matters.
         total = length + way.c * miss
-        if done and not abs(turned + rate * step - angle) <= AGREES:
+        reached = turned + where(step == 0, 0.0, rate * step)
+        if done and not abs(reached - angle) <= AGREES:
             break
     return Way(OPEN, math.nan, math.nan, math.nan, math.nan)
 
@@ -268,8 +302,9 @@ def _open(way):
     return Way(OPEN, way.length, way.c, way.cos_a, way.cos_b)
 
 
-def _summed(torus, way, stretch, nodes, count, rows):
-    """Return the sums over the nodes of a rule, of which so many count."""
+def _summed(torus, way, nodes, count, rows):
+    """Return what `integrate` does, by the nodes of a rule, of which so many count."""
+    stretch = stretched(torus, way)
     shares = nodes[0]
     weights = nodes[1]
     turned = rows[0]
@@ -277,4 +312,5 @@ def _summed(torus, way, stretch, nodes, count, rows):
     length = rows[2]
     for k in range(len(shares)):
         turned[k], rate[k], length[k] = two_nodes(torus, way, stretch, shares[k], weights[k])
-    return folded(turned, count), folded(rate, count), folded(length, count)
+    both = folded(rate, count) + moving(torus, way)
+    return folded(turned, count), both, folded(length, count)

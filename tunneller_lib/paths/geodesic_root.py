@@ -11,7 +11,7 @@ import numpy as np
 
 from ..elementwise import larger, ratio, smaller, square_root, where
 from ..repeatable import area_sine, growth, sine_cosine
-from .geodesic_classes import Ends, outer, room
+from .geodesic_classes import STEEP, Ends, in_legs, outer, peaked, room, steepest, wide
 from .quadrature import gauss_rule
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
@@ -21,6 +21,7 @@ NODES_OF_RING = 64
 BLOCK = 2048  # pairs at a time, so that the quadrature's arrays stay in the cache
 ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
 NEAR = 1e-5  # rad
+AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
 ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
 
@@ -97,12 +98,17 @@ def solve(family, torus, ends, a, b, angle, low=None):
         begin = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
     few = on_working_sheet(torus, a, angle)
     many = NODES_OF_RING if torus.r > torus.R else NODES
-    for count, which in ((NODES_OF_WORKING_SHEET, few), (many, ~few)):
+    hard = ~few & peaked(torus, ends, b, angle) if family is outer else np.zeros_like(few)
+    for count, form, which in (
+        (NODES_OF_WORKING_SHEET, family, few),
+        (many, family, ~few & ~hard),
+        (many, _outer_in_legs, hard),
+    ):
         index = np.flatnonzero(which)
         for first in range(0, index.size, BLOCK):
             block = index[first : first + BLOCK]
             some = (Ends(*(value[block] for value in ends)), angle[block])
-            found[:, block] = _newton(family, torus, *some, *(v[block] for v in begin), count)
+            found[:, block] = _newton(form, torus, *some, *(v[block] for v in begin), count)
     return Root(*found)
 
 
@@ -130,6 +136,11 @@ def integrate(torus, way, count):
     sums = two_nodes(torus, way, stretched(torus, way), shares, weights)
     turned, rate, length = (folded(values, count // 2) for values in sums)
     return turned, rate + moving(torus, way), length
+
+
+def _outer_in_legs(torus, ends, u):
+    """Return `outer` as a list of legs."""
+    return list(in_legs(outer(torus, ends, u)))
 
 
 def stretched(torus, way):
@@ -250,11 +261,13 @@ def newton(u, miss, rate, scale, low, high, before):
     # The turned angle grows with u: the sign of the miss says on which side the root is.
     low = where(miss > 0, u, low)
     high = where(miss < 0, u, high)
-    step = where(miss == 0, 0.0, ratio(miss, rate))
+    # Beyond the end of a class nothing changes, and the end may be the answer.
+    step = where((miss == 0) | (rate == 0), 0.0, ratio(miss, rate))
+    onward = (rate != 0) | (abs(miss) <= AGREES)
     # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
     # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
     # too far yet, u doubles at most, for a rate near zero would throw it where none comes back.
-    onward = (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
+    onward &= (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
     endless = high == np.inf
     most = where(endless, 2 * abs(u) + 0.5, high)
     sound = (low <= u + step) & (u + step <= most) & onward
@@ -271,7 +284,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
     before = np.zeros_like(u)
     left = np.arange(u.size)
     found = np.full((5, u.size), np.nan)
-    for _ in range(ROUNDS):
+    for _ in range(2 * ROUNDS):  # the last hundred for unknowns of 1e-30
         way = family(torus, ends, u)
         turned, rate, length = integrate(torus, way, count)
         miss = angle - turned
@@ -281,16 +294,24 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
             end = family(torus, last, u[done])
             now, end = (one[-1] if isinstance(one, list) else one for one in (way, end))
             # For a given angle the length is stationary in c: what u lacked hardly matters.
-            reached = turned + rate * step
+            reached = turned + where(step == 0, 0.0, rate * step)  # with a level start no rate
             total = length + now.c * miss
             found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
             if np.all(done):
-                break
+                return found
         # The others go on without those that are done.
         ends = _only(ends, ~done)
         angle, u, scale, low, high, before, left = (
             array[~done] for array in (angle, u, scale, low, high, before, left)
         )
+    # On what is nearly a sphere all ways of a class may turn by the same to the last digit: then
+    # any u will do, however far the last step was.
+    way = family(torus, ends, u)
+    turned, _, length = integrate(torus, way, count)
+    end = way[-1] if isinstance(way, list) else way
+    near = np.abs(turned - angle) * max(torus.r / torus.R, 1) <= AGREES
+    turned = np.where(near, turned, np.nan)
+    found[:, left] = turned, length + end.c * (angle - turned), end.c, end.cos_a, end.cos_b
     return found
 
 
@@ -320,9 +341,17 @@ def start(torus, ends, a, b, angle):
     share = smaller(larger(x / X, 0.0), 0.95)
     risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
     guess = where(x > 0, risen, 0.99 * x)
+    # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
+    if wide(torus):
+        L = square_root(rho_a / (2 * R))
+        rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
+        times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
+        far = 2 * area_sine((times - 1 / times) / 2)
+        guess = where(x < -STEEP * L, -L * (STEEP + (1 - STEEP) * far), guess)
     guess = where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
     # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
     # b > 0 so large a scale would let them end too early near the inner equator, where roots are
     # small themselves; one that asks for steps of rounding size doesn't.
-    scale = where(b <= 0, ends.sine_a, ROUNDING)
-    return guess, scale, -square_root(rho_a / (2 * R))
+    # By a node the whole class is no longer than X.
+    scale = smaller(where(b <= 0, ends.sine_a, ROUNDING), X)
+    return guess, scale, steepest(torus, ends)

@@ -31,14 +31,14 @@ from .geodesic_orbit import (
     whole_part,
 )
 
-ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 ROUNDS = 30  # Newton's method takes about four
 BLOCK = 8192  # points at a time: they need the same room however many there are
 EACH, POINT = 1.1e-4, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
 SOON = 1e-3  # s, about what arrays take at least
 FASTER = 15  # so many times as fast as plain Python are arrays where they are large
 KIND = "points of geodesics"  # of work, for `compiled`
-ROOM = (2, TERMS), (2, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
+LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
+ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
 @checked
@@ -86,7 +86,7 @@ def half_swing(torus: Torus, clairaut: Lengths):
     orbit, _ = _orbits(torus.r / torus.R, np.zeros_like(sine), sine, cosine)
     half = np.empty((2, sine.size))
     for same in _alike(orbit):
-        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:, -1]
+        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:2, -1]
     length, turned = 2 * half.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
@@ -99,14 +99,15 @@ def trace(r, given, s):
     r : float
         r / R.
     given : (3, n) float
-        theta, phi and azimuths at the starts, in rad. What isn't finite has no answer.
+        phi and azimuths at the starts, in rad, from -pi to pi, and the sines of the azimuths, zero
+        along a meridian. What isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, over the radius of the tube.
 
     Returns
     -------
     found : (3, n, p) float
-        theta, phi and azimuths, in rad, each counted on; NaN where there is no answer.
+        What theta gained, phi and azimuths, in rad, each counted on; NaN where there is no answer.
     """
     found = np.empty((3, *s.shape))
     plain = EACH * len(s) + POINT * s.size
@@ -149,14 +150,14 @@ def follow_each(r, given, s, shares, integral, values, edges, series, found):
         The `panel_rule`.
     values, edges, series
         Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
-        begin, and what they gain from there, as series.
+        begin and what is left of the second, and what they gain from there, as series.
     found : (3, n, p) float
-        Filled with theta, phi and azimuths.
+        Filled with what theta gained, phi and azimuths.
     """
     for i in range(len(s)):
-        theta = given[0][i]
-        phi = given[1][i]
-        azimuth = given[2][i]
+        phi = given[0][i]
+        azimuth = given[1][i]
+        sine = given[2][i]
         ways = s[i]
         heading = headed(r, phi, azimuth)
         whither = azimuth + ways[len(ways) - 1]
@@ -164,28 +165,20 @@ def follow_each(r, given, s, shares, integral, values, edges, series, found):
         if not sound:
             for k in range(len(ways)):
                 found[0][i][k] = found[1][i][k] = found[2][i][k] = math.nan
-        elif abs(heading.sine) <= ALONG_MERIDIAN:
+        elif sine == 0:
             for k in range(len(ways)):
                 found[0][i][k] = 0.0
-                found[1][i][k] = heading.phi + heading.rising * ways[k]
-                found[2][i][k] = heading.azimuth
-        else:
-            _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
-        for k in range(len(ways)):
-            if ways[k] == 0 and sound:
-                found[0][i][k] = theta
-                found[1][i][k] = phi
+                found[1][i][k] = phi + heading.rising * ways[k]
                 found[2][i][k] = azimuth
-            else:  # whole turns were taken off, and are put back
-                found[0][i][k] += theta
-                found[1][i][k] += phi - heading.phi
-                found[2][i][k] += azimuth - heading.azimuth
+        else:
+            side = where(sine < 0, -1.0, 1.0)
+            on_orbit = orbit_of(r, phi, side * sine, heading.cosine)
+            _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, found)
 
 
-def _follow(r, heading, ways, shares, integral, values, edges, series, i, found):
-    """Write down points of geodesic i, which leaves the meridian."""
-    side = where(heading.sine < 0, -1.0, 1.0)
-    orbit, start = orbit_of(r, heading.phi, side * heading.sine, heading.cosine)
+def _follow(on_orbit, side, ways, shares, integral, values, edges, series, i, found):
+    """Write down points of geodesic i, which leaves the meridian to a side."""
+    orbit, start = on_orbit
     count = int(orbit.panels)
     _tabulate(orbit, count, shares, integral, values, edges, series)
     y = panel_place(orbit, abs(start.t))
@@ -193,12 +186,14 @@ def _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
     x = 2 * (y - panel) - 1
     sign = where(start.t < 0, -1.0, 1.0)
     before = sign * (edges[0][panel] + series_sum(x, series[0][panel]))
-    turned = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+    gained = series_sum(x, series[1][panel])
+    turned = sign * (edges[1][panel] + gained)
+    late = abs(turned) > LATE * edges[1][count]
+    left = sign * (edges[2][panel] - gained)
+    crossing = sign / 2  # the next of the outer equator, in swings
     whole = 2 * edges[0][count]  # of half a swing, or of a round
     turn = 2 * edges[1][count]
     for k in range(len(ways)):
-        if ways[k] == 0:
-            continue
         rest = ways[k] + before
         swings = whole_part(rest / whole)
         rest -= swings * whole
@@ -213,10 +208,15 @@ def _follow(r, heading, ways, shares, integral, values, edges, series, i, found)
             x, last = nearer(x, wanted, series[0][panel])
             if last:
                 break
-        beyond = sign * (edges[1][panel] + series_sum(x, series[1][panel]))
+        gained = series_sum(x, series[1][panel])
+        beyond = sign * (edges[1][panel] + gained) - turned + swings * turn
+        # Where both are great and nearly the same, as by the node of a horn, what is left of them
+        # to the outer equator isn't.
+        if late and swings + sign / 2 == crossing:
+            beyond = left - sign * (edges[2][panel] - gained)
         y = orbit.step * (panel + (1 + x) / 2)
         place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
-        found[0][i][k] = side * (beyond - turned + swings * turn)
+        found[0][i][k] = side * beyond
         found[1][i][k] = place
         found[2][i][k] = side * azimuth
 
@@ -235,6 +235,9 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
                 for j in range(TERMS + 1):
                     terms[j] += integral[k][j] * values[one][k]
             edges[one][panel + 1] = edges[one][panel] + series_sum(1.0, terms)
+    edges[2][count] = 0.0
+    for panel in range(count - 1, -1, -1):
+        edges[2][panel] = edges[2][panel + 1] + series_sum(1.0, series[1][panel])
 
 
 # ---- the same by arrays ----------------------------------------------------
@@ -242,25 +245,24 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
 
 def _by_arrays(r, given, s):
     """Return points (3, p, n) of geodesics whose arc lengths s are (p, n)."""
-    heading = headed(r, given[1], given[2])
-    whither = given[2] + s[-1]
+    phi, azimuth, sine = given
+    heading = headed(r, phi, azimuth)
+    whither = azimuth + s[-1]
     sound = heading.on_sheet & (whither - whither == 0)
-    meridian = sound & (abs(heading.sine) <= ALONG_MERIDIAN)
+    meridian = sound & (sine == 0)
     found = np.full((3, *s.shape), np.nan)
     found[0, :, meridian] = 0.0
-    found[1, :, meridian] = (heading.phi + heading.rising * s)[:, meridian].T
-    found[2, :, meridian] = heading.azimuth[meridian, None]
+    found[1, :, meridian] = (phi + heading.rising * s)[:, meridian].T
+    found[2, :, meridian] = azimuth[meridian, None]
     other = np.flatnonzero(sound & ~meridian)
-    side = np.where(heading.sine < 0, -1.0, 1.0)[other]
-    leaving = heading.phi[other], side * heading.sine[other], heading.cosine[other]
+    side = np.where(sine < 0, -1.0, 1.0)[other]
+    leaving = phi[other], side * sine[other], heading.cosine[other]
     orbit, start = _orbits(r, *leaving)
     for same in _alike(orbit):
         alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
-        turned, phi, azimuth = _on_orbits(*alike, s[:, other[same]])
-        found[:, :, other[same]] = side[same] * turned, phi, side[same] * azimuth
-    # Whole turns were taken off, and are put back.
-    turns = given - np.stack([np.zeros_like(heading.phi), heading.phi, heading.azimuth])
-    return np.where((s == 0) & sound, given[:, None], found + turns[:, None])
+        turned, place, direction = _on_orbits(*alike, s[:, other[same]])
+        found[:, :, other[same]] = side[same] * turned, place, side[same] * direction
+    return found
 
 
 @np.errstate(divide="ignore")
@@ -284,9 +286,12 @@ def _on_orbits(orbit, start, s):
     panel = np.minimum(y.astype(int), count - 1)
     x = 2 * (y - panel) - 1
     sign = np.where(start.t < 0, -1.0, 1.0)
-    there = zip(edges[:, panel, column], series[:, :, panel, column], strict=True)
-    before, turned = (sign * (begin + series_sum(x, terms)) for begin, terms in there)
-    whole, turn = 2 * edges[:, count]
+    gained = [series_sum(x, terms) for terms in series[:, :, panel, column]]
+    before, turned = sign * (edges[:2, panel, column] + gained)
+    late = abs(turned) > LATE * edges[1, count]
+    left = sign * (edges[2, panel, column] - gained[1])
+    crossing = sign / 2
+    whole, turn = 2 * edges[:2, count]
     rest = s + before
     swings = whole_part(rest / whole)
     rest -= swings * whole
@@ -304,16 +309,19 @@ def _on_orbits(orbit, start, s):
         done |= last
         if np.all(done):
             break
-    beyond = sign * (begin[1] + series_sum(x, terms[1]))
+    gained = series_sum(x, terms[1])
+    beyond = sign * (begin[1] + gained) - turned + swings * turn
+    same = late & (swings + sign / 2 == crossing)
+    beyond = np.where(same, left - sign * (begin[2] - gained), beyond)
     y = orbit.step * (panel + (1 + x) / 2)
-    return beyond - turned + swings * turn, *point_at(orbit, start, swings + start.begun, y, sign)
+    return beyond, *point_at(orbit, start, swings + start.begun, y, sign)
 
 
 def _tabulated(orbit):
-    """Return what `_tabulate` fills in, (2, panels + 1, n) and (2, TERMS + 1, panels, n)."""
+    """Return what `_tabulate` fills in, (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
     shares, integral = panel_rule()
     count = int(orbit.panels.max(initial=1))
-    edges = np.zeros((2, count + 1, orbit.c.size))
+    edges = np.zeros((3, count + 1, orbit.c.size))
     series = np.empty((2, TERMS + 1, count, orbit.c.size))
     for panel in range(count):
         values = rates(orbit, orbit.step * (panel + shares[:, None]))
@@ -323,4 +331,6 @@ def _tabulated(orbit):
                 terms += integral[k, :, None] * values[one][k]
             series[one, :, panel] = terms
             edges[one, panel + 1] = edges[one, panel] + series_sum(1.0, terms)
+    for panel in range(count - 1, -1, -1):
+        edges[2, panel] = edges[2, panel + 1] + series_sum(1.0, series[1, :, panel])
     return edges, series

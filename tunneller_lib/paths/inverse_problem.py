@@ -14,9 +14,8 @@ from ..elementwise import NUMBERS, divided
 from ..surfaces import Torus
 from .bounds import check_ratio
 from .geodesic import Geodesic
-from .geodesic_classes import Ends, ends_of, inner, outer, second
+from .geodesic_classes import Ends, ends_of, half_swing_by_the_node, inner, outer, second
 from .geodesic_pair import (
-    AGREES,
     INNER,
     MERIDIAN,
     NONE,
@@ -33,8 +32,18 @@ from .geodesic_pair import (
     normal_form,
     padded,
     radii,
+    through,
+    turn_and_ends,
 )
-from .geodesic_root import NODES, NODES_OF_RING, NODES_OF_WORKING_SHEET, integrate, rule, solve
+from .geodesic_root import (
+    AGREES,
+    NODES,
+    NODES_OF_RING,
+    NODES_OF_WORKING_SHEET,
+    integrate,
+    rule,
+    solve,
+)
 
 WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
@@ -64,9 +73,8 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     -------
     geodesic : Geodesic
         Length, azimuths, Clairaut's constant, kind, certificate. Where an end isn't on the working
-        sheet, r + R cos(phi) < 0, the kind is "none", the certificate empty, and the numbers are
-        NaN. So it may be, too, on what is nearly a sphere, r / R below 1e-3, where the ends are
-        within 1e-6 rad of half a turn apart: the angle turned can't be met there to 1e-9 rad.
+        sheet, r + R cos(phi) > 0, the kind is "none", the certificate empty, and the numbers are
+        NaN; all other ends have an answer.
 
     Notes
     -----
@@ -79,10 +87,13 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
         T(c) = 2R / (R + r) int_0^(pi/2) sqrt(1 + 2r / (rho + R - r)) dx,
         1 / rho^2 = cos^2(x) / c^2 + sin^2(x) / (R + r)^2,
 
-    falls as c grows. Every later arrival at the same end is longer, and so is a way through a node,
-    or one that turns by more than pi. Round a ring's tube one geodesic turns by that angle, the
-    shortest of those ways; it is looked at where the ends lie in opposite halves. So there is one
-    root to find, or two, and the shorter is returned.
+    falls as c grows. Every later arrival at the same end is longer, and so is a way that leaves a
+    node on the side where it entered, or one that turns by more than pi. Round a ring's tube one
+    geodesic turns by that angle, the shortest of those ways; it is looked at where the ends lie in
+    opposite halves. On a horn, r = R, both nodes are one point: there two arcs of meridians
+    through it take that geodesic's place, kind "inner", R (2 pi - |phi1| - |phi2|) long. So there
+    is one root to find, or two, and the shorter way is returned. As r falls to R the lengths tend
+    to the horn's. As it grows to R they don't: on the outer sheet a spindle's nodes remain apart.
 
     The certificate says why: "meridian" for the arc between ends with the same theta; "only" up to
     turns of pi / sqrt(1 + r / R), within which no later arrival falls, since T(c) is longer (below
@@ -93,9 +104,11 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     On a spindle's whole surface, its inner sheet included, the answer is the shortest where it is
     no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
-    Lengths are right to rounding, to 3e-14 of themselves where an end is within 0.1 rad of a node:
-    see tests/references for a table of hard ones. Ends nearer than 1e-45 R are joined in
-    the tangent plane; only ends that are the same are a point, without a direction.
+    Lengths are right to rounding. Where an end is within 0.1 rad of a node they are right to 3e-14
+    of themselves, ways shorter than 0.01 R to 2e-15 R; and to 2e-13 R where a way all but touches
+    a node or the axis, on what is nearly a sphere or a horn. See tests/references for a table of
+    hard ones. Far angles are reduced as exactly as by `Torus.point`. Ends nearer than 1e-45 R are
+    joined in the tangent plane; only ends that are the same are a point, without a direction.
 
     Examples
     --------
@@ -109,18 +122,17 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     shape = p.shape[:-1]
-    starts = p.reshape(-1, 2)
-    stops = q.reshape(-1, 2)
+    ends = turn_and_ends(p, q)
     size, unit = radii(torus)
-    answers = np.empty((4, len(starts)))
-    codes = np.empty((2, len(starts)), np.uint8)
-    each = ONE_BY_ONE if len(starts) <= FEW else BY_ARRAYS
-    compiled.expect(each[size.r > size.R] * len(starts), "geodesics")
+    answers = np.empty((4, len(ends)))
+    codes = np.empty((2, len(ends)), np.uint8)
+    each = ONE_BY_ONE if len(ends) <= FEW else BY_ARRAYS
+    compiled.expect(each[size.r > size.R] * len(ends), "geodesics")
 
     def answer(block):
-        answers[:, block], codes[:, block] = _shortest(size, starts[block], stops[block])
+        answers[:, block], codes[:, block] = _shortest(size, ends[block])
 
-    compiled.each_block(answer, len(starts), BLOCK, "geodesics")
+    compiled.each_block(answer, len(ends), BLOCK, "geodesics")
     answers[::3] *= unit  # length and Clairaut's constant
     return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in (*answers, *codes)))
 
@@ -151,7 +163,8 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     - for the first time: one geodesic, or none where it would have to pass a node;
     - for the second time, after a turning point on the other side: none short of a least turn, one
       to either side of it beyond, the second of them past two turning points or none;
-    - over the inner equator of a ring, on the side of the farther end: one geodesic. Between two
+    - over the inner equator of a ring, on the side of the farther end: one geodesic; on a horn one
+      way through the node, along two meridians, whichever way round. Between two
       places on the outer equator, past its first conjugate point, it gives way to the equator.
 
     That the second arrivals' turn has one least value was seen on all tori that were tried; the
@@ -163,7 +176,7 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     size, unit = radii(torus)
-    pair = normal_form(size, *_columns(p.reshape(-1, 2), q.reshape(-1, 2)))
+    pair = normal_form(size, *turn_and_ends(p, q).T)
     least = _least_second(size, pair)
     long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
     # Both at once, which takes a pair hardly longer than one.
@@ -184,36 +197,34 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     return Geodesic(torus, *(np.broadcast_to(end, (*shape, 2)) for end in (p, q)), *fields)
 
 
-def _shortest(size, p, q):
-    """Return length, azimuths and c (4, n), and codes (2, n), of pairs of ends (n, 2)."""
+def _shortest(size, ends):
+    """Return length, azimuths and c (4, n), and codes (2, n), of `turn_and_ends` (n, 3)."""
     ready = compiled.ready("geodesics")
-    if not ready and len(p) > FEW:
-        return _shortest_by_arrays(size, p, q)
-    answers = np.empty((4, len(p)))
-    codes = np.empty((2, len(p)), np.uint8)
+    if not ready and len(ends) > FEW:
+        return _shortest_by_arrays(size, ends)
+    answers = np.empty((4, len(ends)))
+    codes = np.empty((2, len(ends)), np.uint8)
     many = NODES_OF_RING if size.r > size.R else NODES
     rules = padded(NODES_OF_WORKING_SHEET), padded(many)
     counts = NODES_OF_WORKING_SHEET // 2, many // 2
     rows = np.empty((3, max(one.shape[1] for one in rules)))
-    # Copies, which may be written to and are of one order: one compiled form serves all.
-    ends = np.array(p, order="C"), np.array(q, order="C")
-    arguments = size, *ends, *rules, counts, rows, answers, codes
+    arguments = size, ends, *rules, counts, rows, answers, codes
     if ready:
         compiled.call(find, *arguments, **{**NUMBERS, "ratio": divided})
     else:
         try:
             compiled.call_plain(find, *arguments)
         except ZeroDivisionError:  # a product of numbers below 1e-150, which arrays divide by
-            return _shortest_by_arrays(size, p, q)
+            return _shortest_by_arrays(size, ends)
     open_ = np.flatnonzero(codes[0] == OPEN)
     if open_.size:
-        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, p[open_], q[open_])
+        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, ends[open_])
     return answers, codes
 
 
-def _shortest_by_arrays(size, p, q):
+def _shortest_by_arrays(size, ends):
     """Return the same."""
-    pair = normal_form(size, *_columns(p, q))
+    pair = normal_form(size, *ends.T)
     outside = _near_side(size, pair)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     inside = _inside(size, pair, pair.b < 0)
@@ -221,11 +232,6 @@ def _shortest_by_arrays(size, p, q):
     shortest = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
     codes = shortest.kind, certificate(size, pair, shortest.kind)
     return _finished(size, pair, shortest), codes
-
-
-def _columns(p, q):
-    """Return theta and phi of both ends, each (n,)."""
-    return p[:, 0], p[:, 1], q[:, 0], q[:, 1]
 
 
 def _finished(size, pair, way):
@@ -249,7 +255,7 @@ def _near_side(torus, pair):
     """Return the ways over the side of the farther end, or down the outside of a meridian."""
     ways = level(torus, pair)
     # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
-    turns = pair.angle <= _half_swing_by_the_node(torus)
+    turns = pair.angle <= max(half_swing_by_the_node(torus), np.pi)
     there = pair.on_sheet & (ways.kind == NONE) & turns
     _search(torus, outer, pair, there, ways)
     return ways
@@ -262,7 +268,7 @@ def _second_arrivals(torus, pair, least):
     unknown, turned = least
     possible = pair.on_sheet & (angle > turned)
     for ways, sense, swings in ((before, -1, 1), (past, 1, 2)):
-        there = possible & (angle < swings * _half_swing_by_the_node(torus))
+        there = possible & (angle < swings * half_swing_by_the_node(torus))
         _search(torus, partial(second, sense=sense), pair, there, ways, sense * unknown)
     return before, past
 
@@ -302,13 +308,6 @@ def _halved(torus, ends, bracket, ahead):
     return np.stack([edges[first, place], edges[first + 1, place]])
 
 
-def _half_swing_by_the_node(torus):
-    """Return the turned angle of half a swing that just misses the node, in rad."""
-    if torus.r >= torus.R:
-        return np.inf
-    return np.pi / np.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
-
-
 def _inside(torus, pair, allowed=True):
     """Return the ways over a ring's inner equator, or along either equator."""
     ways = _nothing(pair)
@@ -318,11 +317,16 @@ def _inside(torus, pair, allowed=True):
     # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
     past = (a == 0) & (angle > conjugate_turn(torus))
     _settle(ways, past, OUTER, span * angle, span, 0.0, 0.0)
-    if narrow <= 0:  # the working sheet of a horn or a spindle has no inner equator
+    if narrow < 0:  # the working sheet of a spindle ends at its nodes
         return ways
     # Round the tube the other way, if there are two ends.
-    meridian = (angle == 0) & ((b < 0) | (a > b)) & allowed
-    _settle(ways, meridian, MERIDIAN, torus.R * (2 * np.pi - (a - b)), 0.0, 1.0, 1.0)
+    meridian = pair.on_sheet & (angle == 0) & ((b < 0) | (a > b)) & allowed
+    _settle(ways, meridian, MERIDIAN, through(torus, pair).length, 0.0, 1.0, 1.0)
+    if narrow == 0:
+        # Both nodes of a horn are one point: any way through it enters above and leaves below.
+        node = pair.on_sheet & (angle > 0) & (angle <= np.pi) & ((b < 0) | (a > b)) & allowed
+        _settle(ways, node, *through(torus, pair))
+        return ways
     # Along the inner equator c = r - R, the class's other end.
     both = (a == np.pi) & (np.abs(b) == np.pi)
     _settle(ways, both, INNER, narrow * angle, narrow, 0.0, 0.0)
