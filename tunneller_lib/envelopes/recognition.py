@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
-from .conditions import asked, two_conditions
+from .conditions import asked, tells, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
 from .functions import Function, Shift
 from .jet import HIGHEST, ORDER
@@ -38,9 +38,6 @@ class Recognition:
         normals point to the axis.
     half_angle : float or None
         Half-angle of the cone given or found, in rad.
-    probability : float or None
-        Of measured surfaces, where a verdict is given: at least this chance that their errors
-        haven't made it.
     """
 
     kind: str
@@ -49,7 +46,6 @@ class Recognition:
     residual: float
     radius: float | None = None
     half_angle: float | None = None
-    probability: float | None = None
 
 
 @checked
@@ -126,7 +122,10 @@ def recognise(
         raise ValueError(
             f"s, t: must hold at least {LEAST_POINTS} different points; got {different}."
         )
-    belongs(kind, radius, half_angle)
+    if radius is not None and kind not in ("cylinder", "pipe"):
+        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
+    if half_angle is not None and kind != "cone":
+        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
     found = adapted_frames.unchecked(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
@@ -134,56 +133,24 @@ def recognise(
             "surface: must be defined and smooth at every point; got one that isn't "
             f"at ({s.flat[i]}, {t.flat[i]})."
         )
-    searched = kind == "cone" and half_angle is None
-    order = HIGHEST if searched else ORDER
+    order = HIGHEST if kind == "cone" and half_angle is None else ORDER
     rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
-    return judged(found, rough, s, t, kind, radius, half_angle)
-
-
-def belongs(kind, radius, half_angle):
-    """Raise ValueError if a radius or a half-angle is given that a class doesn't have."""
-    if radius is not None and kind not in ("cylinder", "pipe"):
-        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
-    if half_angle is not None and kind != "cone":
-        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
-
-
-def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
-    """Return the recognition by frames at n points.
-
-    Parameters
-    ----------
-    found, rough : AdaptedFrames
-        At the points, and there `RUNS` times over, with jets of order 5 if a half-angle is looked
-        for; how these scatter is the error of those.
-    s, t : (...) float
-        The points.
-    kind, radius, half_angle
-        As for `recognise`.
-    sharp : float
-        Relative bound of a condition, above which a point doesn't tell.
-
-    Returns
-    -------
-    found : Recognition
-        As of `recognise`.
-    """
     asked_size = half_angle if kind == "cone" else radius
     # A developable surface's normals lie on a curve by themselves.
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
     if kind == "developable":
-        evidence = _flat(rough, sharp)
+        evidence = _flat(rough)
         return _judged(kind, [evidence], spread, float(found.curvature.max()))
     if kind == "ruled":
         # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
         curved = found.curvature > TORSAL
         g = tangent_graph(found, curved)
         _check_sound(g)
-        evidence = _flat(rough, sharp)
+        evidence = _flat(rough)
         if curved.any():
             off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
-            of_curved = weigh(two_conditions("ruled", g, off), sharp)
+            of_curved = weigh(two_conditions("ruled", g, off), SHARP)
             evidence = _with(evidence, curved, of_curved)
         return _judged(kind, [evidence], spread, ruled_residual(g))
     flat = found.curvature <= FLAT
@@ -201,10 +168,16 @@ def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
     size = {"half_angle" if kind == "cone" else "radius": found_size}
     given = asked_size is not None or kind == "channel"
     if given:
-        tried = [asked(kind, f, off, asked_size, 0.0, sharp)]
+        evidence = asked(kind, f, off, asked_size, 0.0, SHARP)
+        if asked_size is not None:
+            several = evidence.several & ~evidence.agrees[:, None]
+            evidence = evidence._replace(
+                agrees=evidence.agrees & tells(kind, runs, evidence, asked_size), several=several
+            )
+        tried = [evidence]
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
-        tried, size = searched(kind, f, off, runs, sharp, window, size)
+        tried, size = searched(kind, f, off, runs, window, size)
     return _judged(kind, tried, spread, left, **size)
 
 
@@ -247,13 +220,13 @@ def _only_passing(evidence):
     return np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
 
 
-def _flat(rough, sharp):
+def _flat(rough):
     """Return the evidence for a curvature 0."""
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
     off = 10 * np.abs(every - value).max(axis=0) + 1e-15
     none = np.zeros((len(value), 0))
-    agrees = (value <= off) & (off <= sharp)
+    agrees = (value <= off) & (off <= SHARP)
     return Evidence(value > off, agrees, none, none, none.astype(bool))
 
 
