@@ -75,7 +75,9 @@ def recognise(
         Of the cylinders or spheres, in m, positive where the normals point to the axis; looked
         for unless given.
     half_angle : float, optional
-        Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given.
+        Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given. A size that
+        is given is asked as it stands: one that is off by more than a ten-thousandth of it (of a
+        half-angle's tangent) isn't confirmed, whatever the window.
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
 
@@ -102,11 +104,12 @@ def recognise(
     solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
     only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
     all: a radius or half-angle that isn't given must be the same at all points and have the
-    gradient zero at each, see `steady`, so that the size of the window doesn't matter. The
+    gradient zero at each, see `steady`; of one that is given see `tells`. The
     residual is the least over the directions that solve the
     lower-order conditions, over the size of its terms, so that it has no unit. A developable
     surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
-    revolution are: one that fits best is returned.
+    revolution are, and in a small window two near each other may both pass: one that fits best is
+    returned, and the reason names the others.
 
     Examples
     --------
@@ -166,6 +169,7 @@ def recognise(
     off = errors(runs)
     left, found_size = residual(kind, f, asked_size)
     size = {"half_angle" if kind == "cone" else "radius": found_size}
+    others = []
     given = asked_size is not None or kind == "channel"
     if given:
         evidence = asked(kind, f, off, asked_size, 0.0, SHARP)
@@ -177,8 +181,8 @@ def recognise(
         tried = [evidence]
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
-        tried, size = searched(kind, f, off, runs, window, size)
-    return _judged(kind, tried, spread, left, **size)
+        tried, size, others = searched(kind, f, off, runs, window, size)
+    return _judged(kind, tried, spread, left, others, **size)
 
 
 def _check_sound(jet):
@@ -188,8 +192,8 @@ def _check_sound(jet):
         )
 
 
-def _judged(kind, tried, spread, residual, **size):
-    """Return the recognition by the evidence for each size that was tried."""
+def _judged(kind, tried, spread, residual, others=(), **size):
+    """Return the recognition by the evidence for each size that was tried, some of which passed."""
     refuted = [evidence.refutes.any() for evidence in tried]
     if all(refuted):
         reason = "a point differs by more than its error, whatever the size of the tool"
@@ -201,6 +205,8 @@ def _judged(kind, tried, spread, residual, **size):
     count = np.count_nonzero(evidence.agrees)
     if count >= LEAST_POINTS:
         reason = f"{count} points agree within their errors and none differs"
+        if others:  # as of surfaces of revolution, or where a window is too small to tell them
+            reason += f"; so they do with {', '.join(f'{other:.6g}' for other in others)}"
         return Recognition(kind, "is", f"{reason}.", residual, **size)
     if (
         kind == "cone"

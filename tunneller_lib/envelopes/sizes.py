@@ -6,7 +6,7 @@ envelope its size is the same at all points, and stands still around each.
 
 import numpy as np
 
-from .conditions import asked
+from .conditions import APART, asked
 from .evidence import LEAST_POINTS, SHARP, Evidence, zeros
 from .forms import derivative_along, frobenius, principal, principal_values
 from .residuals import NEEDLE
@@ -44,6 +44,8 @@ def searched(kind, f, off, runs, window, size):
         The best first.
     size : dict
         With the size that the points share, if they do.
+    others : list of float
+        Sizes apart from that one which as many points agree with as must.
     """
     values, unsure, stays, complete, every = _sizes(kind, f, off, runs)
     sharp = min(SHARP, SHARP_OVER_WINDOW * window)
@@ -83,11 +85,18 @@ def searched(kind, f, off, runs, window, size):
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))
-        return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size
+        return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size, []
     tried.sort(key=lambda found: (found[0].refutes.any(), -np.count_nonzero(found[0].agrees)))
-    if np.count_nonzero(tried[0][0].agrees) >= LEAST_POINTS and tried[0][1] is not None:
-        size = {name: float(tried[0][1])}
-    return [found[0] for found in tried], size
+    evidence, shared = zip(*tried, strict=True)
+    passed = []  # each once
+    for found, one in zip(evidence, shared, strict=True):
+        enough = np.count_nonzero(found.agrees) >= LEAST_POINTS and not found.refutes.any()
+        if one is None or not enough or any(abs(one - p) <= APART * abs(p) for p in passed):
+            continue
+        passed.append(float(one))
+    if passed:
+        size = {name: passed[0]}
+    return list(evidence), size, passed[1:]
 
 
 def _sizes(kind, f, off, runs):
