@@ -338,7 +338,6 @@ def test_level_arguments_are_answered_or_refused_in_a_sentence(call):
 
 ONCE_FOUND = {
     "envelopes.fit_surface": 783,
-    "envelopes.recognise_measured": 918,
     "job.results.summarise": 245,
     "milling.TiltingTable.values": 380,
     "motion.Hydraulics.loaded": 182,

@@ -49,3 +49,15 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
     assert not spread_in_two(s, t, arc)
     assert not spread_in_two(size * np.cos(angle), 2 * size * np.sin(angle), normals)
     assert not spread_in_two(s, s * s / size, None)
+
+
+@pytest.mark.parametrize("apart", [1e-7, 1e-6, 1e-5, 1.9e-5])
+def test_zeros_that_come_as_one_are_both_within_its_spread(apart):
+    """Nearer than 2e-5 they come as a double one amid them, where the polynomial isn't zero."""
+    angle, spread, several = zeros(
+        lambda a: np.cos(a - 0.3) - np.cos(apart / 2), 1, np.array([1e-16])
+    )
+    near = np.abs(angle - 0.3) < 1e-4
+    for zero in (0.3 - apart / 2, 0.3 + apart / 2):
+        assert np.any(np.abs(angle - zero)[near] <= spread[near])
+    assert several[near].all()

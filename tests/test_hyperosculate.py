@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
+from scipy.stats import qmc
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import hyperosculating_cones
@@ -458,3 +459,47 @@ def test_residual_of_fourth_derivatives_alone_does_not_depend_on_the_angle(share
         np.testing.assert_allclose(other, one, rtol=1e-12, atol=1e-15)
     if share in (0.0, 1.0):
         assert one[0, 0] == share
+
+
+def test_shares_of_the_area_by_number_of_cones_are_those_of_eq_11_at_scattered_places():
+    """Of sin 2x cos y + 0.3 x y in a square: signs of Eq. 11 around the circle, at Sobol places."""
+    x, y = 6 * qmc.Sobol(2, seed=1).random(2**14).T - 3
+    s2, c2, sy, cy = np.sin(2 * x), np.cos(2 * x), np.sin(y), np.cos(y)
+    xx, xy, yy = -4 * s2 * cy, 0.3 - 2 * c2 * sy, -s2 * cy
+    xxx, xxy, xyy, yyy = -8 * c2 * cy, 4 * s2 * sy, -2 * c2 * cy, s2 * sy
+    signs = []
+    for a in 2 * np.pi * (np.arange(720) + 0.5) / 720:
+        c, s = np.cos(a), np.sin(a)
+        eee = xxx * c**3 + 3 * xxy * c * c * s + 3 * xyy * c * s * s + yyy * s**3
+        ew = (yy - xx) * c * s + xy * (c * c - s * s)
+        signs.append((1 + x * x + y * y) * eee + 6 * (np.tan(np.pi / 6) + x * s - y * c) * ew > 0)
+    count = np.sum(np.roll(signs, 1, axis=0) != signs, axis=0)
+    scattered = [100 * np.mean(count == n) for n in (2, 4, 6)]
+    middles = np.meshgrid(*[6 * (np.arange(160) + 0.5) / 160 - 3] * 2)
+    found = hyperosculating_cones(GRAPHS["waves"], *middles, half_angle=np.pi / 6)
+    cones = np.bincount(found.index, found.multiplicity, minlength=160**2)
+    squares = [100 * np.mean(cones == n) for n in (2, 4, 6)]
+    np.testing.assert_allclose(scattered, [63.0, 21.5, 15.5], atol=0.15)
+    np.testing.assert_allclose(squares, scattered, atol=0.3)
+
+
+def test_deepest_gouge_in_a_disc_is_that_of_a_formula_of_its_own():
+    """Of Example 31 within 0.1 m of the contact at (0.5, 0.3): 0.25 mm, and nothing of squares."""
+    point, half_angle = np.array([0.5, 0.3]), np.pi / 6
+    cones = hyperosculating_cones(cyclide, *point, half_angle=half_angle)
+    x, y = point[:, None, None] + np.meshgrid(*[np.linspace(-0.13, 0.13, 301)] * 2)
+    patch = surface_points(cyclide, x, y)
+    from_contact = patch - cones.contact[0]
+    along = from_contact @ cones.normal[0]
+    away = np.sqrt(np.sum(from_contact**2, axis=-1) - along**2)
+    depths = []
+    for cone in cones:
+        arm = patch - cone.pose.vertex
+        high = arm @ cone.pose.axis
+        wide = np.sqrt(np.sum(arm**2, axis=-1) - high**2)
+        inside = high * np.sin(half_angle) - wide * np.cos(half_angle)
+        depths.append(1e3 * inside[away <= 0.1].max())
+        assert np.max(-1e3 * cone.pose.clearance(patch)[away <= 0.1]) == pytest.approx(
+            max(depths[-1], 0), abs=1e-9
+        )
+    assert np.max(depths) == pytest.approx(0.248, abs=0.003)

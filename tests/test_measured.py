@@ -1,22 +1,17 @@
-"""Surfaces through measured points and normals, their errors, and verdicts from such data."""
+"""Surfaces through measured points and normals, and their errors."""
 
-import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.envelopes_random import KINDS
 from tests.long import many
-from tests.measured_many import ASKED, HEAD, TABLE, example_32, tried
-from tunneller_lib.envelopes import fit_surface, recognise_measured
-from tunneller_lib.envelopes.families import channel, cubic, cyclide
+from tunneller_lib.envelopes import fit_surface
+from tunneller_lib.envelopes.families import cubic, cyclide
 from tunneller_lib.envelopes.fit import tilted
 from tunneller_lib.envelopes.isotropic import normal, surface_points
 from tunneller_lib.envelopes.jet import jet_variables
-from tunneller_lib.envelopes.measured import CHANCES, drawn, point_of
-from tunneller_lib.envelopes.rough import RUNS
 
-READS = ["tests/measured.csv"]
 EXACT = {"contact_error": 0.0, "normal_error": 1e-6}
 
 
@@ -24,6 +19,12 @@ def patch(n=800, seed=0):
     """Return points of Example 31 with unit normals, from places about (0.45, 0.45)."""
     x, y = np.random.default_rng(seed).uniform(0.3, 0.6, (2, n))
     return surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
+
+
+def drawn(fit, rng, times):
+    """Yield fits with other coefficients, at random as the covariance has them."""
+    for noise in rng.normal(size=(times, len(fit.c))):
+        yield replace(fit, c=fit.c + np.linalg.solve(fit.root, noise))
 
 
 def noisy(data, contact_error, normal_error, seed):
@@ -60,8 +61,8 @@ def test_errors_of_jets_are_those_of_coefficients_drawn_at_random():
         said = fit.jet_errors(x, y)
         rng = np.random.default_rng(3)
         seen = []
-        for c in drawn(fit, rng, many(500, 2000)):
-            r = point_of(fit, *jet_variables(x, y), c)
+        for other in drawn(fit, rng, many(500, 2000)):
+            r = other.surface(*jet_variables(x, y))
             seen.append(sum(part.c * axis for part, axis in zip(r, fit.axes[2], strict=True)))
         np.testing.assert_allclose(np.std(seen, axis=0), said, rtol=0.1)
 
@@ -80,7 +81,7 @@ def test_covariance_says_how_far_fits_of_other_noise_are_apart():
         for fit, place in zip(fits, places, strict=True)
     ]
     every = drawn(first, np.random.default_rng(2), 400)
-    own = [point_of(first, *places[0].T, c)[2] for c in every]
+    own = [fit.surface(*places[0].T)[2] for fit in every]
     expected = np.std(own, axis=0) * (first.axes[2, 2] ** -1)
     assert 0.6 < np.median(np.std(heights, axis=0) / expected) < 1.6
 
@@ -134,9 +135,6 @@ def test_noise_said_too_small_fits_nothing():
     data = noisy(patch(), 1e-3, 1e-3, 4)
     fit = fit_surface(*data, contact_error=1e-5, normal_error=1e-5)
     assert not fit.fits and fit.misfit > 30
-    found = recognise_measured(*data, "pipe", contact_error=1e-5, normal_error=1e-5)
-    assert found.verdict == "cannot tell" and found.because.startswith("no polynomial of degree 16")
-    assert found.probability is None
 
 
 def test_where_the_middle_half_has_the_edge_another_is_kept():
@@ -164,91 +162,15 @@ def test_an_edge_of_regression_is_left_out():
     assert len(fit.place) < 2000
 
 
-def test_a_verdict_has_its_chance_and_a_radius_is_found():
-    s, t = np.random.default_rng(6).uniform(0.2, 0.6, (2, 800))
-    surface = channel(cubic, 0.3)
-    centre = np.stack([c + 0 * s for c in cubic(s)[0]], axis=-1)
-    contact = np.stack(surface(s, t), axis=-1)
-    n = (centre - contact) / 0.3
-    found = recognise_measured(*noisy((contact, n), 0, 1e-4, 7), "pipe", contact_error=0,
-                               normal_error=1e-4)  # fmt: skip
-    assert found.verdict == "is" and 0.999 < found.probability < 1
-    assert found.radius == pytest.approx(0.3, rel=1e-7)
-    other = recognise_measured(*noisy((contact, n), 0, 1e-4, 7), "ruled", contact_error=0,
-                               normal_error=1e-4)  # fmt: skip
-    assert other.verdict == "is not" and other.probability >= found.probability
-
-
-def test_chances_are_those_of_ten_times_the_greatest_of_eight():
-    """How seldom a normal error passes k times what eight others allow, by their distribution."""
-    x = np.random.default_rng(8).normal(size=(400_000, RUNS))
-    most = np.abs(x - np.median(x, axis=1)[:, None]).max(axis=1)
-    # The least of many has the law of a power 7: so few draws tell how often it is below m.
-    below = np.mean(most < 0.5) / 0.5**7
-    steps = np.linspace(0, 0.5, 4001)[1:]
-    for times, chance in CHANCES.items():
-        tail = np.exp(-((10 * times * steps) ** 2) / 2)  # above the chance of more than that
-        bound = np.sum(7 * below * steps**6 * tail) * (steps[1] - steps[0])
-        assert 1 < bound / chance < 6
-
-
-@pytest.mark.parametrize("place", [(0.5, 0.3), (0.9, 0.6), (-0.4, 1.0), (0.2, -0.7)])
-def test_example_32_by_contacts_has_all_six_cones(place):
-    """With normals turned by 0.1 and exact contacts, in every draw."""
-    for seed in range(many(2, 20)):
-        exact, found = example_32(place, seed)
-        assert len(exact) == len(found) == 6
-        axes = np.abs(exact.axis @ found.axis.T).max(axis=1)
-        assert np.degrees(np.arccos(np.minimum(axes, 1))).max() < 1e-3
-
-
-def test_no_verdict_from_noisy_data_is_wrong():
-    for turn, off, _ in ASKED[:2]:
-        for seed in range(many(3, 500)):
-            exact, _, found = tried(seed, turn, off)
-            assert found.verdict != ("is not" if exact else "is")
-
-
-def test_a_small_bump_beside_a_sharp_bend_is_no_cylinder():
-    """An eighth of its points, where it bends sharply, was one to half a millionth."""
-    assert tried(113, 1e-6, 0.0)[2].verdict != "is"
-
-
-def told(turn, off):
-    """Return how many members and near-misses of the table are, are not and cannot be told."""
-    lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
-    rows = csv.DictReader(lines)
-    part = [row for row in rows if (float(row["normals"]), float(row["contacts"])) == (turn, off)]
-    return {row["surface"]: [int(row[verdict]) for verdict in HEAD[3:]] for row in part}
-
-
-def test_table_of_verdicts_from_data_has_no_wrong_one_and_tells_most():
-    """What the report shows; `python -m tests.measured_many` makes it."""
-    for turn, off, draws in ASKED:
-        counts = told(turn, off)
-        assert sum(map(sum, counts.values())) == draws
-        if off == 0:
-            assert counts["member"][1] == counts["near-miss"][0] == 0
-            assert 2 * counts["member"][0] > sum(counts["member"])
-            assert 2 * counts["near-miss"][1] > sum(counts["near-miss"])
-    assert len(KINDS) == 6
-
-
-def test_with_normals_off_by_a_millionth_three_of_ten_are_not_told_at_most():
-    counts = told(1e-6, 0.0).values()
-    assert sum(row[2] for row in counts) <= 0.3 * sum(map(sum, counts))
-
-
 @pytest.mark.parametrize(("change", "message"), [
     (dict(zip(("contact", "n"), patch(200), strict=True)), r"^contact: .* 250 points; got 200\.$"),
     ({"n": patch(300)[1]}, r"^contact, n: .* must broadcast; got \(800,\), \(300,\)\.$"),
     ({"n": 2 * patch()[1]}, r"^n: "),
     ({"contact_error": -1.0}, r"^contact_error: "),
     ({"normal_error": -1.0}, r"^normal_error: "),
-    ({"half_angle": 0.3}, r"^half_angle: belongs to cone only; got it with 'pipe'\.$"),
 ])  # fmt: skip
 def test_wrong_data_are_refused(change, message):
     contact, n = patch()
-    asked = {"contact": contact, "n": n, "kind": "pipe"} | EXACT | change
+    asked = {"contact": contact, "n": n} | EXACT | change
     with pytest.raises(ValueError, match=message):
-        recognise_measured(**asked)
+        fit_surface(**asked)

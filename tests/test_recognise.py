@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from tests.envelopes_random import member
+from tests.envelopes_random import member, placed, window
 from tests.envelopes_zoo import (
     CURVES,
     DEVELOPABLE,
@@ -21,7 +21,7 @@ from tests.long import many
 from tests.recognise_many import HEAD, TABLE, tried
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.families import cyclide, moving_cone
+from tunneller_lib.envelopes.families import channel, cyclide, helix, moving_cone, screwing
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
 
 READS = ["tests/recognised.csv"]
@@ -141,6 +141,14 @@ def test_verdicts_do_not_depend_on_the_unit(kind, scale):
         assert found.radius / scale == pytest.approx(verdict(plain, kind).radius, rel=1e-9)
 
 
+def cone_of(seed):
+    """Return a surface that a random cone envelops, 20 points, its half-angle and a generator."""
+    rng = np.random.default_rng((seed, 45))
+    surface, motion = member("cone", rng)
+    points = window(surface, rng, 10.0 ** rng.uniform(-4, 0))
+    return placed(surface, rng, 10.0 ** rng.uniform(-3, 3)), points, motion["half_angle"], rng
+
+
 def nearly_ruled(s, t):
     x, y, z = MEMBERS["ruled"][0](s, t)
     return [x, y, z + 1e-5 * s * s * t**3]
@@ -247,6 +255,40 @@ def test_isolated_double_root_doesn_t_refute():
     assert recognise(cyclide, x, y, "cone").verdict != "is not"
 
 
+@pytest.mark.parametrize("off", [1e-3, 1e-2, 1e-1])
+@pytest.mark.parametrize("seed", [30, 199, 250])
+def test_wrong_half_angle_near_the_parabolic_curve_is_not_confirmed(seed, off):
+    """Derivatives across the ruling are a million times those along it, and once hid all angles."""
+    surface, points, half_angle, _ = cone_of(seed)
+    found = recognise(surface, *points, "cone", half_angle=half_angle + off, model="space")
+    assert found.verdict != "is"
+
+
+@pytest.mark.parametrize(("half_angle", "confirmed"), [
+    (0.3, True), (0.3001, False), (0.301, False), (0.31, False), (0.35, False),
+])  # fmt: skip
+def test_window_of_a_thousandth_confirms_no_angle_but_its_own(half_angle, confirmed):
+    surface = moving_cone(screwing(1.0, 0.4, 0.5), 0.3)
+    some = 1e-3 * np.linspace(-0.5, 0.5, 6)
+    s, t = np.meshgrid(3.1 + some[:5], 0.3 + some)
+    found = recognise(surface, s, t, "cone", half_angle=half_angle, model="space")
+    assert (found.verdict == "is") == confirmed
+
+
+@pytest.mark.parametrize("share", [1.0, 1.001, 1.01, 1.1])
+@pytest.mark.parametrize("kind", ["cylinder", "pipe"])
+def test_wrong_radius_near_the_parabolic_curve_is_not_confirmed(kind, share):
+    some = 1e-5 * np.linspace(0.9, 1.1, 5)
+    s, t = np.meshgrid(0.3 + some, np.pi / 2 + some)
+    found = recognise(channel(helix, 0.3), s, t, kind, radius=0.3 * share, model="space")
+    assert (found.verdict == "is") == (share == 1.0)
+
+
+def test_lines_are_cylinders_of_radius_nothing_and_of_no_small_one():
+    assert verdict(ruled("saddle"), "cylinder", radius=0.0).verdict == "is"
+    assert verdict(ruled("saddle"), "cylinder", radius=1e-9).verdict != "is"
+
+
 # ---- thousands of random surfaces ------------------------------------------------------------
 
 
@@ -273,6 +315,25 @@ def test_random_members_and_near_misses(kind, part):
     for seed in range(1000 * part, 1000 * part + many(1, 70)):
         assert tried(kind, True, seed)[2] != "is not"
         assert tried(kind, False, seed)[2] != "is"
+
+
+@pytest.mark.parametrize("part", range(6))
+def test_half_angle_is_confirmed_if_it_is_right_alone(part):
+    """In windows from 1 to 1e-4; in the long form 7,200 asks of 1,800 surfaces."""
+    for seed in range(300 * part, 300 * part + many(2, 300)):
+        surface, points, half_angle, rng = cone_of(seed)
+        for off in (0, 1e-3, 1e-2, 1e-1):
+            tried = half_angle + off * rng.choice([-1, 1])
+            found = recognise(surface, *points, "cone", half_angle=tried, model="space")
+            assert found.verdict != ("is" if off else "is not")
+
+
+@pytest.mark.parametrize("share", [-2e-4, 2e-4])
+def test_half_angle_off_by_twice_what_is_promised_is_not_confirmed(share):
+    for seed in range(many(6, 300)):
+        surface, points, half_angle, _ = cone_of(seed)
+        off = np.arctan((1 + share) * np.tan(half_angle))
+        assert recognise(surface, *points, "cone", half_angle=off, model="space").verdict != "is"
 
 
 def test_table_of_verdicts_on_thousands_has_no_wrong_one_and_tells_nearly_always():

@@ -71,5 +71,4 @@ CALLS = {
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
-    "recognise_measured": MEASURED | {"kind": "pipe"},
 }

@@ -5,7 +5,7 @@ from .adapted import adapted_frames, model_jet
 from .cone_pose import ConePose
 from .hyperosculate import hyperosculating_cones
 from .jet import jet_variables
-from .measured import fit_surface, recognise_measured
+from .measured import fit_surface
 from .recognition import recognise
 
 __all__ = [
@@ -22,5 +22,4 @@ __all__ = [
     "jet_variables",
     "model_jet",
     "recognise",
-    "recognise_measured",
 ]

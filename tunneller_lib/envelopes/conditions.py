@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from .evidence import Forms, weigh
+from .evidence import Forms, Waves, weigh
 from .forms import derivative_along, frobenius, frobenius_along
+from .rough import RUNS, scatter
+
+APART = 1e-4  # share by which a size that is given may be off, and no point can tell
+FAR = 1e-2  # share by which it is off where no size matters
+NOTHING = 1e-10  # of the terms of order 4, an error that is small there as well
 
 
 def two_conditions(kind, f, off, size=0.0, unsure=0.0, floor=1.0):
@@ -117,3 +122,70 @@ def asked(kind, f, off, size, unsure, sharp, **floor):
     counts = ~np.isnan(evidence.angle) & ~(evidence.several & (few > bound))
     anything = evidence.agrees & np.isnan(evidence.angle).all(axis=-1)
     return evidence._replace(agrees=counts.any(axis=-1) | anything)
+
+
+def tells(kind, runs, evidence, size):
+    """Tell at which points a size that is given can't be another one.
+
+    Parameters
+    ----------
+    kind : {"cylinder", "pipe", "cone"}
+        Which class.
+    runs : Jet
+        A surface in adapted frames at n points, `RUNS` times over, each time rounded at random.
+    evidence : Evidence
+        Of `asked`.
+    size : float
+        The radius in m or the half-angle in rad.
+
+    Returns
+    -------
+    tells : (n,) bool
+        Whether at a common zero both conditions hold, as near as rounding lets them, and don't for
+        tools that are `APART` greater or smaller; or whether they hardly depend on the size, as
+        where cones of every half-angle envelop the surface, or any direction will do.
+    """
+    several = np.tile(evidence.several, (RUNS, 1))
+    angle = np.tile(evidence.angle, (RUNS, 1))
+    with np.errstate(all="ignore"):
+        here, less, more, far = (
+            _at_own_zeros(kind, runs, angle, several, _larger(kind, size, share))
+            for share in (0.0, -APART, APART, FAR)
+        )
+        # The bounds of `weigh` are those of all directions. Near the parabolic curve derivatives
+        # across a ruling are a million times those along it, and another size is within them.
+        off = [scatter(values) for values in here]
+        own = _within(here, off)
+        differs = ~_within(less, off) & ~_within(more, off)
+        terms = _middle(two_conditions(kind, runs, runs, size, floor=0.0).size(angle))
+        any_size = _within(far, map(scatter, far)) & (off[1] <= NOTHING * terms)
+    everywhere = np.isnan(evidence.angle).all(axis=-1)
+    return everywhere | (own & (differs | any_size)).any(axis=-1)
+
+
+def _larger(kind, size, share):
+    """Return the size that is larger by a share, of a half-angle by that of its tangent."""
+    return np.arctan((1 + share) * np.tan(size)) if kind == "cone" else (1 + share) * size
+
+
+def _at_own_zeros(kind, runs, angle, several, size):
+    """Return both conditions (RUNS n, m) at each run's own zeros of the first.
+
+    A multiple zero may vanish with another size: there it's where the first turns.
+    """
+    forms = two_conditions(kind, runs, runs, size)
+    waves = Waves(forms.first, forms.degree)
+    for _ in range(3):  # Newton's steps
+        value, slope, bend = (waves.derivative(angle, k) for k in range(3))
+        angle = angle - np.where(several, slope / bend, value / slope)
+    return np.where(several, waves.derivative(angle, 0), 0.0), forms.second(angle)
+
+
+def _within(conditions, off):
+    """Tell where conditions, found `RUNS` times over, are zero within their errors (n, m)."""
+    return np.all([_middle(v) <= e for v, e in zip(conditions, off, strict=True)], axis=0)
+
+
+def _middle(values):
+    """Return the sizes (n, m) of values (RUNS n, m) that were found `RUNS` times over."""
+    return np.abs(np.median(values.reshape(RUNS, -1, values.shape[-1]), axis=0))

@@ -105,7 +105,8 @@ def zeros(function, degree, off):
     turning, _ = real_zeros(lambda a: waves.derivative(a + 0 * unit[:, None], 1), degree, unit=unit)
     near = np.abs(waves.derivative(turning, 0)) <= 2 * off
     angle = np.hstack([angle, np.where(near, turning, np.nan)])
-    slope, bend, third = (np.abs(waves.derivative(angle, k)) for k in (1, 2, 3))
+    value, slope, bend, third = (np.abs(waves.derivative(angle, k)) for k in range(4))
+    off = off + value  # two zeros that nearly fall together come as one amid them, which is none
     with np.errstate(divide="ignore", invalid="ignore"):
         simple = 4 * off / slope
         double = 2 * np.sqrt(8 * off / bend) + 4 * slope / bend

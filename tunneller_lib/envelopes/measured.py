@@ -1,24 +1,20 @@
-"""Surfaces through measured points and normals of known noise, and which tool made them.
+"""Surfaces through measured points and normals of known noise.
 
 Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what
 z is and a normal what its slopes are, so both together are one linear least-squares problem, whose
 weights are the known errors.
 """
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import HalfAngle, Length0, NotNegative, Points, Reals, checked
+from ..arguments import Length0, NotNegative, Points, Reals, checked
 from ..exact import norm
-from .adapted import adapted_frames, frames_by
 from .fit import mean_frame
-from .functions import Shift, UnitVectors, Varying
-from .jet import EXPONENTS, HIGHEST, ORDER, Jet, jet_variables
-from .recognition import Recognition, belongs, judged
-from .rough import RUNS
+from .functions import UnitVectors, Varying
+from .jet import Jet, jet_variables
 
 MOST_DEGREE = 16
 LEAST_DEGREE = 4
@@ -29,13 +25,7 @@ SIDES = np.arange(8) * np.pi / 4  # rad, of the lines that part the points in ha
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
-SHARP = 1e-4  # relative bound of a condition, above which a point doesn't tell
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
-ASKED = 24  # places at which a fit is asked for its derivatives
-_SEED = 8
-# The chance that an error is k times ten times the greatest of eight others like it, or more; what
-# those others are measured from is their median.
-CHANCES = {1: 7e-7, 4: 2e-11}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +67,8 @@ class Fit:
 
     @checked
     def surface(self, x: Varying, y: Varying):
-        """Return the fitted point as three coordinates, for `recognise` with model="space".
+        """Return the fitted point as three coordinates, for `hyperosculating_cones` with
+        model="space".
 
         Parameters
         ----------
@@ -101,7 +92,13 @@ class Fit:
                     f"{name}: must be at most {BEYOND * self.reach:g} m in size, {BEYOND:g} times "
                     f"the patch's; got {np.max(size):g}."
                 )
-        return point_of(self, x, y, self.c)
+        across, along = (_chebyshev(part / self.reach, self.degree) for part in (x, y))
+        rows = [0.0] * (self.degree + 1)
+        for coefficient, (i, j) in zip(self.c, _orders(self.degree), strict=True):
+            rows[i] = rows[i] + coefficient * along[j]
+        z = sum(row * factor for row, factor in zip(rows, across, strict=True))
+        frame = zip(self.origin, *self.axes, strict=True)
+        return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
 
     @checked
     def jet_errors(self, x: Reals, y: Reals):
@@ -127,61 +124,6 @@ class Fit:
         basis = [(like + across[i] * along[j]).c for i, j in _orders(self.degree)]
         errors = norm(np.einsum("pcn,pq->cnq", np.array(basis), turned))
         return errors.reshape(len(errors), *x.shape)
-
-
-def point_of(fit, x, y, c):
-    """Return a point as `Fit.surface` does, by coefficients.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose frame and degree count.
-    x, y : (...) float or Jet
-        Place in the frame, in m.
-    c : (p,) or (p, n) float
-        Coefficients, in m; n of them for n places.
-
-    Returns
-    -------
-    r : list of three
-        Coordinates in m.
-    """
-    across = _chebyshev(x / fit.reach, fit.degree)
-    along = _chebyshev(y / fit.reach, fit.degree)
-    rows = [0.0] * (fit.degree + 1)
-    for coefficient, (i, j) in zip(c, _orders(fit.degree), strict=True):
-        rows[i] = rows[i] + coefficient * along[j]
-    z = sum(row * factor for row, factor in zip(rows, across, strict=True))
-    frame = zip(fit.origin, *fit.axes, strict=True)
-    return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
-
-
-def drawn(fit, rng, times):
-    """Return coefficients at random, as the noise may have made them.
-
-    Parameters
-    ----------
-    fit : Fit
-        With its covariance.
-    rng : numpy.random.Generator
-        Where they come from.
-    times : int
-        How many.
-
-    Returns
-    -------
-    c : (times, p) float
-        In m.
-    """
-    noise = rng.normal(size=(len(fit.c), times))
-    return fit.c + np.linalg.solve(fit.root, noise).T
-
-
-def inner_places(fit):
-    """Return some of a fit's places (k, 2) amid its points, in m, those nearest the middle."""
-    away = np.sum((fit.place / np.ptp(fit.place, axis=0)) ** 2, axis=-1)
-    inner = np.argsort(away)[: len(away) // 3]
-    return fit.place[inner[:: len(inner) // ASKED][:ASKED]]
 
 
 @checked
@@ -342,84 +284,3 @@ def _chebyshev(x, degree):
     for _ in range(degree - 1):
         every.append(2 * x * every[-1] - every[-2])
     return every
-
-
-@checked
-def recognise_measured(
-    contact: Points,
-    n: UnitVectors,
-    kind: Literal["developable", "ruled", "cylinder", "channel", "pipe", "cone"],
-    *,
-    contact_error: Length0,
-    normal_error: NotNegative,
-    radius: Shift | None = None,
-    half_angle: HalfAngle | None = None,
-):
-    """Return whether measured points with normals lie on a surface of a class of envelopes.
-
-    Parameters
-    ----------
-    contact, n
-        As for `fit_surface`.
-    kind
-        As for `recognise`.
-    contact_error, normal_error
-        As for `fit_surface`.
-    radius, half_angle
-        As for `recognise`.
-
-    Returns
-    -------
-    found : Recognition
-        Verdict with its reason and the chance that it stands. It "is" where what a dozen places
-        or more ask agrees within its error and that is below 1e-4 of its terms: smaller
-        differences aren't looked for.
-
-    Raises
-    ------
-    ValueError
-        As `fit_surface` and `recognise` do.
-
-    Notes
-    -----
-    The derivatives of `fit_surface`, found again from coefficients drawn at random from their
-    covariance, take the place of those that `recognise` finds again with random rounding. What is
-    allowed for a derivative is ten times the greatest deviation of eight draws; the chance that one
-    is off by more is added up over all of them. Where the verdict stands with four times as much
-    that chance is less.
-
-    Examples
-    --------
-    >>> from tunneller_lib.envelopes.families import cyclide
-    >>> from tunneller_lib.envelopes.isotropic import normal, surface_points
-    >>> x, y = np.random.default_rng(0).uniform(0.3, 0.6, (2, 800))
-    >>> data = surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
-    >>> recognise_measured(*data, "channel", contact_error=0, normal_error=1e-6).verdict
-    'is'
-    """
-    belongs(kind, radius, half_angle)
-    fit = fit_surface.unchecked(contact, n, contact_error=contact_error, normal_error=normal_error)
-    if not fit.fits:
-        reason = f"no polynomial of degree {MOST_DEGREE} passes the points within their errors"
-        return Recognition(kind, "cannot tell", f"{reason}.", 1.0, radius, half_angle)
-    rng = np.random.default_rng(_SEED)
-    away = drawn(fit, rng, RUNS) - fit.c
-    x, y = inner_places(fit).T
-    found = adapted_frames.unchecked(fit.surface, x, y, "space")
-    order = HIGHEST if kind == "cone" else ORDER
-    answers = {}
-    for times in CHANCES:
-        rough = _frames(fit, fit.c + times * away, x, y, order)
-        answers[times] = judged(found, rough, x, y, kind, radius, half_angle, SHARP)
-        if answers[1].verdict == "cannot tell":
-            return answers[1]
-    stands = max(times for times in CHANCES if answers[times].verdict == answers[1].verdict)
-    return replace(answers[1], probability=1 - CHANCES[stands] * len(EXPONENTS) * len(x))
-
-
-def _frames(fit, every, x, y, order):
-    """Return the fit's frames at places, for each row of coefficients one after another."""
-    places = (np.tile(c, len(every)) for c in (x, y))
-    variables = jet_variables.unchecked(*places, order=order)
-    c = np.repeat(every, len(x), axis=0).T
-    return frames_by(lambda x, y: point_of(fit, x, y, c), *variables, "space")

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
-from .conditions import asked, two_conditions
+from .conditions import asked, tells, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
 from .functions import Function, Shift
 from .jet import HIGHEST, ORDER
@@ -38,9 +38,6 @@ class Recognition:
         normals point to the axis.
     half_angle : float or None
         Half-angle of the cone given or found, in rad.
-    probability : float or None
-        Of measured surfaces, where a verdict is given: at least this chance that their errors
-        haven't made it.
     """
 
     kind: str
@@ -49,7 +46,6 @@ class Recognition:
     residual: float
     radius: float | None = None
     half_angle: float | None = None
-    probability: float | None = None
 
 
 @checked
@@ -79,7 +75,9 @@ def recognise(
         Of the cylinders or spheres, in m, positive where the normals point to the axis; looked
         for unless given.
     half_angle : float, optional
-        Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given.
+        Of the cones, in rad, between 0 and pi/2; looked for from 1e-4 on unless given. A size that
+        is given is asked as it stands: one that is off by more than a ten-thousandth of it (of a
+        half-angle's tangent) isn't confirmed, whatever the window.
     model : {"isotropic", "space"}
         As for `hyperosculating_cones`.
 
@@ -106,11 +104,12 @@ def recognise(
     solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
     only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
     all: a radius or half-angle that isn't given must be the same at all points and have the
-    gradient zero at each, see `steady`, so that the size of the window doesn't matter. The
+    gradient zero at each, see `steady`; of one that is given see `tells`. The
     residual is the least over the directions that solve the
     lower-order conditions, over the size of its terms, so that it has no unit. A developable
     surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
-    revolution are: one that fits best is returned.
+    revolution are, and in a small window two near each other may both pass: one that fits best is
+    returned, and the reason names the others.
 
     Examples
     --------
@@ -126,7 +125,10 @@ def recognise(
         raise ValueError(
             f"s, t: must hold at least {LEAST_POINTS} different points; got {different}."
         )
-    belongs(kind, radius, half_angle)
+    if radius is not None and kind not in ("cylinder", "pipe"):
+        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
+    if half_angle is not None and kind != "cone":
+        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
     found = adapted_frames.unchecked(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
@@ -134,56 +136,24 @@ def recognise(
             "surface: must be defined and smooth at every point; got one that isn't "
             f"at ({s.flat[i]}, {t.flat[i]})."
         )
-    searched = kind == "cone" and half_angle is None
-    order = HIGHEST if searched else ORDER
+    order = HIGHEST if kind == "cone" and half_angle is None else ORDER
     rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
-    return judged(found, rough, s, t, kind, radius, half_angle)
-
-
-def belongs(kind, radius, half_angle):
-    """Raise ValueError if a radius or a half-angle is given that a class doesn't have."""
-    if radius is not None and kind not in ("cylinder", "pipe"):
-        raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
-    if half_angle is not None and kind != "cone":
-        raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
-
-
-def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
-    """Return the recognition by frames at n points.
-
-    Parameters
-    ----------
-    found, rough : AdaptedFrames
-        At the points, and there `RUNS` times over, with jets of order 5 if a half-angle is looked
-        for; how these scatter is the error of those.
-    s, t : (...) float
-        The points.
-    kind, radius, half_angle
-        As for `recognise`.
-    sharp : float
-        Relative bound of a condition, above which a point doesn't tell.
-
-    Returns
-    -------
-    found : Recognition
-        As of `recognise`.
-    """
     asked_size = half_angle if kind == "cone" else radius
     # A developable surface's normals lie on a curve by themselves.
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
     if kind == "developable":
-        evidence = _flat(rough, sharp)
+        evidence = _flat(rough)
         return _judged(kind, [evidence], spread, float(found.curvature.max()))
     if kind == "ruled":
         # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
         curved = found.curvature > TORSAL
         g = tangent_graph(found, curved)
         _check_sound(g)
-        evidence = _flat(rough, sharp)
+        evidence = _flat(rough)
         if curved.any():
             off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
-            of_curved = weigh(two_conditions("ruled", g, off), sharp)
+            of_curved = weigh(two_conditions("ruled", g, off), SHARP)
             evidence = _with(evidence, curved, of_curved)
         return _judged(kind, [evidence], spread, ruled_residual(g))
     flat = found.curvature <= FLAT
@@ -199,13 +169,20 @@ def judged(found, rough, s, t, kind, radius, half_angle, sharp=SHARP):
     off = errors(runs)
     left, found_size = residual(kind, f, asked_size)
     size = {"half_angle" if kind == "cone" else "radius": found_size}
+    others = []
     given = asked_size is not None or kind == "channel"
     if given:
-        tried = [asked(kind, f, off, asked_size, 0.0, sharp)]
+        evidence = asked(kind, f, off, asked_size, 0.0, SHARP)
+        if asked_size is not None:
+            several = evidence.several & ~evidence.agrees[:, None]
+            evidence = evidence._replace(
+                agrees=evidence.agrees & tells(kind, runs, evidence, asked_size), several=several
+            )
+        tried = [evidence]
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
-        tried, size = searched(kind, f, off, runs, sharp, window, size)
-    return _judged(kind, tried, spread, left, **size)
+        tried, size, others = searched(kind, f, off, runs, window, size)
+    return _judged(kind, tried, spread, left, others, **size)
 
 
 def _check_sound(jet):
@@ -215,8 +192,8 @@ def _check_sound(jet):
         )
 
 
-def _judged(kind, tried, spread, residual, **size):
-    """Return the recognition by the evidence for each size that was tried."""
+def _judged(kind, tried, spread, residual, others=(), **size):
+    """Return the recognition by the evidence for each size that was tried, some of which passed."""
     refuted = [evidence.refutes.any() for evidence in tried]
     if all(refuted):
         reason = "a point differs by more than its error, whatever the size of the tool"
@@ -228,6 +205,8 @@ def _judged(kind, tried, spread, residual, **size):
     count = np.count_nonzero(evidence.agrees)
     if count >= LEAST_POINTS:
         reason = f"{count} points agree within their errors and none differs"
+        if others:  # as of surfaces of revolution, or where a window is too small to tell them
+            reason += f"; so they do with {', '.join(f'{other:.6g}' for other in others)}"
         return Recognition(kind, "is", f"{reason}.", residual, **size)
     if (
         kind == "cone"
@@ -247,13 +226,13 @@ def _only_passing(evidence):
     return np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
 
 
-def _flat(rough, sharp):
+def _flat(rough):
     """Return the evidence for a curvature 0."""
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
     off = 10 * np.abs(every - value).max(axis=0) + 1e-15
     none = np.zeros((len(value), 0))
-    agrees = (value <= off) & (off <= sharp)
+    agrees = (value <= off) & (off <= SHARP)
     return Evidence(value > off, agrees, none, none, none.astype(bool))
 
 

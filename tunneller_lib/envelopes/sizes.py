@@ -6,7 +6,7 @@ envelope its size is the same at all points, and stands still around each.
 
 import numpy as np
 
-from .conditions import asked
+from .conditions import APART, asked
 from .evidence import LEAST_POINTS, SHARP, Evidence, zeros
 from .forms import derivative_along, frobenius, principal, principal_values
 from .residuals import NEEDLE
@@ -22,7 +22,7 @@ _SOME = np.pi * np.arange(12)[None] / 12  # directions
 _MANY = np.pi * np.arange(180)[None] / 180
 
 
-def searched(kind, f, off, runs, sharp, window, size):
+def searched(kind, f, off, runs, window, size):
     """Return the evidence for each size that one point allows, and the size found.
 
     Parameters
@@ -33,8 +33,6 @@ def searched(kind, f, off, runs, sharp, window, size):
         In adapted frames, at n points, and the errors of its coefficients.
     runs : Jet
         The same as f, each time with its errors at random.
-    sharp : float
-        Relative bound of a condition, above which a point doesn't tell.
     window : float
         By how much the points' normals differ.
     size : dict of str to float or None
@@ -46,10 +44,11 @@ def searched(kind, f, off, runs, sharp, window, size):
         The best first.
     size : dict
         With the size that the points share, if they do.
+    others : list of float
+        Sizes apart from that one which as many points agree with as must.
     """
-    values, unsure, stays, complete, every = _sizes(kind, f, off, runs, sharp)
-    same_size = SAME_SIZE * sharp / SHARP
-    sharp = min(sharp, SHARP_OVER_WINDOW * window * sharp / SHARP)
+    values, unsure, stays, complete, every = _sizes(kind, f, off, runs)
+    sharp = min(SHARP, SHARP_OVER_WINDOW * window)
     [name] = size
     tried = []
     if not complete.any():
@@ -78,7 +77,7 @@ def searched(kind, f, off, runs, sharp, window, size):
             evidence = asked(kind, f, off, value, own, sharp)
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
-        again = asked(kind, f, off, shared, same_size * abs(shared), sharp, floor=1e-3)
+        again = asked(kind, f, off, shared, SAME_SIZE * abs(shared), sharp, floor=1e-3)
         # A point that sees the size stand still around it needs no window.
         agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
         refutes = evidence.refutes | (complete & ~same)
@@ -86,14 +85,21 @@ def searched(kind, f, off, runs, sharp, window, size):
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))
-        return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size
+        return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size, []
     tried.sort(key=lambda found: (found[0].refutes.any(), -np.count_nonzero(found[0].agrees)))
-    if np.count_nonzero(tried[0][0].agrees) >= LEAST_POINTS and tried[0][1] is not None:
-        size = {name: float(tried[0][1])}
-    return [found[0] for found in tried], size
+    evidence, shared = zip(*tried, strict=True)
+    passed = []  # each once
+    for found, one in zip(evidence, shared, strict=True):
+        enough = np.count_nonzero(found.agrees) >= LEAST_POINTS and not found.refutes.any()
+        if one is None or not enough or any(abs(one - p) <= APART * abs(p) for p in passed):
+            continue
+        passed.append(float(one))
+    if passed:
+        size = {name: passed[0]}
+    return list(evidence), size, passed[1:]
 
 
-def _sizes(kind, f, off, runs, sharp):
+def _sizes(kind, f, off, runs):
     """Return the sizes that each point allows, how far they may be off, and whether that's all.
 
     Parameters
@@ -104,8 +110,6 @@ def _sizes(kind, f, off, runs, sharp):
         In adapted frames, at n points, and the errors of its coefficients.
     runs : Jet
         The same as f, each time rounded at random.
-    sharp : float
-        Relative error of a gradient above which it doesn't tell.
 
     Returns
     -------
@@ -127,7 +131,7 @@ def _sizes(kind, f, off, runs, sharp):
     if kind == "pipe":
         certain = np.ones(len(values), dtype=bool)
         own = principal(f)[2][:, None] + [0.0, np.pi / 2]
-        steady = steadiness(kind, runs, own, sharp)
+        steady = steadiness(kind, runs, own, SHARP)
         values[steady.changes] = np.nan
         return values, exact, steady.stays, certain, ~certain
     # A cylinder's direction is a zero of f_eee, at most three at a point; f_ee there is its size.
@@ -137,7 +141,7 @@ def _sizes(kind, f, off, runs, sharp):
         found = derivative_along(f, angle, 2) / 2
         # Where f_eee vanishes altogether every direction has its own size.
         every = (frobenius(f, 3) <= 4 * three[:, 0]) & (np.ptp(values, axis=-1) > 4 * two[:, 0])
-        steady = steadiness(kind, runs, angle, sharp)
+        steady = steadiness(kind, runs, angle, SHARP)
         found[steady.changes] = np.nan
         values = np.hstack([found, values])
         stays = np.hstack([steady.stays, np.zeros(exact.shape, dtype=bool)])
@@ -175,7 +179,7 @@ def _sizes(kind, f, off, runs, sharp):
     passing = np.hstack([passing, np.zeros_like(circle)])
     # Towards the parabolic curve derivatives grow, and what differs is small among their terms.
     bend = np.abs(principal_values(f).prod(axis=-1)) / frobenius(f, 2) ** 2
-    sharp = sharp * np.where(bend > ROUND, np.minimum(bend / BENT, 1.0) ** 2, 0.0)[:, None]
+    sharp = SHARP * np.where(bend > ROUND, np.minimum(bend / BENT, 1.0) ** 2, 0.0)[:, None]
     steady = steadiness(kind, runs, angle, sharp)
     stays, changes = (np.hstack([part, np.zeros_like(circle)]) for part in steady[:2])
     # How far the runs are apart says more than bounds do.

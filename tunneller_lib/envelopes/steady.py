@@ -2,7 +2,7 @@
 
 At a point some cone of some half-angle has contact of order 4 with nearly every surface. On an
 envelope its half-angle is the same everywhere, so its gradient is zero: a condition on derivatives
-of one order more, which a window of any size can show.
+of one order more, which a small window can show, too.
 """
 
 from typing import NamedTuple
