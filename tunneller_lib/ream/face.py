@@ -14,14 +14,14 @@ from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
 
-EVERY = 8  # ticks that are tried together
+EVERY = 8  # ticks, a power of two, that are tried together: fewer where they don't fit
 BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
 STILL = 1e-6  # m, too short a way to find ground on it
 # By how much the ground that the force was for may differ from what is removed, as a share of it
-# or, where it is hardly any, of a hundredth of the greatest; and tries, after some of which halves
-# of the steps are taken.
-CLOSE, HARDLY = 1e-2, 1e-2
-MOST_TRIES, BOLD_TRIES = 40, 4
+# or, where it is hardly any, of a tenth of the greatest; and tries, after some of which halves of
+# the steps are taken.
+CLOSE, HARDLY = 1e-2, 0.1
+MOST_TRIES, BOLD_TRIES = 16, 4
 
 
 class Face:
@@ -96,6 +96,7 @@ class Face:
         self._area = np.zeros(3)  # m^2, of the ball's front, as `DexelGrid.front` has it
         self._most = 0.0  # m^3
         self._tries = 0
+        self._together = EVERY
 
     def push(self, tick, tried):
         """Return the `Push` of the ticks from `tick` on; None where it fits what they `tried`.
@@ -105,6 +106,7 @@ class Face:
         if tried is None:
             self._say(tick)
             self._tries = 0
+            self._together = EVERY
             return self._pushed(tick)
         self._tries += 1
         way = np.concatenate([self._way[:-1], tried])
@@ -125,15 +127,16 @@ class Face:
             self.removed[end - 1] = cut_path(self.wall, centres, self.radius)
             self._way = way[-1:]
             return None
-        if self._tries >= MOST_TRIES:
-            time = self.plan.tick * tick
-            raise ValueError(
-                f"ground: force and motion must agree within {100 * CLOSE:g} %; {time:.2f} s after "
-                f"the entry began the force is that of {1e9 * meant:.4g} mm^3 where "
-                f"{1e9 * volume:.4g} mm^3 are removed."
-            )
-        taken = self._taken(area, turns, steps)
-        found = area * (volume / taken) if taken > 0 else np.zeros(3)
+        if self._tries == MOST_TRIES:
+            if self._together == 1:
+                raise ValueError(
+                    f"ground: force and motion must agree within {100 * CLOSE:g} %; "
+                    f"{self.plan.tick * tick:.2f} s after the entry began the force is that of "
+                    f"{1e9 * meant:.3g} mm^3 in a tick, and {1e9 * volume:.3g} mm^3 are removed."
+                )
+            self._together //= 2
+            self._tries = 0
+        found = self._fitting(area, volume, turns, steps, centres[-1] - centres[0])
         self._area = found if self._tries <= BOLD_TRIES else (self._area + found) / 2
         return self._pushed(tick)
 
@@ -152,7 +155,7 @@ class Face:
     def _pushed(self, tick):
         """Return the `Push` of the ticks from `tick` on, with the front as it is known."""
         stop = self._stops[np.searchsorted(self._stops, tick, side="right")]
-        ticks = slice(tick, min(tick + EVERY, stop))
+        ticks = slice(tick, min(tick + self._together, stop))
         moves = self._moves(self._way[-1])
         self.front[ticks] = self._area @ moves
         steps = np.diff(self.stepped[ticks.start : ticks.stop + 1])
@@ -171,6 +174,14 @@ class Face:
         """Return the volume, in m^3, that a front of this area vector takes in turns and steps."""
         turned = turns @ (area @ self._moves(self._way[-1]))
         return float(np.maximum(turned, 0.0).sum() + np.maximum(-area[0] * steps, 0.0).sum())
+
+    def _fitting(self, area, volume, turns, steps, way):
+        """Return an area vector (3,) as `area`, by which this volume is taken on a way (3,)."""
+        taken = self._taken(area, turns, steps)
+        if taken > volume:  # in places that were reached on the way
+            return area * (volume / taken)
+        # On rays that were passed on the way no front is left.
+        return area + (volume - taken) * way / max(way @ way, STILL**2)
 
     def _moves(self, position):
         """Return how the cutter moves (3, 2) by each joint at a position (2,), in m/rad."""
