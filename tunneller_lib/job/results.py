@@ -15,6 +15,7 @@ from ..motion.stability import is_stable
 from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
 from ..ream.faults import following_fault
+from ..ream.margins import used
 from .atomic_write import write
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
@@ -83,7 +84,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
         alone, with its greatest over- and under-break, the closed form of its ``measure`` and who
-        answers for it; ``machine``: what it has and needs, in the unit that each row names, and the
+        answers for it; ``machine``: what it has and needs, in the unit that each row names: as
+        planned, then the greatest that the simulated laps took of power, valves and oil, and the
         damper of the ground that each joint bears and meets if the picks are in step;
         ``clearances``: how far each part of the machine keeps from the wall as planned, and where
         along the circuit; ``warnings``, sentences.
@@ -111,7 +113,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
         "machine": [
-            dict(zip(MARGIN, margin, strict=False)) for margin in [*job.margins, *job.in_step]
+            dict(zip(MARGIN, margin, strict=False))
+            for margin in [*job.margins, *used(plan, job.axes[0], cut, job.sizes), *job.in_step]
         ],
         "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
         "warnings": [
