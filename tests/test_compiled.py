@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 from collections import Counter, defaultdict
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from types import ModuleType
 
@@ -100,6 +100,7 @@ def test_machine_in_ground_has_the_same_bits_both_ways(both_ways):
         damper=2e4 * rng.random(ticks),
         lever=np.tile([0.88, 0.80], (ticks, 1)),
         across=rng.normal(0, 0.3, (ticks, 2)),
+        front=rng.normal(0, 2e4, (ticks, 2)),
     )
     arm = arm_of(REFERENCE_MACHINE, SIZES)
     slopes = np.diff(RAMP, axis=0) / T
@@ -263,14 +264,35 @@ def test_chunks_of_a_push_are_one_run(both_ways):
     at_once = Push(damper=np.linspace(0, 4e3, len(slopes)), **reach)
     seen = []
 
-    def in_parts(tick, reached):
-        seen.append(reached)
+    def in_parts(tick, tried):
+        if tried is not None:
+            seen.append(tried)
+            return None
         return Push(damper=at_once.damper[tick : tick + 4], **reach)
 
     whole, parts = (follow(OILY, LOOPS["usual"], RAMP, slopes=slopes, push=push)
                     for push in (at_once, in_parts))  # fmt: skip
     assert_same_bits((whole, parts))
-    np.testing.assert_array_equal(np.concatenate([one[1:] for one in seen]), parts.position[1:297])
+    np.testing.assert_array_equal(np.concatenate([one[1:] for one in seen]), parts.position[1:])
+
+
+def test_ticks_that_are_tried_again_leave_no_trace(both_ways):
+    slopes = np.diff(RAMP, axis=0) / T
+    reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))
+    at_once = Push(damper=np.linspace(0, 4e3, len(slopes)), **reach)
+    tries = []
+
+    def with_wrong_tries(tick, tried):
+        if tried is None:
+            tries.append(0)
+            return Push(damper=np.full(4, 9e3), **reach)
+        tries[-1] += 1
+        return Push(damper=at_once.damper[tick : tick + 4], **reach) if tries[-1] < 3 else None
+
+    loop = replace(LOOPS["usual"], delay=2, integral=3.0)  # which remember what went before
+    whole, again = (follow(OILY, loop, RAMP, slopes=slopes, push=push)
+                    for push in (at_once, with_wrong_tries))  # fmt: skip
+    assert_same_bits((whole, again))
 
 
 def test_axis_that_leaves_its_stroke_says_the_same_both_ways(both_ways):

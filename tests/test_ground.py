@@ -126,7 +126,9 @@ def test_each_loss_changes_the_motion_and_vanishes_with_its_size(part):
 
 
 def test_no_push_is_nothing_of_all():
-    assert Push() == Push(torque=(0.0, 0.0), damper=0.0, lever=(0.0, 0.0), across=(0.0, 0.0))
+    assert Push() == Push(
+        torque=(0.0, 0.0), damper=0.0, lever=(0.0, 0.0), across=(0.0, 0.0), front=(0.0, 0.0)
+    )
 
 
 def test_energy_that_the_pump_gives_is_found_again():
@@ -208,7 +210,7 @@ def test_wall_pushes_back_and_nothing_else_changes_it():
     free, hardly, pushed = cuts
     assert free.force is None
     assert np.abs(hardly.deviation - free.deviation).max() < 1e-8
-    # The force times the picks' speed is the power, four ticks late: 0.2 % of all is the plunge's.
+    # The force times the picks' speed is the power of the ground that is removed.
     cut_power = pushed.force * even.pick_speed * short.tick
     assert cut_power.sum() == pytest.approx(even.power(pushed.removed.sum()), rel=5e-3)
     assert (free.deviation - pushed.deviation).max() > 1e-3

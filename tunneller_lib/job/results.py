@@ -12,6 +12,7 @@ from ..arguments import Rule, checked, shown
 from ..motion.export import c99, structured_text
 from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
+from ..ream.margins import used
 from .controller import program
 from .controller_texts import c99_text, plcopen_xml, structured_text_of
 from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
@@ -88,7 +89,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         alone, with its greatest over- and under-break, the closed form of its ``measure``, the
         ratio of what is simulated to it, the key of the job that halves it, as another simulation
         confirms, by which factor and what is left, and who answers for it, with None for what there
-        isn't; ``machine``: what it has and needs, in the unit that each row names, and the
+        isn't; ``machine``: what it has and needs, in the unit that each row names: as planned,
+        then the greatest that the simulated laps took of power, valves and oil, and the
         damper of the ground that each joint bears and meets if the picks are in step;
         ``clearances``: how far each part of the machine keeps from the wall as planned, and where
         along the circuit; ``warnings``, sentences.
@@ -121,7 +123,8 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
         "machine": [
-            dict(zip(MARGIN, margin, strict=False)) for margin in [*job.margins, *job.in_step]
+            dict(zip(MARGIN, margin, strict=False))
+            for margin in [*job.margins, *used(plan, job.axes[0], cut, job.sizes), *job.in_step]
         ],
         "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
         "warnings": [

@@ -25,14 +25,16 @@ from .oil import (
 # What the oil from the pump brings, less what it still holds in the tank's line, and where it goes.
 ENERGIES = "supplied", "valves and leaks", "compressed oil", "friction", "ground"
 
-DAMPED = 0.33  # of the time in which a damper alone stops the arm, the longest step
+DAMPED = 1.0  # of the time in which a damper alone stops the arm, the longest step
+MOST_PARTS = 1_000_000  # of a tick, where the ground damps the most
 
 
 class Push(NamedTuple):
     """What the ground does to both joints, in one tick or in several, one after the other.
 
     It resists positive motion of the joint i, at the rate w_i, by the torque torque_i +
-    damper (lever_i^2 w_i + v across_i), with the cutter's speed v = |(lever_i w_i)|.
+    F (lever_i^2 w_i / v + across_i), with the cutter's speed v = |(lever_i w_i)| and the force
+    F = damper v + max(front . w, 0).
 
     Parameters
     ----------
@@ -44,23 +46,27 @@ class Push(NamedTuple):
         The cutter's way by a radian of each joint, in m.
     across : (..., 2) float
         Levers of the share that pushes outwards, in m.
+    front : (..., 2) float
+        The force against the motion over the rate of each joint, in N s, where it depends on the
+        direction: a joint that turns the cutter away from the ground takes from it.
     """
 
     torque: tuple | np.ndarray = (0.0, 0.0)
     damper: float | np.ndarray = 0.0
     lever: tuple | np.ndarray = (0.0, 0.0)
     across: tuple | np.ndarray = (0.0, 0.0)
+    front: tuple | np.ndarray = (0.0, 0.0)
 
     @property
     def rows(self):
-        """Return torque, damper, lever and across as rows (n, 7), one for each tick."""
-        pairs = self.torque, self.lever, self.across
+        """Return torque, damper, lever, across and front as rows (n, 9), one for each tick."""
+        pairs = self.torque, self.lever, self.across, self.front
         rows = np.empty(
-            (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 7)
+            (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 9)
         )
-        rows[..., :2], rows[..., 3:5], rows[..., 5:] = pairs
+        rows[..., :2], rows[..., 3:5], rows[..., 5:7], rows[..., 7:] = pairs
         rows[..., 2] = self.damper
-        return rows.reshape(-1, 7)
+        return rows.reshape(-1, 9)
 
 
 class TwoAxes(NamedTuple):
@@ -91,9 +97,17 @@ def parts_in(machine, least, rows, tick):
     ground is hard, and changes from tick to tick.
     """
     inertia = machine.theta.inertia, machine.phi.inertia
-    stiff = rows[:, 2] * (rows[:, 3:5] ** 2 / inertia).max(axis=-1)
-    parts_of(tick, tick * float(stiff.max(initial=0.0)) / DAMPED)  # refuses too many
-    return np.maximum(least, np.ceil(tick * stiff / DAMPED)).astype(np.int64)
+    lever = rows[:, 3:5]
+    stiff = rows[:, 2] * (lever**2 / inertia).max(axis=-1)
+    pressed = np.abs(rows[:, 7:])
+    stiff = stiff + (pressed * (np.abs(lever) + np.abs(rows[:, 5:7])) / inertia).sum(axis=-1)
+    parts = np.maximum(least, np.ceil(tick * stiff / DAMPED))
+    if not parts.max(initial=0.0) <= MOST_PARTS:
+        raise ValueError(
+            f"ground: must let a tick be integrated in at most {MOST_PARTS} steps; got a force of "
+            f"{np.abs(rows[:, [2, 7, 8]]).max():.3g} N by the metre or radian in a second."
+        )
+    return parts.astype(np.int64)
 
 
 def machine_tick(machine, state, openings, push, parts, tick):
@@ -138,10 +152,23 @@ def machine_slopes(machine, state, openings, push):
     swing, c_slope, d_slope, y_slope, phi_stored = oil_changes(machine.phi, of_phi, openings[1])
     theta_rubbed = resistance(machine.theta, v)
     phi_rubbed = resistance(machine.phi, w)
-    theta_torque, phi_torque, damper, theta_lever, phi_lever, theta_across, phi_across = push
+    (
+        theta_torque,
+        phi_torque,
+        damper,
+        theta_lever,
+        phi_lever,
+        theta_across,
+        phi_across,
+        theta_front,
+        phi_front,
+    ) = push
     rise = theta_lever * v
     turn = phi_lever * w
     speed = math.sqrt(rise * rise + turn * turn)
+    pressed = theta_front * v + phi_front * w
+    if pressed > 0 and speed > 0:
+        damper += pressed / speed
     theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
     phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
     lift -= theta_rubbed + theta_pushed

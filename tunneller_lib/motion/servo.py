@@ -160,9 +160,10 @@ def follow(
         The masses on theta and phi, whose motions then act on each other; for two `Compressible`
         plants. Without it each axis has the inertia and the weight of its own `Hydraulics`.
     push : Push or function, optional
-        What pushes two `Compressible` plants: in all ticks, or (tick, reached) -> `Push`, which is
-        asked at the beginning and then whenever the ticks that it answered for are over; reached
-        (m + 1, 2) are the positions of the m ticks since it was asked, and before them.
+        What pushes two `Compressible` plants: in all ticks, or (tick, tried) -> `Push` or None. It
+        is asked with None for the m ticks from `tick` on that it answers for, and then with the
+        positions (m + 1, 2) that they got to under its answer and before them: for another answer,
+        with which they are tried again, or for None, which lets them be.
 
     Returns
     -------

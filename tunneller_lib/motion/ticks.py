@@ -227,7 +227,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     tick = loops[0].tick
     ticks = len(slopes)
     if not callable(push):
-        every = np.broadcast_to((push or Push()).rows, (ticks, 7))
+        every = np.broadcast_to((push or Push()).rows, (ticks, 9))
     loads = [None, None] if arm is None else arm.weight(setvalues[0]).tolist()
     starts = zip(plants, setvalues[0].tolist(), loads, strict=True)
     rests = [plant.rest(angle, load) for plant, angle, load in starts]
@@ -239,32 +239,37 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
     expect_run(plants, tick, ticks)
     least = least_parts(axes, tick)
-    done = asked = 0
+    done = 0
     while done < ticks:
-        rows = push(done, states[asked : done + 1, [0, 5]]).rows if callable(push) else every
-        rows = np.array(rows[: ticks - done], order="C")  # in one order, for one compiled form
-        asked = done
-        done += len(rows)
-        state = tuple(map(tuple, states[asked].reshape(3, 5).tolist()))
-        given = (
-            machine,
-            tick,
-            controls,
-            memories,
-            asked,
-            state,
-            setvalues[asked:done],
-            slopes[asked:done],
-            rows,
-            parts_in(machine, least, rows, tick),
-            states[asked : done + 1],
-            commands[asked:done],
-        )
-        kept = _run(run_joints, given, own_inverse, commanding=spool_at)
-        if kept < len(rows):
-            for axis, angle in zip(axes, states[asked + kept + 1, [0, 5]], strict=True):
-                if not axis.low <= angle <= axis.high:
-                    raise out_of_stroke(axis, angle)
+        answer = push(done, None) if callable(push) else every
+        state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
+        remembered = memories.copy()
+        while answer is not None:
+            rows = answer.rows if callable(push) else every
+            rows = np.array(rows[: ticks - done], order="C")  # in one order, for one compiled form
+            end = done + len(rows)
+            memories[:] = remembered
+            given = (
+                machine,
+                tick,
+                controls,
+                memories,
+                done,
+                state,
+                setvalues[done:end],
+                slopes[done:end],
+                rows,
+                parts_in(machine, least, rows, tick),
+                states[done : end + 1],
+                commands[done:end],
+            )
+            kept = _run(run_joints, given, own_inverse, commanding=spool_at)
+            if kept < len(rows):
+                for axis, angle in zip(axes, states[done + kept + 1, [0, 5]], strict=True):
+                    if not axis.low <= angle <= axis.high:
+                        raise out_of_stroke(axis, angle)
+            answer = push(done, states[done : end + 1, [0, 5]]) if callable(push) else None
+        done = end
     return [states[:, :5], states[:, 5:10]], list(commands.T), states[:, 10:]
 
 

@@ -21,12 +21,12 @@ from ..motion.ticks import expect_run
 from ..removal import DexelGrid, Ground
 from ..removal.dexel import MOVE, Shape
 from .both_axes import Loops, Plants, check_ticks
-from .face import BESIDE, EVERY, Face
+from .face import BESIDE, Face
 from .planning import Plan, Run
 from .pose import Pose
 from .wall import intact_wall, overbreak, standing
 
-CHUNK = 6 * EVERY  # ticks after which the removed volume is noted
+CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s after which the cutting says how far it is
 PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
 Cost = Whole(1, 2**31 - 1)

@@ -1,4 +1,10 @@
-"""The ground at work on the joints: what stands is cut tick by tick, and pushes back."""
+"""The ground at work on the joints: what stands is cut tick by tick, and pushes back.
+
+How much is removed in a second depends on how the cutter moves, and how it moves on the force that
+this asks for. Both are found together: the ticks that follow are tried with the front that the last
+ones had, the wall tells what they would remove and by which front, and they are tried again until
+the ground that the force was for is the ground that the cutter takes.
+"""
 
 import numpy as np
 
@@ -8,16 +14,18 @@ from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
 
-EVERY = 8  # ticks after which the wall is cut and the ground in the cutter's way is known again
+EVERY = 8  # ticks, a power of two, that are tried together: fewer where they don't fit
 BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
 STILL = 1e-6  # m, too short a way to find ground on it
+# By how much the ground that the force was for may differ from what is removed, as a share of it
+# or, where it is hardly any, of a tenth of the greatest; and tries, after some of which halves of
+# the steps are taken.
+CLOSE, HARDLY = 1e-2, 0.1
+MOST_TRIES, BOLD_TRIES = 16, 4
 
 
 class Face:
     """The ground in the way of a cutter that two joints move; `push` is for `motion.follow`.
-
-    The ground that is removed for each metre of way is that of the last `EVERY` ticks, or of fewer
-    where one is `noted`.
 
     Parameters
     ----------
@@ -48,10 +56,10 @@ class Face:
         From where to where it is modelled along the tunnel's x, in m.
     removed : (n - 1,) float
         Volumes, in m^3, at the ticks by whose ends they were cut.
-    area : (n - 1,) float
-        Ground that is removed for each metre of way in each tick, in m^2.
-    damper : (n - 1,) float
-        Force against the motion over the cutter's speed in each tick, in N s/m.
+    front : (n - 1, 2) float
+        Ground that is removed for each radian of both joints in each tick, in m^3.
+    stepping : (n - 1,) float
+        Ground that the machine's own step removes in a second in each tick, in m^3/s.
     """
 
     def __init__(self, plan, ground, setvalues, first, pose, shape, thickness, noted, say):
@@ -78,53 +86,116 @@ class Face:
         )
         self.wall = intact_wall(circuit, *self.ends, shape, thickness=thickness)
         self.removed = np.zeros(len(setvalues) - 1)
-        self.area = np.zeros(len(setvalues) - 1)
-        self.damper = np.zeros(len(setvalues) - 1)
+        self.front = np.zeros((len(setvalues) - 1, 2))
+        self.stepping = np.zeros(len(setvalues) - 1)
         self._stops = np.append(noted, len(setvalues) - 1)
         self._say = say
-        self._way = np.empty((0, 2))
-        self._ahead = 0.0
-        self._asked = 0
+        corners = self._posed(circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)])))
+        self._turned = (corners[1:] - corners[0]).T
+        self._way = setvalues[:1]  # of the cutter since it was last cut, as joint positions
+        self._area = np.zeros(3)  # m^2, of the ball's front, as `DexelGrid.front` has it
+        self._most = 0.0  # m^3
+        self._tries = 0
+        self._together = EVERY
 
-    def push(self, tick, reached):
-        """Return the `Push` of the next ticks, once the cutter has `reached` positions (m, 2)."""
-        self._cut(tick, reached)
-        self._asked = tick
-        self._say(tick)
-        stop = self._stops[np.searchsorted(self._stops, tick, side="right")]
-        ticks = slice(tick, min(tick + EVERY, stop))
-        self.area[ticks] = self._ahead
-        self.damper[ticks] = self._ahead * self.stiffness[ticks]
-        return Push(damper=self.damper[ticks], lever=self.lever[ticks], across=self.across[ticks])
+    def push(self, tick, tried):
+        """Return the `Push` of the ticks from `tick` on; None where it fits what they `tried`.
+
+        Those are the positions (m + 1, 2) that the last answer gave, or None at first.
+        """
+        if tried is None:
+            self._say(tick)
+            self._tries = 0
+            self._together = EVERY
+            return self._pushed(tick)
+        self._tries += 1
+        way = np.concatenate([self._way[:-1], tried])
+        end = tick + len(tried) - 1
+        run = slice(end - len(way) + 1, end + 1)
+        centres = self._centres(way, run)
+        moved = float(np.sum(norm(centres[1:] - centres[:-1])))
+        if moved <= STILL:  # what is cut by so little is known later
+            self._way = way
+            return None
+        turns = np.diff(way, axis=0)
+        steps = np.diff(self.stepped[run])
+        volume, area = self.wall.front(centres, self.radius)
+        meant = self._taken(self._area, turns, steps)
+        self._most = max(self._most, volume)
+        if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
+            cut_path = self.wall.cut_path.unchecked
+            self.removed[end - 1] = cut_path(self.wall, centres, self.radius)
+            self._way = way[-1:]
+            return None
+        if self._tries == MOST_TRIES:
+            if self._together == 1:
+                raise ValueError(
+                    f"ground: force and motion must agree within {100 * CLOSE:g} %; "
+                    f"{self.plan.tick * tick:.2f} s after the entry began the force is that of "
+                    f"{1e9 * meant:.3g} mm^3 in a tick, and {1e9 * volume:.3g} mm^3 are removed."
+                )
+            self._together //= 2
+            self._tries = 0
+        found = self._fitting(area, volume, turns, steps, centres[-1] - centres[0])
+        self._area = found if self._tries <= BOLD_TRIES else (self._area + found) / 2
+        return self._pushed(tick)
 
     def finish(self, position):
         """Cut what is left of the way, once all positions (n, 2) are known."""
-        self._cut(len(position) - 1, position[self._asked :])
-
-    def _cut(self, tick, reached):
-        """Cut the way up to a tick, through the positions (m, 2) that were reached since."""
-        # Where the cutter hardly moved what it cuts is known later.
-        self._way = np.concatenate([self._way[:-1], reached])
-        begun = tick - len(self._way) + 1
-        centres = self._centres(self._way, slice(begun, tick + 1))
-        moved = float(np.sum(norm(centres[1:] - centres[:-1])))
-        if moved > STILL:
-            cut_path = self.wall.cut_path.unchecked
-            self.removed[tick - 1] = cut_path(self.wall, centres, self.radius)
-            self._ahead = self.removed[tick - 1] / moved
-            self._way = self._way[-1:]
+        if len(self._way) > 1:
+            centres = self._centres(self._way, slice(len(position) - len(self._way), None))
+            self.removed[-1] += self.wall.cut_path.unchecked(self.wall, centres, self.radius)
 
     def force(self, track):
         """Return the force (n - 1,) against the motion at each tick's beginning, in N."""
         rates = np.stack([states[:-1, 1] for states in track.states], axis=-1)
-        return self.damper * np.linalg.norm(self.lever * rates, axis=-1)
+        rate = np.maximum(np.sum(self.front * rates, axis=-1), 0.0)
+        return self.stiffness * (rate + self.stepping)
+
+    def _pushed(self, tick):
+        """Return the `Push` of the ticks from `tick` on, with the front as it is known."""
+        stop = self._stops[np.searchsorted(self._stops, tick, side="right")]
+        ticks = slice(tick, min(tick + self._together, stop))
+        moves = self._moves(self._way[-1])
+        self.front[ticks] = self._area @ moves
+        steps = np.diff(self.stepped[ticks.start : ticks.stop + 1])
+        self.stepping[ticks] = np.maximum(-self._area[0] * steps, 0.0) / self.plan.tick
+        stiffness = self.stiffness[ticks, None]
+        # While the machine steps back, towards -x, the ground drags the cutter the other way.
+        dragged = self.across[ticks] - moves[0]
+        return Push(
+            torque=stiffness * self.stepping[ticks, None] * dragged,
+            lever=self.lever[ticks],
+            across=self.across[ticks],
+            front=stiffness * self.front[ticks],
+        )
+
+    def _taken(self, area, turns, steps):
+        """Return the volume, in m^3, that a front of this area vector takes in turns and steps."""
+        turned = turns @ (area @ self._moves(self._way[-1]))
+        return float(np.maximum(turned, 0.0).sum() + np.maximum(-area[0] * steps, 0.0).sum())
+
+    def _fitting(self, area, volume, turns, steps, way):
+        """Return an area vector (3,) as `area`, by which this volume is taken on a way (3,)."""
+        taken = self._taken(area, turns, steps)
+        if taken > volume:  # in places that were reached on the way
+            return area * (volume / taken)
+        # On rays that were passed on the way no front is left.
+        return area + (volume - taken) * way / max(way @ way, STILL**2)
+
+    def _moves(self, position):
+        """Return how the cutter moves (3, 2) by each joint at a position (2,), in m/rad."""
+        velocity = self.torus.velocity.unchecked
+        return self._turned @ velocity(self.torus, np.stack([position] * 2), np.eye(2)).T
 
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""
         circuit = self.plan.circuit
         points = self.torus.point.unchecked(self.torus, position[:, 0], position[:, 1])
-        centres = circuit.in_tunnel.unchecked(circuit, points)
-        if self.pose is not None:
-            centres = self.pose.moved(centres, self.joint)
+        centres = self._posed(circuit.in_tunnel.unchecked(circuit, points))
         centres[:, 0] -= self.stepped[ticks]
         return centres
+
+    def _posed(self, points):
+        """Return points (n, 3) of the tunnel where the machine stands as it does."""
+        return points if self.pose is None else self.pose.moved(points, self.joint)

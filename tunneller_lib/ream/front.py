@@ -9,6 +9,7 @@ from .moves import levers
 from .outward import gradient
 
 NODES, WEIGHTS = leggauss(6)  # of slices of the ball, on either side of the earlier groove's edge
+SIDE_NODES, SIDE_WEIGHTS = leggauss(200)  # of the ball's radii, from -90 to 90 degrees
 HALVINGS = 20  # of the range in which a slice's front leaves the ground
 STRIDE = 1e-4  # m of the section, for the lean of the circuit out of it
 
@@ -77,6 +78,29 @@ def front_areas(circuit, s, advance=0.0):
         low = np.where(in_ground, low, cos)
         high = np.where(in_ground, cos, high)
     return (rho * (1 - high)) @ (lengths * WEIGHTS).ravel()
+
+
+def side_area(circuit, s):
+    """Return what the ball covers of the section's plane in the ground, in m^2.
+
+    At the arc length s, in m: so much ground is in the way of each metre of a step along the
+    tunnel, at most, which the machine takes while the ball stands in its groove.
+    """
+    radius = circuit.machine.cutter_radius
+    angles = np.pi / 2 * SIDE_NODES
+    centre = circuit.profile.point(s)
+    normal = circuit.profile.normal(s)
+    forward = np.array([-normal[1], normal[0]])
+    out = np.cos(angles)[:, None] * normal + np.sin(angles)[:, None] * forward
+    low = np.zeros(len(angles))  # of the ball's radii: where they meet the ground
+    high = np.full(len(angles), radius)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        points = centre + middle[:, None] * out
+        in_ground = -circuit.profile.depth(points[:, 0], points[:, 1]) > circuit.machine.offset
+        low = np.where(in_ground, low, middle)
+        high = np.where(in_ground, middle, high)
+    return float(np.pi / 4 * SIDE_WEIGHTS @ (radius**2 - high**2))
 
 
 def push_levers(circuit, ground, s, positions, slopes):

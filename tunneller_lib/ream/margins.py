@@ -10,10 +10,12 @@ from ..motion.sizing import Sizes
 from ..motion.stability import gain_limit
 from ..paths.circuit import Circuit
 from .both_axes import Loops, Plants, check_ticks
+from .cutting import Cut
 from .front import engaged_areas, push_levers
 from .planning import Plan
 
 JOINTS = "theta", "phi"
+SECOND = 1.0  # s, over which the head's power is a mean: a motor has as much to spare
 PLACES = 41  # of the circuit, at which oil and loop are looked at
 
 
@@ -145,12 +147,7 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
             )
             found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
     found += gain_margins(circuit, plant, loop)
-    drawn = 0.0
-    for joint, axis in enumerate(axes):
-        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
-        forward, backward = axis.linkage.displacements(at[:, joint])
-        rate = slopes[:, joint] * feed
-        drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
+    drawn = _drawn(axes, at, slopes * feed[:, None])
     oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
     found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
     for axis, name in zip(axes, ("lift", "swing"), strict=True):
@@ -165,6 +162,59 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
             )
         )
     return found
+
+
+@checked
+def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
+    """Return the greatest power, openings and flow that the laps of a simulated cut took.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was to be done; power and ground are those of its limits.
+    plant : Plant or a pair of them
+        The axes theta and phi.
+    cut : Cut
+        Of that plan, with its track.
+    sizes : Sizes
+        Of the hydraulics.
+
+    Returns
+    -------
+    margins : list of Margin
+        The head's power as a mean over a second, in W, if the plan has a limit of it; the valves'
+        openings, as shares; and, of axes with cylinders, the pump's oil in a tick, in m^3/s.
+    """
+    limits = plan.limits
+    slower = "a lower [limits] feed or power would do"
+    found = []
+    if limits.power < np.inf:
+        time = plan.tick * cut.noted
+        volume = np.concatenate([[0.0], np.cumsum(cut.removed)])
+        later = np.minimum(np.searchsorted(time, time[:-1] + SECOND), len(time) - 1)
+        rate = (volume[later] - volume[:-1]) / (time[later] - time[:-1])
+        whole = time[later] - time[:-1] >= min(SECOND, time[-1])
+        power = float(limits.ground.power(rate[whole].max()))
+        found.append(Margin("power in a second", limits.power, power, "W", slower))
+    for name, command in zip(JOINTS, cut.track.command.T, strict=True):
+        found.append(Margin(f"valve of {name}", 1.0, float(np.abs(command).max()), "1", slower))
+    if all(one.hydraulics for one in plant):
+        position = cut.track.position
+        at = (position[1:] + position[:-1]) / 2
+        drawn = _drawn(_cylinders(plant), at, np.diff(position, axis=0) / plan.tick)
+        found.append(Margin("oil in a tick", sizes.pump, float(drawn.max()), "m^3/s", slower))
+    return found
+
+
+def _drawn(axes, at, rates):
+    """Return the oil that the pump gives (n,), in m^3/s, at positions (n, 2) and rates (n, 2)."""
+    drawn = 0.0
+    for joint, axis in enumerate(axes):
+        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
+        forward, backward = axis.linkage.displacements(at[:, joint])
+        rate = rates[:, joint]
+        drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
+    return drawn
 
 
 def _cylinders(plant):

@@ -22,7 +22,7 @@ from ..paths.bounds import Way
 from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
 from .feed import Limits
-from .front import engaged_areas, push_levers
+from .front import engaged_areas, push_levers, side_area
 from .moves import Moves, levers, move_lengths, strains
 from .pose import Pose
 from .route import Route, path_points, route_through
@@ -279,7 +279,7 @@ def plan(
     length, speed, moment, straight_time = _eased(
         way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
-    back = _stepping(limits, advance, tick) if laps > 1 else np.zeros(1)
+    back = _stepping(circuit, limits, advance, tick) if laps > 1 else np.zeros(1)
     held = max(round(rest / tick), 1) + len(back) - 1
     total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:
@@ -427,11 +427,18 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
     )
 
 
-def _stepping(limits, advance, tick):
-    """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m."""
+def _stepping(circuit, limits, advance, tick):
+    """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m.
+
+    Power and volume of the ground that the ball meets at its side bound the step, too.
+    """
     if not advance:
         return np.zeros(1)
-    ticks = move_ticks(advance, limits.feed, limits.acceleration, tick)
+    area = side_area(circuit, 0.0)
+    speed = min(limits.feed, limits.volume / area)
+    if limits.ground is not None:
+        speed = min(speed, limits.power / limits.ground.power(area))
+    ticks = move_ticks(advance, speed, limits.acceleration, tick)
     return advance * move_shares(ticks)
 
 

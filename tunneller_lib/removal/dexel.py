@@ -28,6 +28,7 @@ from .grid import Lines, fan, parallel
 
 GROUP = 8  # moves of a path that are cut at once, as long as
 MOVE = 4e-4  # s, about how long one takes with whole arrays
+LEAN = 1e-2  # cosine, at least, between a line and the ball's normal where a cut ends
 GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
 
 
@@ -258,24 +259,88 @@ class DexelGrid:
                     removed += self._sweep(start[None], end[None], radius, one)
         return removed
 
+    @checked
+    def front(self, centres: Centres, radius: Length):
+        """Return what a ball would remove along a path, and where; nothing is removed.
+
+        Parameters
+        ----------
+        centres : (n, 3) float
+            Its centres, in m, at least two, joined by short straight moves.
+        radius : float
+            In m.
+
+        Returns
+        -------
+        volume : float
+            What `cut_path` would remove, in m^3.
+        area : (3,) float
+            The sum of the ball's surface over all places where it would cut, each along the
+            outward normal, in m^2: a further short move d removes the dot product area . d more,
+            as long as it goes on cutting there.
+        """
+        if len(centres) < 2:
+            raise ValueError(f"centres: must be at least two; got {len(centres)}.")
+        a, b = centres[:-1], centres[1:]
+        window = self.lines.around(self.lines.windows(a, b, radius, self._nearest).tolist())
+        volume = 0.0
+        area = np.zeros(3)
+        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+            # Moves that follow each other take one interval of a line together.
+            for found in self._met(enters.min(axis=0), leaves.max(axis=0), i, j):
+                volume += self._shared(*found)[0]
+                area += self._facing(*found, b[-1], radius)
+        return volume, area
+
+    def _facing(self, slot, place, enter, leave, centre, radius):
+        """Return the area vector (3,), in m^2, of a ball about a `centre` where cuts end at it.
+
+        Where they enter and leave the material of a `slot`, not where they go beyond it.
+        """
+        lines = self.lines
+        i, j = place
+        cos = lines.cos[j]
+        sin = lines.sin[j]
+        area = np.zeros(3)
+        for t, sign, within in (
+            (leave, 1.0, leave < self.high[slot][place]),
+            (enter, -1.0, enter > self.low[slot][place]),
+        ):
+            ends = np.stack([lines.x[i], lines.aside[j] * sin, -lines.aside[j] * cos], axis=-1)
+            ends += t[:, None] * np.stack([0 * cos, cos, sin], axis=-1)
+            out = ends - centre
+            # The surface is as much larger than the cell as its normal leans away from the line.
+            along = np.maximum(sign * (out[:, 1] * cos + out[:, 2] * sin), LEAN * radius)
+            cells = within * lines.cell * (t if lines.rays else 1.0)
+            area += np.sum(out * (cells / along)[:, None], axis=0)
+        return area
+
     def _sweep(self, a, b, radius, window):
         """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
+        ready = compiled.ready("grid")
+        taken = self._taken_one_by_one if ready else self._taken_at_once
+        removed = 0.0
+        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+            for enter, leave in zip(enters, leaves, strict=True):
+                for volume in taken(enter, leave, i, j):
+                    removed += volume
+        return removed
+
+    def _met_by(self, a, b, radius, window):
+        """Yield lines, i and j, of a window that have material in reach of moves, and cuts of them.
+
+        The moves go from a to b (k, 3), a ball of this radius in m. Cuts are where they enter and
+        leave these lines, one row for all moves or one each.
+        """
         # Most lines of the window were cut as far as this by earlier moves. One ball about all
         # these moves, larger by more than its rounding, tells which lines have material in reach,
         # and only those are compared with the moves one by one.
         middle = (a[0] + b[-1]) / 2
         away = norm(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
-        ready = compiled.ready("grid")
-        met = self._moves_one_by_one if ready else self._moves_at_once
-        taken = self._taken_one_by_one if ready else self._taken_at_once
-        removed = 0.0
+        met = self._moves_one_by_one if compiled.ready("grid") else self._moves_at_once
         for rows, columns in self.lines.blocks(window):
-            place, cuts = met(a, b, radius, middle, about, rows, columns)
-            for enter, leave in cuts:
-                for volume in taken(enter, leave, *place):
-                    removed += volume
-        return removed
+            yield met(a, b, radius, middle, about, rows, columns)
 
     def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
         """Return lines, i and j, of a window that have material in reach, and cuts of them.
@@ -300,8 +365,8 @@ class DexelGrid:
         met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
         apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
         if np.any(met & apart):
-            return (i, j), zip(enter, leave, strict=True)
-        return (i, j), [(first[-1], last[-1])]
+            return i, j, enter, leave
+        return i, j, first[-1:], last[-1:]
 
     def _moves_one_by_one(self, a, b, radius, middle, about, rows, columns):
         """Return the same by a compiled loop."""
@@ -325,8 +390,7 @@ class DexelGrid:
             **NUMBERS,
         )
         cuts = slice(1, None) if apart else slice(1)
-        both = enter[cuts, :found], leave[cuts, :found]
-        return (i[:found], j[:found]), zip(*both, strict=True)
+        return i[:found], j[:found], enter[cuts, :found], leave[cuts, :found]
 
     def _taken_at_once(self, enter, leave, i, j):
         """Take a cut from lines, and yield the volumes, slot by slot."""
