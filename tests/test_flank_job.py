@@ -101,8 +101,8 @@ def test_a_job_gives_tables_and_paths_that_agree(run):
     assert code == 0
     numbers = json.loads(said)
     assert sorted(path.name for path in out.iterdir()) == [
-        "axes.csv", "milled.ply", "milled.stl", "milled.vtp", "paths.apt", "paths.csv",
-        "positions.csv",
+        "axes.csv", "manifest.txt", "milled.ply", "milled.stl", "milled.vtp", "paths.apt",
+        "paths.csv", "positions.csv",
     ]  # fmt: skip
     _, paths = read_csv((out / "paths.csv").read_text())
     assert len(paths["chain"]) == sum(chain["positions"] for chain in numbers["chains"]) > 10
