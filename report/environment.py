@@ -89,7 +89,7 @@ class Environment:
 
     def changed(self, names):
         """Return a few words on each of these packages that isn't there as it is pinned."""
-        found, pins = self.versions(), pinned()
+        found, pins = self.versions(), pinned_versions()
         return [
             f"{name} is {found.get(name, 'missing')}, not {pins[name]}"
             for name in names
@@ -157,7 +157,7 @@ class Environment:
             fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
         # Of the pinned packages those that this Python and system ask for; a later look asks for
         # them all, and leaves alone what somebody installed besides.
-        names = sorted(self.versions().keys() & pinned().keys())
+        names = sorted(self.versions().keys() & pinned_versions().keys())
         if changed := self.changed(names):
             fail(f"Set-up stopped: {', '.join(changed)}. The next call tries again.")
         self.settle()
@@ -176,7 +176,7 @@ class Environment:
                 path.write_text(content)
 
 
-def pinned():
+def pinned_versions():
     """Return the version of each package that environment.txt pins, by its name."""
     return dict(re.findall(r"^([a-z0-9-]+)==([^ ]+)", PINS.read_text(), re.M))
 

@@ -137,7 +137,7 @@ def test_package_is_found_by_its_pinned_name_however_its_folder_writes_it(whole)
 
 
 def test_every_pin_is_read_with_its_version():
-    pins = module.pinned()
+    pins = module.pinned_versions()
     assert {"numpy", "scipy", "mpmath", "ruff", "uv", "nbval"} <= pins.keys()
     assert len(pins) == module.PINS.read_text().count("==") - module.PINS.read_text().count(" == ")
 
