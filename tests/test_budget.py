@@ -217,6 +217,15 @@ def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, name
     assert fault.measured == pytest.approx(fault.closed, rel=1e-3)
 
 
+@CIRCUITS
+@pytest.mark.parametrize("turn", [-2e-3, 2e-3])
+@pytest.mark.parametrize(("shift", "axis"), [("z", "pitch"), ("y", "yaw"), ("y", "roll")])
+def test_shift_and_turn_of_a_pose_add_up_with_their_signs(circuit, shift, axis, turn):
+    """A turn the other way round would leave as much alone, and less or more beside a shift."""
+    fault = pose_fault(job(circuit), Pose(**{shift: 2e-3, axis: turn}))
+    assert fault.measured == pytest.approx(fault.closed, rel=3e-3)
+
+
 def of_remedy(fault):
     """Return what a fault's first remedy changes, and by which factor."""
     return fault.remedies[0]

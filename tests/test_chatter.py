@@ -79,3 +79,13 @@ def test_nothing_is_in_step_where_nothing_pushes_in_turn():
 
 def test_many_picks_are_a_damper_that_nothing_swings_up_in():
     assert chatter_limit(PLANTS[0], LOOP, ANGLE, 0.88, 1e4) == (np.inf, 0.0)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_held_command_is_late_by_half_a_tick_beside_its_delay(joint):
+    """One and a half ticks of 2 ms are half a tick of 6 ms, and no other sum of ticks is."""
+    short, long = (Loop(10.0, tick, delay=n) for tick, n in ((2e-3, 1), (6e-3, 0)))
+    found = [chatter_limit(PLANTS[joint], loop, ANGLE, 0.8, 15.0) for loop in (short, long)]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    other = chatter_limit(PLANTS[joint], Loop(10.0, 2e-3, delay=0), ANGLE, 0.8, 15.0)
+    assert abs(other[0] / found[0][0] - 1) > 1e-3

@@ -362,6 +362,9 @@ def test_the_milled_surface_is_what_the_mill_sweeps(usual):
     assert max(off) < 2e-6
     assert points["value"].max() == pytest.approx(1000)  # the stock, in um
     assert (points["colour"][points["value"] == points["value"].max()] == (255, 0, 0)).all()
+    # The colour is full from 100 um on, and paler in proportion below.
+    pale = np.round(255 * (1 - np.minimum(np.abs(points["value"]) / 100, 1)))
+    assert (np.abs(points["colour"].min(axis=1) - pale) <= 1).all()
 
 
 def test_people_get_lines(usual):

@@ -17,6 +17,7 @@ from tunneller_lib.ream import Limits, Pose, budget, gain_margins, ground_faults
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
 from tunneller_lib.ream.margins import capability
+from tunneller_lib.ream.sensitivity import planned_motion
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
@@ -282,6 +283,21 @@ def test_picks_leave_more_than_nothing_and_less_than_the_mean():
     # Most of it is a mean that the ripple leaves, not a swing.
     evened = np.convolve(picks.deviation, np.ones(83) / 83, mode="valid")
     assert np.abs(evened).max() > 0.5 * picks.measured
+
+
+def test_held_commands_answer_the_picks_half_a_tick_late_beside_their_delay():
+    """One and a half ticks of 2 ms are half a tick of 6 ms: the answers to torques are the same."""
+    made = lap(MORTAR, tolerance=5e-3, rest=0.2)
+    torque = np.random.default_rng(1).normal(size=(len(planned_motion(made)[0]), 2))
+    short, long, early = (
+        [Loop(10.0, tick, delay=n)] * 2 for tick, n in ((2e-3, 1), (6e-3, 0), (2e-3, 0))
+    )
+    found, same, other = (
+        ground_faults._answers(made, OILY, loop, MORTAR, ARM, torque)
+        for loop in (short, long, early)
+    )
+    np.testing.assert_allclose(found, same, rtol=1e-12)
+    assert np.abs(other / found - 1).max() > 1e-3
 
 
 def test_loads_in_concrete_leave_what_their_closed_forms_say():

@@ -12,8 +12,9 @@ from scipy.optimize import least_squares
 
 from tests.shapes import log_uniform
 from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
-from tunneller_lib.motion.oil import LAMINAR
+from tunneller_lib.motion.oil import LAMINAR, land, resistance
 from tunneller_lib.motion.plant import ValveResonance
+from tunneller_lib.motion.sizing import axes_of, usual_sizes
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
 
@@ -292,6 +293,29 @@ def test_linear_model_is_that_of_small_swings_about_rest(axis, angle):
     spool = [run(plant, 0.001, [0.3] * 5, plant.rest(angle))[:, 4],
              run(small, 0.001, [0.3] * 5, small.rest(angle))[:, 3]]  # fmt: skip
     np.testing.assert_allclose(*spool, rtol=1e-3)
+
+
+def test_dry_friction_is_whole_from_six_thousandths_of_a_radian_a_second_on():
+    """And turns its direction within two thousandths, where it is three quarters."""
+    axis = replace(THETA, friction=50.0, damping=1e-9)
+    found = [resistance(axis, rate) / 50.0 for rate in (-6e-3, -2e-3, 0.0, 2e-3, 6e-3)]
+    expected = [-0.995, -0.7616, 0.0, 0.7616, 0.995]  # tanh of -3, -1, 0, 1 and 3
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+
+
+def test_flow_through_a_land_is_the_root_above_a_bar_and_straight_below():
+    bar = 1e5
+    assert land(10 * bar) == pytest.approx(np.sqrt(10 * bar), rel=3e-3)
+    assert land(0.5 * bar) < 0.75 * np.sqrt(0.5 * bar)
+    for lost in (0.01 * bar, 0.1 * bar):
+        assert land(lost) == pytest.approx(lost / np.sqrt(bar), rel=3e-3)
+        assert land(-lost) == -land(lost)
+
+
+def test_axis_of_sizes_has_its_rated_flow_at_35_bar_a_land():
+    sizes = usual_sizes(REFERENCE_MACHINE)
+    made = axes_of(REFERENCE_MACHINE, replace(sizes, rated_flow=40e-3 / 60))
+    assert [60e3 * one.flow * np.sqrt(35e5) for one in made] == pytest.approx([40.0, 40.0])
 
 
 def test_swing_gain_is_the_steady_one_for_equal_areas():

@@ -20,7 +20,7 @@ from tests.envelopes_zoo import (
 from tests.long import many
 from tests.recognise_many import HEAD, TABLE, tried
 from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.adapted import adapted_frames
+from tunneller_lib.envelopes.adapted import FLAT, adapted_frames
 from tunneller_lib.envelopes.families import channel, cyclide, helix, moving_cone, screwing
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
 
@@ -146,6 +146,8 @@ def cone_of(seed):
     rng = np.random.default_rng((seed, 45))
     surface, motion = member("cone", rng)
     points = window(surface, rng, 10.0 ** rng.uniform(-4, 0))
+    while np.sort(adapted_frames(surface, *points, "space").curvature)[-12] <= FLAT:
+        points = window(surface, rng, 10.0 ** rng.uniform(-4, 0))  # else it's refused
     return placed(surface, rng, 10.0 ** rng.uniform(-3, 3)), points, motion["half_angle"], rng
 
 
