@@ -23,10 +23,12 @@ JOB = Path(__file__).resolve().parents[1] / "notebooks" / "reference.toml"
 def swing(joint, picks, damper, lever):
     """Return by how much a swing grows in a second, and its frequency in Hz, run tick by tick."""
     before = round(1 / picks / LOOP.tick)
-    way = np.full(before + TICKS, ANGLE)
+    way = np.full(before + TICKS + 1, ANGLE)
 
-    def push(tick, reached):
-        way[before + tick] = reached[-1, joint]
+    def push(tick, tried):
+        if tried is not None:
+            way[before + tick + 1] = tried[-1, joint]
+            return None
         torque = np.zeros((1, 2))
         torque[0, joint] = damper * lever**2 * picks * (way[before + tick] - way[tick])
         return Push(torque=torque)

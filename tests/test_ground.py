@@ -16,7 +16,7 @@ from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, budget, gain_margins, ground_faults, plan, simulate
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
-from tunneller_lib.ream.margins import capability
+from tunneller_lib.ream.margins import capability, used
 from tunneller_lib.ream.sensitivity import planned_motion
 from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
@@ -427,3 +427,24 @@ def test_first_models_ask_nothing_of_a_cylinder(job):
     for tier in ("T0", "T1"):
         made = job(**short, **{'"T3"': f'"{tier}"'})
         assert made.planned.lap_time > 30 and made.margins == [] and made.arm is None
+
+
+def test_cut_says_what_it_used_of_power_valves_and_oil():
+    ground = replace(MORTAR, ripple=0.0)
+    short = plan(CIRCUIT, replace(lap(ground).limits, feed=0.08), tolerance=5e-3, rest=0.2)
+    done = simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=ground)
+    found = {margin.what: margin for margin in used(short, OILY, done, SIZES)}
+    assert list(found) == ["power in a second", "valve of theta", "valve of phi", "oil in a tick"]
+    # The force is that of the same ground: its mean over a second, in whole chunks of those whose
+    # volume is noted, times the picks' speed.
+    power = done.force * ground.pick_speed
+    ticks = 5 * 48
+    evened = np.convolve(power, np.ones(ticks) / ticks, mode="valid")
+    assert found["power in a second"].needs == pytest.approx(evened.max(), rel=0.03)
+    assert found["power in a second"].has == 3000
+    for joint in range(2):
+        opened = found[f"valve of {('theta', 'phi')[joint]}"]
+        assert opened.needs == np.abs(done.track.command[:, joint]).max() and opened.has == 1
+    assert 0 < found["oil in a tick"].needs < found["oil in a tick"].has == SIZES.pump
+    free = replace(short, limits=replace(short.limits, power=np.inf))
+    assert "power in a second" not in {one.what for one in used(free, OILY, done, SIZES)}

@@ -324,3 +324,20 @@ def test_step_between_laps_keeps_the_power_and_the_volume(ground):
         b = min(a + max(len(made.back) // 20, 1), len(centres) - 1)
         rates.append(wall.cut_path(centres[a : b + 1], 0.2) / (b - a) / TICK)
     assert 0.7 * 3000 < ground.power(max(rates)) < 1.02 * 3000
+
+
+# What doesn't agree is refused
+
+
+def test_force_that_never_agrees_with_the_motion_is_refused(monkeypatch):
+    monkeypatch.setattr(face, "CLOSE", 1e-12)
+    monkeypatch.setattr(face, "MOST_TRIES", 2)
+    with pytest.raises(ValueError, match=r"^ground: force and motion must agree within 1e-10 %; "):
+        begun(planned(CONCRETE), CONCRETE, 0.02)
+
+
+def test_damper_that_no_tick_can_be_integrated_with_is_refused():
+    ramp = np.stack([1e-4 * np.arange(5), 0.0 * np.arange(5)], axis=-1)
+    push = Push(damper=1e13, lever=(0.88, 0.80))
+    with pytest.raises(ValueError, match=r"^ground: must let a tick be integrated in at most 10"):
+        follow(OILY, LOOP, ramp, slopes=np.diff(ramp, axis=0) / TICK, push=push)

@@ -9,7 +9,7 @@ from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.ream import Limits, Pose, carve, plan
+from tunneller_lib.ream import Limits, Pose, carve, plan, simulate
 from tunneller_lib.ream.clearance import PartClearance
 from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.ream.faults import Fault, knot_fault
@@ -79,4 +79,5 @@ CALLS = {
     "wall.standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,
+    "used": {"plant": AXIS["plant"], "cut": simulate(PLAN, **AXIS, shape=(6, 12))},
 }

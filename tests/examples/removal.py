@@ -15,6 +15,7 @@ CALLS = {
     "DexelGrid": {"high": 0.9},
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
     "DexelGrid.cut": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
+    "DexelGrid.front": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.cut_path": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.overlap": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},

@@ -119,7 +119,7 @@ class Face:
             return None
         turns = np.diff(way, axis=0)
         steps = np.diff(self.stepped[run])
-        volume, area = self.wall.front(centres, self.radius)
+        volume, area = self.wall.front.unchecked(self.wall, centres, self.radius)
         meant = self._taken(self._area, turns, steps)
         self._most = max(self._most, volume)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):

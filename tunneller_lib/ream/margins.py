@@ -184,7 +184,14 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
     margins : list of Margin
         The head's power as a mean over a second, in W, if the plan has a limit of it; the valves'
         openings, as shares; and, of axes with cylinders, the pump's oil in a tick, in m^3/s.
+
+    Raises
+    ------
+    ValueError
+        If the cut has no track.
     """
+    if cut.track is None:
+        raise ValueError("cut: must be of simulated loops; got one without a track.")
     limits = plan.limits
     slower = "a lower [limits] feed or power would do"
     found = []
