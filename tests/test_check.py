@@ -84,7 +84,13 @@ def test_new_files_count_in_the_studys_folders_alone(monkeypatch, tmp_path):
 
 def test_worker_that_dies_ends_the_run_with_the_name_of_its_test(tmp_path):
     (tmp_path / "test_dying.py").write_text("import os\n\ndef test_dies():\n    os._exit(3)\n")
-    recipe = ["make", "--dry-run", "test", f"TESTS={tmp_path} -c /dev/null -o addopts="]
+    recipe = [
+        "make",
+        "--no-print-directory",
+        "--dry-run",
+        "test",
+        f"TESTS={tmp_path} -c /dev/null -o addopts=",
+    ]
     said = subprocess.run(recipe, cwd=check.ROOT, capture_output=True, text=True).stdout
     command = said[said.index("OPENBLAS") :]  # without the set-up and the linter
     run = subprocess.run(

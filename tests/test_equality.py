@@ -17,7 +17,8 @@ from tests.test_contract import INSTANCES, instance
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
-READS = ["notebooks/flank.toml"]  # by the examples
+# By the examples.
+READS = ["notebooks/flank.toml"]
 
 
 def every_dataclass():

@@ -88,7 +88,7 @@ def test_a_ray_takes_at_most_what_the_guard_counts(tmp_path, command, least):
 def test_a_tick_takes_at_most_what_the_guard_counts(tmp_path):
     peaks, ticks = [], []
     for tick in (1e-3, 1e-3, 5e-4, 2.5e-4):  # the first also brings compilers
-        slow = {"tick = 0.02": f"tick = {tick}", "feed = 2.0": "feed = 0.5"}
+        slow = {"tick = 0.02": f"tick = {tick}", "feed = 1.0": "feed = 0.5"}
         job = read_job(changed(tmp_path, slow))
         ticks.append(job.planned.ticks.sum())
         with traced() as most:

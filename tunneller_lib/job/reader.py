@@ -61,7 +61,7 @@ def _circle(radius):
 SHAPES = {
     "egg": (Egg, dict(a=Size("m", 0.01, 20))),
     "circle": (_circle, dict(radius=Size("m", 0.01, 20))),
-    "pieces": (closed_profile, dict(snap=Size("m", 0, 0.01))),
+    "pieces": (closed_profile, dict(snap=Size("m", 0, 5e-4))),
 }
 PIECES = {
     "arc": (Arc, dict(y=Size("m", most=20), z=Size("m", most=20), radius=Size("m", most=100),

@@ -224,8 +224,9 @@ def outer(torus, ends, u):
 def peaked(torus, ends, b, angle):
     """Return where a way of `outer` may need three legs, lest its quadrature miss a peak.
 
-    There it nears a node, or an inner equator, at its end at b, too; or it passes by a node so
-    closely as only ways do that turn by an `angle` next to what half a swing turns there.
+    `torus`, `ends` and b are those of `outer`. A way needs them where it nears a node, or an inner
+    equator, at its end at b, too, or passes by a node so closely as only ways do that turn by an
+    `angle` next to what half a swing turns there.
     """
     near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
     low = (b < 0) & (near < NARROW * torus.R)

@@ -69,6 +69,8 @@ def draw_ways(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
         The curves, each labelled with its excess of length.
     """
     geodesic = geodesic_inverse(torus, p, q)
+    if not geodesic.length:
+        raise ValueError(f"p, q: must differ, or there is no way between them; got {shown(p)}.")
     theta, phi = np.degrees(geodesic.points(201).position.T)
     label = f"geodesic, {geodesic.length:.3f} m"
     artists = ax.plot(theta, phi, color=COLOURS["geodesic"], label=label)

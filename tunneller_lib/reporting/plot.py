@@ -189,6 +189,8 @@ def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
     circles : list of matplotlib.patches.Circle
         In the order of `Torus.feet`; the working one has the tangent-sphere colour.
     """
+    if m[0] <= 0 or m[2]:
+        raise ValueError(f"m: must have x > 0 and z = 0; got {shown(m)}.")
     draw_meridian(ax, torus)
     circles = []
     for index, foot in enumerate(torus.feet(m)):
@@ -199,7 +201,7 @@ def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
         ax.add_patch(circles[-1])
         ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
         signs = "({:+d}, {:+d})".format(*FEET[index])
-        away = 14 * (foot - m)[:2] / radius
+        away = 14 * (foot - m)[:2] / (radius or 1.0)  # M may be its own foot
         place = {"textcoords": "offset points", "ha": "center", "va": "center"}
         box = {"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8}
         ax.annotate(signs, foot[:2], away, fontsize=7, color=colour, bbox=box, **place)
