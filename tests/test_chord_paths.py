@@ -353,3 +353,13 @@ def test_recipe_of_the_third_rule_is_the_library_s(file, before):
     np.testing.assert_allclose(np.stack(torus.angles(shifted), axis=-1), way, atol=1e-12)
     other = eval(formula.replace("-", "+", 1), {"m": m, "d": d, "n": n, "n0": n0})
     assert np.max(np.abs(np.stack(torus.angles(other), axis=-1) - way)) > 1e-3
+
+
+@pytest.mark.parametrize("far", [2.0**26, 2.0**29, -(2.0**40), 2.0**53, 1e22])
+def test_joint_space_length_is_the_same_however_far_the_angles_are(far):
+    torus, path = Torus(0.08, 0.8), CHORD_PATHS["joint space"]
+    assert path_length(torus, path, (far, 0.2), (far, -0.4)) == pytest.approx(0.48, rel=1e-12)
+    turn = (far + 0.5) - far  # half a radian, or none where floats are farther apart
+    near = path_length(torus, path, (0.0, 0.2), (turn, -0.4))
+    there = path_length(torus, path, (far, 0.2), (far + 0.5, -0.4))
+    assert there == pytest.approx(near, rel=1e-12)

@@ -180,7 +180,7 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     -------
     length : (...) float
         In m, to 1e-9 of itself, or to 1e-13 (r + R) where that is more; mostly to rounding. The
-        angles may be of any size; their own rounding beyond one turn isn't counted.
+        angles may be of any size.
 
     Raises
     ------
@@ -201,6 +201,11 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     0.63
     """
     check_on_sheet(torus, p, q)
+    # The torus turns about its axis. Angles beyond a turn are counted from p's: their own roundings
+    # would pass for steps of the path.
+    far = np.maximum(np.abs(p[..., 0]), np.abs(q[..., 0])) > 2 * np.pi
+    start = np.stack([np.where(far, p[..., 0], 0.0), np.zeros_like(far, float)], axis=-1)
+    p, q = p - start, q - start
     return path_lengths(torus, lambda *way: ChordPath.__call__.unchecked(path, torus, *way), p, q)
 
 

@@ -182,7 +182,9 @@ class Geodesic:
         Returns
         -------
         points : GeodesicPoints
-            As by `geodesic_direct`; NaN where there is no answer.
+            As by `geodesic_direct`; NaN where there is no answer. On a ring that is nearly a horn,
+            or very wide, geodesics by the inner equator part so fast that the last point lies
+            beside q: by 3e-7 m on Torus(1 + 1e-7, 1), by 0.01 m on r = 100 R. The length holds.
         """
         azimuth = np.where(self.kind_code == POINT, 0.0, self.azimuth1)
         way = _followed(self.torus, self.p, azimuth, self.length, n, self.clairaut)

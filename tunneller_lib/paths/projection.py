@@ -41,7 +41,8 @@ def project_chord(
     Returns
     -------
     path : (..., n, 2) float
-        Joint positions (theta, phi) of the feet of M(t) on the working sheet, in rad.
+        Joint positions (theta, phi) of the feet of M(t), in rad. They are on the working sheet
+        where those of `Torus.foot` are: a chord that passes near the axis has some beyond it.
 
     Raises
     ------
