@@ -29,7 +29,6 @@ from report.sources import (
     ROOT,
     draws_scenes,
     figure_files,
-    file_digests,
     notebook_sources,
     notebooks,
     records,
@@ -156,6 +155,7 @@ def write_report():
         say("report/report.pdf is up to date")
         return 0
     from report.compile import ReportFailed, compile_report
+    from report.execute import publish_files
 
     try:
         made = {name: compile_report(name=name) for name in DOCUMENTS}
@@ -163,13 +163,12 @@ def write_report():
         say(f"report/report.pdf left as it was: {error}")
         return 1
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
-    for path, text in lists.items():
-        replace(path, text.encode())
+    # The README is somebody's text with findings in it, which they may edit meanwhile.
     replace(README, with_findings(README.read_text(encoding="utf-8")).encode())
-    for name, pdf in made.items():
-        replace(PDFS[name], pdf)
+    contents = {PDFS[name]: pdf for name, pdf in made.items()}
+    contents |= {path: text.encode() for path, text in lists.items()}
     seconds = time.monotonic() - begun
-    state.save(sources, file_digests(ROOT, [*PDFS.values(), *lists]), seconds)
+    publish_files("report", contents, sources, seconds, ROOT)
     say(f"report/report.pdf, {seconds:.1f} s")
     return 0
 

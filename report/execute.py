@@ -78,20 +78,52 @@ def run_notebook(notebook, sources=None):
         kept = keep_what_agrees(staging, root)
         made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
         old = {*figure_files(notebook), *scene_files(notebook), records(notebook)[0]}
-        ready = {
-            "results": made,
-            "gone": sorted({str(path.relative_to(root)) for path in old} - made.keys()),
-            "sources": sources or {},
-            "seconds": time.monotonic() - begun,
-        }
-        (staging / LIST).write_text(json.dumps(ready), encoding="utf-8")
-        place = root / "build" / "ready" / notebook.stem
-        place.parent.mkdir(exist_ok=True)
-        os.replace(staging, place)
+        gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
+        place = finish(staging, notebook.stem, made, gone, sources or {}, time.monotonic() - begun)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
     publish(place)
     return kept
+
+
+def finish(staging, task, made, gone, sources, seconds):
+    """Rename a folder of a task's results to build/ready: from then on they count; return it."""
+    ready = {"results": made, "gone": gone, "sources": sources, "seconds": seconds}
+    (staging / LIST).write_text(json.dumps(ready), encoding="utf-8")
+    place = staging.parents[1] / "ready" / task
+    place.parent.mkdir(exist_ok=True)
+    os.replace(staging, place)
+    return place
+
+
+def publish_files(task, contents, sources, seconds, root):
+    """Put files of a task into place together, and note its state.
+
+    Parameters
+    ----------
+    task : str
+        Its name.
+    contents : dict of pathlib.Path to bytes
+        What each file is to hold.
+    sources : dict of str to str
+        What they are made from, to be kept in the state.
+    seconds : float
+        What making them took.
+    root : pathlib.Path
+        The checkout.
+    """
+    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
+    staging = Path(tempfile.mkdtemp(prefix=f"{task}-", dir=root / "build" / "staging"))
+    try:
+        for path, content in contents.items():
+            new = staging / path.relative_to(root)
+            new.parent.mkdir(parents=True, exist_ok=True)
+            new.write_bytes(content)
+        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
+        place = finish(staging, task, made, [], sources, seconds)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+    publish(place)
 
 
 def execute(notebook, staging):
@@ -148,7 +180,7 @@ def keep_what_agrees(staging, root):
 
 
 def publish(place):
-    """Move a finished notebook and its results into place, and note its state.
+    """Move finished results, a notebook's or others, into place, and note the task's state.
 
     Parameters
     ----------
@@ -161,7 +193,7 @@ def publish(place):
     notebook = root / "notebooks" / f"{place.name}.ipynb"
     executed = place / "notebooks" / notebook.name
     as_run = notebook.exists() and (not executed.exists() or cells(executed) == cells(notebook))
-    if as_run:
+    if as_run or str(notebook.relative_to(root)) not in ready["results"]:
         for name in ready["results"]:
             if (place / name).exists():
                 (root / name).parent.mkdir(parents=True, exist_ok=True)

@@ -235,6 +235,36 @@ def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after
     assert not any((root / "build" / "ready").iterdir())
 
 
+PARTS = """import os, sys; from pathlib import Path
+import report.execute as execute
+moved, replace = [], os.replace
+def killed(source, target):
+    if Path(target).name in ("a.pdf", "b.pdf", "list.csv"):
+        if len(moved) == {after}: os._exit(9)
+        moved.append(target)
+    replace(source, target)
+execute.os.replace = killed
+root = Path(sys.argv[1])
+files = {{root / name: b"new" for name in ("report/a.pdf", "report/b.pdf", "figures/list.csv")}}
+execute.publish_files("report", files, {{"a": "1"}}, 1.0, root)"""
+
+
+@pytest.mark.parametrize("after", [0, 1, 2])
+def test_parts_of_a_report_whose_move_was_killed_are_put_in_place_by_the_next_build(
+    tmp_path, after
+):
+    parts = [tmp_path / name for name in ("report/a.pdf", "report/b.pdf", "figures/list.csv")]
+    for part in parts:
+        part.parent.mkdir(exist_ok=True)
+        part.write_bytes(b"old")
+    command = [sys.executable, "-c", PARTS.format(after=after), tmp_path]
+    assert subprocess.run(command, cwd=ROOT).returncode == 9
+    assert [part.read_bytes() for part in parts].count(b"new") == after
+    recover(tmp_path)
+    assert [part.read_bytes() for part in parts] == [b"new"] * 3
+    assert State(tmp_path, "report").stale({"a": "1"}) is None
+
+
 def test_edit_after_a_killed_build_is_kept(notebook):
     write(notebook, RECORD.format(value=1), DRAW)
     subprocess.run([sys.executable, "-c", READY.format(after=0), notebook], cwd=ROOT)
