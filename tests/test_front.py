@@ -5,7 +5,8 @@ import pytest
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, plan
-from tunneller_lib.ream.front import engaged_areas, front_areas, groove_areas
+from tunneller_lib.ream.front import engaged_areas, facing_areas, front_areas, groove_areas
+from tunneller_lib.ream.wall import intact_wall
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -67,12 +68,27 @@ def test_front_meets_a_bend_before_its_centre_does(before, advance):
     assert found == pytest.approx(counted(s, advance), rel=0.04)  # of points 1 mm apart
 
 
-def test_areas_of_a_leaning_circuit_are_those_of_its_own_metres():
-    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5), pitch=0.1)
-    s = np.linspace(0.05, 0.85, 9)
-    length = np.linalg.norm(circuit.point(s + 5e-5) - circuit.point(s - 5e-5), axis=-1) / 1e-4
-    assert length.max() > 1.01
-    assert engaged_areas(circuit, s) * length == pytest.approx(groove_areas(circuit, s), rel=1e-6)
+@pytest.mark.parametrize(("advance", "close"), [(0.0, 0.01), (0.08, 0.06), (0.04, 0.06)])
+@pytest.mark.parametrize("s", [0.2, 0.6, 0.8, 1.5, 1.75, 2.0, 2.3])
+def test_front_takes_what_a_wall_that_is_cut_would_lose(s, advance, close):
+    """Where it leans by up to 24 degrees, and bends are far; what faces the wall, too."""
+    way = np.linspace(s - 0.12, s + 0.2, 401)
+    centres = CIRCUIT.in_tunnel(CIRCUIT.point(way))
+    radius = CIRCUIT.machine.cutter_radius
+    ends = centres[:, 0].min() - radius, centres[:, 0].max() + radius + advance
+    wall = intact_wall(CIRCUIT, *ends, (400, 1080))
+    if advance:
+        wall.cut_path(centres + np.array([advance, 0.0, 0.0]), radius)
+    here = int(np.searchsorted(way, s))
+    wall.cut_path(centres[: here + 1], radius)
+    ahead = centres[here + 1] - centres[here]
+    ahead /= np.linalg.norm(ahead)
+    _, area = wall.front(centres[here] + [0 * ahead, 1e-5 * ahead], radius)
+    place = way[here : here + 1]
+    assert engaged_areas(CIRCUIT, place, advance)[0] == pytest.approx(area @ ahead, rel=close)
+    if not advance:
+        out = np.array([0.0, *CIRCUIT.profile.normal(place[0])])
+        assert facing_areas(CIRCUIT, place)[0] == pytest.approx(area @ out, rel=0.013)
 
 
 @pytest.mark.parametrize("advance", [0.04, 0.08])

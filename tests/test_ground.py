@@ -265,10 +265,8 @@ def test_loads_leave_what_their_closed_forms_say(scale, section, sizes):
     shared = arm_fault(made, plants, loop, arm)
     mean = ground_fault(made, plants, loop, ground, arm=arm)
     picks = picks_fault(made, plants, loop, ground, arm=arm)
-    for fault in (shared, mean):
+    for fault in (shared, mean, picks):
         assert 1 / 1.25 < fault.measured / fault.closed < 1.25, fault.source
-    # Where the invert ends the ground falls by two thirds in less time than the loops answer in.
-    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
 
 
 def test_picks_leave_more_than_nothing_and_less_than_the_mean():
@@ -279,7 +277,7 @@ def test_picks_leave_more_than_nothing_and_less_than_the_mean():
     still = picks_fault(made, OILY, LOOP, replace(MORTAR, ripple=0.0), arm=ARM)
     assert still.measured == 0 == still.closed
     assert 0 < picks.measured < mean.measured
-    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
+    assert 1 / 1.25 < picks.measured / picks.closed < 1.25
     # Most of it is a mean that the ripple leaves, not a swing.
     evened = np.convolve(picks.deviation, np.ones(83) / 83, mode="valid")
     assert np.abs(evened).max() > 0.5 * picks.measured
@@ -306,7 +304,7 @@ def test_loads_in_concrete_leave_what_their_closed_forms_say():
     mean = ground_fault(made, OILY, LOOP, CONCRETE, arm=ARM, laps=laps)
     picks = picks_fault(made, OILY, LOOP, CONCRETE, arm=ARM, laps=laps)
     assert 1 / 1.25 < mean.measured / mean.closed < 1.25
-    assert 1 / 1.35 < picks.measured / picks.closed < 1.35
+    assert 1 / 1.25 < picks.measured / picks.closed < 1.25
 
 
 def test_laps_under_loads_are_run_once(monkeypatch):

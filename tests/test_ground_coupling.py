@@ -44,7 +44,7 @@ def begun(made, ground, way, shape=(60, 240)):
     first = int(made.entry.ticks.sum())
     ticks = first + int(np.searchsorted(made.reached, way))
     values = setvalues[: ticks + 1]
-    front = Face(made, ground, values, first, None, shape, 0.1, np.array([0]), lambda tick: None)
+    front = Face(made, ground, values, first, shape, 0.1)
     track = follow(OILY, LOOP, values, slopes=slopes[:ticks], arm=ARM, push=front.push)
     front.finish(track.position)
     return first, track, front
@@ -324,6 +324,21 @@ def test_step_between_laps_keeps_the_power_and_the_volume(ground):
         b = min(a + max(len(made.back) // 20, 1), len(centres) - 1)
         rates.append(wall.cut_path(centres[a : b + 1], 0.2) / (b - a) / TICK)
     assert 0.7 * 3000 < ground.power(max(rates)) < 1.02 * 3000
+
+
+@pytest.mark.parametrize("energy", [80e6, 250e6])
+def test_cutter_that_is_pushed_back_out_of_its_hole_finds_its_force(energy):
+    """From rest in whole ground the first ticks go the other way than the front faces."""
+    ground = Ground(energy, 2.0, normal=1.2)
+    made = planned(ground)
+    values = CIRCUIT.position(made.places[:60])
+    front = Face(made, ground, values, 0, (60, 240), 0.1)
+    front.wall.cut_path(made.centres(values[:1]), REFERENCE_MACHINE.cutter_radius)
+    slopes = np.diff(values, axis=0) / TICK
+    track = follow(OILY, LOOP, values, slopes=slopes, arm=ARM, push=front.push)
+    front.finish(track.position)
+    taken = front.stiffness @ (front.removed / TICK)
+    assert front.force(track).sum() == pytest.approx(taken, rel=0.05)
 
 
 # What doesn't agree is refused

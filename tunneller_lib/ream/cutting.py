@@ -198,7 +198,8 @@ def simulate(
     if ground is not None:
         noted = first + _noted(plan)
         tell = _Teller(plan, say, first)
-        face = Face(plan, ground, setvalues, first, pose, shape, thickness, noted, tell.cut_to)
+        wall = setvalues, first, shape, thickness
+        face = Face(plan, ground, *wall, pose=pose, noted=noted, say=tell.cut_to)
     push = face and face.push
     track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
     for axis, name in enumerate(("theta", "phi")):
@@ -289,17 +290,7 @@ def expected_seconds(
     if ground is not None:
         first = int(plan.entry.ticks.sum())
         noted = first + _noted(plan)
-        face = Face(
-            plan,
-            ground,
-            setvalues,
-            first,
-            None,
-            shape,
-            thickness,
-            noted,
-            _Teller(plan, None).cut_to,
-        )
+        face = Face(plan, ground, setvalues, first, shape, thickness, noted=noted)
         # Compiles what it will need: a cut of a copy, and one tick, by which nothing is cut yet.
         face.wall.copy().cut_path(plan.centres(plan.setvalues[:2]), face.radius)
         follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=copy(face).push)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..exact import norm
 from ..motion.both_joints import Push
+from .front import engaged_areas
 from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
@@ -18,8 +19,8 @@ EVERY = 8  # ticks, a power of two, that are tried together: fewer where they do
 BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
 STILL = 1e-6  # m, too short a way to find ground on it
 # By how much the ground that the force was for may differ from what is removed, as a share of it
-# or, where it is hardly any, of a tenth of the greatest; and tries, after some of which halves of
-# the steps are taken.
+# or, where it is hardly any, of a tenth of a whole groove's; and tries, after some of which halves
+# of the steps are taken.
 CLOSE, HARDLY = 1e-2, 0.1
 MOST_TRIES, BOLD_TRIES = 16, 4
 
@@ -37,15 +38,15 @@ class Face:
         Of the entry, all laps and the exit, in rad.
     first : int
         At which of them the first lap begins.
-    pose : Pose or None
-        Where the machine stands instead of where it should.
     shape : (int, int)
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.
-    noted : (k,) int
+    pose : Pose, optional
+        Where the machine stands instead of where it should.
+    noted : (k,) int, optional
         Set-values up to which the removed volumes are to be known.
-    say : function
+    say : function, optional
         Told at which set-value the run is.
 
     Attributes
@@ -62,7 +63,19 @@ class Face:
         Ground that the machine's own step removes in a second in each tick, in m^3/s.
     """
 
-    def __init__(self, plan, ground, setvalues, first, pose, shape, thickness, noted, say):
+    def __init__(
+        self,
+        plan,
+        ground,
+        setvalues,
+        first,
+        shape,
+        thickness,
+        *,
+        pose=None,
+        noted=(),
+        say=lambda tick: None,
+    ):
         circuit = plan.circuit
         machine = circuit.machine
         ticks = np.arange(len(setvalues)) - first
@@ -88,13 +101,14 @@ class Face:
         self.removed = np.zeros(len(setvalues) - 1)
         self.front = np.zeros((len(setvalues) - 1, 2))
         self.stepping = np.zeros(len(setvalues) - 1)
-        self._stops = np.append(noted, len(setvalues) - 1)
+        self._stops = np.array([*noted, len(setvalues) - 1])
         self._say = say
         corners = self._posed(circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)])))
         self._turned = (corners[1:] - corners[0]).T
         self._way = setvalues[:1]  # of the cutter since it was last cut, as joint positions
         self._area = np.zeros(3)  # m^2, of the ball's front, as `DexelGrid.front` has it
-        self._most = 0.0  # m^3
+        rate = engaged_areas(circuit, plan.s) * plan.feed
+        self._most = float(rate.max()) * plan.tick  # m^3, that a tick takes of whole grooves
         self._tries = 0
         self._together = EVERY
 
@@ -121,7 +135,6 @@ class Face:
         steps = np.diff(self.stepped[run])
         volume, area = self.wall.front.unchecked(self.wall, centres, self.radius)
         meant = self._taken(self._area, turns, steps)
-        self._most = max(self._most, volume)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
             cut_path = self.wall.cut_path.unchecked
             self.removed[end - 1] = cut_path(self.wall, centres, self.radius)
@@ -181,7 +194,7 @@ class Face:
         if taken > volume:  # in places that were reached on the way
             return area * (volume / taken)
         # On rays that were passed on the way no front is left.
-        return area + (volume - taken) * way / max(way @ way, STILL**2)
+        return area + (volume - area @ way) * way / max(way @ way, STILL**2)
 
     def _moves(self, position):
         """Return how the cutter moves (3, 2) by each joint at a position (2,), in m/rad."""

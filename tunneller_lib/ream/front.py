@@ -32,19 +32,51 @@ def engaged_areas(circuit, s, advance=0.0):
     """Return the ground removed by each metre of the circuit (n,), in m^2, at arc lengths s, in m.
 
     Beside an earlier pass, an `advance` in m away, or of a whole groove for none. Where the front
-    meets a bend before the centre does it is `front_areas`, elsewhere `groove_areas`. The circuit
-    leans out of the section's plane and is longer.
+    meets a bend before the centre does it is `front_areas`, elsewhere `groove_areas`, both of a
+    circuit that leans out of the section's plane. By Euler its way is bent by cos^2 of the lean,
+    and the wall by sin^2 across the way, where it makes the groove wider. What is left is 1 % of
+    whole grooves, and 6 % beside an earlier pass, whose groove isn't round about this one.
     """
     machine = circuit.machine
-    half = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
     blends = circuit.profile.blends
     begins = np.mod(s, circuit.profile.perimeter)
+    half = _half_widths(machine, 0.0)
     ahead = [np.searchsorted(blends, begins + way, side="right") for way in (0.0, half)]
     bends = ahead[0] != ahead[1]
     areas = groove_areas(circuit, s, advance)
     areas[bends] = front_areas(circuit, s[bends], advance)
+
+    def groove(wall, pitch):
+        radius, depth = machine.cutter_radius, machine.depth
+        return removed_volume(radius, 1.0, depth, wall=wall, pitch=pitch if advance else None)
+
+    straight = _straight(circuit, s)
+    flat = groove(np.inf, advance)
+    bent = areas - flat
+    # The bend of a circle on which as much is removed, of a radius of a metre for the unit.
+    bend = _at_wall(machine, bent / (groove(1 + machine.offset, advance) - flat))
+    wider = _half_widths(machine, bend * (1 - straight)) / half
+    nearer = groove(np.inf, advance * np.sqrt(straight)) / flat
+    return (flat + bent * straight) * wider * nearer
+
+
+def _straight(circuit, s):
+    """Return cos^2 (n,) of the lean out of the section's plane, at arc lengths s, in m."""
     near = s[..., None] + [-STRIDE / 2, STRIDE / 2]
-    return areas * STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])
+    return (STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])) ** 2
+
+
+def _at_wall(machine, bend):
+    """Return by how much the wall is bent where the offset section is bent so much, in 1/m."""
+    return bend / (1 + bend * machine.offset)
+
+
+def _half_widths(machine, bend):
+    """Return half of the chord that a wall, bent so much in 1/m, cuts off a ball in a groove."""
+    radius, offset = machine.cutter_radius, machine.offset
+    # How far from the ball's centre both circles meet.
+    middle = (offset - bend * (offset**2 + radius**2) / 2) / (1 - bend * offset)
+    return np.sqrt(radius**2 - middle**2)
 
 
 def front_areas(circuit, s, advance=0.0):
@@ -56,7 +88,7 @@ def front_areas(circuit, s, advance=0.0):
     """
     machine = circuit.machine
     profile = circuit.profile
-    half = np.sqrt(machine.depth * (2 * machine.cutter_radius - machine.depth))
+    half = _half_widths(machine, 0.0)
     pitch = min(advance or np.inf, 2 * half)
     # The groove of the earlier pass reaches to pitch - half, and is as deep as this one at pitch/2.
     edges = np.array([-half, pitch - half, pitch / 2])
@@ -78,6 +110,17 @@ def front_areas(circuit, s, advance=0.0):
         low = np.where(in_ground, low, cos)
         high = np.where(in_ground, cos, high)
     return (rho * (1 - high)) @ (lengths * WEIGHTS).ravel()
+
+
+def facing_areas(circuit, s):
+    """Return how much of the ball's front faces the wall (n,), in m^2, at arc lengths s, in m.
+
+    So much more is removed for each metre out of a whole groove: half of the ellipse that the wall
+    cuts off the ball. Where a bend of the wall begins or ends it is that at the centre.
+    """
+    straight = _straight(circuit, s)
+    bends = _at_wall(circuit.machine, circuit.profile.curvature(s)) * [straight, 1 - straight]
+    return np.pi / 2 * np.prod(_half_widths(circuit.machine, bends), axis=0)
 
 
 def side_area(circuit, s):

@@ -1,20 +1,25 @@
 """What loads that the controller doesn't know leave on the wall: the shared arm, the ground."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..arguments import checked
 from ..exact import norm
-from ..motion import Compressible, Push, follow
+from ..motion import Compressible, follow
 from ..motion.arm import Arm
 from ..removal import Ground
 from .both_axes import Loops, Plants, check_linear, check_ticks
+from .face import Face
 from .faults import Fault
-from .front import engaged_areas
+from .front import engaged_areas, facing_areas
 from .moves import levers
 from .outward import gradient
 from .planning import Plan
 from .sensitivity import planned_motion
 
+SHAPE, THICKNESS = (200, 360), 0.1  # rays of the ground that laps are run in, and m
+HALVES = 30  # of the way to the torque of the ground that is taken
 # Force and speed both go with the feed: of a load that the ground makes a square is left.
 SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
 
@@ -51,9 +56,15 @@ class LoadedLaps:
         key = arm, ground, picks
         if key not in self._found:
             plan = self.plan
+            # Both are the same to the tick at which the cutter rests in the ground between them.
             wanted = plan.circuit.position(plan.places)
             rates = np.diff(wanted, axis=0) / plan.tick
-            push = None if ground is None else _push(plan, ground, picks)
+            push = None
+            if ground is not None:
+                ground = ground if picks else replace(ground, ripple=0.0)
+                face = Face(replace(plan, laps=1), ground, wanted, 0, SHAPE, THICKNESS)
+                face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
+                push = face.push
             track = follow(self.plant, self.loop, wanted, slopes=rates, arm=arm, push=push)
             self._found[key] = plan.circuit.overcut(track.position)
         return self._found[key]
@@ -127,11 +138,10 @@ def ground_fault(
     Returns
     -------
     fault : Fault
-        Its closed form is that of slow motion: forces that change faster than the loops answer
-        leave more.
+        Its closed form is that of slow motion, see `held_back`.
     """
     _check(plan, plant, loop)
-    off = pushed_off(plan, plant, loop, ground_torques(plan, ground))
+    off = held_back(plan, plant, loop, ground)
     laps = laps or LoadedLaps(plan, plant, loop)
     return Fault(
         source="ground, mean",
@@ -176,21 +186,16 @@ def picks_fault(
         place, and the mean that is left of the ripple times the speed's own swing.
     """
     _check(plan, plant, loop)
-    middle, rates, _ = planned_motion(plan)
+    middle, _, _ = planned_motion(plan)
     at = plan.circuit.position(middle)
     slope = gradient(plan.circuit, middle, at)
-    torque = ground_torques(plan, ground)
+    torque = _left_torques(plan, plant, loop, ground)
     swing = -ground.ripple * _answers(plan, plant, loop, ground, arm, torque)  # rad
     fast = np.abs(np.sum(slope * swing, axis=-1))
-    # The ripple's force goes with the speed, which swings against it: of their product a mean is
-    # left, by which the pulsating force is below the steady one.
-    s = 2j * np.pi * ground.ripple_frequency
-    along = levers(plan.circuit.machine.torus, at)
-    rate = (s * swing).real
-    faster = np.sum(_heading(along * rates) * along * rate, axis=-1)
-    damper = ground.force(engaged_areas(plan.circuit, middle))[:, None]
-    across = ground.normal * slope
-    less = ground.ripple / 2 * damper * (along**2 * rate + faster[:, None] * across)
+    # The ripple's force goes with what the front takes, which swings against it: of their product
+    # a mean is left, by which the pulsating force is below the steady one.
+    rate = (2j * np.pi * ground.ripple_frequency * swing).real
+    less = ground.ripple / 2 * np.einsum("nij,nj->ni", _dampers(plan, ground), rate)
     slow = pushed_off(plan, plant, loop, torque + less) - pushed_off(plan, plant, loop, torque)
     off = fast + np.abs(slow)
     laps = laps or LoadedLaps(plan, plant, loop)
@@ -202,6 +207,27 @@ def picks_fault(
         closed=float(off[:-1].max()),
         remedies=(*SLOWER, ("gain", 2.0)),
     )
+
+
+def held_back(plan, plant, loop, ground):
+    """Return how far (m,), in m, slow axes are off amid a plan's moves by a `ground`'s mean force.
+
+    It is `pushed_off` with the ground that is left: a cutter that is off by e, negative where it is
+    held back, takes a groove of the depth h + e in the place of h, and the section of a groove goes
+    with the depth's power 3/2.
+    """
+    return pushed_off(plan, plant, loop, _left_torques(plan, plant, loop, ground))
+
+
+def _left_torques(plan, plant, loop, ground):
+    """Return the `ground_torques` (m, 2) of the ground that is taken, see `held_back`."""
+    torque = ground_torques(plan, ground)
+    left = torque
+    for _ in range(HALVES):
+        off = pushed_off(plan, plant, loop, left)
+        share = np.maximum(1 + off / plan.circuit.machine.depth, 0.0) ** 1.5
+        left = (left + share[:, None] * torque) / 2
+    return left
 
 
 def pushed_off(plan, plant, loop, torque):
@@ -244,21 +270,6 @@ def _check(plan, plant, loop):
         )
 
 
-def _push(plan, ground, picks):
-    """Return the `Push` of all ticks on the circuit, with the picks' ripple or their mean."""
-    circuit = plan.circuit
-    places = plan.places[:-1]
-    at = circuit.position(places)
-    pulse = ground.pulse(plan.tick * (np.arange(len(places)) + 0.5)) if picks else 1.0
-    # Between setpoints, closer than the cutter's front is long, its ground changes evenly.
-    area = np.interp(places, plan.s, engaged_areas(circuit, plan.s))
-    return Push(
-        damper=pulse * ground.force(area),
-        lever=levers(circuit.machine.torus, at),
-        across=ground.normal * gradient(circuit, places, at),
-    )
-
-
 def ground_torques(plan, ground):
     """Return the torques (m, 2) of a `ground`'s mean force amid a plan's moves, in N m.
 
@@ -273,10 +284,28 @@ def ground_torques(plan, ground):
     return force * (along**2 * rate + speed * ground.normal * gradient(circuit, middle, at))
 
 
-def _heading(velocity):
-    """Return unit vectors (n, 2) along velocities, 0 where nothing moves."""
-    speed = norm(velocity)[:, None]
-    return velocity / np.where(speed > 0, speed, 1.0)
+def _dampers(plan, ground):
+    """Return by how much (m, 2, 2) torques on joints i grow with swings' rates of joints j.
+
+    In N m s, on whole grooves amid a plan's moves. The front takes more where the cutter swings
+    ahead, by its section across the way, and where it swings out of the wall, by what faces that.
+    Of the force along the way that is the way's part; that across is its share `normal`. A swing
+    across the way also turns the force.
+    """
+    circuit = plan.circuit
+    middle, rates, _ = planned_motion(plan)
+    at = circuit.position(middle)
+    out = gradient(circuit, middle, at)
+    along = levers(circuit.machine.torus, at)
+    moved = along * rates
+    speed = norm(moved)[:, None]
+    heading = moved / np.where(speed > 0, speed, 1.0)
+    ahead = heading * along
+    section = ground.force(engaged_areas(circuit, middle))[:, None]
+    taken = section * ahead + ground.force(facing_areas(circuit, middle))[:, None] * out
+    resisted = ahead + ground.normal * out
+    turned = along[:, :, None] ** 2 * np.eye(2) - ahead[:, :, None] * ahead[:, None, :]
+    return resisted[:, :, None] * taken[:, None, :] + section[:, :, None] * turned
 
 
 def _answers(plan, plant, loop, ground, arm, torque):
@@ -289,21 +318,15 @@ def _answers(plan, plant, loop, ground, arm, torque):
         torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
 
     where the loop G opens the spool for the rate gain e, after its delay, half a tick and its lag.
-    The ground damps both joints together, for its force goes with the cutter's speed.
+    The ground damps both joints together.
     """
     middle, rates, _ = planned_motion(plan)
     at = plan.circuit.position(middle)
     if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
         return np.zeros_like(at)
-    damper = ground.force(engaged_areas(plan.circuit, middle))
-    along = levers(plan.circuit.machine.torus, at)
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
-    # The ground resists the swing itself, by the levers squared; what the swing of j adds to the
-    # speed along the heading also pushes joint i out of the wall, by the ground's share `normal`.
-    out = ground.normal * gradient(plan.circuit, middle, at)
-    matrix = out[:, :, None] * (_heading(along * rates) * along)[:, None, :]
-    matrix = s * damper[:, None, None] * (matrix + along[:, :, None] ** 2 * np.eye(2))
+    matrix = s * _dampers(plan, ground)
     for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
         axis = one.axis
         angle = at[:, i]
