@@ -149,7 +149,7 @@ class Face:
                 )
             self._together //= 2
             self._tries = 0
-        found = self._fitting(area, volume, turns, steps, centres[-1] - centres[0])
+        found = self._fitting(area, volume, turns, steps)
         self._area = found if self._tries <= BOLD_TRIES else (self._area + found) / 2
         return self._pushed(tick)
 
@@ -188,12 +188,15 @@ class Face:
         turned = turns @ (area @ self._moves(self._way[-1]))
         return float(np.maximum(turned, 0.0).sum() + np.maximum(-area[0] * steps, 0.0).sum())
 
-    def _fitting(self, area, volume, turns, steps, way):
-        """Return an area vector (3,) as `area`, by which this volume is taken on a way (3,)."""
+    def _fitting(self, area, volume, turns, steps):
+        """Return an area vector (3,) like `area`, by which turns and steps take a volume."""
         taken = self._taken(area, turns, steps)
         if taken > volume:  # in places that were reached on the way
             return area * (volume / taken)
-        # On rays that were passed on the way no front is left.
+        # On rays that were passed on the way no front is left, and where it turned back, less than
+        # none. What lacks faces the way, as straight as `_taken` has it.
+        way = self._moves(self._way[-1]) @ turns.sum(axis=0)
+        way[0] -= steps.sum()
         return area + (volume - area @ way) * way / max(way @ way, STILL**2)
 
     def _moves(self, position):

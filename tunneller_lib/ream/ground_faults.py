@@ -212,9 +212,9 @@ def picks_fault(
 def held_back(plan, plant, loop, ground):
     """Return how far (m,), in m, slow axes are off amid a plan's moves by a `ground`'s mean force.
 
-    It is `pushed_off` with the ground that is left: a cutter that is off by e, negative where it is
-    held back, takes a groove of the depth h + e in the place of h, and the section of a groove goes
-    with the depth's power 3/2.
+    Of each `plant` under its `loop`. It is `pushed_off` with the ground that is left: a cutter that
+    is off by e, negative where it is held back, takes a groove of the depth h + e in the place of
+    h, and the section of a groove goes with the depth's power 3/2.
     """
     return pushed_off(plan, plant, loop, _left_torques(plan, plant, loop, ground))
 
