@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tunneller_lib.job.controller import program
-from tunneller_lib.job.controller_texts import c99_text
+from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.job.reader import Job
 from tunneller_lib.motion import follow
 from tunneller_lib.motion.stability import gain_limit
@@ -24,14 +24,18 @@ SANITIZERS = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
 if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
     SANITIZERS.append("-fsanitize=address")
 
-WHOLE_INPUTS = (
-    "bRun", "bHold", "bRetract", "bReset", "nOverride", "nActualTheta", "nActualPhi",
+INPUTS = (
+    "bEnable", "bStart", "bHold", "bReset", "bStepDone", "nOverride", "nActualTheta", "nActualPhi",
 )  # fmt: skip
-WHOLE_OUTPUTS = (
-    "nSetTheta", "nSetPhi", "nMode", "nTripped", "bDone", "nStarved", "nFullyOpen",
+OUTPUTS = (
+    "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
+    "nScale", "bApproach", "nLeft",
 )  # fmt: skip
-REAL_OUTPUTS = "rSlopeTheta", "rSlopePhi", "rValveTheta", "rValvePhi"
-ANSWER = struct.Struct(f"={len(WHOLE_OUTPUTS)}i{len(REAL_OUTPUTS)}d")
+REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
+ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")
+DISABLED, STANDSTILL, MOVING, HOLDING, ERROR_STOP = range(5)
+FULL = 2**15
+# It reads rows of inputs, the first how often the slow task comes before, and answers each.
 MAIN = """
 #include <stdio.h>
 static int answered(void)
@@ -58,12 +62,13 @@ int main(void)
 
 
 def main_program(place, begin, slow, fast):
-    """Return the main program in C; `place` says where a variable of the fast task is."""
+    """Return the main program in C; `place` says where a variable of FB_Tunneller is."""
     return MAIN.format(
-        whole=", ".join(f"(int32_t){place(name)}" for name in WHOLE_OUTPUTS),
-        real=", ".join(map(place, REAL_OUTPUTS)),
-        size=1 + len(WHOLE_INPUTS),
-        given=" ".join(f"{place(n)} = in[{i}];" for i, n in enumerate(WHOLE_INPUTS, start=1)),
+        whole=", ".join(f"(int32_t){place(name)}" for name in OUTPUTS),
+        real=", ".join(map(place, REALS)),
+        size=1 + len(INPUTS),
+        given=" ".join(f"{place(n)} = ({'bool' if n[0] == 'b' else 'int32_t'})in[{i}];"
+                       for i, n in enumerate(INPUTS, start=1)),
         begin=begin, slow=slow, fast=fast,
     )  # fmt: skip
 
@@ -78,9 +83,21 @@ def build(compiler, folder, text, *options):
 
 def c99_program(compiler, folder, controller, *options):
     """Return the path of the C99 of a controller, compiled into a program of its own."""
-    calls = [f"tunneller_{name}(&c)" for name in ("init", "slow", "fast")]
-    main = main_program("c.{}".format, *calls)
-    return build(compiler, folder, f"{c99_text(controller)}\nstatic tunneller c;\n{main}", *options)
+    (folder / "controller.h").write_text(c99_header(controller))
+    text = f"{c99_text(controller)}\n{WIRED}\n"
+    main = main_program(
+        "tunneller.{}".format, "begin()", "fb_setpoints(&setpoints, &shared)",
+        "fb_tunneller(&tunneller, &shared)",
+    )  # fmt: skip
+    return build(compiler, folder, text + main, *options)
+
+
+WIRED = """
+static FB_Setpoints setpoints;
+static FB_Tunneller tunneller;
+static T_Shared shared;
+static void begin(void) { fb_setpoints_init(&setpoints); fb_tunneller_init(&tunneller); }
+"""
 
 
 class Driven:
@@ -88,7 +105,7 @@ class Driven:
 
     def __init__(self, path):
         self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        self.c = SimpleNamespace(**dict.fromkeys(WHOLE_INPUTS, 0))
+        self.c = SimpleNamespace(**dict.fromkeys(INPUTS, 0))
         self.c.nOverride = 256
         self.ahead = 0
         self._hear()
@@ -97,14 +114,14 @@ class Driven:
         said = self.process.stdout.read(ANSWER.size)
         if len(said) < ANSWER.size:
             raise RuntimeError(f"the controller ended with {self.process.wait()}")
-        self.c.__dict__.update(zip(WHOLE_OUTPUTS + REAL_OUTPUTS, ANSWER.unpack(said), strict=True))
+        self.c.__dict__.update(zip(OUTPUTS + REALS, ANSWER.unpack(said), strict=True))
 
     def slow(self):
         self.ahead += 1
 
     def fast(self):
-        given = (getattr(self.c, name) for name in WHOLE_INPUTS)
-        self.process.stdin.write(struct.pack(f"={1 + len(WHOLE_INPUTS)}i", self.ahead, *given))
+        given = (getattr(self.c, name) for name in INPUTS)
+        self.process.stdin.write(struct.pack(f"={1 + len(INPUTS)}i", self.ahead, *given))
         self.process.stdin.flush()
         self.ahead = 0
         self._hear()
@@ -117,35 +134,36 @@ class Driven:
 
 
 def start(n, c):
-    """Let the controller run from the first scan on."""
-    c.bRun = 1
+    """Let the controller run from the first scan on, and step back where it is asked to."""
+    c.bEnable = 1
+    c.bStart = int(c.nState == STANDSTILL and not c.bDone)
+    c.bStepDone = c.bStepRequest
 
 
-def closed_loop(controller, wanted, scans, *, ahead=3, before=start):
-    """Run a controller on the library's axes; return set-values, positions and valves a scan.
+def closed_loop(controller, wanted, made, scans, *, before=start):
+    """Run a controller on the library's axes; return set-values, positions, valves, state a scan.
 
-    The delay of the loop is in the wires: the valves get what an earlier scan asked for.
+    The delay of the loop is in the wires: the valves get what an earlier scan asked for. The axes
+    begin at rest where the entry does.
     """
     plants, loops = wanted.axes
-    count = wanted.planned.count
     encoder = loops[0].count
     steps = [plant.stepper(wanted.planned.tick) for plant in plants]
     c = controller.c
-    states = [
-        plant.rest(float(at)) for plant, at in zip(plants, (
-            count * c.nSetTheta, count * c.nSetPhi), strict=True)
-    ]  # fmt: skip
+    first = wanted.planned.entry.setvalues[0]
+    states = [plant.rest(float(at)) for plant, at in zip(plants, first, strict=True)]
     waiting = [(0.0, 0.0)] * loops[0].delay
     rows = []
     for n in range(scans):
-        for _ in range(ahead):
+        if n % made.slow == 0:
             controller.slow()
         c.nActualTheta, c.nActualPhi = (int((s[0] / encoder + 0.5) // 1) for s in states)
         before(n, c)
         controller.fast()
         waiting.append((c.rValveTheta, c.rValvePhi))
         valves = waiting.pop(0)
-        rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves])
+        rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves, c.nState, c.bDone,
+                     c.bApproach, c.nScale, c.nLeft])  # fmt: skip
         states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
     return np.array(rows)
 
@@ -227,6 +245,6 @@ def _random_job(rng):
     )  # fmt: skip
 
 
-def with_program(wanted, **options):
+def with_program(wanted):
     """Return the `Program` of a job's controller."""
-    return program(wanted.planned, wanted, **options)
+    return program(wanted.planned, wanted)

@@ -1,116 +1,132 @@
-"""The whole controller of section 4.4 for other machines: two tasks, in C99 and Structured Text.
+"""The motion generator of section 4.4 with its two loops, as an engineer loads it into a PLC.
 
-One text, in Structured Text, is the program; the C99 of it is made line by line. The slow task
-prepares setpoints ahead in a ring. The fast one joins them by integer lines and closes the position
-loops: what it does in a scan is said in the texts themselves.
+The blocks are in controller.st and loop.st. Here are a job's numbers: tables and constants, and the
+proof that with them the slow task is in time and nothing leaves 32 bits.
 """
 
 import math
 import re
+import textwrap
 from dataclasses import dataclass
-from typing import Literal
+from importlib.resources import files
 
 import numpy as np
 
 from ..arguments import checked
-from ..ream.moves import levers
+from ..motion import follow
+from ..motion.export import line_text, operations, read_blocks, with_constants
+from ..ream.moves import MOST, levers
 from ..ream.planning import Plan
 from .reader import Job
 
-RING = 64  # setpoints ahead: more than the short moves in which a lap speeds up
-FULL = 256  # of the override: 100 %
-IDLE, RUN, RETRACT, TRIPPED = range(4)
+FULL = 2**15  # of the time scale
+SLOW = 10e-3  # s between calls of the slow task, or a tick where that is longer
+LONGEST = 2**16 - 1  # ticks of stopping, and counts in a tick: times FULL within 32 bits
+RINGS = [2**n for n in range(5, 13)]  # setpoints ahead that may be asked for
+OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
+TRIP = 1 / 4  # of the depth of cut, unless the job tells
+MORE = 1.5  # times what the loops leave without a fault, for the least trip
 AXES = "Theta", "Phi"
-
-# Variables of the fast task: name, type, what it is.
-INPUTS = [
-    ("bRun", "BOOL", "start, or go on after a hold"),
-    ("bHold", "BOOL", "slow down to a stop on the way, and stay"),
-    ("bRetract", "BOOL", "once stopped, withdraw straight to where the cutter entered"),
-    ("bReset", "BOOL", "forget a trip; the axes must stand where the set-values are"),
-    ("nOverride", "DINT", "feed override, 0 to 256 (100 %)"),
-    ("nActualTheta", "DINT", "encoder of theta, counts"),
-    ("nActualPhi", "DINT", "encoder of phi, counts"),
-]
-OUTPUTS = [
-    ("nSetTheta", "DINT", "set-value of theta, counts"),
-    ("nSetPhi", "DINT", "set-value of phi, counts"),
-    ("rSlopeTheta", "LREAL", "exact slope of theta, rad/s"),
-    ("rSlopePhi", "LREAL", "exact slope of phi, rad/s"),
-    ("rValveTheta", "LREAL", "opening of theta's valve, -1 to 1"),
-    ("rValvePhi", "LREAL", "opening of phi's valve, -1 to 1"),
-    ("nMode", "DINT", "0 idle, 1 running, 2 retracting, 3 tripped"),
-    ("nTripped", "DINT", "why: 1 and 2 following error, 3 and 4 soft limit, of theta and phi"),
-    ("bDone", "BOOL", "all moves are made"),
-    ("nStarved", "DINT", "scans in which the slow task was late; no count is lost"),
-    ("nFullyOpen", "DINT", "scans in which a valve was asked for more than it has"),
-]
-STATE = [
-    ("nFraction", "DINT", "of the tick that is under way, 1 to 256"),
-    ("nSpeed", "DINT", "what the fraction grows by in a scan, 0 to 256"),
-    ("nWanted", "DINT", "what nSpeed is led to"),
-    ("nFromTheta", "DINT", "set-values at the begin of the tick, counts"),
-    ("nFromPhi", "DINT", ""),
-    ("rLineTheta", "LREAL", "slopes of the moves under way, rad/s"),
-    ("rLinePhi", "LREAL", ""),
-    ("nPartsTheta", "DINT", "where the moves under way end, parts of a count"),
-    ("nPartsPhi", "DINT", ""),
-    ("nLeft", "DINT", "ticks that are left of the moves under way"),
-    ("bStarted", "BOOL", "the first move was begun"),
-    ("rX", "LREAL", "intermediate"),
-    ("rError", "LREAL", "following error, rad"),
-    ("rAt", "LREAL", "measured position, rad"),
-    ("rRate", "LREAL", "wanted rate, rad/s"),
-    ("rLeft", "LREAL", "pressure that is left for the valve, Pa"),
-    ("rPlus", "LREAL", "oil displaced, m^3/rad"),
-    ("rMinus", "LREAL", ""),
-    ("rArm", "LREAL", "moment arm, m"),
-    ("rLoad", "LREAL", "torque of the weight, N m"),
-]
-RING_STATE = [
-    ("nHead", "DINT", "next setpoint that the fast task takes; it alone writes here"),
-    ("nTail", "DINT", "next one that the slow task prepares; it alone writes here"),
-    ("bEnd", "BOOL", "the slow task has prepared all"),
-    ("nStage", "DINT", "0 entry, 1 laps, 2 exit, 3 none left"),
-    ("nRow", "DINT", "next row of the stage's table"),
-    ("nLap", "DINT", "laps that are prepared"),
-]
-RING_ARRAYS = ["aRingTicks", "aRingTheta", "aRingPhi"]
-SLOW_STATE = [
-    ("nKnot", "DINT", "where the chord begins"),
-    ("rX", "LREAL", "point M on the chord or beside it, in the machine's frame, m"),
-    ("rY", "LREAL", ""),
-    ("rZ", "LREAL", ""),
-    ("rRho", "LREAL", "its distance from the axis, m"),
-    ("rTheta", "LREAL", "its foot N on the torus, rad"),
-    ("rPhi", "LREAL", ""),
-]
+SHIFT = """            (* Of a corrected chord M lies beside the chord. *)
+            rX := rX + aShift[nRow] * aAsideX[nKnot];
+            rY := rY + aShift[nRow] * aAsideY[nKnot];
+            rZ := rZ + aShift[nRow] * aAsideZ[nKnot];"""
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """What the texts are made from.
+    """A job's motion generator.
 
     Parameters
     ----------
-    constants : dict of str to int or float
-        By the names that the programs use.
-    tables : dict of str to (n,) list
-        Likewise: whole numbers or floats.
-    slow, fast : list of str
-        Lines of Structured Text.
-    parts : int
-        Of a count, in the setpoints.
+    text : str
+        In Structured Text, its tables and all.
+    ring : int
+        Setpoints that are ahead at most.
     tick : float
         Period of the fast task, in s.
+    slow : int
+        Ticks from one call of the slow task to the next.
+    at_once : int
+        Setpoints that such a call prepares at most.
+    operations : int
+        That it takes at most.
+    stopping : int
+        Ticks of known moves ahead below which the time scale falls.
+    trip : float
+        Following error at the cutter that shuts the valves, in m.
     """
 
-    constants: dict
-    tables: dict
-    slow: list
-    fast: list
-    parts: int
+    text: str
+    ring: int
     tick: float
+    slow: int
+    at_once: int
+    operations: int
+    stopping: int
+    trip: float
+
+
+@checked
+def program(plan: Plan, job: Job):
+    """Return the `Program` of a job.
+
+    Parameters
+    ----------
+    plan : Plan
+        The job's, ``job.planned``.
+    job : Job
+        For its axes, loops and bounds.
+
+    Returns
+    -------
+    program : Program
+        What `controller_texts` writes in other languages.
+
+    Raises
+    ------
+    ValueError
+        If a loop has an integral, or the controller can't keep what the plan asks of it; the
+        sentence names the key of the job and a value that it can keep.
+    """
+    plants, loops = job.axes
+    if any(loop.integral for loop in loops):
+        raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
+    parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
+    whole = _whole_run(plan, parts)
+    _check_counts(plan, parts, whole)
+    ramps = _ramps(plan, parts, *whole)
+    stopping = _stopping(plan, whole[1], ramps)
+    ring, slow, at_once = _throughput(plan, whole[1], stopping)
+    trip = _trip(plan, job)
+    rows = chord_rows(plan)
+    machine = plan.circuit.machine
+    first = plan.entry.setpoints[0]
+    within = trip / np.array([machine.r + machine.R, machine.R])  # rad of each joint
+    approach = 2 * stopping
+    change = plan.limits.acceleration * plan.tick**2
+    constants = {
+        "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
+        "rStopping": FULL / stopping, "nMoves": len(plan.ticks), "nEntry": len(plan.entry.ticks),
+        "nLeave": len(plan.leave.ticks), "nLaps": plan.laps, "nApproach": approach,
+        "nFreeApproach": min(int(FULL * change * approach / (np.sqrt(2) * trip)), FULL),
+        "nFirstTheta": int(whole[0][0, 0]), "nFirstPhi": int(whole[0][0, 1]),
+        "rCount": plan.count, "rPart": plan.count / parts, "rEncoder": float(loops[0].count),
+        "rTick": plan.tick, "rChange": change, "rRingRadius": float(machine.r),
+        "rTubeRadius": float(machine.R),
+    }  # fmt: skip
+    for i, name in enumerate(AXES):
+        constants |= {f"rStart{name}": float(first[i]), f"rTrip{name}": float(within[i])}
+        constants |= {f"{key}{name}": value for key, value in _axis(plants[i], loops[i]).items()}
+    text = _text(plan, plants, ring, slow)
+    setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
+    cost = sum(operations(setpoints, nAtOnce=at_once))
+    _check_operations(job, cost, slow)
+    straight = [np.concatenate(pair).tolist() for pair in zip(
+        _straight(plan.entry, parts), _straight(plan.leave, parts), strict=True)]  # fmt: skip
+    names = "aStraightTicks", "aStraightTheta", "aStraightPhi"
+    text = with_constants(text, constants | rows | dict(zip(names, straight, strict=True)))
+    return Program(text, ring, plan.tick, slow, at_once, cost, stopping, trip)
 
 
 def chord_rows(plan):
@@ -144,419 +160,251 @@ def chord_rows(plan):
     frame = np.stack([chords[knot], aside[knot], -torus.normal(*foot.T)], axis=-1)
     share, shift, _ = np.linalg.solve(frame, off[..., None])[..., 0].T
     rows = {
-        "aTicks": plan.ticks,
-        "aKnot": knot,
-        "aShare": share,
-        "aWeight": weight,
-        "aCorner": corner,
-        "aKnotX": points[:, 0],
-        "aKnotY": points[:, 1],
-        "aKnotZ": points[:, 2],
-        "aKinkTheta": way.kinks[:, 0],
-        "aKinkPhi": way.kinks[:, 1],
-    }
+        "aTicks": plan.ticks, "aKnot": knot, "aShare": share, "aWeight": weight, "aCorner": corner,
+        "aKnotX": points[:, 0], "aKnotY": points[:, 1], "aKnotZ": points[:, 2],
+        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1],
+    }  # fmt: skip
     if plan.path == "corrected chord":
         rows |= {"aShift": shift, **{f"aAside{x}": aside[:, i] for i, x in enumerate("XYZ")}}
     return {name: values.tolist() for name, values in rows.items()}
 
 
-def line_rows(name, moves, parts):
-    """Return the tables of an entry or exit: ticks and ends in parts of a count."""
+def _straight(moves, parts):
+    """Return ticks and ends in parts of a count, three arrays, of an entry or exit."""
     ends = np.rint(parts / moves.count * moves.setpoints).astype(np.int64)
-    return {
-        f"a{name}Ticks": moves.ticks.tolist(),
-        f"a{name}Theta": ends[1:, 0].tolist(),
-        f"a{name}Phi": ends[1:, 1].tolist(),
-    }
+    return moves.ticks, *ends[1:].T
 
 
-@checked
-def program(plan: Plan, job: Job, *, setpoints: Literal["computed", "stored"] = "computed"):
-    """Return the `Program` of a job: its tables, its constants and both tasks.
+def _whole_run(plan, parts):
+    """Return ends (m + 1, 2) in parts of a count, and ticks (m,), of entry, a lap and exit."""
+    runs = plan.entry, plan, plan.leave
+    ends = [np.rint(parts / plan.count * run.setpoints).astype(np.int64) for run in runs]
+    ends = np.concatenate([ends[0][:1], *(one[1:] for one in ends)])
+    return ends, np.concatenate([run.ticks for run in runs])
 
-    Parameters
-    ----------
-    plan : Plan
-        The job's, ``job.planned``.
-    job : Job
-        For its axes and loops.
-    setpoints : {"computed", "stored"}
-        Whether the slow task computes them, as feet of points on chords or beside them, or finds
-        the whole lap in constant arrays.
 
-    Returns
-    -------
-    program : Program
-        As `controller_texts` writes it.
+def _check_counts(plan, parts, whole):
+    """Raise ValueError where numbers of a run would leave 32 bits."""
+    ends, ticks = whole
+    fastest = float((np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max())
+    if fastest > LONGEST - 1:
+        raise ValueError(
+            f"[plan] tick: a tick moves a joint by {fastest:.0f} counts, and the controller takes "
+            f"{LONGEST - 1}; {0.9 * plan.tick * LONGEST / fastest:.2g} s would do."
+        )
+    total = int(plan.entry.ticks.sum() + plan.laps * plan.ticks.sum() + plan.leave.ticks.sum())
+    if total > MOST:
+        raise ValueError(
+            f"[plan] tick: the run has {total} ticks, and the controller counts {MOST}; "
+            f"{2 * plan.tick * total / MOST:.2g} s would do."
+        )
 
-    Raises
-    ------
-    ValueError
-        If a loop has an integral.
+
+def _ramps(plan, parts, ends, ticks):
+    """Return by how much the time scale may change (m, 3) in a scan: free, up and down.
+
+    As the slow task finds them: free amid each move, up and down at its begin, at full scale.
     """
-    plants, loops = job.axes
-    if any(loop.integral for loop in loops):
-        raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
-    parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
-    first = plan.entry.setpoints[0] / plan.count
-    machine = plan.circuit.machine
-    low, high = (
-        np.array(limits) / plan.count
-        for limits in ((machine.theta_min, machine.phi_min), (machine.theta_max, machine.phi_max))
+    torus = plan.circuit.machine.torus
+    angles = plan.count / parts * ends
+    rates = np.diff(angles, axis=0) / ticks[:, None]
+    lever = levers(torus, angles[:-1])
+    now = lever * rates
+    change = now - lever * np.concatenate([np.zeros((1, 2)), rates[:-1]])
+    most = plan.limits.acceleration * plan.tick**2
+    square = np.sum(now**2, axis=-1)
+    along = np.sum(now * change, axis=-1)
+    root = np.sqrt(along**2 + square * np.maximum(most**2 - np.sum(change**2, axis=-1), 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.stack([most / np.sqrt(square), (root - along) / square, (root + along) / square])
+    found[:, square == 0] = 1.0
+    found = np.floor(FULL * np.clip(found, 0.0, 1.0)).astype(np.int64)
+    if found[0].min() < 1:
+        raise ValueError(
+            f"[plan] tick: the acceleration changes the feed by too little in {plan.tick:g} s; "
+            f"{1.1 * plan.tick * FULL / (FULL * most / np.sqrt(square.max())) / FULL:.2g} s would "
+            "do."
+        )
+    return found.T
+
+
+def _stopping(plan, ticks, ramps):
+    """Return of how many ticks the known moves must be, in which the time scale falls to rest.
+
+    Tried from the begin of every move, at full scale, with no further setpoint: the scale is led to
+    the root of what is left, as the fast task does, and must arrive with less than a scan's change.
+    """
+    stopping = int(_braked(ticks, ramps).max()) + 2
+    while stopping <= LONGEST:
+        if np.all(_braked(ticks, ramps, stopping) <= 0):
+            return stopping
+        stopping = int(1.25 * stopping) + 1
+    raise ValueError(
+        f"[plan] tick: to stop takes more than {LONGEST} ticks of {plan.tick:g} s; "
+        f"{plan.tick * stopping / LONGEST * 1.5:.2g} s would do."
     )
-    # Twice what a loop of these gains trails at full feed without feed-forward, and 50 counts.
-    trail = np.abs(np.concatenate([moves.slopes for moves in (plan, plan.entry)])).max()
-    trip = 2 * trail / min(loop.gain for loop in loops) / plan.count + 50
-    ramp = plan.limits.acceleration * plan.tick / max(plan.feed.max(), 1e-9) * FULL
-    stored = setpoints == "stored"
-    away = plan.setpoints - plan.entry.setpoints[0]
-    farthest = 1.01 * np.linalg.norm(levers(machine.torus, plan.setpoints) * away, axis=-1).max()
-    constants = {
-        "nParts": parts,
-        "nRing": RING,
-        "nFull": FULL,
-        "nRamp": max(min(math.floor(ramp), FULL), 1),
-        "nMoves": len(plan.ticks),
-        "nEntry": len(plan.entry.ticks),
-        "nLeave": len(plan.leave.ticks),
-        "nLaps": plan.laps,
-        "nTrip": math.ceil(trip),
-        "nFirstTheta": round(first[0] * parts),
-        "nFirstPhi": round(first[1] * parts),
-        "nRetractTicks": math.ceil(farthest / plan.limits.feed / plan.tick),
-        "nBeginTheta": round(plan.entry.setvalues[0, 0] / plan.count),
-        "nBeginPhi": round(plan.entry.setvalues[0, 1] / plan.count),
-        "rCount": plan.count,
-        "rTick": plan.tick,
-    }
-    if not stored:
-        constants["rRingRadius"] = float(machine.r)
-    for axis, name in enumerate(AXES):
-        constants |= {
-            f"nLeast{name}": math.floor(low[axis]),
-            f"nMost{name}": math.ceil(high[axis]),
-            f"rGain{name}": float(loops[axis].gain),
-            f"rForward{name}": float(loops[axis].feedforward),
-        }
-        constants |= {f"{key}{name}": value for key, value in _plant(plants[axis]).items()}
-    tables = {
-        **(line_rows("Lap", plan, parts) if stored else chord_rows(plan)),
-        **line_rows("Entry", plan.entry, parts),
-        **line_rows("Leave", plan.leave, parts),
-    }
-    both = "".join(_loop(name, plant) for name, plant in zip(AXES, plants, strict=True))
-    fast = _expanded(FAST.replace("@TAKE", TAKE).replace("@LOOPS", both))
-    shifted = SHIFT if plan.path == "corrected chord" else ""
-    slow = _lines(SLOW.replace("@SETPOINT", STORED if stored else FOOT.replace("@SHIFT", shifted)))
-    return Program(constants, tables, slow, fast, parts, plan.tick)
 
 
-def _lines(text):
-    return [line for line in text.splitlines() if line.strip()]
+def _braked(ticks, ramps, known=None):
+    """Return how many ticks (m,) the run goes on from each move's begin until it rests.
+
+    Where so many ticks are `known`, return by how much the scale is above what a scan can change
+    when they are at their end.
+    """
+    free, up_at, down_at = ramps.T
+    last = len(ticks) - 1
+    row = np.arange(len(ticks))
+    left = ticks.copy()
+    scale = np.full(len(ticks), FULL)
+    fraction = np.zeros(len(ticks), dtype=np.int64)
+    gone = np.zeros(len(ticks), dtype=np.int64)
+    begun = np.ones(len(ticks), dtype=bool)
+    active = np.ones(len(ticks), dtype=bool)
+    beyond = np.zeros(len(ticks), dtype=np.int64)
+    while np.any(active):
+        down, up = free[row], free[row]
+        step = scale * 1
+        down = np.where(begun, np.minimum(down, down + (down_at[row] - down) * step // FULL), down)
+        up = np.where(begun, np.minimum(up, up + (up_at[row] - up) * step // FULL), up)
+        after = np.minimum(row + 1, last)
+        near = (left == 1) & (row < last)
+        other = free[after]
+        for most, at in ((down, down_at), (up, up_at)):
+            narrow = np.minimum(np.minimum(most, other), other + (at[after] - other) * step // FULL)
+            most[near] = narrow[near]
+        wanted = np.zeros_like(scale)
+        if known is not None:
+            room = np.maximum((known - gone) * FULL - fraction, 0)
+            wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
+        scale = np.where(
+            active, np.maximum(np.minimum(wanted, scale + up), scale - down), scale
+        )
+        if known is None:
+            active &= scale > 0
+        fraction = np.where(active, fraction + scale, fraction)
+        begun = np.zeros_like(begun)
+        crossed = active & (fraction >= FULL)
+        fraction[crossed] -= FULL
+        gone[crossed] += 1
+        left[crossed] -= 1
+        if known is not None:
+            arrived = active & ((gone >= known) | (scale == 0))
+            beyond[arrived] = (scale - free[row])[arrived] * (scale > 0)[arrived]
+            active &= ~arrived
+        over = crossed & (left == 0)
+        active &= ~(over & (row == last))  # the end of all is planned at rest
+        row = np.where(over, after, row)
+        left = np.where(over, ticks[row], left)
+        begun |= over
+    return gone + 1 if known is None else beyond
 
 
-def _expanded(text):
-    """Return the lines of a text with LOAD, LINE and STEP of both lines written out."""
-    found = []
-    for line in _lines(text):
-        pad = line[: len(line) - len(line.lstrip())]
-        load = re.fullmatch(r"\s*LOAD\((.+), (.+), (\w+)\);", line)
-        if load:
-            *stops, ticks = load.groups()
-            for name, stop in zip(AXES, stops, strict=True):
-                change = f"DINT_TO_LREAL({stop} - nParts{name}) / DINT_TO_LREAL({ticks} * nParts)"
-                found += [
-                    f"{pad}rLine{name} := rCount / rTick * ({change});",
-                    f"{pad}line{name}(bLoad := TRUE, nStart := nParts{name}, nStop := {stop}, "
-                    f"nTicks := {ticks});",
-                    f"{pad}nParts{name} := {stop};",
-                ]
-        elif line.strip() == "STEP;":
-            found += [f"{pad}line{name}(bLoad := FALSE);" for name in AXES]
-        else:
-            found.append(re.sub(r"LINE\((\w+)\)", r"line\1.nSet", line))
-    return found
+def _throughput(plan, ticks, stopping):
+    """Return the ring's size, the slow task's period in ticks and its setpoints a call.
+
+    With them the setpoints ahead of a run at full scale never fall short of the stopping ticks.
+    """
+    slow = max(round(SLOW / plan.tick), 1)
+    lap = np.tile(plan.ticks, min(plan.laps, 2))
+    ends = np.cumsum(np.concatenate([plan.entry.ticks, lap, plan.leave.ticks]))
+    # Setpoints that must be known at each end: those to stop in, and while the slow task waits.
+    needed = np.searchsorted(ends, ends + stopping + 2 * slow) - np.arange(len(ends))
+    ring = next((size for size in RINGS if size > needed.max() + 2), None)
+    if ring is None:
+        raise ValueError(
+            f"[plan] tick: {needed.max()} setpoints must be ahead, and the controller has "
+            f"{RINGS[-1]} places; {2 * plan.tick * needed.max() / RINGS[-1]:.2g} s would do."
+        )
+    for at_once in range(1, ring):
+        if _in_time(ends, ring, slow, at_once, stopping):
+            return ring, slow, at_once
+    raise AssertionError("a call that fills the ring is in time")
 
 
-def _plant(plant):
-    """Return the constants of an axis' static inverse by their names."""
+def _in_time(ends, ring, slow, at_once, stopping):
+    """Return whether so many setpoints a call keep the stopping ticks known all along."""
+    # At a call the fast task has begun the moves whose begin is past; a full ring is one short.
+    calls = np.arange(0, ends[-1] + slow, slow)
+    begun = np.searchsorted(ends, calls, side="right") + 1
+    ready = min(ring - 1, len(ends))
+    for now, taken in zip(calls.tolist(), begun.tolist(), strict=True):
+        ready = min(max(ready, taken) + at_once, taken + ring - 1, len(ends))
+        if ready < len(ends) and ends[ready - 1] - now - slow < stopping:
+            return False
+    return True
+
+
+def _trip(plan, job):
+    """Return the following error that shuts the valves, in m at the cutter."""
+    plants, loops = job.axes
+    lap = np.concatenate([plan.entry.setvalues, plan.setvalues[1:]])
+    slopes = np.concatenate([plan.entry.slopes, plan.slopes])
+    track = follow(plants, loops, lap, slopes=slopes)
+    off = np.abs(track.setvalue - track.position) * levers(
+        plan.circuit.machine.torus, track.position
+    )
+    least = MORE * float(off.max())
+    trip = job.controller.get("trip", TRIP * plan.circuit.machine.depth)
+    if trip < least:
+        raise ValueError(
+            f"[controller] trip: without a fault the loops are off by {least / MORE:.2g} m; got "
+            f"{trip:.2g} m, {1.1 * least:.2g} m would do."
+        )
+    return float(trip)
+
+
+def _check_operations(job, cost, slow):
+    """Raise ValueError if the slow task takes more operations than the job allows."""
+    allowed = job.controller.get("operations", OPERATIONS)
+    needs = cost / (slow * job.planned.tick)
+    if needs > allowed:
+        raise ValueError(
+            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
+            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
+        )
+
+
+def _axis(plant, loop):
+    """Return the constants of an axis' loop and static inverse by their names."""
     axis = plant.hydraulics
+    found = {"rGain": float(loop.gain), "rForward": float(loop.feedforward)}
     if axis is None:
-        return {"rSpeed": float(plant.gain)}
+        return found | {"rSpeed": float(plant.gain)}
     link = axis.linkage
     whole, ring = link.areas
-    return {
-        "rSense": float(link.sense),
-        "rMounting": float(link.mounting),
-        "rApart": float(link.a - link.b),
-        "rTwice": 2 * math.sqrt(link.a * link.b),
-        "rProduct": float(link.a * link.b),
-        "rAreaPlus": whole if link.sense > 0 else ring,
-        "rAreaMinus": ring if link.sense > 0 else whole,
-        "rGravity": float(axis.gravity),
-        "rDamping": float(axis.damping),
-        "rSupply": float(axis.supply),
-        "rTank": float(axis.tank),
+    plus, minus = (whole, ring) if link.sense > 0 else (ring, whole)
+    return found | {
+        "rSense": float(link.sense), "rMounting": float(link.mounting),
+        "rApart": float(link.a - link.b), "rTwice": 2 * math.sqrt(link.a * link.b),
+        "rProduct": float(link.a * link.b), "rAreaPlus": float(plus), "rAreaMinus": float(minus),
+        "rPair": float(link.pair), "rGravity": float(axis.gravity),
+        "rDamping": float(axis.damping), "rSupply": float(axis.supply), "rTank": float(axis.tank),
         "rFlow": float(axis.flow),
-    }
+    }  # fmt: skip
 
 
-def _loop(name, plant):
-    """Return the lines of an axis' position loop with the static inverse of its plant."""
-    text = LOOP_BEGIN
-    if plant.hydraulics is not None:
-        second = PAIR if plant.hydraulics.linkage.pair else ""
-        text += INVERSE.replace("@PAIR", second)
-    else:
-        text += "rValve@ := rRate / rSpeed@;\n"
-    text += LOOP_END
-    return text.replace("@", name)
-
-
-SLOW = """
-(* Prepare one setpoint ahead, if there is room. Call as often as the fast task leaves time. *)
-nNext := nTail + 1;
-IF nNext = nRing THEN
-    nNext := 0;
-END_IF;
-IF nNext <> nHead AND nStage < 3 THEN
-    IF nStage = 0 THEN
-        aRingTicks[nTail] := aEntryTicks[nRow];
-        aRingTheta[nTail] := aEntryTheta[nRow];
-        aRingPhi[nTail] := aEntryPhi[nRow];
-    ELSIF nStage = 2 THEN
-        aRingTicks[nTail] := aLeaveTicks[nRow];
-        aRingTheta[nTail] := aLeaveTheta[nRow];
-        aRingPhi[nTail] := aLeavePhi[nRow];
-    ELSE
-@SETPOINT
-    END_IF;
-    nRow := nRow + 1;
-    IF nStage = 0 AND nRow = nEntry THEN
-        nStage := 1;
-        nRow := 0;
-    END_IF;
-    IF nStage = 1 AND nRow = nMoves THEN
-        nLap := nLap + 1;
-        nRow := 0;
-        IF nLap = nLaps THEN
-            nStage := 2;
-        END_IF;
-    END_IF;
-    IF nStage = 2 AND nRow = nLeave THEN
-        nStage := 3;
-    END_IF;
-    (* Last of all: now the fast task may take it. *)
-    nTail := nNext;
-    bEnd := nStage = 3;
-END_IF;
-"""
-FOOT = """
-        (* M on the chord between two knots, its foot N on the torus, the corner rounded. *)
-        nKnot := aKnot[nRow];
-        rX := aKnotX[nKnot] + aShare[nRow] * (aKnotX[nKnot + 1] - aKnotX[nKnot]);
-        rY := aKnotY[nKnot] + aShare[nRow] * (aKnotY[nKnot + 1] - aKnotY[nKnot]);
-        rZ := aKnotZ[nKnot] + aShare[nRow] * (aKnotZ[nKnot + 1] - aKnotZ[nKnot]);
-@SHIFT
-        rRho := SQRT(rX * rX + rZ * rZ);
-        rTheta := ATAN(-rZ / rX);
-        rPhi := ATAN(rY / (rRho - rRingRadius));
-        nKnot := aCorner[nRow];
-        rTheta := (rTheta + aWeight[nRow] * aKinkTheta[nKnot]) / rCount * DINT_TO_LREAL(nParts);
-        rPhi := (rPhi + aWeight[nRow] * aKinkPhi[nKnot]) / rCount * DINT_TO_LREAL(nParts);
-        aRingTicks[nTail] := aTicks[nRow];
-        (* Nearest whole numbers: truncation goes towards zero. *)
-        IF rTheta < 0.0 THEN
-            aRingTheta[nTail] := 0 - TRUNC(0.5 - rTheta);
-        ELSE
-            aRingTheta[nTail] := TRUNC(rTheta + 0.5);
-        END_IF;
-        IF rPhi < 0.0 THEN
-            aRingPhi[nTail] := 0 - TRUNC(0.5 - rPhi);
-        ELSE
-            aRingPhi[nTail] := TRUNC(rPhi + 0.5);
-        END_IF;
-"""
-SHIFT = """
-        (* Of a corrected chord M lies beside the chord. *)
-        rX := rX + aShift[nRow] * aAsideX[nKnot];
-        rY := rY + aShift[nRow] * aAsideY[nKnot];
-        rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
-"""
-STORED = """
-        aRingTicks[nTail] := aLapTicks[nRow];
-        aRingTheta[nTail] := aLapTheta[nRow];
-        aRingPhi[nTail] := aLapPhi[nRow];
-"""
-FAST = """
-(* One call is one scan: load and tick share it, so that no setpoint lasts two ticks. *)
-IF bReset AND nMode = 3 THEN
-    nMode := 0;
-    nTripped := 0;
-    nSpeed := 0;
-END_IF;
-IF bRun AND NOT bHold AND nMode = 0 AND NOT bDone THEN
-    nMode := 1;
-    IF NOT bStarted THEN
-        bStarted := TRUE;
-        nSpeed := nOverride;
-    END_IF;
-END_IF;
-(* Withdraw in a straight line: the section is convex, its inside is clear. *)
-IF bRetract AND nMode = 1 AND nSpeed = 0 THEN
-    nMode := 2;
-    nLeft := nRetractTicks;
-    nFraction := nFull;
-    nPartsTheta := nSetTheta * nParts;
-    nPartsPhi := nSetPhi * nParts;
-    LOAD(nFirstTheta, nFirstPhi, nRetractTicks);
-    nFromTheta := LINE(Theta);
-    nFromPhi := LINE(Phi);
-END_IF;
-(* The next move, where the last one is at its end. *)
-IF nFraction = nFull THEN
-@TAKE
-    IF nMode = 1 AND nLeft = 0 THEN
-        rLineTheta := 0.0;
-        rLinePhi := 0.0;
-        IF bEnd THEN
-            nMode := 0;
-            bDone := TRUE;
-        ELSE
-            nStarved := nStarved + 1;
-        END_IF;
-    END_IF;
-END_IF;
-(* The speed on the way: led to the override, or to a stop, no faster than the feed may change. *)
-nWanted := 0;
-IF nMode = 1 AND NOT bHold THEN
-    nWanted := nOverride;
-ELSIF nMode = 2 THEN
-    nWanted := nFull;
-    IF nSpeed * nSpeed / (2 * nRamp * nFull) >= nLeft THEN
-        nWanted := nRamp;
-    END_IF;
-END_IF;
-IF nWanted > nSpeed + nRamp THEN
-    nSpeed := nSpeed + nRamp;
-ELSIF nWanted < nSpeed - nRamp THEN
-    nSpeed := nSpeed - nRamp;
-ELSE
-    nSpeed := nWanted;
-END_IF;
-(* The set-values of this scan; with an override they are between two of the line's. *)
-nSetTheta := nFromTheta;
-nSetPhi := nFromPhi;
-IF nFraction < nFull THEN
-    nSetTheta := nFromTheta + (LINE(Theta) - nFromTheta) * nFraction / nFull;
-    nSetPhi := nFromPhi + (LINE(Phi) - nFromPhi) * nFraction / nFull;
-END_IF;
-rSlopeTheta := rLineTheta * (DINT_TO_LREAL(nSpeed) / DINT_TO_LREAL(nFull));
-rSlopePhi := rLinePhi * (DINT_TO_LREAL(nSpeed) / DINT_TO_LREAL(nFull));
-(* What must never happen shuts both valves. *)
-IF nMode <> 3 THEN
-    IF NABS(nSetTheta - nActualTheta) > nTrip THEN
-        nTripped := 1;
-    ELSIF NABS(nSetPhi - nActualPhi) > nTrip THEN
-        nTripped := 2;
-    ELSIF nSetTheta < nLeastTheta OR nSetTheta > nMostTheta THEN
-        nTripped := 3;
-    ELSIF nSetPhi < nLeastPhi OR nSetPhi > nMostPhi THEN
-        nTripped := 4;
-    END_IF;
-    IF nTripped > 0 THEN
-        nMode := 3;
-    END_IF;
-END_IF;
-IF nMode = 3 THEN
-    rValveTheta := 0.0;
-    rValvePhi := 0.0;
-ELSE
-@LOOPS
-END_IF;
-(* On along the lines: a whole tick of theirs, or what the override leaves of it. *)
-IF (nMode = 1 OR nMode = 2) AND nSpeed > 0 AND (nLeft > 0 OR nFraction < nFull) THEN
-    nFraction := nFraction + nSpeed;
-    IF nFraction > nFull THEN
-        nFraction := nFraction - nFull;
-@TAKE
-        IF nLeft > 0 THEN
-            nFromTheta := LINE(Theta);
-            nFromPhi := LINE(Phi);
-            STEP;
-            nLeft := nLeft - 1;
-        ELSE
-            nFraction := nFull;
-        END_IF;
-    END_IF;
-    IF nFraction = nFull THEN
-        nFromTheta := LINE(Theta);
-        nFromPhi := LINE(Phi);
-    END_IF;
-    IF nMode = 2 AND nLeft = 0 AND nFraction = nFull THEN
-        nMode := 0;
-        bDone := TRUE;
-    END_IF;
-END_IF;
-"""
-TAKE = """
-    IF nMode = 1 AND nLeft = 0 AND nHead <> nTail THEN
-        nLeft := aRingTicks[nHead];
-        LOAD(aRingTheta[nHead], aRingPhi[nHead], nLeft);
-        IF nHead = nRing - 1 THEN
-            nHead := 0;
-        ELSE
-            nHead := nHead + 1;
-        END_IF;
-    END_IF;
-"""
-LOOP_BEGIN = """
-    (* Wanted rate of @: gain times error, and the share of the exact slope. *)
-    rAt := rCount * DINT_TO_LREAL(nActual@);
-    rError := rCount * DINT_TO_LREAL(nSet@) - rAt;
-    rRate := rGain@ * rError + rForward@ * rSlope@;
-"""
-INVERSE = """
-    (* Static inverse of valve and linkage: the opening that gives this rate. *)
-    rArm := rMounting@ + rSense@ * rAt;
-    rX := rTwice@ * SIN(rArm / 2.0);
-    rArm := ABS(rProduct@ * SIN(rArm) / SQRT(rApart@ * rApart@ + rX * rX));
-    rPlus := rAreaPlus@ * rArm;
-    rMinus := rAreaMinus@ * rArm;
-@PAIR
-    rLoad := -(rGravity@ * COS(rAt));
-    IF rRate < 0.0 THEN
-        rX := rPlus;
-        rPlus := rMinus;
-        rMinus := rX;
-        rLoad := -rLoad;
-    END_IF;
-    rX := rMinus / rPlus;
-    rLeft := rSupply@ - rX * rTank@ - rLoad / rPlus - rDamping@ * ABS(rRate) / rPlus;
-    IF rRate = 0.0 THEN
-        rValve@ := 0.0;
-    ELSIF rLeft <= 0.0 THEN
-        rValve@ := 2.0;
-    ELSE
-        rValve@ := ABS(rRate) * rPlus / rFlow@ * SQRT((1.0 + rX * rX * rX) / rLeft);
-    END_IF;
-    IF rRate < 0.0 THEN
-        rValve@ := -rValve@;
-    END_IF;
-"""
-PAIR = """
-    rArm := rMounting@ - rSense@ * rAt;
-    rX := rTwice@ * SIN(rArm / 2.0);
-    rArm := ABS(rProduct@ * SIN(rArm) / SQRT(rApart@ * rApart@ + rX * rX));
-    rPlus := rPlus + rAreaMinus@ * rArm;
-    rMinus := rMinus + rAreaPlus@ * rArm;
-"""
-LOOP_END = """
-    IF rValve@ > 1.0 THEN
-        rValve@ := 1.0;
-        nFullyOpen := nFullyOpen + 1;
-    ELSIF rValve@ < -1.0 THEN
-        rValve@ := -1.0;
-        nFullyOpen := nFullyOpen + 1;
-    END_IF;
-"""
+def _text(plan, plants, ring, slow):
+    """Return the blocks in Structured Text, without the job's numbers."""
+    package = files(__package__)
+    kind = "plain" if plants[0].hydraulics is None else "oil"
+    text, loop = (package.joinpath(f"{name}.st").read_text(encoding="utf-8")
+                  for name in ("controller", f"loop_{kind}"))  # fmt: skip
+    (block,) = read_blocks(loop)
+    own = [row.name for row in block.rows("VAR_INPUT")[3:]]
+    calls = []
+    for name in AXES:
+        given = {"rSet": f"rCount * DINT_TO_LREAL(nSet{name})", "rAt": f"rAt{name}",
+                 "rSlope": f"rSlope{name} * DINT_TO_LREAL(nScale) / DINT_TO_LREAL(nFull)",
+                 **{key: key + name for key in own}}  # fmt: skip
+        listed = ", ".join(f"{key} := {value}" for key, value in given.items())
+        calls += textwrap.wrap(f"loop{name}({listed});", 92, initial_indent=4 * " ",
+                               subsequent_indent=8 * " ", break_on_hyphens=False)  # fmt: skip
+        calls.append(f"    rValve{name} := loop{name}.rValve;")
+    period = [f"T#{round(1e6 * ticks * plan.tick) / 1000:g}ms" for ticks in (1, slow)]
+    array = f"ARRAY [0..{ring - 1}] OF DINT"
+    written = {
+        "LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls), "RING": array,
+        "SHIFT": SHIFT if plan.path == "corrected chord" else "", "FAST": period[0],
+        "SLOW": period[1],
+    }  # fmt: skip
+    return re.sub(r"@([A-Z]+)\n?", lambda found: written[found[1]] + found[0][1 + len(found[1]):], text)

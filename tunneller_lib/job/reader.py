@@ -104,7 +104,8 @@ PLAN = dict(
 )  # fmt: skip
 CONTROLLER = dict(
     plant=TEXT, gain=Size("1/s", 0, 1e4), integral=Size("1/s^2", 0, 1e6),
-    feedforward=Size("1", 0, 2), delay=WHOLE, encoder=COUNT,
+    feedforward=Size("1", 0, 2), delay=WHOLE, encoder=COUNT, trip=Size("m", 1e-5, 1),
+    operations=Size("1/s", 1e3, 1e12),
 )  # fmt: skip
 TILT = Size("rad", most=0.8)
 POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
@@ -122,6 +123,7 @@ HYDRAULIC_REMEDY = (
     'bore, rod and dead_length, and supply; or take plant = "T0" in [controller], which has none.'
 )
 USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, as of `ream.plan`
+EXPORTED = "trip", "operations"  # of the exported controller alone
 MOST_ENCODER = 0.1  # rad, as of a plan's count
 
 
@@ -270,6 +272,8 @@ class Job:
         about = dict(self.controller)
         tier = about.pop("plant")
         encoder = about.pop("encoder", None)
+        for own in EXPORTED:
+            about.pop(own, None)
         sampled = {name: self.plan.get(name, usual) for name, usual in USUAL.items()}
         with said_of("controller"):
             loop = Loop(tick=USUAL["tick"], **about)

@@ -9,12 +9,12 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Rule, checked, shown
-from ..motion.export import c99, structured_text
+from ..motion.export import line_c99, line_text
 from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
 from ..ream.margins import used
 from .controller import program
-from .controller_texts import c99_text, plcopen_xml, structured_text_of
+from .controller_texts import c99_header, c99_text, plcopen_xml, structured_text_of
 from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl_blocks, vtp_blocks, wall_solid, wall_surface
@@ -50,7 +50,7 @@ DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "pa
 # How the first line of a file of each kind says which job it is of; wall.stl and wall.vtp have
 # places of their own for it.
 STAMPED = {
-    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".xml": "<!-- {} -->\n",
+    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n", ".xml": "<!-- {} -->\n",
     ".dxf": "999\n{}\n",
 }  # fmt: skip
 
@@ -319,8 +319,9 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         "knots.csv": lambda: knots_csv(plan),
         "setpoints.csv": lambda: setpoints_csv(plan),
         "setvalues.csv": lambda: setvalues_csv(plan),
-        "line.st": structured_text,
-        "line.c": c99,
+        "line.st": lambda: line_text(parts=1),
+        "line.c": line_c99,
+        "controller.h": lambda: c99_header(controller),
         "controller.c": lambda: c99_text(controller),
         "controller.st": lambda: structured_text_of(controller),
         "controller.xml": lambda: plcopen_xml(controller),

@@ -1,294 +1,302 @@
-"""The integer line for other controllers, in Structured Text and C99, and tables of set-values.
+"""Function blocks for other controllers: Structured Text (IEC 61131-3), and the C99 of it.
 
-Both programs come from one description, a list of statements: (variable, expression) assigns,
-("IF", condition, then, otherwise) branches. Expressions are those that both languages share; a
-quotient is truncated and a remainder has the dividend's sign in both.
+A text is written once, in Structured Text with a statement a line. What both languages share is
+copied, the rest is replaced word by word; numbers come from tables of constants.
 """
 
 import re
-from typing import Annotated
+from importlib.resources import files
+from typing import NamedTuple
 
-from ..arguments import Rule, Wholes, checked, shown
-from .interpolate import HIGH, LOW, Parts, Tie
+import numpy as np
 
-INPUTS = ("nStart", "nStop", "nTicks")
-STATE = ("nSet", "nLeft", "nQuot", "nRem", "nRest", "nComp")
-OWN = {"bLoad", "line", "setvalues", *INPUTS, *STATE}  # names that the programs use themselves
-HALF = {"up": "nTicks / 2", "down": "(nTicks - 1) / 2"}
-TICK = [
-    ("IF", "nLeft > 0", [
-        ("nLeft", "nLeft - 1"),
-        # In one step: a floored quotient alone may lead below the least number.
-        ("IF", "nRest >= nComp",
-            [("nRest", "nRest - nComp"), ("nSet", "nSet + (nQuot + 1)")],
-            [("nRest", "nRest + nRem"), ("nSet", "nSet + nQuot")]),
-    ], []),
+from ..arguments import Whole, checked
+
+KINDS = {"BOOL": "bool", "DINT": "int32_t", "LREAL": "double"}
+# Structured Text against C: first what is a whole line, then words.
+LINES = [
+    (r"IF (.*) THEN", r"if (\1) {"), (r"ELSIF (.*) THEN", r"} else if (\1) {"),
+    (r"ELSE", "} else {"), (r"END_(IF|FOR|WHILE);", "}"), (r"WHILE (.*) DO", r"while (\1) {"),
+    (r"FOR (\w+) := (.*) TO (.*) BY -1 DO", r"for (\1 := \2; \1 >= \3; --\1) {"),
+    (r"FOR (\w+) := (.*) TO (.*) DO", r"for (\1 := \2; \1 <= \3; ++\1) {"),
 ]  # fmt: skip
+WORDS = [
+    (r"<>", "!="), (r"(?<![<>:!=])=(?!=)", "=="), (r":=", "="), (r"\bAND\b", "&&"),
+    (r"\bOR\b", "||"), (r"\bNOT ", "!"), (r"\bTRUE\b", "true"), (r"\bFALSE\b", "false"),
+    (r"\bMOD\b", "%"), (r"\bDINT_TO_LREAL\(", "(double)("), (r"\bTRUNC\(", "(int32_t)("),
+    (r"\b(SQRT|SIN|COS|ATAN2?)\(", lambda found: found[0].lower()), (r"\bABS\(", "fabs("),
+]  # fmt: skip
+C_HEAD = """#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+"""
+C_MACROS = """
+#define MIN(a, b) ((a) < (b) ? (a) : (b))
+#define MAX(a, b) ((a) > (b) ? (a) : (b))
+"""
+BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
+ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
+SIMPLE = r" [-+*] |(?<=[\s(])-(?=[A-Za-z])"
+FUNCTION = r"\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
-# C99, 5.2.4.1: 31 characters of an external name are significant; "_load" takes five of them.
-C99_LENGTH = 31 - len("_load")
-C99_KEYWORDS = frozenset(
-    """auto break case char const continue default do double else enum extern float for goto if
-    inline int long register restrict return short signed sizeof static struct switch typedef union
-    unsigned void volatile while""".split()
-)
-# IEC 61131-3 promises six characters and sets no limit. Of the systems that MathWorks' PLC Coder
-# writes for, by its page on the longest identifiers, Siemens' take the least: 24.
-IEC_LENGTH = 24
-# Statements, declarations, types, standard functions and blocks, and the instruction list's
-# operators; upper or lower case doesn't matter.
-IEC_KEYWORDS = frozenset(
-    """ABSTRACT ACTION ARRAY AT BY CASE CLASS CONFIGURATION CONSTANT CONTINUE DO ELSE ELSIF EN
-    END_ACTION END_CASE END_CLASS END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF
-    END_INTERFACE END_METHOD END_NAMESPACE END_PROGRAM END_REPEAT END_RESOURCE END_STEP END_STRUCT
-    END_TRANSITION END_TYPE END_VAR END_WHILE ENO EXIT EXTENDS FALSE FINAL FOR FROM FUNCTION
-    FUNCTION_BLOCK F_EDGE IF IMPLEMENTS INITIAL_STEP INTERFACE INTERNAL INTERVAL METHOD NAMESPACE
-    NON_RETAIN NULL OF ON OVERLAP OVERRIDE PRIORITY PRIVATE PROGRAM PROTECTED PUBLIC READ_ONLY
-    READ_WRITE REF REF_TO REPEAT RESOURCE RETAIN RETURN R_EDGE SINGLE STEP STRUCT SUPER TASK THEN
-    THIS TO TRANSITION TRUE TYPE UNTIL USING VAR VAR_ACCESS VAR_CONFIG VAR_EXTERNAL VAR_GLOBAL
-    VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WHILE WITH
-    ANY ANY_BIT ANY_DATE ANY_DERIVED ANY_ELEMENTARY ANY_INT ANY_MAGNITUDE ANY_NUM ANY_REAL
-    ANY_STRING BOOL BYTE CHAR DATE DATE_AND_TIME DINT DT DWORD INT LDATE LDT LINT LREAL LTIME LTOD
-    LWORD REAL SINT STRING TIME TIME_OF_DAY TOD UDINT UINT ULINT USINT WCHAR WORD WSTRING
-    ABS ACOS ADD AND ASIN ATAN ATAN2 CONCAT COS DELETE DIV EQ EXP EXPT FIND GE GT INSERT LE LEFT LEN
-    LIMIT LN LOG LT MAX MID MIN MOD MOVE MUL MUX NE NOT OR REPLACE RIGHT ROL ROR SEL SHL SHR SIN
-    SQRT SUB TAN TRUNC XOR
-    CTD CTU CTUD F_TRIG RS RTC R_TRIG SEMA SR TOF TON TP
-    ANDN CAL CALC CALCN JMP JMPC JMPCN LD LDN ORN R RET RETC RETCN S ST STN XORN""".split()
-)
+class Row(NamedTuple):
+    """A variable.
 
-
-def _identifier(name, value):
-    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", value):
-        raise ValueError(
-            f"{name}: must be a letter, then letters, digits and _; got {shown(value)}."
-        )
-    return value
-
-
-def _unreserved(name, value, most, reserved, language):
-    if len(value) > most:
-        raise ValueError(
-            f"{name}: must have at most {most} characters, as {language} may take no "
-            f"more; got {len(value)}."
-        )
-    if reserved:
-        raise ValueError(f"{name}: must be free in {language}; got {value}, which is taken.")
-    return value
-
-
-def _c99_name(name, value):
-    value = _identifier(name, value)
-    # <stdint.h> may define what looks like its types and limits: 7.26.8.
-    taken = re.fullmatch(r"u?int\w*_t|U?INT\w*_(MAX|MIN|C)", value)
-    return _unreserved(name, value, C99_LENGTH, taken or value in C99_KEYWORDS | OWN, "C99")
-
-
-def _iec_name(name, value):
-    value = _identifier(name, value)
-    if "__" in value or value.endswith("_"):
-        raise ValueError(
-            f"{name}: must have no two _ in a row, and none at its end; got {shown(value)}."
-        )
-    upper = value.upper()
-    taken = upper in IEC_KEYWORDS | {own.upper() for own in OWN} or "_TO_" in upper
-    return _unreserved(name, value, IEC_LENGTH, taken, "IEC 61131-3")
-
-
-def _headings(name, value):
-    if not isinstance(value, (list, tuple)):
-        raise ValueError(f"{name}: must be a list of names; got {shown(value)}.")
-    return tuple(_identifier(f"{name}[{i}]", one) for i, one in enumerate(value))
-
-
-C99Name = Annotated[str, Rule("str", _c99_name)]
-IecName = Annotated[str, Rule("str", _iec_name)]
-Headings = Annotated[list, Rule("list of str", _headings)]
-
-
-def _loading(tie, parts):
-    """Return the statements that begin a move, with ties "up" or "down".
-
-    A number of ticks below 1 is no move: the set-value stays. Ends are in parts of a count: the
-    first accumulator also holds the start's share of a count.
+    Parameters
+    ----------
+    name, kind : str
+        Its type as Structured Text has it.
+    begin, comment : str
+        Empty where there is none.
     """
-    if parts == 1:
-        begin = [("nSet", "nStart"), ("nRest", HALF[tie]), ("nComp", "nTicks")]
-    else:
-        half = HALF[tie].replace("nTicks", "nComp")
-        begin = [
-            ("nComp", f"nTicks * {parts}"),
-            ("nSet", f"nStart / {parts}"),
-            ("nRest", f"nStart MOD {parts}"),
-            ("IF", "nRest < 0", [("nRest", f"nRest + {parts}"), ("nSet", "nSet - 1")], []),
-            ("nRest", f"nRest * nTicks + {half}"),
-            ("IF", "nRest >= nComp", [("nRest", "nRest - nComp"), ("nSet", "nSet + 1")], []),
-        ]  # fmt: skip
+
+    name: str
+    kind: str
+    begin: str
+    comment: str
+
+
+class Block(NamedTuple):
+    """A function block or a program in Structured Text.
+
+    Parameters
+    ----------
+    kind, name : str
+        "FUNCTION_BLOCK" or "PROGRAM".
+    sections : list of (str, list of Row)
+        Such as ("VAR_INPUT", rows).
+    body : list of str
+        Statements, one a line.
+    """
+
+    kind: str
+    name: str
+    sections: list
+    body: list
+
+    def rows(self, *kinds):
+        """Return the variables of some sections."""
+        return [row for kind, rows in self.sections if kind in kinds for row in rows]
+
+
+def read_rows(text):
+    """Return the `Row` list of a section or structure."""
     return [
-        ("nLeft", "0"),
-        ("IF", "nTicks > 0", [
-            ("nLeft", "nTicks"),
-            *begin,
-            ("nQuot", "(nStop - nStart) / nComp"),
-            ("nRem", "(nStop - nStart) MOD nComp"),
-            ("IF", "nRem < 0", [("nRem", "nRem + nComp"), ("nQuot", "nQuot - 1")], []),
-            ("nComp", "nComp - nRem"),
-        ], []),
+        Row(name, kind, begin, comment)
+        for names, kind, begin, comment in re.findall(ROW, text, re.M)
+        for name in names.split(", ")
+    ]
+
+
+def read_blocks(text):
+    """Return the `Block` list of a text."""
+    return [
+        Block(
+            kind,
+            name,
+            [(section, read_rows(rows)) for section, rows in re.findall(
+                r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)],
+            body.splitlines(),
+        )
+        for kind, name, variables, body in re.findall(BLOCK, text, re.S)
     ]  # fmt: skip
 
 
-@checked
-def structured_text(*, tie: Tie = "up", name: IecName = "FB_TimeLine", parts: Parts = 1):
-    """Return the line of one axis as a function block in Structured Text (IEC 61131-3).
+def with_constants(text, constants):
+    """Return a text whose blocks have those `constants` that they use, a dict of values or lists."""
+
+    def filled(found):
+        kind, name, variables, body = found.groups()
+        used = [
+            f"    {key} : {iec_kind(value)} := {number(value)};\n"
+            for key, value in constants.items()
+            if re.search(rf"\b{key}\b", body)
+        ]
+        own = f"VAR CONSTANT\n{''.join(used)}END_VAR\n" if used else ""
+        return f"{kind} {name}\n{variables}{own}{body}END_{kind}\n"
+
+    return re.sub(BLOCK, filled, text, flags=re.S)
+
+
+def iec_kind(value):
+    """Return the type of a number, or of a list of them."""
+    if isinstance(value, list):
+        return f"ARRAY [0..{len(value) - 1}] OF {iec_kind(value[0])}"
+    return "LREAL" if isinstance(value, float) else "DINT"
+
+
+def number(value):
+    """Return a number, or a list of them in rows, as both languages take it."""
+    if isinstance(value, list):
+        texts = list(map(number, value))
+        rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
+        return "[\n        " + ",\n        ".join(rows) + "]"
+    text = repr(value)
+    # A point is needed before an exponent: 5e-05 is none of Structured Text.
+    return re.sub(r"^(-?\d+)e", r"\1.0e", text)
+
+
+class Operations(NamedTuple):
+    """How many operations a call takes.
 
     Parameters
     ----------
-    tie : {"up", "down"}
-        As for `time_bresenham`.
-    name : str
-        Name of the function block: of at most 24 letters, digits and single _, and neither a
-        keyword nor a standard function or block of IEC 61131-3.
-    parts : int
-        Into how many parts a count is divided in nStart and nStop, see `polyline`. The caller keeps
-        nTicks times parts at most 2^30, if there is more than one.
-
-    Returns
-    -------
-    text : str
-        A call with bLoad begins a move, each further call is a tick; nSet is the set-value. A scan
-        that begins a move calls twice, with bLoad and without, lest the place between two moves
-        last two ticks. The caller keeps nStop - nStart within DINT.
-
-    Raises
-    ------
-    ValueError
-        If `tie` is another word or the name can't be one.
+    simple, divisions, functions : int
+        Sums, products and comparisons; quotients; roots, sines and the like.
     """
-    body = ["IF bLoad THEN", *_st(_loading(tie, parts), 1), "ELSE", *_st(TICK, 1), "END_IF;"]
-    return "\n".join([
-        f"FUNCTION_BLOCK {name}",
-        "VAR_INPUT", "    bLoad : BOOL;", f"    {', '.join(INPUTS)} : DINT;", "END_VAR",
-        "VAR_OUTPUT", f"    {', '.join(STATE[:2])} : DINT;", "END_VAR",
-        "VAR", f"    {', '.join(STATE[2:])} : DINT;", "END_VAR",
-        *body, "END_FUNCTION_BLOCK", "",
-    ])  # fmt: skip
+
+    simple: int
+    divisions: int
+    functions: int
 
 
-@checked
-def c99(*, tie: Tie = "up", name: C99Name = "time_line", parts: Parts = 1):
-    """Return the line of one axis in C99.
+def operations(block, **sizes):
+    """Return the `Operations` of a call of a `Block` at most; those on indices aren't counted.
 
-    Parameters
-    ----------
-    tie : {"up", "down"}
-        As for `time_bresenham`.
-    name : str
-        Name of the structure, and beginning of the functions' names: of at most 26 letters,
-        digits and _, and no keyword of C99.
-    parts : int
-        Into how many parts a count is divided in nStart and nStop, see `polyline`. The caller keeps
-        nTicks times parts at most 2^30, if there is more than one.
-
-    Returns
-    -------
-    text : str
-        ``name_load`` begins a move, ``name_tick`` makes a tick, ``name_fill`` writes all
-        nTicks + 1 set-values. The caller keeps nStop - nStart within 32 bits.
-
-    Raises
-    ------
-    ValueError
-        If `tie` is another word or the name can't be one.
+    Loops go as often as their bounds say, in which names stand for the `sizes`. Of branches the
+    dearest counts.
     """
-    moves = ", ".join(f"int32_t {variable}" for variable in INPUTS)
-    return "\n".join([
-        "#include <stdint.h>", "",
-        "typedef struct {", f"    int32_t {', '.join(STATE)};", f"}} {name};", "",
-        f"void {name}_load({name} *line, {moves})", "{", *_c(_loading(tie, parts), 1), "}", "",
-        f"void {name}_tick({name} *line)", "{", *_c(TICK, 1), "}", "",
-        f"void {name}_fill(int32_t *setvalues, {moves})", "{",
-        f"    {name} line = {{0}};",
-        f"    {name}_load(&line, {', '.join(INPUTS)});",
-        "    *setvalues = line.nSet;",
-        "    while (line.nLeft > 0) {",
-        f"        {name}_tick(&line);",
-        "        *++setvalues = line.nSet;",
-        "    }", "}", "",
-    ])  # fmt: skip
+    levels = [[np.zeros(3, dtype=int)]]  # of each nesting the branches so far, the last is open
+    times = []
+    for line in block.body:
+        text = line.strip()
+        if text.startswith(("FOR ", "WHILE ")):
+            bounds = re.search(r":= (.*) TO (.*?)(?: BY -1)? DO|< (\w+)(?: AND .*)? DO", text)
+            first, last = bounds.groups()[:2] if bounds[1] else ("1", bounds[3])
+            times.append(1 + abs(_bound(last, sizes) - _bound(first, sizes)))
+            levels.append([np.zeros(3, dtype=int)])
+            continue
+        if text.startswith("IF "):
+            levels.append([np.zeros(3, dtype=int)])
+        elif text.startswith(("ELSIF ", "ELSE")):
+            levels[-1].append(np.zeros(3, dtype=int))
+        elif text.startswith("END_"):
+            branches = levels.pop()
+            many = times.pop() if text in ("END_FOR;", "END_WHILE;") else 1
+            levels[-1][-1] += many * max(branches, key=np.sum)
+        elif text.startswith("(*"):
+            continue
+        plain = re.sub(r"\[[^][]*\]", "", text)
+        kinds = SIMPLE, r" / ", FUNCTION
+        levels[-1][-1] += [len(re.findall(kind, plain)) for kind in kinds]
+    return Operations(*levels[0][0].tolist())
 
 
-@checked
-def setvalue_table(setvalues: Wholes("(ticks + 1, n) int", LOW, HIGH), names: Headings):
-    """Return set-values as a table of whole numbers, columns set apart by blanks.
+def _bound(text, sizes):
+    """Return the whole number that a bound of a loop is."""
+    first, _, less = text.partition(" - ")
+    return int(sizes.get(first, first)) - int(less or 0)
 
-    Parameters
-    ----------
-    setvalues : (ticks + 1, n) int
-        As from `polyline`, in counts.
-    names : list of str
-        Heading of each axis: a letter, then letters, digits and _.
 
-    Returns
-    -------
-    text : str
-        A heading, then a line a tick: the tick and the set-values.
-
-    Raises
-    ------
-    ValueError
-        If the set-values aren't such an array within 32 bits, or a name is missing.
-
-    Examples
-    --------
-    >>> print(setvalue_table([[0, 0], [3, -2]], ["theta", "phi"]), end="")
-    tick theta phi
-    0 0 0
-    1 3 -2
-    """
-    if setvalues.ndim != 2 or setvalues.shape[1] != len(names):
-        raise ValueError(
-            f"setvalues: must have a column for each of {len(names)} names; "
-            f"got shape {setvalues.shape}."
+def c99_types(blocks):
+    """Return the structures of a list of `Block` in C99, and what is called."""
+    texts = []
+    for block in blocks:
+        rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
+        fields = "".join(
+            f"    {_declared(row)};{f' /* {row.comment} */' if row.comment else ''}\n"
+            for row in rows
         )
-    heading = " ".join(["tick", *names])
-    lines = (" ".join(map(str, [i, *row])) for i, row in enumerate(setvalues.tolist()))
-    return "\n".join([heading, *lines, ""])
+        texts.append(f"typedef struct {{\n{fields}}} {block.name};\n{_head(block)};\n")
+        if any(row.begin for row in rows):
+            texts.append(f"void {_call(block.name)}_init({block.name} *c);\n")
+    return "\n".join(texts)
 
 
-def _st(statements, depth):
-    """Return statements as indented lines of Structured Text."""
-    pad = "    " * depth
-    for first, *rest in statements:
-        if first != "IF":
-            yield f"{pad}{first} := {rest[0]};"
-            continue
-        condition, then, otherwise = rest
-        yield f"{pad}IF {condition} THEN"
-        yield from _st(then, depth + 1)
-        if otherwise:
-            yield f"{pad}ELSE"
-            yield from _st(otherwise, depth + 1)
-        yield f"{pad}END_IF;"
+def c99_code(blocks):
+    """Return the constants and functions of a list of `Block` in C99."""
+    constants = {row.name: row for block in blocks for row in block.rows("VAR CONSTANT")}
+    texts = [
+        f"static const {_declared(row)} = {row.begin.replace('[', '{').replace(']', '}')};"
+        for row in constants.values()
+    ]
+    for block in blocks:
+        begun = [row for row in block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR") if row.begin]
+        if begun:
+            texts += ["", f"void {_call(block.name)}_init({block.name} *c)", "{",
+                      f"    static const {block.name} zero;", "    *c = zero;",
+                      *(f"    c->{row.name} = {row.begin};" for row in begun), "}"]  # fmt: skip
+        texts += ["", _head(block), "{", *_c_lines(block), "}"]
+    return "\n".join(texts) + "\n"
 
 
-def _c(statements, depth):
-    """Return statements as indented lines of C."""
-    pad = "    " * depth
-    for first, *rest in statements:
-        if first != "IF":
-            yield f"{pad}{_c_expression(first)} = {_c_expression(rest[0])};"
-            continue
-        condition, then, otherwise = rest
-        yield f"{pad}if ({_c_expression(condition)}) {{"
-        yield from _c(then, depth + 1)
-        if otherwise:
-            yield f"{pad}}} else {{"
-            yield from _c(otherwise, depth + 1)
-        yield f"{pad}}}"
+def _declared(row):
+    """Return the declaration of a `Row` in C."""
+    array = re.fullmatch(r"ARRAY \[0\.\.(\d+)\] OF (\w+)", row.kind)
+    if array:
+        return f"{KINDS[array[2]]} {row.name}[{int(array[1]) + 1}]"
+    return f"{KINDS.get(row.kind, row.kind)} {row.name}"
 
 
-def _c_expression(text):
-    """Return an expression in C: the state lives in a structure."""
-    text = text.replace("MOD", "%")
-    return re.sub(r"\b(" + "|".join(STATE) + r")\b", r"line->\1", text)
+def _call(name):
+    """Return the name of the function that is a call of a block."""
+    return name.lower()
+
+
+def _head(block):
+    shared = ", T_Shared *shared" if block.rows("VAR_EXTERNAL") else ""
+    return f"void {_call(block.name)}({block.name} *c{shared})"
+
+
+def _statements(lines):
+    """Yield lines of which each is whole: of a comment, a statement, or a branch."""
+    comment = False
+    begun = ""
+    for line in lines:
+        comment = comment or line.strip().startswith("(*")
+        begun = f"{begun} {line.strip()}" if begun else line
+        if comment or re.search(r"(;|THEN|DO|ELSE)$", begun):
+            yield begun
+            begun = ""
+        comment = comment and not line.endswith("*)")
+
+
+def _c_lines(block):
+    """Yield the statements of a block in C."""
+    fields = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
+    own = re.compile(r"(?<![.\w])(" + "|".join(row.name for row in fields) + r")\b")
+    shared = re.compile(r"\b(" + "|".join(row.name for row in block.rows("VAR_EXTERNAL")) + r")\b")
+    kinds = {row.name: row.kind for row in fields}
+
+    def written(text):
+        text = own.sub(r"c->\1", text)
+        text = shared.sub(r"shared->\1", text) if block.rows("VAR_EXTERNAL") else text
+        for pattern, to in WORDS:
+            text = re.sub(pattern, to, text)
+        return text
+
+    for line in _statements(block.body):
+        pad = "    " + line[: len(line) - len(line.lstrip())]
+        text = line.strip()
+        called = re.fullmatch(r"(\w+)\((.*)\);", text)
+        if text.startswith("(*") or not re.search(r"(;|THEN|DO|ELSE)$", text):
+            yield pad + text.replace("(*", "/*").replace("*)", "*/")
+        elif called and called[1] in kinds:
+            for given in called[2].split(", "):
+                name, value = given.split(" := ")
+                yield f"{pad}c->{called[1]}.{name} = {written(value)};"
+            yield f"{pad}{_call(kinds[called[1]])}(&c->{called[1]});"
+        else:
+            for pattern, to in LINES:
+                if re.fullmatch(pattern, text):
+                    text = re.sub(pattern, to, text)
+                    break
+            yield pad + written(text)
+
+
+@checked
+def line_text(*, parts: Whole(1, 2**16) | None = None):
+    """Return the integer line of one axis in Structured Text.
+
+    With `parts` of a count, or without its constant, for a text that has others, too.
+    """
+    text = files(__package__).joinpath("line.st").read_text(encoding="utf-8")
+    return with_constants(text, {} if parts is None else {"nParts": parts})
+
+
+@checked
+def line_c99(*, parts: Whole(1, 2**16) = 1):
+    """Return the integer line of one axis, with `parts` of a count, in C99."""
+    blocks = read_blocks(line_text(parts=parts))
+    return "\n".join([C_HEAD, c99_types(blocks), c99_code(blocks)])
