@@ -7,7 +7,8 @@
 #include <stdint.h>
 #include SUBJECT
 
-enum { EMPTY = 1, LOAD, TICK, TWO, LISTING_LOAD, LISTING, SLOPE_LOAD, SLOPE, SLOW, SCAN, WAYPOINTS };
+enum { EMPTY = 1, LOAD, TICK, TWO, LISTING_LOAD, LISTING, SLOPE_LOAD, SLOPE, SLOW, SCAN, WAYPOINTS,
+       PAIRS };
 
 #ifdef __AVR__
 #include <avr/io.h>
@@ -39,12 +40,23 @@ static void print(char mark, int32_t value)
     *--at = mark;
     call(4, at);
 }
+#ifdef WAYS  /* some take more than the timer's 24 bits, whose rounds are counted then */
+enum { TIMER_MODE = 7 };
+static volatile uint32_t rounds;
+static void again(void) { ++rounds; }
+static void begin(uint8_t what) { name = what; rounds = 0; begun = TIMER[2]; }
+static uint32_t since(uint32_t now) { return (rounds << 24) + begun - now; }
+#else
+enum { TIMER_MODE = 5 };
+static void again(void) {}
 static void begin(uint8_t what) { name = what; begun = TIMER[2]; }
+static uint32_t since(uint32_t now) { return (begun - now) & 0xFFFFFF; }
+#endif
 static void end(void)
 {
     uint32_t now = TIMER[2];
     print('@', (int32_t)name);
-    print('+', (int32_t)((begun - now) & 0xFFFFFF));
+    print('+', (int32_t)since(now));
 }
 static void said(int32_t value) { print('=', value); }
 static void stop(void) { call(0x18, (void *)0x20026); }
@@ -172,6 +184,35 @@ static void all(void)
 }
 #endif
 
+#ifdef WAYS
+/* The pairs of ends come with the subject; those from CORNERS on have names of their own. */
+static double theta[WAYS], phi[WAYS];
+static const double *pair;
+#define ENDS 0.08, 0.8, pair[0], pair[1], pair[2], pair[3]
+static int tries;
+PART projected(void) { chord(ENDS, WAYS, theta, phi); }
+PART corrected(void) { waypoints(ENDS, theta, phi); }
+PART shot(void) { tries = geodesic(ENDS, WAYS, theta, phi); }
+PART relaxed(void) { tries = geodesic_relaxed(ENDS, WAYS, theta, phi); }
+PART textbook(void) { tries = geodesic_textbook(ENDS, WAYS, theta, phi); }
+static void all(void)
+{
+    static void (*const parts[5])(void) = {projected, corrected, shot, relaxed, textbook};
+    for (int i = 0; i < (int)(sizeof pairs / sizeof *pairs); ++i) {
+        pair = pairs[i];
+        for (int k = 0; k < 5; ++k) {
+            tries = 1;
+            measured((uint8_t)(PAIRS + (i < CORNERS ? k : 5 + k)), parts[k]);
+            said(tries);
+            for (int j = 0; j < WAYS; ++j) {
+                said((int32_t)(1e8 * theta[j]));
+                said((int32_t)(1e8 * phi[j]));
+            }
+        }
+    }
+}
+#endif
+
 int main(void)
 {
     measured(EMPTY, empty);
@@ -194,10 +235,10 @@ static void reset(void)
 #endif
     TIMER[1] = 0xFFFFFF;
     TIMER[2] = 0;
-    TIMER[0] = 5;
+    TIMER[0] = TIMER_MODE;
     main();
 }
 static void fault(void) { call(0x18, (void *)0x20024); }
-__attribute__((section(".vectors"), used)) static void *vectors[4] =
-    { &top_of_stack, (void *)reset, (void *)fault, (void *)fault };
+__attribute__((section(".vectors"), used)) static void *vectors[16] =
+    { &top_of_stack, (void *)reset, (void *)fault, (void *)fault, [15] = (void *)again };
 #endif

@@ -9,11 +9,13 @@ function costs is taken off.
 """
 
 import csv
+import ctypes
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
 from dataclasses import replace
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +26,13 @@ from tunneller_lib.job.controller_texts import c99_text
 from tunneller_lib.motion import time_bresenham
 from tunneller_lib.motion.export import c99
 from tunneller_lib.motion.slow_task import waypoints_c99
+from tunneller_lib.paths import corrected_chord, cutting_circuit, geodesic_inverse, project_chord
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 HERE = Path(__file__).parent
 TABLE = Path(__file__).with_suffix(".csv")
 SOURCE = Path(__file__).with_suffix(".c")
+GEODESIC = HERE / "geodesic.c"
 COLUMNS = ["processor", "part", "unit", "calls", "least", "median", "most"]
 MOVES, ROWS, SMALL_RING, POINTS = 60, 8, 12, 9
 PARTS = {
@@ -37,6 +42,15 @@ PARTS = {
     9: "a setpoint, {}", 10: "a scan of the fast task",
     11: f"{POINTS} waypoints, corrected chord",
 }  # fmt: skip
+WAYS = {  # and their functions
+    "projected chord": "chord", "corrected chord": "waypoints",
+    "geodesic by shooting": "geodesic", "geodesic by Newton's method": "geodesic_relaxed",
+    "geodesic as in a textbook": "geodesic_textbook",
+}  # fmt: skip
+for k, (where, way) in enumerate(product(("of the lap", "corner to corner"), WAYS)):
+    PARTS[12 + k] = f"{POINTS} waypoints {where}, {way}"
+COUNTS = 2**16 / (2 * np.pi)  # a rad
+CLOCK = 16e3  # cycles a ms
 ARM = ["arm-none-eabi-gcc", "--specs=nosys.specs", "-nostartfiles", "-mthumb"]
 SCALE = 1024 / 62.5, 1024 / 40  # ticks of the timer an instruction, at 16 and at 25 MHz
 CORTEX = {
@@ -58,6 +72,31 @@ def subjects():
         text = c99_text(few_rows(program(wanted.planned, wanted)))
         yield path, text.replace(f"[{RING}]", f"[{SMALL_RING}]"), ["-DCONTROLLER"]
     yield "waypoints", waypoints_c99(POINTS), [f"-DPOINTS={POINTS}"]
+    yield "ways", ways_c99(), [f"-DWAYS={POINTS}", f"-DCORNERS={len(lap())}"]
+
+
+def lap():
+    """Return the ends (n, 2, 2) of the reference lap's segments."""
+    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    knots = circuit.position(np.append(circuit.knots(1e-3), circuit.profile.perimeter))
+    return np.stack([knots[:-1], knots[1:]], axis=1)
+
+
+def corners():
+    """Return the ends (6, 2, 2) of ways between the corners of the joint limits."""
+    machine = REFERENCE_MACHINE
+    every = list(
+        product((machine.theta_min, machine.theta_max), (machine.phi_min, machine.phi_max))
+    )
+    return np.array(list(combinations(every, 2)))
+
+
+def ways_c99():
+    """Return ways between two positions in C99, and pairs of ends."""
+    pairs = np.concatenate([lap(), corners()]).reshape(-1, 4).tolist()
+    rows = ",\n".join("    {" + ", ".join(map(repr, pair)) + "}" for pair in pairs)
+    pairs = f"static const double pairs[][4] = {{\n{rows},\n}};\n"
+    return "\n".join([GEODESIC.read_text(), waypoints_c99(POINTS), pairs])
 
 
 def few_rows(whole):
@@ -158,6 +197,61 @@ def check_lines(said):
     print("the listing and y = k x + d are off by at most", off.tolist(), "counts", file=sys.stderr)
 
 
+def check_ways(who, ends, found, tries, most):
+    """Print how far waypoints (5, n, POINTS, 2) of `WAYS` are from the library's, in counts.
+
+    Raises where one is off by more than `most`, or a geodesic wasn't found.
+    """
+    given = REFERENCE_MACHINE.torus, ends[:, 0], ends[:, 1]
+    geodesic = geodesic_inverse(*given).points(POINTS).position
+    true = [project_chord(*given, POINTS), corrected_chord(*given, POINTS), *[geodesic] * 3]
+    off = COUNTS * np.abs(found - true).max(axis=(2, 3))
+    beside = COUNTS * np.abs(found - geodesic).max(axis=(2, 3))
+    assert np.all(tries > 0)
+    assert np.all(off <= most)
+    for way, a, b, n in zip(WAYS, off, beside, tries, strict=True):
+        print(
+            f"{who}, {len(ends)} ways, {way}: at most {a.max():.4f} counts from the library's, "
+            f"{b.max():.4f} from the geodesic's; tries {np.bincount(n)[1:].tolist()}",
+            file=sys.stderr,
+        )
+
+
+def check_said_ways(processor, said):
+    """Check the ways that a firmware said."""
+    rows = np.reshape(said, (-1, len(WAYS), 1 + 2 * POINTS)).swapaxes(0, 1)
+    found = rows[..., 1:].reshape(*rows.shape[:2], POINTS, 2) / 1e8
+    many = len(lap())
+    for ends, at, most in ((lap(), slice(many), 1), (corners(), slice(many, None), 2)):
+        check_ways(processor, ends, found[:, at], rows[:, at, 0], most)
+
+
+def check_ways_on_host():
+    """Check the ways in double and in single precision, at random within the joint limits, too."""
+    machine = REFERENCE_MACHINE
+    low, high = (machine.theta_min, machine.phi_min), (machine.theta_max, machine.phi_max)
+    at_random = np.random.default_rng(2026).uniform(low, high, (3000, 2, 2))
+    for real, name in ((ctypes.c_double, "double"), (ctypes.c_float, "float")):
+        with tempfile.TemporaryDirectory() as folder:
+            texts = ["#include <tgmath.h>", f"#define double {name}", ways_c99()]
+            (Path(folder) / "ways.c").write_text("\n".join(texts))
+            single = ["-fsingle-precision-constant"] if name == "float" else []
+            built(["gcc", "-O2", "-std=gnu99", "-ffp-contract=off", "-shared", "-fPIC", *single,
+                   "ways.c", "-o", "ways.so", "-lm"], folder)  # fmt: skip
+            library = ctypes.CDLL(f"{folder}/ways.so")
+        for ends, most in ((lap(), 1), (corners(), 2), (at_random, 2)):
+            found = np.empty((len(WAYS), len(ends), POINTS, 2))
+            tries = np.ones((len(WAYS), len(ends)), int)
+            for (k, call), (i, pair) in product(enumerate(WAYS.values()), enumerate(ends)):
+                theta, phi = (real * POINTS)(), (real * POINTS)()
+                sizes = [] if call == "waypoints" else [POINTS]
+                given = [real(v) for v in (machine.r, machine.R, *pair.ravel())]
+                answer = library[call](*given, *sizes, theta, phi)
+                tries[k, i] = answer if call.startswith("geodesic") else 1
+                found[k, i] = np.transpose([theta, phi])
+            check_ways(f"host, {name}", ends, found, tries, most)
+
+
 def measured(processor, run, unit):
     """Yield the rows of a processor."""
     with tempfile.TemporaryDirectory() as folder:
@@ -166,7 +260,10 @@ def measured(processor, run, unit):
             costs, said = read(printed, scale)
             if name == "lines":
                 check_lines(said)
-            print(processor, name, said[-2 * ROWS :] if name != "lines" else "", file=sys.stderr)
+            if name == "ways":
+                check_said_ways(processor, said)
+            if name not in ("lines", "ways"):
+                print(processor, name, said[-2 * ROWS :], file=sys.stderr)
             (empty,) = costs.pop(1)
             for what, every in costs.items():
                 if what == 10 and name != "tangent spheres":
@@ -194,10 +291,12 @@ def rows():
 
 
 if __name__ == "__main__":
+    check_ways_on_host()
     every = list(rows())
     with TABLE.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(every)
     for row in every:
-        print(*row, file=sys.stderr)
+        times = [f"{cost / CLOCK:.2f} ms" for cost in row[4:]] if row[2] == "cycles" else []
+        print(*row, *times, file=sys.stderr)
