@@ -20,7 +20,7 @@ from tests.verdicts import judge  # noqa: F401 - a fixture of all tests
 
 ROOT = Path(__file__).parents[1]
 OURS = tuple(f"{folder}/" for folder in STUDY)  # elsewhere lie a visitor's and tools' files
-OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
+OWN = (".py", ".st", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
 TOOLS = (".", "pyproject.toml")  # what tools read and keep
 
 settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(50, 200))

@@ -29,7 +29,7 @@ INPUTS = (
 )  # fmt: skip
 OUTPUTS = (
     "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
-    "nScale", "bApproach", "nLeft",
+    "nScale", "bApproach", "bTaken",
 )  # fmt: skip
 REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
 ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")
@@ -163,7 +163,7 @@ def closed_loop(controller, wanted, made, scans, *, before=start):
         waiting.append((c.rValveTheta, c.rValvePhi))
         valves = waiting.pop(0)
         rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves, c.nState, c.bDone,
-                     c.bApproach, c.nScale, c.nLeft])  # fmt: skip
+                     c.bTaken, c.nScale])  # fmt: skip
         states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
     return np.array(rows)
 

@@ -30,7 +30,8 @@ AXES = "Theta", "Phi"
 SHIFT = """            (* Of a corrected chord M lies beside the chord. *)
             rX := rX + aShift[nRow] * aAsideX[nKnot];
             rY := rY + aShift[nRow] * aAsideY[nKnot];
-            rZ := rZ + aShift[nRow] * aAsideZ[nKnot];"""
+            rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,14 +119,15 @@ def program(plan: Plan, job: Job):
     for i, name in enumerate(AXES):
         constants |= {f"rStart{name}": float(first[i]), f"rTrip{name}": float(within[i])}
         constants |= {f"{key}{name}": value for key, value in _axis(plants[i], loops[i]).items()}
-    text = _text(plan, plants, ring, slow)
+    text = _text(plan, plants, ring, slow, TRIP=f"{1e3 * trip:.2g}", STOPPING=stopping,
+                 ATONCE=at_once, COST="@COST")  # fmt: skip
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
     cost = sum(operations(setpoints, nAtOnce=at_once))
     _check_operations(job, cost, slow)
     straight = [np.concatenate(pair).tolist() for pair in zip(
         _straight(plan.entry, parts), _straight(plan.leave, parts), strict=True)]  # fmt: skip
     names = "aStraightTicks", "aStraightTheta", "aStraightPhi"
-    text = with_constants(text, constants | rows | dict(zip(names, straight, strict=True)))
+    text = with_constants(text.replace("@COST", str(cost)), constants | rows | dict(zip(names, straight, strict=True)))
     return Program(text, ring, plan.tick, slow, at_once, cost, stopping, trip)
 
 
@@ -383,8 +385,8 @@ def _axis(plant, loop):
     }  # fmt: skip
 
 
-def _text(plan, plants, ring, slow):
-    """Return the blocks in Structured Text, without the job's numbers."""
+def _text(plan, plants, ring, slow, **words):
+    """Return the contract and the blocks in Structured Text, their constants left out."""
     package = files(__package__)
     kind = "plain" if plants[0].hydraulics is None else "oil"
     text, loop = (package.joinpath(f"{name}.st").read_text(encoding="utf-8")
@@ -400,11 +402,16 @@ def _text(plan, plants, ring, slow):
         calls += textwrap.wrap(f"loop{name}({listed});", 92, initial_indent=4 * " ",
                                subsequent_indent=8 * " ", break_on_hyphens=False)  # fmt: skip
         calls.append(f"    rValve{name} := loop{name}.rValve;")
-    period = [f"T#{round(1e6 * ticks * plan.tick) / 1000:g}ms" for ticks in (1, slow)]
+    period = [f"{round(1e6 * ticks * plan.tick) / 1000:g}ms" for ticks in (1, slow)]
     array = f"ARRAY [0..{ring - 1}] OF DINT"
-    written = {
-        "LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls), "RING": array,
-        "SHIFT": SHIFT if plan.path == "corrected chord" else "", "FAST": period[0],
-        "SLOW": period[1],
-    }  # fmt: skip
-    return re.sub(r"@([A-Z]+)\n?", lambda found: written[found[1]] + found[0][1 + len(found[1]):], text)
+    pieces = {"LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls) + "\n",
+              "SHIFT": SHIFT if plan.path == "corrected chord" else ""}  # fmt: skip
+    text = re.sub(r"@([A-Z]+)\n", lambda found: pieces.get(found[1], found[0]), text)
+    words = {"ARRAY": f"ARRAY [0..{ring - 1}] OF DINT", "RING": ring, "FAST": period[0],
+             "SLOW": period[1], **words}  # fmt: skip
+    # In the picture, where blanks follow, the width is kept.
+    return re.sub(
+        r"@([A-Z]+)( {2,})?",
+        lambda found: str(words[found[1]]).ljust(len(found[0]) if found[2] else 0),
+        text,
+    )

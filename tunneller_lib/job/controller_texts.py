@@ -1,7 +1,6 @@
 """A `Program` of the controller written out: Structured Text, C99 with its header, PLCopen XML."""
 
 import re
-from importlib.resources import files
 from xml.etree import ElementTree as Xml
 
 from ..arguments import checked
@@ -29,26 +28,6 @@ XML_SECTIONS = {
 }  # fmt: skip
 
 
-def _contract(made):
-    """Return the page that says what a `Program` does, its numbers filled in."""
-    text = files(__package__).joinpath("contract.txt").read_text(encoding="utf-8")
-    fast, slow = re.findall(r"INTERVAL := T#(\S+),", made.text)
-    given = {"FAST": fast, "SLOW": slow, "RING": made.ring, "TRIP": f"{1e3 * made.trip:.2g}",
-             "STOPPING": made.stopping, "ATONCE": made.at_once, "COST": made.operations}  # fmt: skip
-
-    def filled(found):
-        # The picture keeps its width.
-        return str(given[found[1]]).ljust(len(found[0]) if found[2] else 0) + found[2]
-
-    return re.sub(r"@([A-Z]+)( *)", filled, text)
-
-
-@checked
-def structured_text_of(made: Program):
-    """Return a `Program` in Structured Text: its contract, blocks, programs and configuration."""
-    return f"(*\n{_contract(made)}*)\n{made.text}"
-
-
 @checked
 def c99_header(made: Program):
     """Return the header of a `Program` in C99: its contract, its types and what is called."""
@@ -59,7 +38,8 @@ def c99_header(made: Program):
         for row in shared
     )
     types = c99_types(_blocks(made))
-    return (f"/*\n{_contract(made)}{C_USE}*/\n#ifndef CONTROLLER_H\n#define CONTROLLER_H\n"
+    contract = made.text[2 : made.text.index("*)")]
+    return (f"/*{contract}{C_USE}*/\n#ifndef CONTROLLER_H\n#define CONTROLLER_H\n"
             f"{C_HEAD}\ntypedef struct {{\n{ring}}} T_Shared;\n\n{types}\n#endif\n")  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from ..ream import budget, part_clearances
 from ..ream.cutting import Cut
 from ..ream.margins import used
 from .controller import program
-from .controller_texts import c99_header, c99_text, plcopen_xml, structured_text_of
+from .controller_texts import c99_header, c99_text, plcopen_xml
 from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
 from .drawing import dxf
 from .mesh import stl_blocks, vtp_blocks, wall_solid, wall_surface
@@ -323,7 +323,7 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         "line.c": line_c99,
         "controller.h": lambda: c99_header(controller),
         "controller.c": lambda: c99_text(controller),
-        "controller.st": lambda: structured_text_of(controller),
+        "controller.st": lambda: controller.text,
         "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
         "wall.vtp": lambda: vtp_blocks(wall_surface(cut.wall, plan.circuit), job.stamp),

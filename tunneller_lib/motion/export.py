@@ -216,7 +216,7 @@ def c99_code(blocks):
         if begun:
             texts += ["", f"void {_call(block.name)}_init({block.name} *c)", "{",
                       f"    static const {block.name} zero;", "    *c = zero;",
-                      *(f"    c->{row.name} = {row.begin};" for row in begun), "}"]  # fmt: skip
+                      *(f"    c->{row.name} = {row.begin.lower()};" for row in begun), "}"]  # fmt: skip
         texts += ["", _head(block), "{", *_c_lines(block), "}"]
     return "\n".join(texts) + "\n"
 
