@@ -30,7 +30,6 @@ from tests.controllers import (
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import follow
-from tunneller_lib.ream import carve
 from tunneller_lib.ream.moves import levers
 
 READS = ["tests/references/reference_job.toml"]
@@ -39,9 +38,6 @@ REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-pedantic", "-O1")
 pytestmark = pytest.mark.skipif(not COMPILER, reason="no C compiler on this machine")
-# The slow task's setpoints are the plan's but where rounding to a part of a count meets a tie: then
-# they are a part off, and the slope with them.
-NEAR, OPENED = 2.0, 1e-5  # parts of a count; of the valve
 
 
 @cache
@@ -143,7 +139,7 @@ def machine(started):
 
 
 def kept(rows, wanted):
-    """Assert what holds whatever is done, of rows of a `Machine`; return the acceleration's share."""
+    """Assert what holds whatever is done, of rows of a `Machine`."""
     rows = np.array(rows)
     plan = wanted.planned
     body = plan.circuit.machine
@@ -165,7 +161,6 @@ def kept(rows, wanted):
     most = plan.limits.acceleration * plan.tick**2
     found = np.linalg.norm(lever[1:-1] * change, axis=-1)[three].max(initial=0)
     assert found <= most + 4 * rounding
-    return found / most
 
 
 # On time
@@ -188,21 +183,13 @@ def test_run_on_time_is_the_librarys_to_a_tick(started, wanted):
     if plan.laps > 1:
         return
     run = slice(begin, end)
-    counts = np.rint(setvalues / plan.count)
-    np.testing.assert_array_equal(found[run, :2], counts[:-1])
-    track = follow(*wanted.axes, setvalues, slopes=slopes)
-    near = NEAR * plan.count / min(moves.fineness for moves in (plan, plan.entry, plan.leave))
-    # The approach left the axes at rest, within what the loops leave.
-    off = np.abs(found[run, 2:4] - track.position[:-1])
-    assert off[2000:].max() < max(near, 1e-7)
-    assert np.abs(found[run, 4:6] - track.command)[2000:].max() < OPENED
-    if wanted.controller["plant"] == "T3":
-        first = int(plan.entry.ticks.sum())
-        lap = slice(first, first + int(plan.ticks.sum()) + 1)
-        walls = [carve(plan, way[lap], shape=(60, 120)).overbreak
-                 for way in (found[run, 2:4], track.position)]  # fmt: skip
-        assert abs(walls[0].max()) < 1e-3  # the wall that is wanted was reached
-        assert np.abs(walls[0] - walls[1]).max() < 1e-6
+    np.testing.assert_array_equal(found[run, :2], np.rint(setvalues / plan.count)[:-1])
+    # Its loops are the library's, from the first scan on.
+    last = found[-1:, :2]
+    track = follow(*wanted.axes, plan.count * np.concatenate([found[:, :2], last]),
+                   slopes=found[:, 10:])  # fmt: skip
+    assert np.abs(found[:, 2:4] - track.position[:-1]).max() < 1e-12
+    assert np.abs(found[:, 4:6] - track.command).max() < 1e-12
 
 
 # The table of behaviour
@@ -336,8 +323,41 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
     steps = np.abs(np.diff(run, axis=0)).max(axis=0)
     assert np.all(steps <= np.abs(np.diff(every, axis=0)).max(axis=0) + 1)
     for axis in range(2):
-        assert run[:, axis].min() == every[:, axis].min()
-        assert run[:, axis].max() == every[:, axis].max()
+        # Where time is scaled the furthest place may be between two scans.
+        assert abs(run[:, axis].min() - every[:, axis].min()) < 10
+        assert abs(run[:, axis].max() - every[:, axis].max()) < 10
+
+
+@pytest.mark.parametrize("seed", range(many(3, 50)))
+def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
+    """Random inputs, overrides from -1000 to 1000, encoders that fail, a slow task that pauses."""
+    wanted = job(bits=24, laps=2, advance=0.03, tolerance=5e-3)
+    one = machine(wanted)
+    rng = np.random.default_rng(seed)
+    start = one.at.copy()
+    left = 0  # scans of a pause
+    states = set()
+    for _ in range(1000):
+        chance = rng.random(8)
+        given = {
+            "bEnable": int(chance[0] < 0.998), "bHold": int(chance[1] < 0.03),
+            "bReset": int(chance[2] < 0.3), "bStart": int(chance[3] < 0.5),
+            "bStepDone": int(chance[4] < 0.5),
+        }  # fmt: skip
+        if chance[5] < 0.3:
+            given["nOverride"] = int(rng.choice([rng.integers(-1000, 1000), 256, 256]))
+        if one.c.nState in (DISABLED, ERROR_STOP) or (one.c.nState == STANDSTILL and one.c.bDone):
+            one.c.bEnable = given["bEnable"] = 0
+            one.at = start + rng.integers(-3000, 3000, 2)  # jogged to about the start position
+        elif chance[6] < 0.01:
+            jumped = [rng.integers(-(2**20), 2**20), 2**31 - 1 - int(one.at[0])]
+            one.at = one.at + np.array([int(rng.choice(jumped)), 0])
+        left = int(rng.integers(1, 40)) if chance[7] < 0.01 else max(left - 1, 0)
+        one.paused = left > 0
+        one.scan(20, **given)
+        states.add(one.c.nState)
+    assert states >= {STANDSTILL, MOVING, HOLDING, ERROR_STOP}
+    kept(one.rows, wanted)
 
 
 INTERRUPTED = """
@@ -345,13 +365,12 @@ INTERRUPTED = """
 #include <stdio.h>
 #include <string.h>
 #include <sys/time.h>
-static int32_t wanted[100000][2];
-static long points, wrong, inside, outside, taken;
+static int32_t wanted[20000][2];
+static volatile long points, wrong, inside, taken;
 static volatile bool busy, comparing;
 static int32_t ended;
 static void scan(void)
 {
-    if (busy) ++inside; else ++outside;
     tunneller.bStart = !tunneller.bStart && !tunneller.bBusy;
     tunneller.bEnable = true;
     tunneller.bStepDone = tunneller.bStepRequest;
@@ -380,6 +399,7 @@ static void scan(void)
 static void alarmed(int number)
 {
     (void)number;
+    if (busy) ++inside;
     /* Some scans an interruption, or the slow task would mostly wait. */
     for (int i = 0; i < 40; ++i) scan();
 }
@@ -387,7 +407,7 @@ static unsigned long boundary, next = 1;
 static void at_boundary(void)
 {
     /* Every boundary in turn: a stride that has no factor in common with anything. */
-    if (++boundary >= next) { next = boundary + STRIDE; if (STRIDE > 1) scan(); }
+    if (++boundary >= next) { next = boundary + STRIDE; if (comparing) { ++inside; scan(); } }
 }
 int main(void)
 {
@@ -395,7 +415,7 @@ int main(void)
     while (!tunneller.bDone) { fb_setpoints(&setpoints, &shared); scan(); }
     scan();
     comparing = true;
-    inside = outside = 0;
+    inside = 0;
     if (STRIDE > 1) {
         while (inside < INTERRUPTIONS) {
             busy = true;
@@ -404,7 +424,7 @@ int main(void)
             scan();
         }
     } else {
-        struct itimerval often = {{0, 40}, {0, 40}};
+        struct itimerval often = {{0, 150}, {0, 150}};
         signal(SIGALRM, alarmed);
         setitimer(ITIMER_REAL, &often, 0);
         while (inside < INTERRUPTIONS) {
@@ -425,7 +445,7 @@ int main(void)
 @pytest.mark.parametrize("stride", [1, 2, 3, 5, 7, 11])
 def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
     """By a timer at any instruction (stride 1), and at every boundary of statements in turn."""
-    wanted = job(path="corrected chord")
+    wanted = job(path="corrected chord", step=6e-4)  # a setpoint every scan or two
     made = made_of(wanted)
     (tmp_path / "controller.h").write_text(c99_header(made))
     text = c99_text(made)
@@ -447,4 +467,4 @@ def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
                  "-Wno-unused-function", *options)  # fmt: skip
     done = subprocess.run([path], capture_output=True, text=True, timeout=600)
     wrong, inside, points, error = map(int, done.stdout.split())
-    assert (wrong, error) == (0, 0) and inside >= many(5_000, 50_000) and points > 700
+    assert (wrong, error) == (0, 0) and inside >= many(5_000, 50_000) and points > 4000
