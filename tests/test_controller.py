@@ -347,7 +347,7 @@ def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
         if chance[5] < 0.3:
             given["nOverride"] = int(rng.choice([rng.integers(-1000, 1000), 256, 256]))
         if one.c.nState in (DISABLED, ERROR_STOP) or (one.c.nState == STANDSTILL and one.c.bDone):
-            one.c.bEnable = given["bEnable"] = 0
+            given["bEnable"] = int(one.c.nState != STANDSTILL)
             one.at = start + rng.integers(-3000, 3000, 2)  # jogged to about the start position
         elif chance[6] < 0.01:
             jumped = [rng.integers(-(2**20), 2**20), 2**31 - 1 - int(one.at[0])]
