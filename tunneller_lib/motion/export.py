@@ -104,7 +104,10 @@ def read_blocks(text):
 
 
 def with_constants(text, constants):
-    """Return a text whose blocks have those `constants` that they use, a dict of values or lists."""
+    """Return a text each of whose blocks has those `constants` that it uses.
+
+    They are a dict of numbers and of lists of numbers, by their names.
+    """
 
     def filled(found):
         kind, name, variables, body = found.groups()
