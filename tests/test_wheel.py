@@ -93,6 +93,6 @@ def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_pa
     files = {file.name for file in (tmp_path / "cut").iterdir() if file.stat().st_size}
     assert files == {
         "budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
-        "controller.st", "controller.c", "controller.h", "controller.xml", "section.dxf", "wall.vtp", "wall.stl",
-        "manifest.txt",
+        "controller.st", "controller.c", "controller.h", "controller.xml", "section.dxf",
+        "wall.vtp", "wall.stl", "manifest.txt",
     }  # fmt: skip
