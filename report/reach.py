@@ -2,7 +2,8 @@
 
 Imports are followed name by name. A package's `__init__` that only passes names on is looked
 through: `from tunneller_lib.paths import project_chord` needs paths/projection.py and what that
-imports, not all of paths. Comments, docstrings and the form of the code have no meaning.
+imports, not all of paths. A module that reads data of its package needs all data beside it.
+Comments, docstrings and the form of the code have no meaning.
 """
 
 import ast
@@ -78,7 +79,7 @@ def needed(text, root, package=()):
     Returns
     -------
     files : set of pathlib.Path
-        Modules of the checkout, without those that only pass names on.
+        Modules of the checkout, without those that only pass names on, and data of packages.
     """
     return set(steps(text, root, package))
 
@@ -91,7 +92,18 @@ def steps(text, root, package=()):
         found |= dict.fromkeys(reached, away)
         reached = {file for near in reached for file in _imported_by(near, root)} - found.keys()
         away += 1
+    for file, away in list(found.items()):
+        for data in _data(file):
+            found.setdefault(data, away)
     return found
+
+
+@cache
+def _data(file):
+    """Return the data beside a module, if it reads its package's."""
+    if "files(__package__)" not in file.read_text(encoding="utf-8"):
+        return []
+    return [near for near in file.parent.iterdir() if near.is_file() and near.suffix != ".py"]
 
 
 @cache

@@ -97,9 +97,11 @@ def notebook_sources(notebook):
     """
     root = notebook.parent.parent
     text = code(notebook)
+    files = needed(text, root)
+    python = {file for file in files if file.suffix == ".py"}
     modules = {
         str(file.relative_to(root)): meaning(file.read_text(encoding="utf-8"))
-        for file in sorted(needed(text, root))
+        for file in sorted(python)
     }
     data = [
         file
@@ -107,7 +109,7 @@ def notebook_sources(notebook):
         for file in (root / folder).glob("*.csv")
         if file.name in text
     ]
-    shared = file_digests(root, [root / "environment.txt", *data])
+    shared = file_digests(root, [root / "environment.txt", *data, *files - python])
     written = {"its cells": _of(cells(notebook)), "its place in the study": _place(notebook)}
     return written | modules | shared
 

@@ -96,6 +96,8 @@ def reached(names, since="HEAD"):
     said = since_then(without_comments, python, since)
     names = names - python | said
     python, code_changed = said, since_then(meaning, said, since)
+    # Data of the library come with the modules that read them.
+    code_changed |= {name for name in names - python if name.startswith("tunneller_lib/")}
 
     def reaches(text, *inside):  # imports are followed only if there is something to meet
         files = needed(text, ROOT, inside) if code_changed else ()

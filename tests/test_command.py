@@ -291,7 +291,7 @@ def test_job_without_a_readable_file(tmp_path):
 # What is run
 
 FILES = {"budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
-         "controller.c", "controller.st", "controller.xml",
+         "controller.c", "controller.h", "controller.st", "controller.xml",
          "section.dxf", "wall.vtp", "wall.stl", "wall.png", "laps.png", "manifest.txt"}  # fmt: skip
 
 

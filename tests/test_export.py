@@ -1,18 +1,27 @@
 """The exported texts, run: C by the machine's compiler, Structured Text on its syntax tree."""
 
 import ctypes
-import io
+import re
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
 
-from tests.controllers import SANITIZERS
 from tests.long import many
-from tests.structured_text import FunctionBlock
+from tests.structured_text import FunctionBlock, check_names
 from tunneller_lib.motion import polyline, time_bresenham
-from tunneller_lib.motion.export import c99, setvalue_table, structured_text
+from tunneller_lib.motion.export import (
+    C_HEAD,
+    C_MACROS,
+    c99_code,
+    c99_types,
+    line_c99,
+    line_text,
+    operations,
+    read_blocks,
+    with_constants,
+)
 
 MOVES = 10_000
 EDGES = [
@@ -20,9 +29,29 @@ EDGES = [
     (30, 5, 10), (0, 0, 7), (-3, -3, 1), (0, 1, 2), (0, -1, 2), (0, -1, 1), (1, 2, 64),
     (-1, -(2**31), 3), (-(2**31) + 5, -(2**31), 3),
 ]  # fmt: skip
-ties = pytest.mark.parametrize("tie", ["up", "down"])
 # Those that this machine has; exported C is only run where there is one.
 COMPILERS = [found for found in map(shutil.which, ("gcc", "clang")) if found]
+compilers = pytest.mark.parametrize("compiler", COMPILERS)
+STRICT = (
+    "-std=c99 -Wall -Wextra -Wconversion -Wshadow -pedantic -Werror "
+    "-fsanitize=undefined -fsanitize-undefined-trap-on-error -O1 -shared -fPIC"
+).split()
+FILL = """
+void fill(int32_t *values, int32_t start, int32_t stop, int32_t ticks)
+{
+    FB_Line line = {0};
+    line.bLoad = true;
+    line.nStart = start;
+    line.nStop = stop;
+    line.nTicks = ticks;
+    fb_line(&line);
+    line.bLoad = false;
+    for (values[0] = line.nSet; ticks > 0; --ticks) {
+        fb_line(&line);
+        *++values = line.nSet;
+    }
+}
+"""
 
 
 def moves(seed, longest):
@@ -37,54 +66,118 @@ def moves(seed, longest):
 
 
 def line(block, start, stop, ticks):
+    """Return the set-values of a move from an instance of FB_Line."""
     block(bLoad=True, nStart=start, nStop=stop, nTicks=ticks)
     values = [block.state["nSet"]]
-    while block.state["nLeft"] > 0:
+    for _ in range(ticks):
         block(bLoad=False)
         values.append(block.state["nSet"])
     return values
 
 
-@ties
-def test_structured_text_is_the_line_bit_for_bit(tie):
-    block = FunctionBlock(structured_text(tie=tie))
-    for start, stop, ticks in moves(1, 12):
-        expected = time_bresenham(start, stop, ticks, tie=tie)
-        assert line(block, start, stop, ticks) == expected.tolist(), (start, stop, ticks)
+def in_parts(start, stop, ticks, parts):
+    return polyline([[start], [stop]], [ticks], parts=parts)[:, 0].tolist()
 
 
-def test_structured_text_of_long_moves():
-    block = FunctionBlock(structured_text())
-    for start, stop, ticks in [(-(2**31), -1, 9973), (2**30, -(2**30), 4096)]:
-        assert line(block, start, stop, ticks) == time_bresenham(start, stop, ticks).tolist()
+def built(compiler, folder, text):
+    """Return a C text as a library; what C leaves open, such as a sum beyond 32 bits, ends it."""
+    (folder / "text.c").write_text(text)
+    command = [compiler, *STRICT, "text.c", "-o", "text.so", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return ctypes.CDLL(str(folder / "text.so"))
 
 
-@ties
-def test_structured_text_is_indented_as_it_is_nested(tie):
+def check_indents(text, opens, closes):
+    """Raise where lines of a text aren't indented as what they stand in is nested."""
     depth = 0
-    for text in structured_text(tie=tie).splitlines()[1:-1]:
-        word = text.strip()
-        depth -= word.startswith(("END_", "ELSE"))
-        assert len(text) - len(word) == 4 * depth, text
-        depth += word.startswith(("VAR", "ELSE", "IF"))
+    for row in text.splitlines():
+        word = row.strip()
+        depth -= bool(re.match(closes, word))
+        assert not word or len(row) - len(row.lstrip()) == 4 * depth, row
+        depth += bool(re.search(opens, word))
     assert depth == 0
 
 
-def test_structured_text_of_no_ticks_stays():
-    block = FunctionBlock(structured_text())
-    assert line(block, 3, 9, 2) == [3, 6, 9]
-    for ticks in (0, -5):
-        assert line(block, 1, 2, ticks) == [9]
+# ---- the line -------------------------------------------------------------------------------
 
 
-def test_structured_text_interpreter_is_strict():
-    text = structured_text()
+def test_line_in_structured_text_is_the_library_s_bit_for_bit():
+    block = FunctionBlock(line_text(parts=1))
+    long = [(-(2**31), -1, 9973), (2**30, -(2**30), 4096)]
+    for start, stop, ticks in moves(1, 12) + long:
+        expected = time_bresenham(start, stop, ticks)
+        assert line(block, start, stop, ticks) == expected.tolist(), (start, stop, ticks)
+
+
+@pytest.mark.parametrize("parts", [2, 3, 256, 4096, 2**16])
+def test_line_between_counts_is_the_polyline_bit_for_bit(parts):
+    block = FunctionBlock(line_text(parts=parts))
+    for move in EDGES + moves(parts, 40)[len(EDGES) :: many(100, 10)]:
+        assert line(block, *move) == in_parts(*move, parts), move
+
+
+@compilers
+def test_line_in_c_is_the_library_s_bit_for_bit(tmp_path, compiler):
+    fill = built(compiler, tmp_path, line_c99() + FILL).fill
+    for start, stop, ticks in moves(2, 200):
+        values = np.empty(ticks + 1, dtype=np.int32)
+        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
+        np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks))
+
+
+@compilers
+def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, compiler):
+    fill = built(compiler, tmp_path, line_c99(parts=4096) + FILL).fill
+    ends = np.random.default_rng(6).integers(-(2**30), 2**30, (10, 10_000, 2), dtype=np.int32)
+    for ticks, pairs in enumerate(ends, start=1):
+        found = np.empty((len(pairs), ticks + 1), dtype=np.int32)
+        for row, pair in zip(found, pairs.tolist(), strict=True):
+            fill(ctypes.c_void_p(row.ctypes.data), *pair, ticks)
+        start, stop = pairs.T.astype(np.int64)[..., None]
+        exact = start * ticks + np.arange(ticks + 1) * (stop - start)
+        np.testing.assert_array_equal(found, (exact + ticks * 2048) // (ticks * 4096))
+    for start, stop, ticks in EDGES:
+        values = np.empty(ticks + 1, dtype=np.int32)
+        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
+        assert values.tolist() == in_parts(start, stop, ticks, 4096)
+
+
+def test_texts_of_the_line_are_indented_as_they_are_nested():
+    text = line_text(parts=4096)
+    check_indents(
+        text.split("FB_Line\n")[1].removesuffix("END_FUNCTION_BLOCK\n"),
+        r"^(VAR|ELSE$)|THEN$", r"END_|ELSE|ELSIF",
+    )  # fmt: skip
+    check_indents(line_c99(), r"\{$", r"\}")
+
+
+def test_names_of_the_line_are_short_and_free():
+    check_names(line_text(parts=1))
+
+
+@pytest.mark.parametrize("call", [line_text, line_c99])
+def test_line_refuses_parts_that_are_none(call):
+    for parts in (0, 2**16 + 1, 2.5, "up"):
+        with pytest.raises(ValueError, match=r"^parts: must be one whole number from 1 to 65536"):
+            call(parts=parts)
+
+
+def test_line_without_parts_is_for_a_text_that_has_them():
+    assert "VAR CONSTANT" not in line_text()
+    assert with_constants(line_text(), {"nParts": 5, "nOther": 6}) == line_text(parts=5)
+
+
+def test_interpreter_of_structured_text_is_strict():
+    text = line_text(parts=1)
     with pytest.raises(OverflowError):
         FunctionBlock(text)(bLoad=True, nStart=-(2**31), nStop=2**31 - 1, nTicks=3)
     with pytest.raises(NameError):
         FunctionBlock(text.replace("nQuot,", ""))
     with pytest.raises(KeyError):
         FunctionBlock(text)(nOther=1)
+    with pytest.raises(TypeError):
+        FunctionBlock(text.replace("nComp / 2", "nComp / 2.0"))(bLoad=True, nTicks=2)
     block = FunctionBlock(text)
     for a, b, quotient, remainder in [(7, 2, 3, 1), (-7, 2, -3, -1), (-6, 3, -2, 0), (0, 5, 0, 0)]:
         block(bLoad=True, nStart=0, nStop=a, nTicks=b)
@@ -92,137 +185,174 @@ def test_structured_text_interpreter_is_strict():
         assert (block.state["nQuot"], block.state["nRem"]) == floored
 
 
-@ties
-@pytest.mark.parametrize("compiler", COMPILERS)
-def test_c99_is_the_line_bit_for_bit(tmp_path, compiler, tie):
-    (tmp_path / "line.c").write_text(c99(tie=tie))
-    command = [compiler, "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic",
-               "-O2", "-ftrapv", "-shared", "-fPIC", "line.c", "-o", "line.so"]  # fmt: skip
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
-    fill = ctypes.CDLL(str(tmp_path / "line.so")).time_line_fill
-    for start, stop, ticks in moves(2, 200):
-        values = np.empty(ticks + 1, dtype=np.int32)
-        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
-        np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks, tie=tie))
+# ---- the translator -------------------------------------------------------------------------
 
+SAMPLE = """(* What a block may have. *)
+FUNCTION_BLOCK FB_Inner
+VAR_INPUT
+    nBy : DINT;
+END_VAR
+VAR_OUTPUT
+    nSum : DINT;
+END_VAR
+(* Two lines of a comment, of which the first one ends in DO
+   and the second one names nBy := nSum = nBy. *)
+nSum := nSum
+    + nBy;
+END_FUNCTION_BLOCK
 
-@ties
-@pytest.mark.parametrize("parts", [2, 3, 256, 4096])
-def test_lines_between_counts_are_the_polyline_bit_for_bit(tmp_path, parts, tie):
-    rng = np.random.default_rng(parts)
-    low, high = -(2**28), 2**28
-    n = many(40, 1000)
-    runs = np.column_stack([rng.integers(low, high, (n, 2)), rng.integers(1, 40, n)])
-    block = FunctionBlock(structured_text(tie=tie, parts=parts))
-    for start, stop, ticks in runs.tolist():
-        exact = polyline([[start], [stop]], [ticks], tie=tie, parts=parts)[:, 0]
-        assert line(block, start, stop, ticks) == exact.tolist(), (start, stop, ticks)
-
-
-STRICT = "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", "-O1", "-g"
-DRIVER = """
-#include <stdio.h>
-int main(void)
+FUNCTION_BLOCK FB_Sample
+VAR_INPUT
+    nIn : DINT := 7; (* without a call of more *)
+    rIn : LREAL := -7.9;
+    bOn : BOOL;
+END_VAR
+VAR_OUTPUT
+    nBranch, nSum : DINT;
+    aOut : ARRAY [0..3] OF DINT;
+    rOut : LREAL;
+END_VAR
+VAR_EXTERNAL
+    nShared : DINT;
+    aShared : T_Ring;
+END_VAR
+VAR
+    i, nFORM : DINT;
+    inner : FB_Inner;
+END_VAR
+IF NOT bOn AND nIn <> 3 THEN
+    nBranch := 1;
+ELSIF nIn = 3 OR
+        nIn > 100 THEN
+    nBranch := 2;
+ELSE
+    nBranch := 3;
+END_IF;
+i := 0;
+WHILE i < 5 AND nIn <> i DO
+    i := i + 1;
+END_WHILE;
+FOR nFORM := 3 TO 2 BY -1 DO
+    aOut[nFORM] := aOut[nFORM] + 10 * nSum + nFORM;
+    nSum := nSum + 1;
+END_FOR;
+FOR nFORM := 0 TO 1 DO
+    aOut[nFORM] := nFORM;
+END_FOR;
+inner(nBy := nIn + 1);
+bOn := (inner.nSum >= 8 AND TRUE) OR FALSE;
+rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD 4)) * rSmall
+    + SQRT(MIN(MAX(aTable[i MOD 3], 0.25), 4.0))
+    - (ATAN(0.0) + ATAN2(0.0, 1.0) + SIN(0.0) + COS(0.0));
+nShared := nShared + inner.nSum;
+aShared[1] := nShared;
+END_FUNCTION_BLOCK
+"""
+SHARED = "typedef struct { int32_t nShared; int32_t aShared[2]; } T_Shared;\n"
+RUN = """
+double run(int32_t *out, int32_t in, int32_t on, int32_t calls)
 {
-    int32_t start, stop, ticks;
-    while (scanf("%d %d %d", &start, &stop, &ticks) == 3) {
-        time_line line = {0};
-        long long sum = 0;
-        time_line_load(&line, start, stop, ticks);
-        for (int32_t i = 1; line.nLeft > 0; i++) {
-            time_line_tick(&line);
-            sum += (long long)i * line.nSet;
-        }
-        printf("%lld %d\\n", sum, line.nSet);
+    static T_Shared shared;
+    FB_Sample sample;
+    fb_sample_init(&sample);
+    if (in) sample.nIn = in;
+    for (; calls > 0; --calls) {
+        sample.bOn = on;
+        fb_sample(&sample, &shared);
     }
-    return 0;
+    int32_t values[] = {sample.nBranch, sample.i, sample.bOn, sample.aOut[0], sample.aOut[1],
+                        sample.aOut[2], sample.aOut[3], shared.aShared[1]};
+    for (int k = 0; k < 8; ++k) out[k] = values[k];
+    return sample.rOut;
 }
 """
 
 
-@pytest.mark.skipif(not COMPILERS, reason="no C compiler on this machine")
-def test_c99_of_a_hundred_thousand_moves_under_sanitizers(tmp_path):
-    rng = np.random.default_rng(6)
-    ends = rng.integers(-(2**28), 2**28, (100_000, 2))
-    runs = np.column_stack([ends, rng.integers(1, 12, len(ends))])
-    (tmp_path / "run.c").write_text(c99(parts=4096) + DRIVER)
-    command = [COMPILERS[0], *STRICT, *SANITIZERS, "run.c", "-o", "run"]
-    if subprocess.run(command, cwd=tmp_path, capture_output=True).returncode:
-        pytest.skip("the compiler of this machine has no sanitizers")
-    text = "\n".join(" ".join(map(str, row)) for row in runs.tolist())
-    done = subprocess.run(
-        [tmp_path / "run"], input=text, capture_output=True, text=True, check=True
-    )
-    found = np.array([row.split() for row in done.stdout.splitlines()], dtype=np.int64)
-    for ticks in range(1, 12):  # those of as many ticks at once: sums that tell every set-value
-        rows = runs[:, 2] == ticks
-        n = np.arange(1, ticks + 1)
-        line = n * (runs[rows, 1] - runs[rows, 0])[:, None] + ticks * runs[rows, :1]
-        values = (line + ticks * 2048) // (ticks * 4096)
-        np.testing.assert_array_equal(found[rows, 0], values @ n)
-        np.testing.assert_array_equal(found[rows, 1], values[:, -1])
+@pytest.fixture(scope="module")
+def sample():
+    """Return the sample's blocks."""
+    table = {"rSmall": 5e-05, "aTable": [9.0, -1e300, 1.0], "nUnused": 1}
+    return read_blocks(with_constants(SAMPLE, table))
 
 
-def test_setvalue_table_comes_back():
-    values = polyline([[0, 0], [-70000, 2**31 - 1], [5, 5]], [300, 200])
-    text = setvalue_table(values, ["theta", "phi"])
-    assert text.splitlines()[0].split() == ["tick", "theta", "phi"]
-    read = np.loadtxt(io.StringIO(text), skiprows=1, dtype=np.int64)
-    np.testing.assert_array_equal(read, np.column_stack([np.arange(501), values]))
+@compilers
+def test_statements_do_in_c_what_they_say(tmp_path, compiler, sample):
+    texts = C_HEAD, SHARED, C_MACROS, c99_types(sample), c99_code(sample), RUN
+    run = built(compiler, tmp_path, "\n".join(texts)).run
+    run.restype = ctypes.c_double
+    out = (ctypes.c_int32 * 8)()
+    small = 3 * 5e-05 - 1
+    # What came out, worked out by hand: i and the table's value stop at the input or at 5.
+    assert run(out, 0, 0, 1) == pytest.approx(small + 1.0)
+    assert list(out) == [1, 5, 1, 0, 1, 12, 3, 8]
+    assert run(out, 3, 0, 1) == pytest.approx(small + 2.0)
+    assert list(out) == [2, 3, 0, 0, 1, 12, 3, 12]
+    assert run(out, 101, 1, 1) == pytest.approx(small + 1.0)
+    assert list(out) == [2, 5, 1, 0, 1, 12, 3, 114]
+    assert run(out, 4, 1, 2) == pytest.approx(small + 0.5)
+    assert list(out) == [3, 4, 1, 0, 1, 44, 26, 129]
 
 
-@pytest.mark.parametrize("call", [structured_text, c99])
-def test_export_refuses_wrong_options(call):
-    with pytest.raises(ValueError, match=r'tie: must be "up" or "down"; got \'even\'\.'):
-        call(tie="even")
-    for name in ("", "2nd", "a b", None, "_a", "h\u00f6he", "a\n", "a\x00b", "a*/", "x\u0661"):
-        with pytest.raises(ValueError, match=r"^name: must be a letter"):
-            call(name=name)
+def test_code_of_the_sample_is_indented_as_its_braces_are_nested(sample):
+    code = re.sub(r"(?s)/\*.*?\*/", "", c99_code(sample).partition("void ")[2])
+    check_indents(code, r"\{$", r"\}")
 
 
-@pytest.mark.parametrize("name", ["int", "while", "inline", "int32_t", "uint_least8_t", "INT8_MAX",
-                                  "line", "setvalues", "nStart"])  # fmt: skip
-def test_c99_refuses_names_that_are_taken(name):
-    with pytest.raises(ValueError, match=rf"^name: must be free in C99; got {name}, which is take"):
-        c99(name=name)
+def test_comments_are_kept(sample):
+    assert "    int32_t nIn; /* without a call of more */\n" in c99_types(sample)
+    assert (
+        "    /* Two lines of a comment, of which the first one ends in DO\n"
+        "       and the second one names nBy := nSum = nBy. */\n"
+    ) in c99_code(sample)
 
 
-@pytest.mark.parametrize("name", ["IF", "if", "End_If", "BOOL", "ton", "Abs", "INT_TO_REAL", "nset",
-                                  "bLoad", "R", "TASK"])  # fmt: skip
-def test_structured_text_refuses_names_that_are_taken(name):
-    with pytest.raises(ValueError, match=rf"^name: must be free in IEC 61131-3; got {name}, which"):
-        structured_text(name=name)
+def test_blocks_have_the_constants_that_they_use(sample):
+    inner, outer = sample
+    assert inner.rows("VAR CONSTANT") == []
+    assert [(row.name, row.kind) for row in outer.rows("VAR CONSTANT")] == [
+        ("rSmall", "LREAL"),
+        ("aTable", "ARRAY [0..2] OF LREAL"),
+    ]
+    assert outer.rows("VAR_INPUT")[1][2:] == ("-7.9", "")
 
 
-def test_names_are_no_longer_than_a_compiler_tells_apart():
-    assert "a" * 26 + "_load(" in c99(name="a" * 26)
-    assert "a" * 24 + "\n" in structured_text(name="a" * 24)
-    for call, length in ((c99, 27), (structured_text, 25)):
-        with pytest.raises(ValueError, match=rf"^name: must have at most {length - 1} characters"):
-            call(name="a" * length)
-    for name in ("a__b", "a_"):
-        with pytest.raises(ValueError, match=r"^name: must have no two _ in a row"):
-            structured_text(name=name)
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(5e-05, "5.0e-05"), (-1e300, "-1.0e+300"), (1.25e-7, "1.25e-07"), (3.0, "3.0"), (-3, "-3")],
+)
+def test_numbers_are_those_of_structured_text(value, text):
+    (block,) = read_blocks(with_constants("FUNCTION_BLOCK F\nx := k;\nEND_FUNCTION_BLOCK\n",
+                                          {"k": value}))  # fmt: skip
+    (row,) = block.rows("VAR CONSTANT")
+    assert (row.kind, row.begin) == ("LREAL" if isinstance(value, float) else "DINT", text)
+    assert float(row.begin) == value
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("name", ["main", "IF", "a" * 26, "_x"[1:], "x_"])
-def test_c99_of_any_free_name_compiles(tmp_path, compiler, name):
-    (tmp_path / "line.c").write_text(c99(name=name))
-    command = [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-c", "line.c"]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+COUNTED = """FUNCTION_BLOCK F
+FOR i := 1 TO nMany - 1 DO
+    (* a - b
+       * c *)
+    IF x * y > 1.0 THEN
+        x := -x;
+    ELSIF x + y > 2.0 THEN
+        x := SQRT(x) /
+            -(y);
+    ELSE
+        a[2 * i + 1] := x;
+    END_IF;
+END_FOR;
+WHILE n < nMany AND x > -1.0 DO
+    n := n + 1;
+END_WHILE;
+n := n MOD 3;
+END_FUNCTION_BLOCK
+"""
 
 
-def test_export_takes_a_name():
-    assert "FUNCTION_BLOCK FB_Lift" in structured_text(name="FB_Lift")
-    assert "lift_fill" in c99(name="lift") and "time_line" not in c99(name="lift")
-
-
-def test_setvalue_table_refuses_wrong_values():
-    with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
-        setvalue_table([[0.5, 1]], ["theta", "phi"])
-    with pytest.raises(ValueError, match=r"setvalues: must hold whole numbers"):
-        setvalue_table([[2**31, 1]], ["theta", "phi"])
-    for values in ([[1, 2, 3]], [1, 2]):
-        with pytest.raises(ValueError, match=r"setvalues: must have a column for each of 2 names"):
-            setvalue_table(values, ["theta", "phi"])
+def test_operations_are_those_of_the_dearest_way():
+    (block,) = read_blocks(COUNTED)
+    # Each round has both conditions and a change of sign, a quotient and a root.
+    for many_rounds in (2, 5, 100):
+        rounds = many_rounds - 1
+        found = operations(block, nMany=many_rounds)
+        assert found == (3 * rounds + many_rounds, rounds + 1, rounds)

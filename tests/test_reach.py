@@ -59,6 +59,15 @@ def test_steps_count_imports_on_the_shortest_way(root):
     assert names == {"far": 1, "a/one": 1, "base": 2, "a/two": 2, "b/__init__": 3}
 
 
+def test_module_that_reads_its_package_s_data_needs_them(root):
+    (root / "tunneller_lib" / "a" / "text.st").write_text("x := 1;")
+    assert len(needed("from tunneller_lib.a import f", root)) == 2
+    text = "from importlib.resources import files\ndef g(): return files(__package__)"
+    (root / "tunneller_lib" / "a" / "reader.py").write_text(text)
+    found = steps("from tunneller_lib.a.reader import g", root)
+    assert {file.name: away for file, away in found.items()} == {"reader.py": 1, "text.st": 1}
+
+
 def test_broken_module_is_named(root):
     (root / "tunneller_lib" / "base.py").write_text("x = (")
     with pytest.raises(SystemExit, match=r"base\.py, line 1: '\(' was never closed\.$"):

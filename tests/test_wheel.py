@@ -14,6 +14,7 @@ READS = ["notebooks/reference.toml", "tunneller_lib/*"]
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PACKAGE = ROOT / "tunneller_lib"
+DATA = PROJECT["tool"]["setuptools"]["package-data"]
 # Runs the installed command with only those packages to be found that the wheel requires.
 COMMAND = """
 import sys
@@ -33,14 +34,25 @@ sys.exit(__main__.main())
 """
 
 
+def packed():
+    """Return what setuptools packs: the modules of folders with an __init__, and declared data."""
+    modules = {file for file in PACKAGE.rglob("*.py") if (file.parent / "__init__.py").exists()}
+    data = {
+        file
+        for package, patterns in DATA.items()
+        for pattern in patterns
+        for file in ROOT.joinpath(*package.split(".")).glob(pattern)
+    }
+    return modules | data
+
+
 @pytest.fixture
 def installed(tmp_path):
-    """Return a folder with what setuptools packs: the modules of folders with an __init__."""
-    for module in PACKAGE.rglob("*.py"):
-        if (module.parent / "__init__.py").exists():
-            place = tmp_path / "site" / module.relative_to(ROOT)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(module, place)
+    """Return a folder with what setuptools packs."""
+    for file in packed():
+        place = tmp_path / "site" / file.relative_to(ROOT)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, place)
     return tmp_path / "site"
 
 
@@ -51,13 +63,10 @@ def test_wheel_asks_for_numpy_and_scipy_alone():
 
 
 def test_wheel_has_all_of_the_library():
-    left_out = [
-        path.name
-        for path in PACKAGE.rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts
-        if path.suffix != ".py" or not (path.parent / "__init__.py").exists()
-    ]
-    assert left_out == []  # no data, which would have to be declared
+    every = {
+        path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert every == packed()
 
 
 def quick(text):
@@ -84,6 +93,6 @@ def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_pa
     files = {file.name for file in (tmp_path / "cut").iterdir() if file.stat().st_size}
     assert files == {
         "budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
-        "controller.st", "controller.c", "controller.xml", "section.dxf", "wall.vtp", "wall.stl",
-        "manifest.txt",
+        "controller.st", "controller.c", "controller.h", "controller.xml", "section.dxf",
+        "wall.vtp", "wall.stl", "manifest.txt",
     }  # fmt: skip

@@ -150,7 +150,9 @@ def library(more=()):
     """Return the library as a zip archive, with more files of the checkout beside it."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in sorted([*(ROOT / "tunneller_lib").rglob("*.py"), *more]):
+        own = (ROOT / "tunneller_lib").rglob("*.*")  # its data, too
+        own = [path for path in own if "__pycache__" not in path.parts]
+        for path in sorted([*own, *more]):
             entry = zipfile.ZipInfo(str(path.relative_to(ROOT)))
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, path.read_bytes())

@@ -55,6 +55,7 @@ plant = "T0"
 gain = 10
 feedforward = 1
 delay = 1
+trip = 1
 
 [wall]
 along = 4

@@ -83,10 +83,19 @@ static int32_t random_number(int32_t low, int32_t high)
     return low + (int32_t)((drawn >> 8) % (uint32_t)(high - low));
 }
 
-static time_line line[2];
-PART load(void) { time_line_load(&line[0], start[0], stop_at[0], ticks); }
-PART tick(void) { time_line_tick(&line[0]); }
-PART two(void) { time_line_tick(&line[0]); time_line_tick(&line[1]); }
+static FB_Line line[2];
+static inline void load_one(int axis)
+{
+    line[axis].bLoad = true;
+    line[axis].nStart = start[axis];
+    line[axis].nStop = stop_at[axis];
+    line[axis].nTicks = ticks;
+    fb_line(&line[axis]);
+    line[axis].bLoad = false;
+}
+PART load(void) { load_one(0); }
+PART tick(void) { fb_line(&line[0]); }
+PART two(void) { fb_line(&line[0]); fb_line(&line[1]); }
 
 /* The document's listing, statement by statement in its own names, in single precision. */
 static float nx, nxi, e, y;
@@ -140,8 +149,7 @@ static void all(void)
             said(setvalue);
             if (k < ticks) measured(TICK, tick);
         }
-        for (int axis = 0; axis < 2; ++axis)
-            time_line_load(&line[axis], start[axis], stop_at[axis], ticks);
+        for (int axis = 0; axis < 2; ++axis) load_one(axis);
         for (int32_t k = 0; k < ticks; ++k) measured(TWO, two);
         said(line[1].nSet);
     }
@@ -149,27 +157,36 @@ static void all(void)
 #endif
 
 #ifdef CONTROLLER
-static tunneller c;
-PART slow(void) { tunneller_slow(&c); }
-PART scan(void) { tunneller_fast(&c); }
+static FB_Setpoints setpoints;
+static FB_Tunneller c;
+static T_Shared shared;
+PART slow(void) { fb_setpoints(&setpoints, &shared); }
+PART scan(void) { fb_tunneller(&c, &shared); }
 static void all(void)
 {
-    tunneller_init(&c);
-    c.bRun = 1;
-    while (c.nStage == 0) slow();
-    while (c.nStage == 1) {
-        int32_t place = c.nTail;
+    fb_setpoints_init(&setpoints);
+    fb_tunneller_init(&c);
+    c.nActualTheta = nFirstTheta / nParts;
+    c.nActualPhi = nFirstPhi / nParts;
+    c.bEnable = true;
+    scan();
+    c.bStart = true;
+    scan();
+    slow();  /* the entry */
+    while (setpoints.nStage == 1) {
+        int32_t place = shared.ringTail;
         measured(SLOW, slow);
-        said(c.aRingTheta[place]);
-        said(c.aRingPhi[place]);
+        said(shared.ringTheta[place]);
+        said(shared.ringPhi[place]);
     }
-    while (!c.bDone) {
-        slow();
+    slow();  /* the exit */
+    while (c.nState == 2) {
         c.nActualTheta = c.nSetTheta;
         c.nActualPhi = c.nSetPhi;
-        measured(SCAN, scan);
+        if (c.bApproach) scan();
+        else measured(SCAN, scan);
     }
-    said(c.nTripped);
+    said(c.bDone);
 }
 #endif
 

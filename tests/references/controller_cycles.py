@@ -10,21 +10,24 @@ function costs is taken off.
 
 import csv
 import ctypes
+import json
+import re
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
 from dataclasses import replace
+from functools import partial
 from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
 
 from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import RING, program
-from tunneller_lib.job.controller_texts import c99_text
+from tunneller_lib.job.controller import program
+from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import time_bresenham
-from tunneller_lib.motion.export import c99
+from tunneller_lib.motion.export import line_c99, read_blocks, with_constants
 from tunneller_lib.motion.slow_task import waypoints_c99
 from tunneller_lib.paths import corrected_chord, cutting_circuit, geodesic_inverse, project_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -49,6 +52,21 @@ WAYS = {  # and their functions
 }  # fmt: skip
 for k, (where, way) in enumerate(product(("of the lap", "corner to corner"), WAYS)):
     PARTS[12 + k] = f"{POINTS} waypoints {where}, {way}"
+# The block as a function, beside which its state is kept.
+WAYPOINTS = """
+void waypoints(double ring, double tube, double thetaP, double phiP, double thetaQ, double phiQ,
+               double *theta, double *phi)
+{
+    static FB_Waypoints c;
+    c.ring = ring; c.tube = tube;
+    c.thetaP = thetaP; c.phiP = phiP; c.thetaQ = thetaQ; c.phiQ = phiQ;
+    fb_waypoints(&c);
+    for (int k = 0; k < (int)(sizeof c.phi / sizeof *phi); ++k) {
+        theta[k] = c.theta[k];
+        phi[k] = c.phi[k];
+    }
+}
+"""
 COUNTS = 2**16 / (2 * np.pi)  # a rad
 CLOCK = 16e3  # cycles a ms
 ARM = ["arm-none-eabi-gcc", "--specs=nosys.specs", "-nostartfiles", "-mthumb"]
@@ -63,16 +81,21 @@ CORTEX = {
 
 
 def subjects():
-    """Yield a name, a C text and the switches of each thing to be measured."""
-    yield "lines", c99(), ["-DLINES", f"-DMOVES={MOVES}"]
+    """Yield a name, a C text, the switches and a check of what is said of what is measured."""
+    # In the place of its call, as the statements of the listing are.
+    head = "void fb_line(FB_Line *c);"
+    text = line_c99().replace(head, f"static inline __attribute__((always_inline)) {head}")
+    yield "lines", text, ["-DLINES", f"-DMOVES={MOVES}"], check_lines
     job = read_job(HERE / "reference_job.toml")
     job = replace(job, controller={**job.controller, "plant": "T3"})
     for path in ("tangent spheres", "corrected chord"):
         wanted = replace(job, plan={**job.plan, "path": path})
-        text = c99_text(few_rows(program(wanted.planned, wanted)))
-        yield path, text.replace(f"[{RING}]", f"[{SMALL_RING}]"), ["-DCONTROLLER"]
-    yield "waypoints", waypoints_c99(POINTS), [f"-DPOINTS={POINTS}"]
-    yield "ways", ways_c99(), [f"-DWAYS={POINTS}", f"-DCORNERS={len(lap())}"]
+        few, *ends = few_rows(program(wanted.planned, wanted), wanted.planned)
+        code = c99_text(few).replace('#include "controller.h"\n', "")
+        yield path, c99_header(few) + code, ["-DCONTROLLER"], partial(check_setpoints, *ends)
+    yield "waypoints", waypoints_c99(POINTS) + WAYPOINTS, [f"-DPOINTS={POINTS}"], print
+    switches = [f"-DWAYS={POINTS}", f"-DCORNERS={len(lap())}"]
+    yield "ways", ways_c99(), switches, check_said_ways
 
 
 def lap():
@@ -96,29 +119,38 @@ def ways_c99():
     pairs = np.concatenate([lap(), corners()]).reshape(-1, 4).tolist()
     rows = ",\n".join("    {" + ", ".join(map(repr, pair)) + "}" for pair in pairs)
     pairs = f"static const double pairs[][4] = {{\n{rows},\n}};\n"
-    return "\n".join([GEODESIC.read_text(), waypoints_c99(POINTS), pairs])
+    return "\n".join([GEODESIC.read_text(), waypoints_c99(POINTS), WAYPOINTS, pairs])
 
 
-def few_rows(whole):
-    """Return a program of eight moves about a corner, which the memory of an ATmega328P holds."""
-    tables = {name: np.array(values) for name, values in whole.tables.items()}
-    middle = int(np.flatnonzero(tables["aCorner"] > tables["aKnot"])[0])
+def few_rows(whole, plan):
+    """Return a program of eight moves about a corner, which the memory of an ATmega328P holds.
+
+    They are the whole lap, which begins and ends at rest at once. Returns their ends, too, in
+    parts of a count, and how many there are in a count.
+    """
+    blocks = read_blocks(whole.text)
+    constants = {row.name: json.loads(row.begin) for block in blocks
+                 for row in block.rows("VAR CONSTANT")}  # fmt: skip
+    knot, corner = np.array(constants["aKnot"]), np.array(constants["aCorner"])
+    middle = int(np.flatnonzero(corner > knot)[0])
     rows = slice(middle - ROWS // 2, middle + ROWS // 2)
-    knot = tables["aKnot"][rows]
-    knots = slice(knot.min(), knot.max() + 2)
-    few = {}
-    for name, values in tables.items():
-        if name.startswith(("aEntry", "aLeave")):
-            few[name] = values[:1]
-        elif len(values) == len(tables["aKnot"]):
-            few[name] = values[rows]
-        else:
-            few[name] = values[knots]
-    few["aKnot"] = few["aKnot"] - knots.start
-    few["aCorner"] = few["aCorner"] - knots.start
-    constants = {**whole.constants, "nRing": SMALL_RING, "nMoves": ROWS, "nEntry": 1, "nLeave": 1}
-    constants["nTrip"] = 2**30
-    return replace(whole, constants=constants, tables={name: v.tolist() for name, v in few.items()})
+    knots = slice(int(knot[rows].min()), int(knot[rows].max()) + 2)
+    for name, values in constants.items():
+        if isinstance(values, list):
+            constants[name] = values[rows if len(values) == len(knot) else knots]
+    for name in ("aKnot", "aCorner"):
+        constants[name] = [one - knots.start for one in constants[name]]
+    ends = plan.setpoints[rows.start : rows.stop + 1] / constants["rPart"]
+    ends = np.rint(ends).astype(int)
+    for name, (first, last) in zip(("Theta", "Phi"), ends[[0, -1]].T.tolist(), strict=True):
+        constants |= {f"nFirst{name}": first, f"aStraight{name}": [first, last]}
+        constants[f"rStart{name}"] = first * constants["rPart"]
+    constants |= {"aStraightTicks": [10, 10], "nRing": SMALL_RING, "nAtOnce": 1, "nMoves": ROWS,
+                  "nEntry": 1, "nLeave": 1}  # fmt: skip
+    text = re.sub(r"VAR CONSTANT\n.*?END_VAR\n", "", whole.text, flags=re.S)
+    text = text.replace(f"[0..{whole.ring - 1}] OF DINT", f"[0..{SMALL_RING - 1}] OF DINT")
+    few = replace(whole, text=with_constants(text, constants), ring=SMALL_RING)
+    return few, ends, constants["nParts"]
 
 
 def ran(command, folder):
@@ -170,7 +202,16 @@ def read(printed, scale):
     return costs, said
 
 
-def check_lines(said):
+def check_setpoints(ends, parts, processor, said):
+    """Raise where the setpoints that a firmware said are a count off, or a run wasn't done."""
+    *said, done = said
+    off = np.abs(np.reshape(said, (-1, 2)) - ends[1:]).max() / parts
+    print(f"{processor}: setpoints are off by at most {off:.4f} counts", file=sys.stderr)
+    assert done == 1
+    assert off < 1
+
+
+def check_lines(processor, said):
     """Raise where the lines that a firmware said aren't the library's."""
     drawn = 2026
 
@@ -194,7 +235,8 @@ def check_lines(said):
         at += rows.size + 1
         assert said[at - 1] == lines[1][-1]
     assert at == len(said)
-    print("the listing and y = k x + d are off by at most", off.tolist(), "counts", file=sys.stderr)
+    print(f"{processor}: the listing and y = k x + d are off by at most {off.tolist()} counts",
+          file=sys.stderr)  # fmt: skip
 
 
 def check_ways(who, ends, found, tries, most):
@@ -255,15 +297,10 @@ def check_ways_on_host():
 def measured(processor, run, unit):
     """Yield the rows of a processor."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, text, switches in subjects():
+        for name, text, switches, check in subjects():
             printed, scale = run(text, switches, Path(folder))
             costs, said = read(printed, scale)
-            if name == "lines":
-                check_lines(said)
-            if name == "ways":
-                check_said_ways(processor, said)
-            if name not in ("lines", "ways"):
-                print(processor, name, said[-2 * ROWS :], file=sys.stderr)
+            check(processor, said)
             (empty,) = costs.pop(1)
             for what, every in costs.items():
                 if what == 10 and name != "tangent spheres":

@@ -36,8 +36,8 @@ C_MACROS = """
 """
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
 ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
-SIMPLE = r" [-+*] |(?<=[\s(])-(?=[A-Za-z])"
-FUNCTION = r"\b(?:SQRT|SIN|COS|ATAN2?)\("
+# Operations, simple ones with signs; a sign of a number is a part of it.
+COUNTED = r" [-+*] |(?<=[\s(])-(?=[A-Za-z(])", r" / | MOD ", r"\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
 class Row(NamedTuple):
@@ -104,12 +104,15 @@ def read_blocks(text):
 
 
 def with_constants(text, constants):
-    """Return a text whose blocks have those `constants` that they use, a dict of values or lists."""
+    """Return a text each of whose blocks has those `constants` that it uses.
+
+    They are a dict of numbers and of lists of numbers, by their names.
+    """
 
     def filled(found):
         kind, name, variables, body = found.groups()
         used = [
-            f"    {key} : {iec_kind(value)} := {number(value)};\n"
+            f"    {key} : {_iec_kind(value)} := {_number(value)};\n"
             for key, value in constants.items()
             if re.search(rf"\b{key}\b", body)
         ]
@@ -119,17 +122,17 @@ def with_constants(text, constants):
     return re.sub(BLOCK, filled, text, flags=re.S)
 
 
-def iec_kind(value):
+def _iec_kind(value):
     """Return the type of a number, or of a list of them."""
     if isinstance(value, list):
-        return f"ARRAY [0..{len(value) - 1}] OF {iec_kind(value[0])}"
+        return f"ARRAY [0..{len(value) - 1}] OF {_iec_kind(value[0])}"
     return "LREAL" if isinstance(value, float) else "DINT"
 
 
-def number(value):
+def _number(value):
     """Return a number, or a list of them in rows, as both languages take it."""
     if isinstance(value, list):
-        texts = list(map(number, value))
+        texts = list(map(_number, value))
         rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
         return "[\n        " + ",\n        ".join(rows) + "]"
     text = repr(value)
@@ -143,7 +146,7 @@ class Operations(NamedTuple):
     Parameters
     ----------
     simple, divisions, functions : int
-        Sums, products and comparisons; quotients; roots, sines and the like.
+        Sums, products and changes of sign; quotients and remainders; roots, sines and the like.
     """
 
     simple: int
@@ -152,34 +155,35 @@ class Operations(NamedTuple):
 
 
 def operations(block, **sizes):
-    """Return the `Operations` of a call of a `Block` at most; those on indices aren't counted.
+    """Return the `Operations` of a call of a `Block` at most.
 
     Loops go as often as their bounds say, in which names stand for the `sizes`. Of branches the
-    dearest counts.
+    dearest counts, of conditions every one. Neither indices nor comparisons count.
     """
     levels = [[np.zeros(3, dtype=int)]]  # of each nesting the branches so far, the last is open
     times = []
-    for line in block.body:
+    body = re.sub(r"\(\*.*?\*\)", "", "\n".join(block.body), flags=re.S)
+    for line in _statements(body.splitlines()):
         text = line.strip()
+        plain = re.sub(r"\[[^][]*\]", "", text)
+        cost = [len(re.findall(kind, plain)) for kind in COUNTED]
         if text.startswith(("FOR ", "WHILE ")):
             bounds = re.search(r":= (.*) TO (.*?)(?: BY -1)? DO|< (\w+)(?: AND .*)? DO", text)
             first, last = bounds.groups()[:2] if bounds[1] else ("1", bounds[3])
             times.append(1 + abs(_bound(last, sizes) - _bound(first, sizes)))
             levels.append([np.zeros(3, dtype=int)])
-            continue
-        if text.startswith("IF "):
+        elif text.startswith("IF "):
+            levels[-1][-1] += cost
             levels.append([np.zeros(3, dtype=int)])
         elif text.startswith(("ELSIF ", "ELSE")):
+            levels[-2][-1] += cost
             levels[-1].append(np.zeros(3, dtype=int))
         elif text.startswith("END_"):
             branches = levels.pop()
             many = times.pop() if text in ("END_FOR;", "END_WHILE;") else 1
             levels[-1][-1] += many * max(branches, key=np.sum)
-        elif text.startswith("(*"):
-            continue
-        plain = re.sub(r"\[[^][]*\]", "", text)
-        kinds = SIMPLE, r" / ", FUNCTION
-        levels[-1][-1] += [len(re.findall(kind, plain)) for kind in kinds]
+        else:
+            levels[-1][-1] += cost
     return Operations(*levels[0][0].tolist())
 
 
