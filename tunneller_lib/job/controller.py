@@ -27,10 +27,10 @@ OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
 AXES = "Theta", "Phi"
-SHIFT = """            (* Of a corrected chord M lies beside the chord. *)
-            rX := rX + aShift[nRow] * aAsideX[nKnot];
-            rY := rY + aShift[nRow] * aAsideY[nKnot];
-            rZ := rZ + aShift[nRow] * aAsideZ[nKnot];"""
+SHIFT = """        (* Of a corrected chord M lies beside the chord. *)
+        rX := rX + aShift[nRow] * aAsideX[nKnot];
+        rY := rY + aShift[nRow] * aAsideY[nKnot];
+        rZ := rZ + aShift[nRow] * aAsideZ[nKnot];"""
 
 
 @dataclass(frozen=True, eq=False)
