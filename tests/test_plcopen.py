@@ -250,7 +250,7 @@ def test_a_list_is_its_numbers_in_order(values):
 def test_every_number_of_the_texts_is_legal_and_of_its_variables_type(texts):
     root, text = texts
     plain = re.sub(r"\bT#\S+ms\b", "", without_comments(text)).replace("..", " .. ")
-    numbers = re.findall(r"(?<![\w.])\d[\w.]*(?:(?<=[eE])[-+]\d+)?", plain)
+    numbers = re.findall(r"(?<![\w.])\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?", plain)
     assert len(numbers) > 100
     wrong = [one for one in numbers if not re.fullmatch(f"{WHOLE}|{REAL}", one)]
     assert not wrong
