@@ -400,7 +400,8 @@ def _text(plan, plants, ring, slow):
         calls += textwrap.wrap(f"loop{name}({listed});", 92, initial_indent=4 * " ",
                                subsequent_indent=8 * " ", break_on_hyphens=False)  # fmt: skip
         calls.append(f"    rValve{name} := loop{name}.rValve;")
-    period = [f"T#{round(1e6 * ticks * plan.tick) / 1000:g}ms" for ticks in (1, slow)]
+    tick = round(1e9 * plan.tick)  # ns
+    period = [_interval(many * tick) for many in (1, slow)]
     array = f"ARRAY [0..{ring - 1}] OF DINT"
     written = {
         "LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls), "RING": array,
@@ -408,3 +409,9 @@ def _text(plan, plants, ring, slow):
         "SLOW": period[1],
     }  # fmt: skip
     return re.sub(r"@([A-Z]+)\n?", lambda found: written[found[1]] + found[0][1 + len(found[1]):], text)
+
+
+def _interval(time):
+    """Return a task's interval of so many ns; iec2c reads it in single precision, and truncates."""
+    whole, rest = divmod(time, 10**6)
+    return f"T#{whole}.{rest:06d}49ms" if rest else f"T#{whole}ms"

@@ -32,7 +32,7 @@ XML_SECTIONS = {
 def _contract(made):
     """Return the page that says what a `Program` does, its numbers filled in."""
     text = files(__package__).joinpath("contract.txt").read_text(encoding="utf-8")
-    fast, slow = re.findall(r"INTERVAL := T#(\S+),", made.text)
+    fast, slow = (f"{1e3 * ticks * made.tick:g}ms" for ticks in (1, made.slow))
     given = {"FAST": fast, "SLOW": slow, "RING": made.ring, "TRIP": f"{1e3 * made.trip:.2g}",
              "STOPPING": made.stopping, "ATONCE": made.at_once, "COST": made.operations}  # fmt: skip
 
