@@ -83,8 +83,7 @@ TIME __CURRENT_TIME;
 #include "Controller.c"
 static unsigned long tick;
 """
-# A scan ends where the fast task would come again, by the tasks' intervals.
-RUN = "do config_run__(tick++); while (tick % {fast} != 0)"
+SCAN = "config_run__(tick++)"
 
 
 def jobs():
@@ -94,6 +93,12 @@ def jobs():
     yield "the reference job, T3", oil
     corrected = replace(oil, plan={**whole.plan, "path": "corrected chord", "laps": 2})
     yield "corrected chords, two laps, T3", corrected
+    # In single precision, as iec2c reads it, 4.1 is less.
+    odd = {"tick": 4.1e-3, "step": 8e-3}
+    yield (
+        "a tick of 4.1 ms, corrected chords, T3",
+        replace(oil, plan={**corrected.plan, **odd, "laps": 1}),
+    )
     for number, wanted in enumerate(islice(kept(random_jobs(11)), RANDOM), start=1):
         about = f"{wanted.section['shape']}, {wanted.plan['path']}, {wanted.controller['plant']}"
         yield f"random job {number}: {about}", wanted
@@ -127,10 +132,13 @@ def translated(folder, text):
 def configuration(compiler, folder, made, *options):
     """Return the path of a controller's Structured Text as iec2c and a C compiler make it."""
     units = translated(folder, structured_text_of(made))
-    (fast,) = re.findall(r"\bFAST = !\(tick % (\d+)\);", units["Controller.c"])
+    # It calls in each such time, which must be the fast task's interval, then.
+    (common,) = re.findall(r"common_ticktime__ = (\d+)ULL \* 1ULL;", units["Tunneller.c"])
+    if int(common) != round(1e9 * made.tick):
+        raise ValueError(f"the tasks' intervals are multiples of {common} ns")
     # Every variable is in capitals there, and its value is in a field.
     place = lambda name: f"CONTROLLER__FASTTASK.TUNNELLER.{name.upper()}.value"  # noqa: E731
-    text = HEAD + main_program(place, "config_init__()", "", RUN.format(fast=fast))
+    text = HEAD + main_program(place, "config_init__()", "", SCAN)
     library = Path(found("IEC2C")).resolve().parent / "lib" / "C"
     return build(compiler, folder, text, "-O2", "-w", *options, f"-I{library}")
 
@@ -373,7 +381,9 @@ def main():
         "which gets the same inputs. A scan differs where any bit of set-values, valves, state, "
         "time scale, slopes or any other output does.",
         "",
-        "In closed loop with the library's axes, from power-on to `bDone`:",
+        "In closed loop with the library's axes, from power-on to `bDone`. The library's set-values "
+        "are those at the instant that the sum of the time scales tells; behind a step that scale "
+        "begins at 0, so that a run of more laps may take a scan more:",
         *runs,
         "",
         f"With random inputs, both programs under sanitizers ({', '.join(SANITIZERS)}), the C99 "

@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -263,10 +264,18 @@ def test_every_number_of_the_texts_is_legal_and_of_its_variables_type(texts):
         assert values.count(",") == int(length)
 
 
-def test_intervals_are_times_and_the_slow_task_comes_every_so_many_fast_ones(texts):
-    _, text = texts
-    fast, slow = (float(one) for one in re.findall(r"INTERVAL := T#(\d+(?:\.\d+)?)ms,", text))
-    assert fast > 0 and round(slow / fast) >= 1 and abs(slow - round(slow / fast) * fast) < 1e-9
+@pytest.mark.parametrize("tick", [1e-3, 7e-4, 1e-3 / 3, 2.5e-3, 4.1e-3, 4.7e-3, 12.3e-3])
+def test_intervals_are_the_ticks_even_where_they_are_read_in_single_precision(tick):
+    """As iec2c does, and truncates to ns; one ns off, and the tasks have no tick in common."""
+    whole = read_job(REFERENCE_JOB)
+    controller = {**whole.controller, "operations": 1e9, "trip": 0.1}
+    plan = {**whole.plan, "tick": tick}
+    found = with_program(replace(whole, controller=controller, plan=plan))
+    texts = re.findall(r"INTERVAL := T#(\d+(?:\.\d+)?)ms,", structured_text_of(found))
+    wanted = [many * round(1e9 * tick) for many in (1, found.slow)]
+    for read in (np.float32, np.float64):
+        assert [int(float(read(text)) * 1e6) for text in texts] == wanted
+    assert [round(1e6 * float(text)) for text in texts] == wanted
 
 
 def test_branches_and_loops_are_balanced_and_indented_as_they_are_nested(texts):
