@@ -37,8 +37,9 @@ def _contract(made):
              "STOPPING": made.stopping, "ATONCE": made.at_once, "COST": made.operations}  # fmt: skip
 
     def filled(found):
-        # The picture keeps its width.
-        return str(given[found[1]]).ljust(len(found[0]) if found[2] else 0) + found[2]
+        # The picture keeps its width, where there is room, and a sentence its one blank.
+        text = str(given[found[1]])
+        return f"{text.ljust(len(found[0]) - 1)} " if len(found[2]) > 1 else text + found[2]
 
     return re.sub(r"@([A-Z]+)( *)", filled, text)
 
