@@ -381,9 +381,9 @@ def main():
         "which gets the same inputs. A scan differs where any bit of set-values, valves, state, "
         "time scale, slopes or any other output does.",
         "",
-        "In closed loop with the library's axes, from power-on to `bDone`. The library's set-values "
-        "are those at the instant that the sum of the time scales tells; behind a step that scale "
-        "begins at 0, so that a run of more laps may take a scan more:",
+        "In closed loop with the library's axes, from power-on to `bDone`. The library's "
+        "set-values are those at the instant that the sum of the time scales tells; it begins at 0 "
+        "behind a step, so that a run of more laps may take a scan more:",
         *runs,
         "",
         f"With random inputs, both programs under sanitizers ({', '.join(SANITIZERS)}), the C99 "
