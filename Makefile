@@ -79,7 +79,7 @@ bench: ## time the library against others, in an environment of its own
 	@$(HEADLESS) build/bench/bin/python -m pytest -p no:dash -o filterwarnings=default \
 		tests/bench --benchmark-only
 
-plc: environment ## run the exported Structured Text, compiled by iec2c, for tests/plc.md
+plc: environment ## run the exported configuration, compiled by iec2c, and have its XML read, for tests/plc.md
 	@$(ALONE) $(BIN)/python -m tests.plc
 
 mutants: environment ## plant faults in the library and see that the tests notice (hours)

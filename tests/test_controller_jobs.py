@@ -1,4 +1,4 @@
-"""The exported motion generator of random jobs: it keeps what the plan asks, or says what it can."""
+"""The exported motion generator of random jobs: it keeps what they ask, or says what it can."""
 
 import re
 import shutil

@@ -7,6 +7,7 @@ proof that with them the slow task is in time and nothing leaves 32 bits.
 import math
 import re
 import textwrap
+from bisect import bisect_left
 from dataclasses import dataclass
 from importlib.resources import files
 
@@ -25,12 +26,13 @@ LONGEST = 2**16 - 1  # ticks of stopping, and counts in a tick: times FULL withi
 RINGS = [2**n for n in range(5, 13)]  # setpoints ahead that may be asked for
 OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
+TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
 AXES = "Theta", "Phi"
-SHIFT = """            (* Of a corrected chord M lies beside the chord. *)
-            rX := rX + aShift[nRow] * aAsideX[nKnot];
-            rY := rY + aShift[nRow] * aAsideY[nKnot];
-            rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
+SHIFT = """        (* Of a corrected chord M lies beside the chord. *)
+        rX := rX + aShift[nRow] * aAsideX[nKnot];
+        rY := rY + aShift[nRow] * aAsideY[nKnot];
+        rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
 """
 
 
@@ -127,7 +129,9 @@ def program(plan: Plan, job: Job):
     straight = [np.concatenate(pair).tolist() for pair in zip(
         _straight(plan.entry, parts), _straight(plan.leave, parts), strict=True)]  # fmt: skip
     names = "aStraightTicks", "aStraightTheta", "aStraightPhi"
-    text = with_constants(text.replace("@COST", str(cost)), constants | rows | dict(zip(names, straight, strict=True)))
+    text = with_constants(
+        text.replace("@COST", str(cost)), constants | rows | dict(zip(names, straight, strict=True))
+    )
     return Program(text, ring, plan.tick, slow, at_once, cost, stopping, trip)
 
 
@@ -233,8 +237,9 @@ def _ramps(plan, parts, ends, ticks):
 def _stopping(plan, ticks, ramps):
     """Return of how many ticks the known moves must be, in which the time scale falls to rest.
 
-    Tried from the begin of every move, at full scale, with no further setpoint: the scale is led to
-    the root of what is left, as the fast task does, and must arrive with less than a scan's change.
+    Tried from the begin of moves all along the run, at full scale, with no further setpoint: the
+    scale is led to the root of what is left, as the fast task does, and must arrive with less than
+    a scan's change.
     """
     stopping = int(_braked(ticks, ramps).max()) + 2
     while stopping <= LONGEST:
@@ -248,57 +253,57 @@ def _stopping(plan, ticks, ramps):
 
 
 def _braked(ticks, ramps, known=None):
-    """Return how many ticks (m,) the run goes on from each move's begin until it rests.
+    """Return how many ticks (n,) the run goes on from the begin of some moves until it rests.
 
     Where so many ticks are `known`, return by how much the scale is above what a scan can change
     when they are at their end.
     """
-    free, up_at, down_at = ramps.T
     last = len(ticks) - 1
-    row = np.arange(len(ticks))
-    left = ticks.copy()
-    scale = np.full(len(ticks), FULL)
-    fraction = np.zeros(len(ticks), dtype=np.int64)
-    gone = np.zeros(len(ticks), dtype=np.int64)
-    begun = np.ones(len(ticks), dtype=bool)
-    active = np.ones(len(ticks), dtype=bool)
-    beyond = np.zeros(len(ticks), dtype=np.int64)
-    while np.any(active):
-        down, up = free[row], free[row]
-        step = scale * 1
-        down = np.where(begun, np.minimum(down, down + (down_at[row] - down) * step // FULL), down)
-        up = np.where(begun, np.minimum(up, up + (up_at[row] - up) * step // FULL), up)
+    row = np.arange(0, last + 1, 1 + last // TRIED)
+    found = np.zeros(len(row), dtype=np.int64)
+    left = ticks[row]
+    scale = np.full(len(row), FULL)
+    fraction, gone = np.zeros((2, len(row)), dtype=np.int64)
+    begun = np.ones(len(row), dtype=bool)
+    runs = np.arange(len(row))  # those that go on; the others are left out
+    while len(runs):
+        free = ramps[row, 0]
         after = np.minimum(row + 1, last)
         near = (left == 1) & (row < last)
-        other = free[after]
-        for most, at in ((down, down_at), (up, up_at)):
-            narrow = np.minimum(np.minimum(most, other), other + (at[after] - other) * step // FULL)
-            most[near] = narrow[near]
-        wanted = np.zeros_like(scale)
+        most = []
+        for kind in (1, 2):  # up, down
+            bound = np.where(begun, _between(ramps[row], kind, scale), free)
+            other = np.minimum(ramps[after, 0], _between(ramps[after], kind, scale))
+            most.append(np.where(near, np.minimum(bound, other), bound))
+        wanted = 0
         if known is not None:
             room = np.maximum((known - gone) * FULL - fraction, 0)
             wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
-        scale = np.where(
-            active, np.maximum(np.minimum(wanted, scale + up), scale - down), scale
-        )
-        if known is None:
-            active &= scale > 0
-        fraction = np.where(active, fraction + scale, fraction)
-        begun = np.zeros_like(begun)
-        crossed = active & (fraction >= FULL)
+        scale = np.maximum(np.minimum(wanted, scale + most[0]), scale - most[1])
+        fraction = fraction + scale
+        crossed = fraction >= FULL
         fraction[crossed] -= FULL
-        gone[crossed] += 1
-        left[crossed] -= 1
+        gone = gone + crossed
+        left = left - crossed
+        over = left == 0
+        rests = (scale == 0) | (over & (row == last))  # the end of all is planned at rest
+        found[runs] = gone + 1
         if known is not None:
-            arrived = active & ((gone >= known) | (scale == 0))
-            beyond[arrived] = (scale - free[row])[arrived] * (scale > 0)[arrived]
-            active &= ~arrived
-        over = crossed & (left == 0)
-        active &= ~(over & (row == last))  # the end of all is planned at rest
+            rests |= gone >= known
+            found[runs] = np.where(gone >= known, scale - free, 0)
         row = np.where(over, after, row)
         left = np.where(over, ticks[row], left)
-        begun |= over
-    return gone + 1 if known is None else beyond
+        begun = over
+        runs, row, left, scale, fraction, gone, begun = (
+            values[~rests] for values in (runs, row, left, scale, fraction, gone, begun)
+        )
+    return found
+
+
+def _between(ramps, kind, scale):
+    """Return what a scale may change at the begin of moves: between free, at 0, and that at 1."""
+    free = ramps[:, 0]
+    return np.minimum(free, free + (ramps[:, kind] - free) * scale // FULL)
 
 
 def _throughput(plan, ticks, stopping):
@@ -317,10 +322,9 @@ def _throughput(plan, ticks, stopping):
             f"[plan] tick: {needed.max()} setpoints must be ahead, and the controller has "
             f"{RINGS[-1]} places; {2 * plan.tick * needed.max() / RINGS[-1]:.2g} s would do."
         )
-    for at_once in range(1, ring):
-        if _in_time(ends, ring, slow, at_once, stopping):
-            return ring, slow, at_once
-    raise AssertionError("a call that fills the ring is in time")
+    enough = range(1, ring)  # more setpoints a call are never too few
+    return ring, slow, enough[bisect_left(
+        enough, True, key=lambda many: _in_time(ends, ring, slow, many, stopping))]  # fmt: skip
 
 
 def _in_time(ends, ring, slow, at_once, stopping):
@@ -402,16 +406,22 @@ def _text(plan, plants, ring, slow, **words):
         calls += textwrap.wrap(f"loop{name}({listed});", 92, initial_indent=4 * " ",
                                subsequent_indent=8 * " ", break_on_hyphens=False)  # fmt: skip
         calls.append(f"    rValve{name} := loop{name}.rValve;")
-    period = [f"{round(1e6 * ticks * plan.tick) / 1000:g}ms" for ticks in (1, slow)]
-    array = f"ARRAY [0..{ring - 1}] OF DINT"
+    tick = round(1e9 * plan.tick)  # ns
     pieces = {"LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls) + "\n",
               "SHIFT": SHIFT if plan.path == "corrected chord" else ""}  # fmt: skip
     text = re.sub(r"@([A-Z]+)\n", lambda found: pieces.get(found[1], found[0]), text)
-    words = {"ARRAY": f"ARRAY [0..{ring - 1}] OF DINT", "RING": ring, "FAST": period[0],
-             "SLOW": period[1], **words}  # fmt: skip
+    words = {"ARRAY": f"ARRAY [0..{ring - 1}] OF DINT", "RING": ring,
+             "FAST": f"{1e3 * plan.tick:g}ms", "SLOW": f"{1e3 * slow * plan.tick:g}ms",
+             "EVERY": _interval(tick), "SELDOM": _interval(slow * tick), **words}  # fmt: skip
     # In the picture, where blanks follow, the width is kept.
     return re.sub(
         r"@([A-Z]+)( {2,})?",
         lambda found: str(words[found[1]]).ljust(len(found[0]) if found[2] else 0),
         text,
     )
+
+
+def _interval(time):
+    """Return a task's interval of so many ns; iec2c reads it in single precision, and truncates."""
+    whole, rest = divmod(time, 10**6)
+    return f"T#{whole}.{rest:06d}49ms" if rest else f"T#{whole}ms"

@@ -4,14 +4,7 @@ import re
 from xml.etree import ElementTree as Xml
 
 from ..arguments import checked
-from ..motion.export import (
-    C_HEAD,
-    C_MACROS,
-    c99_code,
-    c99_types,
-    read_blocks,
-    read_rows,
-)
+from ..motion.export import C_HEAD, C_MACROS, c99_code, c99_types, read_blocks, read_rows
 from .controller import Program
 
 C_USE = """

@@ -50,8 +50,8 @@ DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "pa
 # How the first line of a file of each kind says which job it is of; wall.stl and wall.vtp have
 # places of their own for it.
 STAMPED = {
-    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n", ".xml": "<!-- {} -->\n",
-    ".dxf": "999\n{}\n",
+    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n",
+    ".xml": "<!-- {} -->\n", ".dxf": "999\n{}\n",
 }  # fmt: skip
 
 
