@@ -29,7 +29,7 @@ INPUTS = (
 )  # fmt: skip
 OUTPUTS = (
     "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
-    "nScale", "bApproach", "bTaken",
+    "nScale", "bApproach", "bTaken", "nAhead",
 )  # fmt: skip
 REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
 ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from tests.controllers import random_jobs, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import plcopen_xml
-from tunneller_lib.motion.export import number
+from tunneller_lib.motion.export import _number as number
 
 READS = ["tests/references/reference_job.toml", "tunneller_lib/job/*", "tunneller_lib/motion/*"]
 

@@ -219,8 +219,9 @@ def c99_code(blocks):
         begun = [row for row in block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR") if row.begin]
         if begun:
             given = [f"    c->{row.name} = {row.begin.lower()};" for row in begun]
-            texts += ["", f"void {_call(block.name)}_init({block.name} *c)", "{",
-                      f"    static const {block.name} zero;", "    *c = zero;", *given, "}"]  # fmt: skip
+            zero = [f"    static const {block.name} zero;", "    *c = zero;"]
+            init = f"void {_call(block.name)}_init({block.name} *c)"
+            texts += ["", init, "{", *zero, *given, "}"]
         texts += ["", _head(block), "{", *_c_lines(block), "}"]
     return "\n".join(texts) + "\n"
 
