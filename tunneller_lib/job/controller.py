@@ -114,7 +114,8 @@ def program(plan: Plan, job: Job):
         "nLeave": len(plan.leave.ticks), "nLaps": plan.laps, "nApproach": approach,
         "nFreeApproach": min(int(FULL * change * approach / (np.sqrt(2) * trip)), FULL),
         "nFirstTheta": int(whole[0][0, 0]), "nFirstPhi": int(whole[0][0, 1]),
-        "rCount": plan.count, "rPart": plan.count / parts, "rEncoder": float(loops[0].count or plan.count),
+        "rCount": plan.count, "rPart": plan.count / parts,
+        "rEncoder": float(loops[0].count or plan.count),
         "rTick": plan.tick, "rChange": change, "rRingRadius": float(machine.r),
         "rTubeRadius": float(machine.R),
     }  # fmt: skip
