@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import many
-from tests.controllers import WIRED, build, with_program
+from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
@@ -88,13 +88,16 @@ def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path,
             break
         except ValueError:  # the plan's own: steps within a tick, counts beyond the tolerance
             wanted = random_job(rng)
-    for _ in range(4):
+    keys = []
+    while True:
         try:
             made = with_program(wanted)
             break
         except ValueError as error:
+            keys.append(str(error).partition(":")[0])
             wanted = with_its_value(wanted, str(error))
             plan = wanted.planned
+    assert len(set(keys)) == len(keys)  # each value did
     (tmp_path / "controller.h").write_text(c99_header(made))
     begin = np.rint(plan.entry.setvalues[0] / plan.count).astype(int)
     options = [f"-DBEGIN_THETA={begin[0]}", f"-DBEGIN_PHI={begin[1]}", f"-DSLOW={made.slow}"]
@@ -107,6 +110,37 @@ def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path,
     assert (steps, error) == (plan.laps - 1, 0)
     # The hand-over of a step takes a scan besides.
     assert abs(scans - ticks - steps) <= 1
+
+
+def test_trip_that_is_accepted_is_not_reached_in_a_run(tmp_path):
+    """Theta's error counts by the longest arm, where phi is wide and the arm short, too."""
+    whole = read_job(REFERENCE_JOB)
+    wide = {
+        "r": 0.01, "phi_min": -1.3, "phi_max": 1.3, "theta_min": -1.3, "theta_max": 1.05,
+        "height": -0.03, "cutter_radius": 0.12,
+    }  # fmt: skip
+    wanted = replace(
+        whole,
+        machine={**whole.machine, **wide},
+        section={"shape": "circle", "radius": 0.775},
+        plan={**whole.plan, "arm_radius": 0.02},
+        controller={**whole.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.0},
+    )
+    with pytest.raises(ValueError, match=r"^\[controller\] trip: ") as refused:
+        with_program(wanted)
+    wanted = with_its_value(wanted, str(refused.value))
+    made = with_program(wanted)
+    driven = Driven(c99_program(COMPILER, tmp_path, made, "-std=c99", "-O1"))
+    found = closed_loop(driven, wanted, made, len(moved(wanted.planned)[1]) + 2000)
+    assert driven.close() == 0
+    assert found[-1, 7] == 1 and found[:, 6].max() < 4  # done, never in ErrorStop
+
+
+def test_ideal_encoder_is_exported_with_the_counts_of_the_set_values():
+    whole = read_job(REFERENCE_JOB)
+    made = with_program(replace(whole, controller={**whole.controller, "encoder": 0.0}))
+    (given,) = set(re.findall(r"rEncoder : LREAL := (.*);", made.text))
+    assert float(given) == whole.planned.count
 
 
 REFUSED = [

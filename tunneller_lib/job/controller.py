@@ -95,24 +95,30 @@ def program(plan: Plan, job: Job):
     plants, loops = job.axes
     if any(loop.integral for loop in loops):
         raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
+    trip = _trip(plan, job)
     parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
     whole = _whole_run(plan, parts)
     _check_counts(plan, parts, whole)
-    ramps = _ramps(plan, parts, *whole)
-    stopping = _stopping(plan, whole[1], ramps)
+    stopping = _stopping(plan, whole[1], _ramps(plan, parts, *whole))
     ring, slow, at_once = _throughput(plan, whole[1], stopping)
-    trip = _trip(plan, job)
+    # To the start position: from where a trip isn't yet and a set-value off by another may be, at
+    # half of the feed at most, and with room to stop.
+    way = 2 * np.sqrt(2) * trip
+    approach = max(2 * stopping, math.ceil(2 * way / (plan.limits.feed * plan.tick)))
+    farthest = np.abs(whole[0]).max() / parts + way / (plan.circuit.machine.R * plan.count)
+    while max(approach, farthest) * parts > MOST:
+        parts //= 2
+    whole = _whole_run(plan, parts)
     rows = chord_rows(plan)
     machine = plan.circuit.machine
     first = plan.entry.setpoints[0]
-    within = trip / np.array([machine.r + machine.R, machine.R])  # rad of each joint
-    approach = 2 * stopping
+    within = trip / _arms(machine)  # rad of each joint
     change = plan.limits.acceleration * plan.tick**2
     constants = {
         "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
         "rStopping": FULL / stopping, "nMoves": len(plan.ticks), "nEntry": len(plan.entry.ticks),
         "nLeave": len(plan.leave.ticks), "nLaps": plan.laps, "nApproach": approach,
-        "nFreeApproach": min(int(FULL * change * approach / (np.sqrt(2) * trip)), FULL),
+        "nFreeApproach": min(int(FULL * change * approach / way), FULL),
         "nFirstTheta": int(whole[0][0, 0]), "nFirstPhi": int(whole[0][0, 1]),
         "rCount": plan.count, "rPart": plan.count / parts,
         "rEncoder": float(loops[0].count or plan.count),
@@ -239,25 +245,26 @@ def _stopping(plan, ticks, ramps):
     """Return of how many ticks the known moves must be, in which the time scale falls to rest.
 
     Tried from the begin of moves all along the run, at full scale, with no further setpoint: the
-    scale is led to the root of what is left, as the fast task does, and must arrive with less than
-    a scan's change.
+    scale is led to the root of what is left, as the fast task does, and its last changes must be
+    those of a scan. A quarter more is for runs that begin amid a move.
     """
     stopping = int(_braked(ticks, ramps).max()) + 2
-    while stopping <= LONGEST:
-        if np.all(_braked(ticks, ramps, stopping) <= 0):
-            return stopping
+    while stopping <= FULL:
+        enough = np.all(_braked(ticks, ramps, stopping) <= 0)
         stopping = int(1.25 * stopping) + 1
+        if enough:
+            return min(stopping, FULL)
     raise ValueError(
-        f"[plan] tick: to stop takes more than {LONGEST} ticks of {plan.tick:g} s; "
-        f"{plan.tick * stopping / LONGEST * 1.5:.2g} s would do."
+        f"[plan] tick: to stop takes more than {FULL} ticks of {plan.tick:g} s; "
+        f"{plan.tick * stopping / FULL * 1.5:.2g} s would do."
     )
 
 
 def _braked(ticks, ramps, known=None):
     """Return how many ticks (n,) the run goes on from the begin of some moves until it rests.
 
-    Where so many ticks are `known`, return by how much the scale is above what a scan can change
-    when they are at their end.
+    Where so many ticks are `known`, return by how much more than a scan may the scale changes at
+    their end.
     """
     last = len(ticks) - 1
     row = np.arange(0, last + 1, 1 + last // TRIED)
@@ -277,6 +284,7 @@ def _braked(ticks, ramps, known=None):
             other = np.minimum(ramps[after, 0], _between(ramps[after], kind, scale))
             most.append(np.where(near, np.minimum(bound, other), bound))
         wanted = 0
+        before = scale
         if known is not None:
             room = np.maximum((known - gone) * FULL - fraction, 0)
             wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
@@ -291,7 +299,9 @@ def _braked(ticks, ramps, known=None):
         found[runs] = gone + 1
         if known is not None:
             rests |= gone >= known
-            found[runs] = np.where(gone >= known, scale - free, 0)
+            moved = np.minimum(scale, room)  # then it stands
+            jump = np.maximum(before - moved, moved) - free
+            found[runs] = np.where(gone >= known, jump, 0)
         row = np.where(over, after, row)
         left = np.where(over, ticks[row], left)
         begun = over
@@ -344,12 +354,12 @@ def _in_time(ends, ring, slow, at_once, stopping):
 def _trip(plan, job):
     """Return the following error that shuts the valves, in m at the cutter."""
     plants, loops = job.axes
-    lap = np.concatenate([plan.entry.setvalues, plan.setvalues[1:]])
-    slopes = np.concatenate([plan.entry.slopes, plan.slopes])
-    track = follow(plants, loops, lap, slopes=slopes)
-    off = np.abs(track.setvalue - track.position) * levers(
-        plan.circuit.machine.torus, track.position
-    )
+    runs = plan.entry, plan, plan.leave
+    setvalues = np.concatenate([plan.entry.setvalues[:1], *(run.setvalues[1:] for run in runs)])
+    slopes = np.concatenate([run.slopes for run in runs])
+    track = follow(plants, loops, setvalues, slopes=slopes)
+    # As the controller has it: theta's by the longest arm.
+    off = np.abs(track.setvalue - track.position) * _arms(plan.circuit.machine)
     least = MORE * float(off.max())
     trip = job.controller.get("trip", TRIP * plan.circuit.machine.depth)
     if trip < least:
@@ -358,6 +368,11 @@ def _trip(plan, job):
             f"{trip:.2g} m, {1.1 * least:.2g} m would do."
         )
     return float(trip)
+
+
+def _arms(machine):
+    """Return the cutter's greatest way (2,) by a radian of each joint, in m."""
+    return np.array([machine.r + machine.R, machine.R])
 
 
 def _check_operations(job, cost, slow):
