@@ -33,8 +33,8 @@ NUMBERS = [
     for table, key in NUMBERS
     if isinstance((TABLES | {"pieces": PIECES})[table][key], Size)
 ]
-# What nobody gives in another unit: a loop's gains go by seconds everywhere.
-NO_OTHER = {"gain", "integral"}
+# What nobody gives in another unit: a loop's gains and a task's work go by seconds everywhere.
+NO_OTHER = {"gain", "integral", "operations"}
 # What a unit is of another, found apart from the library: of the number that is wanted.
 IN = {
     "mm": lambda x: x * 1000, "mm/s": lambda x: x * 1000, "mm/s^2": lambda x: x * 1000,

@@ -259,7 +259,9 @@ def test_every_number_of_the_texts_is_legal_and_of_its_variables_type(texts):
     for variable in root.iter(f"{PLC}variable"):
         kind = kind_of(variable[0]).split()[-1]
         for value in variable.iter(f"{PLC}simpleValue"):
-            assert re.fullmatch({"DINT": WHOLE, "LREAL": REAL}[kind], value.get("value"))
+            assert re.fullmatch(
+                {"DINT": WHOLE, "LREAL": REAL, "BOOL": "TRUE|FALSE"}[kind], value.get("value")
+            )
     for length, values in re.findall(r"ARRAY \[0\.\.(\d+)\] OF \w+ := \[([^]]*)\]", text):
         assert values.count(",") == int(length)
 

@@ -105,7 +105,7 @@ PLAN = dict(
 CONTROLLER = dict(
     plant=TEXT, gain=Size("1/s", 0, 1e4), integral=Size("1/s^2", 0, 1e6),
     feedforward=Size("1", 0, 2), delay=WHOLE, encoder=COUNT, trip=Size("m", 1e-5, 1),
-    operations=Size("1/s", 1e3, 1e12),
+    operations=Size("1/s", 0, 1e12),
 )  # fmt: skip
 TILT = Size("rad", most=0.8)
 POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
