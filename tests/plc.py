@@ -187,8 +187,9 @@ def planned(compiler):
         made = with_program(wanted)
         plan = wanted.planned
         counts = np.rint(moved(plan)[0] / plan.count)
-        # To the start position, and until the ring is full.
-        before = 2 * made.stopping + (made.ring // made.at_once + 2) * made.slow
+        # To the start position at up to a trip's way, and a full ring.
+        approach = int(re.search(r"nApproach : DINT := (\d+)", made.text)[1])
+        before = 2 * approach + (made.ring // made.at_once + 2) * made.slow
         with (
             tempfile.TemporaryDirectory() as folder,
             closing(Both(compiler, Path(folder), made)) as both,
