@@ -214,7 +214,7 @@ def compared(track, plan, counts):
     laps = np.cumsum(ticks)[1:-2] * FULL  # those with a step behind them
     at = wrong = 0
     # The run's, without the way to the start position.
-    moving = track[(track[:, 9] > 0) & (track[:, 8] == 0)]
+    moving = track[(track[:, 9] > 0) & (track[:, 8] == 1)]
     for row in moving:
         tick, part = divmod(at, FULL)
         way = (counts[tick + 1] - counts[tick]) * part / FULL
