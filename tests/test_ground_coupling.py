@@ -232,7 +232,7 @@ def own_run(ground, values, slopes, states, commands, way):
     return np.array(positions), np.array(forces)
 
 
-@pytest.mark.parametrize("normal", many([1.2], [0.0, 0.5, 1.2, 2.0]))
+@pytest.mark.parametrize("normal", many((1.2,), (0.0, 0.5, 1.2, 2.0)))
 def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
     ground = replace(CONCRETE, normal=normal)
     made = planned(ground)
