@@ -16,7 +16,6 @@ import numpy as np
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.job.reader import Job
-from tunneller_lib.motion import follow
 from tunneller_lib.motion.stability import gain_limit
 
 SANITIZERS = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
@@ -177,26 +176,6 @@ def moved(run):
         np.concatenate([first, *(one.setvalues[1:] for one in runs)]),
         np.concatenate([one.slopes for one in runs]),
     )
-
-
-def differences(found, track, count):
-    """Return how far a `closed_loop` is from the library's `Track` of the same run.
-
-    The number of set-values that differ, and the largest differences of positions, in rad, and of
-    valves.
-    """
-    counts = np.rint(track.setvalue[:-1] / count)
-    return (
-        int(np.count_nonzero(np.any(found[:, :2] != counts, axis=1))),
-        float(np.abs(found[:, 2:4] - track.position[:-1]).max()),
-        float(np.abs(found[:, 4:6] - track.command).max()),
-    )
-
-
-def followed(wanted):
-    """Return the library's `Track` of a whole job."""
-    setvalues, slopes = moved(wanted.planned)
-    return follow(*wanted.axes, setvalues, slopes=slopes)
 
 
 def random_jobs(seed):
