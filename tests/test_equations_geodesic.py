@@ -5,7 +5,7 @@ import sympy as sp
 from scipy.optimize import fsolve
 
 from tests.long import many
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import (
     CHORD_PATHS,
     ChordLaw,

@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from tests.bench.conftest import best_times
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
 from tunneller_lib.paths.geodesic_orbit import panel_rule
 from tunneller_lib.paths.geodesic_pair import padded

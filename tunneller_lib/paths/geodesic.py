@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
-from ..exact import dot
-from ..repeatable import reduced, sine_cosine
+from ..kernels.exact import dot
+from ..kernels.repeatable import reduced, sine_cosine
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
 from .geodesic_pair import CERTIFICATES, INNER, KINDS, NONE, POINT, rho, turn_and_ends

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, square_root, where, within
-from ..repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
+from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
+from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, sine_cosine
 from .geodesic_classes import distance
 from .geodesic_pair import PI_REST, Radii
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import loop
-from ..elementwise import larger, ratio, some, square_root, where
-from ..exact import two_sum
-from ..repeatable import arctangent, reduced, sine_cosine
+from ..kernels.compiled import loop
+from ..kernels.elementwise import larger, ratio, some, square_root, where
+from ..kernels.exact import two_sum
+from ..kernels.repeatable import arctangent, reduced, sine_cosine
 from .geodesic_classes import distance, ends_of, in_legs, inner, outer, peaked
 from .geodesic_root import (
     AGREES,

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from .. import compiled
 from ..arguments import Lengths, checked
-from ..compiled import loop
-from ..elementwise import NUMBERS, divided, smaller, where
+from ..kernels import compiled
+from ..kernels.compiled import loop
+from ..kernels.elementwise import NUMBERS, divided, smaller, where
 from ..surfaces import Torus
 from .bounds import check_ratio
 from .geodesic_orbit import (

@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from .. import compiled
 from ..arguments import Positions, checked
-from ..elementwise import NUMBERS, divided
+from ..kernels import compiled
+from ..kernels.elementwise import NUMBERS, divided
 from ..surfaces import Torus
 from .bounds import check_ratio
 from .geodesic import Geodesic
