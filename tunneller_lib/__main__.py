@@ -175,40 +175,6 @@ def parser():
         "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
     )
 
-    flank = command("flank", run_flank, "positions and paths of a conical mill on a surface")
-    flank.add_argument("job", type=Path, help="the TOML file; notebooks/flank.toml is one")
-    flank.add_argument(
-        "--points",
-        type=Path,
-        metavar="FILE",
-        help="measured: CSV with x_m, y_m, z_m and unit normals nx, ny, nz, or triangles as STL",
-    )
-    flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
-    flank.add_argument(
-        "--scene", action="store_true", help="also write scene.html: mill and surface, to turn"
-    )
-    flank.add_argument(
-        "--animate",
-        type=between(2, 600),
-        metavar="PICTURES",
-        help="also write way.gif, an animation of so many pictures",
-    )
-    flank.add_argument("--json", action="store_true", help=JSON)
-    log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
-    log.description += "; a log of a loop must begin at rest, for at least 10 rows"
-    log.add_argument(
-        "log",
-        type=Path,
-        help="CSV: time_s, and valve with speed_rad_s or position_rad, or set_rad with actual_rad",
-    )
-    log.add_argument(
-        "--feedforward",
-        type=float,
-        default=0.0,
-        metavar="SHARE",
-        help="of the slope that a loop adds, 0 by default",
-    )
-    log.add_argument("--json", action="store_true", help=JSON)
     added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
     added.add_argument(
         "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
@@ -387,69 +353,6 @@ def run_animate(options):
         every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
         pictures.write_picture(new, counted(every, count), job.stamp)
     return {"files": [str(out)]}
-
-
-def run_flank(options):
-    """Find positions of a mill, chain them, and write them and what they leave."""
-    from .job import say
-    from .job.atomic_write import list_files, output
-    from .job.flank import read_flank
-    from .job.flank_files import flank_text, summarise_flank, write_flank
-
-    if options.scene:
-        import_module("trame")  # else first asked for when the page is written, after all else
-    if options.scene or options.animate:
-        from .reporting import flank_scene, pictures, scene
-
-        scene.empty().close()  # raises where nothing can be drawn
-    folder = options.out or Path("build") / own_name(options.job)
-    with output(folder) as new:
-        job = read_flank(options.job, options.points)
-        with said_of_file(options.points, "text", "content"):
-            job.patch  # noqa: B018 - measured points are read for it
-        result = job.solved(say)
-        numbers = summarise_flank(job, result)
-        if not options.json:
-            tell(flank_text(numbers) + "\n")
-        files = write_flank(job, result, new, say)
-        if options.scene:
-            say("drawing the scene ...")
-            plotter = flank_scene.mill_scene(job, result)
-            files.append(pictures.write_picture(new / "scene.html", plotter, job.stamp))
-        if options.animate:
-            every = flank_scene.mill_pictures(job, result, options.animate)
-            every = counted(every, options.animate)
-            files.append(pictures.write_picture(new / "way.gif", every, job.stamp))
-        files.append(list_files(new, job.stamp))
-    for warning in numbers["warnings"]:
-        say(f"warning: {warning}")
-    return {**numbers, "files": [str(folder / file.name) for file in files]}
-
-
-def run_identify(options):
-    """Say what a log tells."""
-    from .job.logged import identified_text, identify_log, read_log
-
-    text = read_log(options.log)
-    with said_of_file(options.log, "text"):
-        numbers = identify_log(text, feedforward=options.feedforward)
-    if not options.json:
-        tell(identified_text(numbers))
-    return numbers if options.json else None
-
-
-@contextmanager
-def said_of_file(path, *arguments):
-    """Begin a refusal of one of these arguments, which a file's content is, with its name."""
-    from .job import WrongJob
-
-    try:
-        yield
-    except ValueError as error:
-        argument, _, what = str(error).partition(": ")
-        if argument not in arguments:
-            raise
-        raise WrongJob(f"{path}: {what}") from None
 
 
 def counted(pictures, count):

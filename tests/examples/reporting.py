@@ -20,7 +20,7 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine, Rod, Section
 
 from . import ream
 
-DRAW_IN_SPACE = {"blade_scene", "cone_scene", "flank_scene", "machine_scene", "path_scene", "scene",
+DRAW_IN_SPACE = {"blade_scene", "cone_scene", "machine_scene", "path_scene", "scene",
                  "six_cones_scene", "surface_scene", "torus_scene", "tunnel_scene"}  # fmt: skip
 READ_NOTEBOOKS = {"chapters", "ending"}
 LEFT_OUT = DRAW_IN_SPACE | READ_NOTEBOOKS

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
-from ..arguments import checked, shown
+from ..arguments import checked
 from .progress import say
 from .tables import brief
 
@@ -41,23 +41,6 @@ def check_writable(path: Path):
         raise NotADirectoryError(errno.ENOTDIR, why, str(path))
     if not os.access(there, os.W_OK | os.X_OK):
         raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
-
-
-@checked
-def write(path: Path, content: str | bytes):
-    """Write a text or bytes, whole or not at all; return the path where it is now.
-
-    A text is written in UTF-8, and ends its lines as it says, on every system.
-    """
-    if isinstance(content, str):
-        try:
-            content = content.encode("utf-8")
-        except UnicodeEncodeError:
-            what = shown(content)
-            raise ValueError(f"content: must be a text that UTF-8 has; got {what}.") from None
-    with replacement(path) as new:
-        new.write_bytes(content)
-    return path
 
 
 @checked
@@ -97,7 +80,9 @@ def list_files(folder: Path, stamp: str):
     """
     lines = [f"# {stamp}; sha256 of each file:"]
     lines += [f"{_digest(file)}  {file.name}" for file in sorted(folder.iterdir())]
-    return write(folder / MANIFEST, "\n".join([*lines, ""]))
+    path = folder / MANIFEST
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8", newline="\n")
+    return path
 
 
 @checked

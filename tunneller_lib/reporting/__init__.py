@@ -19,7 +19,6 @@ __all__ = [
     "ending",
     "envelope_plot",
     "figure",
-    "flank_scene",
     "geodesic_plot",
     "groove_plot",
     "in_words",
