@@ -20,10 +20,9 @@ from tunneller_lib.milling import (
     cylinder_chain,
     find_positions,
     strip_across,
-    sweep_error,
-    trace_chain,
 )
-from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through
+from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
+from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import Frustum

@@ -15,10 +15,9 @@ from tunneller_lib.milling import (
     find_scallops,
     strip_across,
     strips,
-    sweep_error,
-    trace_chain,
 )
-from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.chains import Chain, trace_chain
+from tunneller_lib.milling.strips import sweep_error
 
 MM = 1e-3
 PLANE = Patch(lambda s, t: [s, t, 0 * s], (-0.02, 0.02), (-0.02, 0.02))
@@ -120,7 +119,7 @@ def test_a_strip_needs_six_positions(chains):
         strip_across(SADDLE, MILL, five, reach=5 * MM)
 
 
-def test_a_chain_has_so_many_positions_to_either_side_at_most(found):
+def test_a_chain_has_a_thousand_positions_to_either_side_at_most(found):
     row = int(np.flatnonzero(found.fits)[0])
     whole, short = (
         trace_chain(SADDLE, MILL, found, row, step=1 * MM, **LOOK, **most)

@@ -13,9 +13,8 @@ from tunneller_lib.milling import (
     cover,
     find_positions,
     strip_across,
-    trace_chain,
 )
-from tunneller_lib.milling.chains import Chain
+from tunneller_lib.milling.chains import Chain, trace_chain
 from tunneller_lib.milling.positions import Positions
 from tunneller_lib.milling.strips import Coverage, Strip
 

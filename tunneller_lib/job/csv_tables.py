@@ -3,8 +3,6 @@
 In metres, radians and whole counts; the head of each says which.
 """
 
-import json
-
 import numpy as np
 
 from ..arguments import checked, shown
@@ -75,11 +73,20 @@ def read_csv(text: str):
     try:
         columns = zip(names, *rows, strict=True)
         return (
-            {name: json.loads(value) for name, value in about},
-            {name: np.array([json.loads(cell) for cell in cells]) for name, *cells in columns},
+            {name: float(value) for name, value in about},
+            {name: _numbers(cells) for name, *cells in columns},
         )
     except ValueError:
         raise ValueError(f"text: must be a table as of `knots_csv`; got {shown(text)}.") from None
+
+
+def _numbers(cells):
+    """Return the texts of a column as whole numbers, or else as floats."""
+    cells = np.array(cells, dtype=str)
+    try:
+        return cells.astype(np.int64)
+    except (ValueError, OverflowError):
+        return cells.astype(float)
 
 
 def _texts(*columns):

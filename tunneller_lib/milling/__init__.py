@@ -4,19 +4,10 @@ After Envelopes, section 6 and its outlook. A surface is any function of two var
 `envelopes` takes: the blade of `envelopes.blade`, or a `Nurbs` face by control points and knots.
 """
 
-from .chains import trace_chain
 from .nurbs import Nurbs
 from .patch import Patch
 from .positions import find_positions
-from .strips import (
-    ball_chain,
-    cover,
-    coverage_of,
-    cylinder_chain,
-    find_scallops,
-    strip_across,
-    sweep_error,
-)
+from .strips import ball_chain, cover, coverage_of, cylinder_chain, find_scallops, strip_across
 from .tools import BallMill, ConicalMill, CylinderMill
 
 __all__ = [
@@ -32,6 +23,4 @@ __all__ = [
     "find_positions",
     "find_scallops",
     "strip_across",
-    "sweep_error",
-    "trace_chain",
 ]
