@@ -69,8 +69,8 @@ def read_csv(text: str):
     """
     lines = text.splitlines()
     about = [line[2:].split(" = ") for line in lines if line.startswith("# ") and " = " in line]
-    names, *rows = [line.split(",") for line in lines if not line.startswith("#")] or [[]]
     try:
+        names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
         columns = zip(names, *rows, strict=True)
         return (
             {name: float(value) for name, value in about},

@@ -91,14 +91,6 @@ class Nurbs:
         n, m, _ = self.control.shape
         return len(self.knots_s) - n - 1, len(self.knots_t) - m - 1
 
-    @property
-    def domain(self):
-        """Return the least and the greatest s, and those of t, as two pairs."""
-        knots = self.knots_s, self.knots_t
-        return tuple(
-            (float(k[d]), float(k[-d - 1])) for k, d in zip(knots, self.degrees, strict=True)
-        )
-
     @checked
     def coordinates(self, s: Varying, t: Varying):
         """Return the coordinates of points, a surface for `hyperosculating_cones` in space.
@@ -113,27 +105,31 @@ class Nurbs:
         x, y, z : (...) float or Jet
             In m.
         """
-        at = [part.value if isinstance(part, Jet) else np.asarray(part) for part in (s, t)]
-        for name, value, (low, high) in zip("st", at, self.domain, strict=True):
-            wrong = ~((value >= low) & (value <= high))
+        from scipy.interpolate import NdBSpline
+
+        at = np.broadcast_arrays(*(x.value if isinstance(x, Jet) else x for x in (s, t)))
+        knots = self.knots_s, self.knots_t
+        for name, x, row, degree in zip("st", at, knots, self.degrees, strict=True):
+            low, high = row[degree], row[-degree - 1]
+            wrong = ~((x >= low) & (x <= high))
             if np.any(wrong):
-                got = value[wrong].flat[0]
+                got = x[wrong].flat[0]
                 raise ValueError(f"{name}: must lie from {low:g} to {high:g}; got {got:g}.")
-        at = np.broadcast_arrays(*at)
-        jet = next((part for part in (s, t) if isinstance(part, Jet)), None)
-        order = [(0, 0)] if jet is None else list(places(jet))
-        every = np.concatenate([self.control * self.weights[..., None], self.weights[..., None]], 2)
-        by_s, by_t = (
-            [_basis(knots, degree, x.ravel(), i) for i in range(1 + max(i for i, _ in order))]
-            for knots, degree, x in zip((self.knots_s, self.knots_t), self.degrees, at, strict=True)
+        jet = next((x for x in (s, t) if isinstance(x, Jet)), None)
+        order = [(0, 0)] if jet is None else places(jet)
+        weights = self.weights[..., None]
+        spline = NdBSpline(
+            knots, np.concatenate([self.control * weights, weights], 2), self.degrees
         )
-        c = [np.einsum("ka,abp,kb->pk", by_s[i], every, by_t[j], optimize=True) for i, j in order]
-        c = np.stack(c, axis=1).reshape(4, len(order), *at[0].shape)
+        by_order = [
+            spline(np.stack(at, -1), nu=(i, j)) / (factorial(i) * factorial(j)) for i, j in order
+        ]
         if jet is None:
-            x, y, z, w = c[:, 0]
+            x, y, z, w = np.moveaxis(by_order[0], -1, 0)
         else:
-            s, t = (part if isinstance(part, Jet) else part + 0 * jet for part in (s, t))
-            x, y, z, w = compose([Jet(part) for part in c], s - s.value, t - t.value)
+            s, t = (x if isinstance(x, Jet) else x + 0 * jet for x in (s, t))
+            parts = [Jet(part) for part in np.moveaxis(by_order, -1, 0)]
+            x, y, z, w = compose(parts, s - s.value, t - t.value)
         return [x / w, y / w, z / w]
 
 
@@ -154,13 +150,3 @@ def _check_knots(name, knots, count):
             f"{name}: must not repeat an inner knot more than {degree - 1} times, for a surface "
             f"without creases; got one that is."
         )
-
-
-def _basis(knots, degree, x, order):
-    """Return the coefficients of h^order of all B-splines (k, n) at places x (k,) and h beside."""
-    from scipy.interpolate import BSpline
-
-    count = len(knots) - degree - 1
-    if order > degree:
-        return np.zeros((len(x), count))
-    return BSpline(knots, np.eye(count), degree)(x, nu=order) / factorial(order)
