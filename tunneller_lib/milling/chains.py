@@ -118,7 +118,7 @@ def trace_chain(
     >>> found = find_positions(patch, mill, 0.005, 0.002, tolerance=1e-4)
     >>> row = int(np.flatnonzero(found.fits)[0])
     >>> len(trace_chain(patch, mill, found, row, step=1e-3, tolerance=1e-4))
-    19
+    20
     """
     if row >= len(found):
         raise ValueError(f"row: must be below {len(found)}, the positions found; got {row}.")

@@ -121,7 +121,7 @@ def find_positions(
     >>> mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
     >>> found = find_positions(patch, mill, 0.001, [0.0, 0.002], tolerance=1e-5)
     >>> len(found), int(found.fits.sum())
-    (8, 2)
+    (8, 4)
     """
     s, t = np.broadcast_arrays(s, t)
     cones = hyperosculating_cones.unchecked(
