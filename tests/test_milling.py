@@ -20,8 +20,10 @@ from tunneller_lib.milling import (
     cylinder_chain,
     find_positions,
     strip_across,
+    strips,
 )
 from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
+from tunneller_lib.milling.positions import _between
 from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid
@@ -186,6 +188,18 @@ def test_depths_are_those_of_a_finer_mesh(on_blade):
         assert -1e-9 <= found.enters[k] - max(-least, 0) <= 1e-6
 
 
+def test_the_deepest_point_is_looked_for_to_a_27th_of_a_cell_of_the_mesh():
+    plane = Patch(lambda s, t: [s, t, 0 * s], (0, 1), (0, 1))
+    tip = np.append(np.random.default_rng(8).uniform(0.1, 0.9, (500, 2)), np.zeros((500, 1)), 1)
+    up = np.tile([0.0, 0.0, 1.0], (500, 1))
+    cell = 0.1
+    s, t = (cell * np.rint(part / cell) for part in tip.T[:2])
+    away = _between(plane, lambda height, radius: radius, tip, up, s, t, 11)
+    assert away.max() <= np.sqrt(0.5) * cell / 27 * (1 + 1e-9)
+    # The mean distance from the nearest point of a square grid is 0.38 of its step.
+    assert away.mean() == pytest.approx(0.38 * cell / 27, rel=0.1)
+
+
 def test_reasons_say_what_the_depths_say(on_blade):
     _, found = on_blade
     assert np.all(found.enters[found.fits] <= TOLERANCE)
@@ -312,9 +326,19 @@ def test_motions_pass_through_their_positions():
     np.testing.assert_allclose(np.linalg.norm(up, axis=-1), 1)
 
 
+def test_a_sweep_is_looked_at_closer_about_the_nearest_of_eight_places_a_step(chain, monkeypatch):
+    monkeypatch.setattr(strips, "CLOSER", 0)
+    points = BLADE.mesh(9).reshape(-1, 3)
+    last = len(chain) - 1
+    places = motion_through(chain.tip, chain.axis)(np.linspace(0, last, 8 * last + 1))
+    nearest = MILL.cutting(*seen_from(points, *places)).min(axis=0)
+    np.testing.assert_allclose(sweep_error(points, MILL, chain), nearest, atol=1e-15)
+
+
 def test_a_sweep_needs_four_positions_that_differ(chain):
     with pytest.raises(ValueError, match=r"^chain: must have 4 positions or more; got 3\.$"):
         sweep_error((0.0, 0.0, 0.0), MILL, first(chain, 3))
+    assert abs(sweep_error(chain.contact[1], MILL, first(chain, 4))) < 1e-9
     still = replace(chain, tip=0 * chain.tip, axis=0 * chain.axis + (0, 0, 1))
     with pytest.raises(ValueError, match=r"^chain: each position must differ from the next; got"):
         sweep_error((0.0, 0.0, 0.0), MILL, still)

@@ -130,6 +130,23 @@ def test_a_chain_has_a_thousand_positions_to_either_side_at_most(found):
         trace_chain(SADDLE, MILL, found, row, step=1 * MM, **LOOK, most=1001)
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_chain_past_an_obstacle_keeps_its_start(found, chains, side):
+    """The obstacle lies in the way of the mill, a step ahead of the start and not within it."""
+    row = int(np.flatnonzero(found.fits)[0])
+    free = chains[0]
+    start = int(np.argmin(np.abs(free.contact - found.contact[row]).sum(axis=1)))
+    ahead = start + side
+    way = free.tip[ahead] - free.tip[start]
+    radius = MILL.tip_radius + MILL.length / 2 * np.tan(MILL.half_angle)
+    middle = free.tip[ahead] + MILL.length / 2 * free.axis[ahead]
+    point = middle + 0.99 * radius * way / np.linalg.norm(way)
+    blocked = trace_chain(SADDLE, MILL, found, row, step=1 * MM, others=[point], **LOOK)
+    kept = slice(None, start + 1) if side > 0 else slice(start, None)
+    assert len(blocked) <= len(free.tip[kept]) < len(free)
+    assert np.abs(blocked.contact - found.contact[row]).sum(axis=1).min() < 1e-12
+
+
 def test_a_margin_of_half_the_width_leaves_nothing():
     with pytest.raises(ValueError, match=r"^margin: must be below 0\.5; got 0\.5\.$"):
         SADDLE.parameters(3, margin=0.5)
@@ -150,8 +167,12 @@ def test_what_chains_leave_is_the_least_of_what_each_leaves():
     alone = [sweep_error(PLANE.mesh(21), BALL, one) for one in chains]
     np.testing.assert_array_equal(both.error, np.minimum(*alone))
     assert both.area.sum() == pytest.approx(0.04**2)
-    with pytest.raises(ValueError, match=r"^chains: must be a list of one Chain or more; got"):
-        coverage_of(PLANE, BALL, [])
+    for wrong, said in (
+        ([], "be a list of one Chain or"),
+        ([straight(0.0, 3)], "each be a Chain of f"),
+    ):
+        with pytest.raises(ValueError, match=rf"^chains: must {said}"):
+            coverage_of(PLANE, BALL, wrong)
 
 
 def test_a_coverage_takes_the_chain_that_adds_most_and_none_that_adds_little(found, chains):
