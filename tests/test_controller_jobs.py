@@ -28,16 +28,15 @@ static int32_t counts(int32_t set)
 int main(void)
 {
     int32_t first = -1, steps = 0, scans;
-    begin();
     tunneller.bEnable = true;
     tunneller.nActualTheta = counts(BEGIN_THETA);
     tunneller.nActualPhi = counts(BEGIN_PHI);
     for (scans = 0; !tunneller.bDone && !tunneller.bError; ++scans) {
-        if (scans % SLOW == 0) fb_setpoints(&setpoints, &shared);
+        if (scans % SLOW == 0) fb_setpoints(&setpoints, &ring);
         tunneller.bStart = scans > 2;
         tunneller.bStepDone = tunneller.bStepRequest;
         steps += tunneller.bStepRequest;
-        fb_tunneller(&tunneller, &shared);
+        fb_tunneller(&tunneller, &ring);
         tunneller.nActualTheta = counts(tunneller.nSetTheta);
         tunneller.nActualPhi = counts(tunneller.nSetPhi);
         if (tunneller.bTaken && tunneller.nScale > 0 && first < 0) first = scans;

@@ -1,4 +1,7 @@
-"""The exported slow task, run: its waypoints are the library's corrected chord."""
+"""Waypoints in Structured Text for a controller that gets its knots as it goes, run.
+
+They are the library's corrected chord. Their cost is measured by references/controller_cycles.py.
+"""
 
 import ctypes
 import operator
@@ -7,11 +10,14 @@ import numpy as np
 import pytest
 
 from tests import structured_text
+from tests.references.controller_cycles import waypoints_c99, waypoints_text
 from tests.structured_text import FunctionBlock, check_names
 from tests.test_export import built, check_indents, compilers
-from tunneller_lib.motion.slow_task import waypoint_operations, waypoints_c99, waypoints_text
+from tunneller_lib.motion.export import operations, read_blocks
 from tunneller_lib.paths import corrected_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE
+
+READS = ["tests/references/waypoints.st"]
 
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
@@ -92,7 +98,7 @@ def test_c_of_fewest_and_most_waypoints_compiles(tmp_path, compiler, points):
 
 
 def test_operations_are_at_most_six_times_the_chord_s():
-    count = waypoint_operations(32)
+    count = operations(*read_blocks(waypoints_text(32)))
     assert sum(count) <= 6 * CHORD
     assert sum(count) == 1761 and count.divisions == 103 and count.functions == 144
 
@@ -119,7 +125,7 @@ def test_operations_are_those_of_a_run(monkeypatch):
     for points in (3, 9):
         done.clear()
         in_structured_text(points, p, q)
-        counted = waypoint_operations(points)
+        counted = operations(*read_blocks(waypoints_text(points)))
         assert {kind: done.count(kind) for kind in counted._fields} == counted._asdict()
 
 
@@ -131,10 +137,3 @@ def test_texts_are_indented_as_they_are_nested():
     check_indents(waypoints_c99(9), r"\{$", r"\}")
     block = waypoints_text(9).split("FB_Waypoints\n")[1].removesuffix("END_FUNCTION_BLOCK\n")
     check_indents(block, r"^(VAR|ELSE$)|(THEN|DO)$", r"END_|ELSE")
-
-
-@pytest.mark.parametrize("call", [waypoints_text, waypoints_c99, waypoint_operations])
-def test_numbers_of_waypoints_are_from_3_to_1000(call):
-    for points in (2, 1001, 3.5):
-        with pytest.raises(ValueError, match=r"^points: must be one whole number from 3 to 1000"):
-            call(points)
