@@ -106,7 +106,7 @@ def notebook_sources(notebook):
     data = [
         file
         for folder in ("notebooks", "tests/references")
-        for file in (*(root / folder).glob("*.csv"), *(root / folder).glob("*.st"))
+        for file in (root / folder).glob("*.csv")
         if file.name in text
     ]
     shared = file_digests(root, [root / "environment.txt", *data, *files - python])

@@ -6,7 +6,7 @@ constants, and the proof that with them the slow task is in time and nothing lea
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from ..arguments import checked
 from ..motion import follow
 from ..motion.export import line_text, operations, read_blocks, with_constants
+from ..ream.cutting import whole_run
 from ..ream.moves import MOST, levers
 from ..ream.planning import Plan
 from .reader import Job
@@ -26,7 +27,7 @@ OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
-PLAIN = "rValve := (aGain[nAxis] * (rSet - rAt) + aForward[nAxis] * rSlope) / aSpeed[nAxis];"
+PLAIN = "rValve := (aGain[nAxis] * (rSet - rAt) + aForward[nAxis] * rSlope) / aSpeed[nAxis];\n"
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +120,14 @@ def program(plan: Plan, job: Job):
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
     text = _text(plan, "aSpeed" in theta)
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
-    cost = sum(operations(setpoints, nAtOnce=at_once))
-    _check_operations(job, cost, slow)
+    cost = at_once * operations(setpoints)
+    allowed = job.controller.get("operations", OPERATIONS)
+    needs = cost / (slow * plan.tick)
+    if needs > allowed:
+        raise ValueError(
+            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
+            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
+        )
     tick = round(1e9 * plan.tick)  # ns
     words = {
         "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "RING": ring,
@@ -141,13 +148,7 @@ def chord_rows(plan):
     torus = plan.circuit.machine.torus
     way = plan.route
     along = plan.reached[np.concatenate([[0], np.cumsum(plan.ticks)])][1:]
-    knot = np.clip(np.searchsorted(way.ends, along, side="right") - 1, 0, len(way.ends) - 2)
-    knot[along >= way.ends[-1]] = len(way.ends) - 2
-    u = (along - way.ends[knot]) / np.diff(way.ends)[knot]
-    corner = np.where(u < 0.5, knot, knot + 1)
-    half = way.halves[corner]
-    x = np.abs(along - way.ends[corner]) / np.where(half > 0, half, 1)
-    weight = np.where((half > 0) & (x < 1), half * (3 / 16 + 3 * x**2 / 8 - x**4 / 16 - x / 2), 0.0)
+    knot, corner, weight = way.rounding(along)
     foot = plan.setpoints[1:] - way.kinks[corner] * weight[:, None]
     at = plan.circuit.position(way.places)
     at[-1] = at[0]
@@ -316,9 +317,7 @@ def _throughput(plan, ticks, stopping):
 def _trip(plan, job):
     """Return the following error that shuts the valves, in m at the cutter."""
     plants, loops = job.axes
-    runs = plan.entry, plan, plan.leave
-    setvalues = np.concatenate([plan.entry.setvalues[:1], *(run.setvalues[1:] for run in runs)])
-    slopes = np.concatenate([run.slopes for run in runs])
+    setvalues, slopes = whole_run(replace(plan, laps=1))
     track = follow(plants, loops, setvalues, slopes=slopes)
     # As the controller has it: theta's by the longest arm.
     off = np.abs(track.setvalue - track.position) * _arms(plan.circuit.machine)
@@ -335,17 +334,6 @@ def _trip(plan, job):
 def _arms(machine):
     """Return the cutter's greatest way (2,) by a radian of each joint, in m."""
     return np.array([machine.r + machine.R, machine.R])
-
-
-def _check_operations(job, cost, slow):
-    """Raise ValueError if the slow task takes more operations than the job allows."""
-    allowed = job.controller.get("operations", OPERATIONS)
-    needs = cost / (slow * job.planned.tick)
-    if needs > allowed:
-        raise ValueError(
-            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
-            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
-        )
 
 
 def _axis(plant, loop):
@@ -371,7 +359,7 @@ def _text(plan, plain):
                    for name in ("controller", "static_inverse"))  # fmt: skip
     if plan.path != "corrected chord":  # M is on the chord
         text = re.sub(r".*aShift.*\n", "", text)
-    return text.replace("@LINE\n", line_text()).replace("@VALVE\n", f"{PLAIN}\n" if plain else valve)
+    return text.replace("@LINE\n", line_text()).replace("@VALVE\n", PLAIN if plain else valve)
 
 
 def _interval(time):

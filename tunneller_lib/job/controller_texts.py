@@ -1,7 +1,7 @@
 """A `Program` of the controller written out: Structured Text, C99 with its header, PLCopen XML."""
 
 import re
-from xml.sax.saxutils import escape
+from html import escape
 
 from ..arguments import checked
 from ..motion.export import C_HEAD, C_MACROS, c99_code, c99_types, read_blocks, read_rows
@@ -55,7 +55,8 @@ def plcopen_xml(made: Program):
     for block in read_blocks(made.text):
         if block.kind == "STRUCT":
             types += [f'<dataType name="{block.name}"><baseType><struct>',
-                      *_variables(block.rows("VAR")), "</struct></baseType></dataType>"]  # fmt: skip
+                      *_variables(block.rows("VAR")),
+                      "</struct></baseType></dataType>"]  # fmt: skip
             continue
         kind = "program" if block.kind == "PROGRAM" else "functionBlock"
         pous += [f'<pou name="{block.name}" pouType="{kind}">', "<interface>"]
@@ -83,7 +84,7 @@ def plcopen_xml(made: Program):
 
 def _words(text):
     """Return a text as open readers look for it: as a paragraph, not in a division of text."""
-    return f"<xhtml:p>{escape(text)}</xhtml:p>"
+    return f"<xhtml:p>{escape(text, quote=False)}</xhtml:p>"
 
 
 def _variables(rows):

@@ -8,8 +8,6 @@ import re
 from importlib.resources import files
 from typing import NamedTuple
 
-import numpy as np
-
 from ..arguments import Whole, checked
 
 KINDS = {"BOOL": "bool", "DINT": "int32_t", "LREAL": "double"}
@@ -36,8 +34,8 @@ C_MACROS = """
 STRUCT = r"(\w+) : STRUCT\n(.*?) +END_STRUCT"
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
 ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
-# Operations, simple ones with signs; a sign of a number is a part of it.
-COUNTED = r" [-+*] |(?<=[\s(])-(?=[A-Za-z(])", r" / | MOD ", r"\b(?:SQRT|SIN|COS|ATAN2?)\("
+# Operations; a sign of a number is a part of it.
+COUNTED = r" [-+*/] |(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
 class Row(NamedTuple):
@@ -137,57 +135,13 @@ def _number(value):
     return re.sub(r"^(-?\d+)e", r"\1.0e", text)
 
 
-class Operations(NamedTuple):
-    """How many operations a call takes.
+def operations(block):
+    """Return how many operations a round of a `Block` takes at most, each statement done once.
 
-    Parameters
-    ----------
-    simple, divisions, functions : int
-        Sums, products and changes of sign; quotients and remainders; roots, sines and the like.
+    Neither indices nor comparisons count.
     """
-
-    simple: int
-    divisions: int
-    functions: int
-
-
-def operations(block, **sizes):
-    """Return the `Operations` of a call of a `Block` at most.
-
-    Loops go as often as their bounds say, in which names stand for the `sizes`. Of branches the
-    dearest counts, of conditions every one. Neither indices nor comparisons count.
-    """
-    levels = [[np.zeros(3, dtype=int)]]  # of each nesting the branches so far, the last is open
-    times = []
-    body = re.sub(r"\(\*.*?\*\)", "", "\n".join(block.body), flags=re.S)
-    for line in _statements(body.splitlines()):
-        text = line.strip()
-        plain = re.sub(r"\[[^][]*\]", "", text)
-        cost = [len(re.findall(kind, plain)) for kind in COUNTED]
-        if text.startswith(("FOR ", "WHILE ")):
-            bounds = re.search(r":= (.*) TO (.*?)(?: BY -1)? DO|< (\w+)(?: AND .*)? DO", text)
-            first, last = bounds.groups()[:2] if bounds[1] else ("1", bounds[3])
-            times.append(1 + abs(_bound(last, sizes) - _bound(first, sizes)))
-            levels.append([np.zeros(3, dtype=int)])
-        elif text.startswith("IF "):
-            levels[-1][-1] += cost
-            levels.append([np.zeros(3, dtype=int)])
-        elif text.startswith(("ELSIF ", "ELSE")):
-            levels[-2][-1] += cost
-            levels[-1].append(np.zeros(3, dtype=int))
-        elif text.startswith("END_"):
-            branches = levels.pop()
-            many = times.pop() if text in ("END_FOR;", "END_WHILE;") else 1
-            levels[-1][-1] += many * max(branches, key=np.sum)
-        else:
-            levels[-1][-1] += cost
-    return Operations(*levels[0][0].tolist())
-
-
-def _bound(text, sizes):
-    """Return the whole number that a bound of a loop is."""
-    first, _, less = text.partition(" - ")
-    return int(sizes.get(first, first)) - int(less or 0)
+    text = re.sub(r"\(\*.*?\*\)|\[[^][]*\]", "", "\n".join(block.body), flags=re.S)
+    return len(re.findall(COUNTED, text))
 
 
 def c99_types(blocks):
