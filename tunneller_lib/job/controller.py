@@ -220,8 +220,7 @@ def _ramps(plan, parts, ends, ticks):
     if found[0].min() < 1:
         raise ValueError(
             f"[plan] tick: the acceleration changes the feed by too little in {plan.tick:g} s; "
-            f"{1.1 * plan.tick * FULL / (FULL * most / np.sqrt(square.max())) / FULL:.2g} s would "
-            "do."
+            f"{1.1 * plan.tick * np.sqrt(square.max()) / most / FULL:.2g} s would do."
         )
     return found.T
 
