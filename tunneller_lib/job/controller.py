@@ -165,10 +165,9 @@ def chord_rows(plan):
     rows = {
         "aKnot": knot, "aShare": share, "aWeight": weight, "aCorner": corner,
         "aKnotX": points[:, 0], "aKnotY": points[:, 1], "aKnotZ": points[:, 2],
-        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1],
+        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1], "aShift": shift,
+        "aAsideX": aside[:, 0], "aAsideY": aside[:, 1], "aAsideZ": aside[:, 2],
     }  # fmt: skip
-    if plan.path == "corrected chord":
-        rows |= {"aShift": shift, **{f"aAside{x}": aside[:, i] for i, x in enumerate("XYZ")}}
     return {name: values.tolist() for name, values in rows.items()}
 
 
