@@ -101,6 +101,7 @@ def program(plan: Plan, job: Job):
     # Moves of a lap first, then those of the entry and of the exit.
     entry, lap = len(plan.entry.ticks), len(plan.ticks)
     order = np.r_[entry : entry + lap, :entry, entry + lap : len(ticks)]
+    free[[0, entry]] = FULL  # from rest as planned, also behind a step
     change = plan.limits.acceleration * plan.tick**2
     constants = {
         "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
@@ -301,10 +302,11 @@ def _throughput(plan, ticks, stopping):
             f"[plan] tick: {needed.max()} setpoints must be ahead, and the controller has "
             f"{RINGS[-1]} places; {2 * plan.tick * needed.max() / RINGS[-1]:.2g} s would do."
         )
-    # At each call: the setpoints that a full ring has, and those that must be known till the next.
+    # At each call: the setpoints that a full ring has, and those that must be known till the call
+    # behind the next, since a run begins anywhere between two.
     calls = np.arange(0, ends[-1] + slow, slow)
     most = np.minimum(np.searchsorted(ends, calls, side="right") + ring, len(ends))
-    least = np.minimum(np.searchsorted(ends, calls + slow + stopping) + 1, len(ends))
+    least = np.minimum(np.searchsorted(ends, calls + 2 * slow + stopping) + 1, len(ends))
     for at_once in range(1, ring):  # as many as ring are always enough
         ready = at_once * (calls // slow)
         if np.all(ready + np.minimum.accumulate(most - ready) >= least):
