@@ -181,7 +181,7 @@ def test_run_on_time_is_the_librarys_to_a_tick(started, wanted):
     running = (found[:, 8] == 1) & (found[:, 9] == FULL) & (found[:, 7] == 0)
     begin = int(np.flatnonzero(running)[0])
     end = int(np.flatnonzero(found[:, 7])[0])
-    assert end - begin - (plan.laps - 1) * 2 == len(slopes)  # two scans for a step between laps
+    assert end - begin - (plan.laps - 1) == len(slopes)  # a scan for a step between laps
     if plan.laps > 1:
         return
     run = slice(begin, end)
