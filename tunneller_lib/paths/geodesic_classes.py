@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..elementwise import larger, ratio, smaller, some, square_root, where
-from ..repeatable import growth, sine_cosine
+from ..repeatable import area_sine, growth, sine_cosine
 
 STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
 STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
@@ -36,11 +36,14 @@ class Ends(NamedTuple):
     Parameters
     ----------
     sine_a, cosine_a, sine_b, cosine_b, sine, cosine : (...) float
-        Of a/2, of b/2 and of their difference.
+        Of a/2, of b/2 and of half their difference.
     apart : (...) float
         sin^2(a/2) - sin^2(b/2).
     rho_a, rho_b : (...) float
         Distances from the torus' axis, in m.
+    meridian, room : (...) float
+        What the unknown x of `outer` may be at most: -`meridian` stands for the meridian, `room`
+        for the way that winds towards the inner equator of a ring or runs into a node.
     """
 
     sine_a: np.ndarray
@@ -52,49 +55,46 @@ class Ends(NamedTuple):
     apart: np.ndarray
     rho_a: np.ndarray
     rho_b: np.ndarray
+    meridian: np.ndarray
+    room: np.ndarray
 
 
 class Integrand(NamedTuple):
-    """What one value of the unknown stands for: both integrals' constants and limits.
+    """What one value of the unknown stands for: the constants and limits of both integrals.
 
     Parameters
     ----------
-    c, A, B, E : (...) float
-        The constants of both integrals.
-    sine, cosine : (...) float
+    c : (...) float
+        Clairaut's constant, in m.
+    shape : (A, B, E)
+        The other constants.
+    rates : (dc, dA, dB, dE)
+        What all four change by with the unknown.
+    first : (sine, cosine)
         Of the lower limit of t, which is from -pi/2 to pi/2.
-    across, along : (...) float
-        Sine and cosine of how far the upper limit is from the lower.
-    sine_b, cosine_b : (...) float
+    span : (sine, cosine)
+        Of how far the upper limit is from the lower.
+    last : (sine, cosine)
         Of the upper limit, which is below pi.
-    dc, dA, dB, dE, dfirst, dlast : (...) float
-        What the constants and both limits change by with the unknown.
-    cos_a, cos_b : (...) float
-        Cosines of the azimuths.
+    motion : (dfirst, dlast)
+        What both limits change by with the unknown.
+    cosines : (cos_a, cos_b)
+        Of the azimuths at both ends.
     """
 
     c: np.ndarray
-    A: np.ndarray
-    B: np.ndarray
-    E: np.ndarray
-    sine: np.ndarray
-    cosine: np.ndarray
-    across: np.ndarray
-    along: np.ndarray
-    sine_b: np.ndarray
-    cosine_b: np.ndarray
-    dc: np.ndarray
-    dA: np.ndarray
-    dB: np.ndarray
-    dE: np.ndarray
-    dfirst: np.ndarray
-    dlast: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
+    shape: tuple
+    rates: tuple
+    first: tuple
+    span: tuple
+    last: tuple
+    motion: tuple
+    cosines: tuple
 
 
 def ends_of(torus, a, b):
     """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
+    R = torus.R
     sine_a, cosine_a = sine_cosine(a / 2)
     sine_b, cosine_b = sine_cosine(b / 2)
     sine, cosine = sine_cosine((a - b) / 2)
@@ -103,7 +103,12 @@ def ends_of(torus, a, b):
     rho_b = distance(torus, b, cosine_b)
     # A product has the difference of the squares to its last digits, near ends or not.
     apart = middle * sine
-    return Ends(sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b)
+    meridian = square_root(rho_a / (2 * R))
+    # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
+    # spindle it is the meridian, through the node (c = 0).
+    room = cosine_a if torus.r >= R else meridian
+    halves = sine_a, cosine_a, sine_b, cosine_b, sine, cosine
+    return Ends(*halves, apart, rho_a, rho_b, meridian, room)
 
 
 def distance(torus, phi, cosine):
@@ -121,14 +126,7 @@ def wide(torus):
 
 def steepest(torus, ends):
     """Return the unknown of `outer` that stands for the meridian."""
-    return -where(wide(torus), STEEPEST, 1.0) * square_root(ends.rho_a / (2 * torus.R))
-
-
-def room(torus, ends):
-    """Return what the unknowns of `outer` and `second` are measured by: where x ends."""
-    # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
-    # spindle it is the meridian, through the node (c = 0).
-    return ends.cosine_a if torus.r >= torus.R else square_root(ends.rho_a / (2 * torus.R))
+    return -where(wide(torus), STEEPEST, 1.0) * ends.meridian
 
 
 def outer(torus, ends, u):
@@ -155,70 +153,65 @@ def outer(torus, ends, u):
     rho_a - c = 2R x^2 and rho_b - c = 2R W^2: nothing cancels where x is small, and all follows
     from x.
     """
-    R = torus.R
-    sa = ends.sine_a
-    sb = ends.sine_b
-    X = room(torus, ends)
+    r, R = torus.r, torus.R
+    sa, ca, sb, cb, sine, cosine, apart, rho_a, rho_b, L, X = ends
+    x, gap, dx = u, X - u, 1.0
+    e = gap * (X + x)  # X^2 - x^2
     # On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle
     # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
     # there is no such end, and x = u joins without a bend.
     rising = u > 0
-    farthest = _farthest(torus)
-    grown = growth(where(rising, smaller(2 * u / X, farthest), 0.0))
-    x = where(rising, X * (grown / (2 + grown)), u)
-    # X - x without cancellation where u is great.
-    gap = where(rising, 2 * X / (2 + grown), X - u)
-    e = gap * (X + x)  # X^2 - x^2
-    dx = where(rising, e / (X * X), 1.0)
-    if torus.r <= R:  # there the class ends by the node, and nothing turns farther
-        dx = where(2 * u / X > farthest, 0.0, dx)
+    if some(rising):
+        farthest = _farthest(torus)
+        twice = 2 * u / X
+        grown = growth(where(rising, smaller(twice, farthest), 0.0))
+        x = where(rising, X * (grown / (2 + grown)), x)
+        # X - x without cancellation where u is great.
+        gap = where(rising, 2 * X / (2 + grown), gap)
+        e = gap * (X + x)
+        dx = where(rising, e / (X * X), 1.0)
+        if r <= R:  # there the class ends by the node, and nothing turns farther
+            dx = where(twice > farthest, 0.0, dx)
     c, rest, k2, k, W = _swing(torus, ends, x, e)
     # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels there,
     # and by the node of a horn the least c turns far: u counts x + L by its logarithm.
-    L = square_root(ends.rho_a / (2 * R))
-    steep = wide(torus) & (u < -STEEP * L)
-    if some(steep):
-        unit = (1 - STEEP) * L
-        left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
-        x = where(steep, left - L, x)
-        dx = where(steep, left / unit, dx)
-        c = where(steep, 2 * R * (left * (2 * L - left)), c)
-        rest = where(steep, (c - (torus.r - R)) / (2 * R), rest)
-        W = where(steep, square_root(larger(ends.apart + x * x, 0.0)), W)
-        k2 = where(steep, sa * sa + x * x, k2)
-        k = square_root(k2)
+    if wide(torus):
+        steep = u < -STEEP * L
+        if some(steep):
+            unit = (1 - STEEP) * L
+            left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
+            x = where(steep, left - L, x)
+            dx = where(steep, left / unit, dx)
+            c = where(steep, 2 * R * (left * (2 * L - left)), c)
+            rest = where(steep, (c - (r - R)) / (2 * R), rest)
+            W = where(steep, square_root(larger(apart + x * x, 0.0)), W)
+            k2 = where(steep, sa * sa + x * x, k2)
+            k = square_root(k2)
     # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
     # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
-    sum_ = W * sa - x * sb
-    small = ends.apart * k2 / where(sum_ > 0, sum_, 1.0)
-    across = where(x * sb < 0, small, W * sa + x * sb) / k2
-    along = (sa * sb - W * x) / k2
+    lower, upper = x * sb, W * sa
+    sum_ = upper - lower
+    small = apart * k2 / where(sum_ > 0, sum_, 1.0)
     dk2 = 2 * x * dx
-    dfirst = -sa * dx / k2
-    dlast = ratio(sb * x * dx, W * k2)
-    # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
-    # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
+    shape = abs(rest), k2, 0.0
+    rates = -2 * R * dk2, -dk2, dk2, 0.0
+    first = -x / k, sa / k
+    span = where(lower < 0, small, upper + lower) / k2, (sa * sb - W * x) / k2
+    last = W / k, sb / k
+    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
     free = rest < 0
-    return Integrand(
-        c,
-        abs(rest),
-        where(free, 1.0, k2),
-        where(free, -rest, 0.0),
-        where(free, ends.cosine_a, -x / k),
-        where(free, sa, sa / k),
-        where(free, ends.sine, across),
-        where(free, ends.cosine, along),
-        where(free, ends.cosine_b, W / k),
-        where(free, sb, sb / k),
-        -2 * R * dk2,
-        where(free, dk2, -dk2),
-        where(free, 0.0, dk2),
-        where(free, dk2, 0.0),
-        where(free, 0.0, dfirst),
-        where(free, 0.0, dlast),
-        x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a,
-        -W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b,
-    )
+    if some(free):
+        # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
+        # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
+        shape = abs(rest), where(free, 1.0, k2), where(free, -rest, 0.0)
+        rates = rates[0], where(free, dk2, -dk2), where(free, 0.0, dk2), where(free, dk2, 0.0)
+        first = where(free, ca, first[0]), where(free, sa, first[1])
+        span = where(free, sine, span[0]), where(free, cosine, span[1])
+        last = where(free, cb, last[0]), where(free, sb, last[1])
+        motion = where(free, 0.0, motion[0]), where(free, 0.0, motion[1])
+    cos_a = x * square_root(2 * R * (rho_a + c)) / rho_a
+    cos_b = -W * square_root(2 * R * (rho_b + c)) / rho_b
+    return Integrand(c, shape, rates, first, span, last, motion, (cos_a, cos_b))
 
 
 def peaked(torus, ends, b, angle):
@@ -246,50 +239,27 @@ def in_legs(way):
     To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
     is mirrored, for the integrands repeat backwards. What a way doesn't have is of no length.
     """
-    rising = way.sine < 0
-    below = way.cosine_b < 0
-    sine = larger(way.sine, 0.0)
-    cosine = where(rising, 1.0, way.cosine)
-    across = where(rising, way.sine_b, way.across)
-    along = where(rising, way.cosine_b, way.along)
-    up = sine, cosine, where(rising, -way.sine, 0.0), where(rising, way.cosine, 1.0)
-    down = sine, cosine, where(below, cosine, across), where(below, sine, along)
-    last = (
-        where(below, way.sine_b, 1.0),
-        where(below, -way.cosine_b, 0.0),
-        where(below, -way.cosine_b, 0.0),
-        where(below, way.sine_b, 1.0),
-    )
+    (sine, cosine), (sine_b, cosine_b) = way.first, way.last
+    dfirst, dlast = way.motion
+    rising = sine < 0
+    below = cosine_b < 0
+    begin = larger(sine, 0.0), where(rising, 1.0, cosine)
+    up = where(rising, -sine, 0.0), where(rising, cosine, 1.0)
+    across = where(rising, sine_b, way.span[0])
+    along = where(rising, cosine_b, way.span[1])
+    down = where(below, begin[1], across), where(below, begin[0], along)
+    mirrored = where(below, sine_b, 1.0), where(below, -cosine_b, 0.0)
     return (
-        _leg(way, up, 0.0, -way.dfirst),
-        _leg(way, down, 0.0, where(below, 0.0, way.dlast)),
-        _leg(way, last, where(below, -way.dlast, 0.0), 0.0),
+        _leg(way, begin, up, 0.0, -dfirst),
+        _leg(way, begin, down, 0.0, where(below, 0.0, dlast)),
+        _leg(way, mirrored, (mirrored[1], mirrored[0]), where(below, -dlast, 0.0), 0.0),
     )
 
 
-def _leg(way, limits, dfirst, dlast):
-    """Return a part of a way between other limits."""
-    sine, cosine, across, along = limits
-    return Integrand(
-        way.c,
-        way.A,
-        way.B,
-        way.E,
-        sine,
-        cosine,
-        across,
-        along,
-        sine,  # not used of a leg
-        cosine,
-        way.dc,
-        way.dA,
-        way.dB,
-        way.dE,
-        dfirst,
-        dlast,
-        way.cos_a,
-        way.cos_b,
-    )
+def _leg(way, first, span, dfirst, dlast):
+    """Return a part of a way between other limits, the upper of which nobody asks for."""
+    motion = dfirst, dlast
+    return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
 
 
 def second(torus, ends, u, sense=1):
@@ -322,9 +292,7 @@ def second(torus, ends, u, sense=1):
     each leg is mirrored to where t is in [-pi/2, pi/2], and ends at pi/2.
     """
     R = torus.R
-    sa = ends.sine_a
-    sb = ends.sine_b
-    X = room(torus, ends)
+    sa, sb, X = ends.sine_a, ends.sine_b, ends.room
     grown = growth(smaller(2 * abs(u) / X, _farthest(torus)))
     x = sense * np.copysign(X * (grown / (2 + grown)), u)
     gap = 2 * X / (2 + grown)  # X - |x|
@@ -336,6 +304,8 @@ def second(torus, ends, u, sense=1):
     dlast = ratio(sb * x * dx, W * k2)
     cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
     cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    shape = rest, k2, 0.0
+    rates = -2 * R * dk2, -dk2, dk2, 0.0
     # Down to the outer equator, on to its next crossing or to b, and up from there.
     over = sb > 0
     legs = []
@@ -344,9 +314,9 @@ def second(torus, ends, u, sense=1):
         (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
         (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
     ):
-        limits = sine, cosine, cosine, sine, 1.0, 0.0  # what is missing to a right angle
-        rates = -2 * R * dk2, -dk2, dk2, 0.0, speed, 0.0
-        legs.append(Integrand(c, rest, k2, 0.0, *limits, *rates, cos_a, cos_b))
+        first, span = (sine, cosine), (cosine, sine)  # what is missing to a right angle
+        cosines = cos_a, cos_b
+        legs.append(Integrand(c, shape, rates, first, span, (1.0, 0.0), (speed, 0.0), cosines))
     return legs
 
 
@@ -380,16 +350,14 @@ def inner(torus, ends, u):
     kappa2 = narrow / R * slow  # (r - R - c) / 2R, whose difference would cancel
     dc = 4 * narrow * slow * (1 - slow)
     dkappa2 = -2 * kappa2 * (1 - slow)
-    sa = ends.sine_a
-    sb = ends.sine_b
-    ca = ends.cosine_a
-    cb = ends.cosine_b
+    sa, ca, sb, cb = ends.sine_a, ends.cosine_a, ends.sine_b, ends.cosine_b
     # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
     cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
     cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
-    limits = -ca, sa, sa * cb - ca * sb, -ends.cosine, cb, -sb
-    rates = dc, dkappa2, 0.0, dkappa2, 0.0, 0.0
-    return Integrand(c, kappa2, 1.0, kappa2, *limits, *rates, cos_a, cos_b)
+    shape = kappa2, 1.0, kappa2
+    rates = dc, dkappa2, 0.0, dkappa2
+    span = sa * cb - ca * sb, -ends.cosine
+    return Integrand(c, shape, rates, (-ca, sa), span, (cb, -sb), (0.0, 0.0), (cos_a, cos_b))
 
 
 def _farthest(torus):
@@ -402,8 +370,133 @@ def _farthest(torus):
 def _swing(torus, ends, x, e):
     """Return c, 1 - k^2, k^2, k, and W of `outer` from x and X^2 - x^2."""
     r, R = torus.r, torus.R
-    W = square_root(larger(ends.apart + x * x, 0.0))
-    k2 = ends.sine_a * ends.sine_a + x * x
+    x2 = x * x
+    k2 = ends.sine_a * ends.sine_a + x2
+    W = square_root(larger(ends.apart + x2, 0.0))
     c = 2 * R * e + (r - R if r > R else 0.0)
     rest = e + (0.0 if r >= R else (R - r) / (2 * R))
     return c, rest, k2, square_root(k2), W
+
+
+# ---- both integrals --------------------------------------------------------
+
+
+def add_nodes(torus, way, nodes, rows):
+    """Write down what nodes at shares of the way from both of its ends add to each integral.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    way : Integrand
+        Constants and limits, numbers or (n,) each.
+    nodes : (2, k) float
+        Shares and weights, numbers or a column each.
+    rows : (3, k) float
+        Filled with parts of the turned angle, of its rate by the unknown, and of the length.
+    """
+    c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
+    first, last, half, width = _stretched(torus, way)
+    twice = 2 * torus.R
+    shares, weights = nodes[0], nodes[1]
+    turned, rate, length = rows[0], rows[1], rows[2]
+    for k in range(len(shares)):
+        grown = 1 + growth(width * shares[k])
+        shrunk = 1 / grown
+        step = weights[k] * (width * half)
+        turned_by = rate_by = length_by = 0.0
+        for above, below in (first * grown, shrunk / first), (last * shrunk, grown / last):
+            v = half * (above - below)
+            v2 = v * v
+            flat = 1 / (1 + v2)
+            sine = 4 * v * (1 - v2) * (flat * flat)
+            sin2 = sine * sine
+            rho = c + twice * (E + B * sin2)
+            both = rho + c
+            D = A + B * sin2
+            under = both * D
+            # One quotient has those by rho, both and D.
+            all_ = 1 / (rho * under)
+            by_rho = all_ * under
+            density = square_root(twice * (all_ * rho)) * (4 * (step * (above + below)) * flat)
+            # The rate of c / (rho sqrt((rho + c) D)) by the unknown, from its logarithm.
+            drho = dc + twice * (dE + dB * sin2)
+            dD = dA + dB * sin2
+            spread = (
+                drho * by_rho
+                + (drho + dc) / 2 * (all_ * (rho * D))
+                + dD / 2 * (all_ * (rho * both))
+            )
+            turned_by = turned_by + c * by_rho * density
+            rate_by = rate_by + (dc - c * spread) * by_rho * density
+            length_by = length_by + rho * density
+        turned[k] = turned_by
+        rate[k] = rate_by
+        length[k] = length_by
+
+
+def _stretched(torus, way):
+    """Return by which substitution the integrals of a way are taken.
+
+    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
+    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
+    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
+    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
+    """
+    c, (A, B, E), (sine, cosine), (across, along) = way.c, way.shape, way.first, way.span
+    tangent = sine / (1 + cosine)  # of half of the lower limit
+    first = tangent / (1 + square_root(1 + tangent * tangent))
+    # Half of the span, by the root of what doesn't cancel.
+    short = along > 0
+    long_side = square_root((1 + abs(along)) / 2)
+    short_side = across / (2 * long_side)
+    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
+    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
+    last = first + width
+    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
+    narrow = larger(smaller(A, E + c / (2 * torus.R)), 0.0) / B
+    narrow = smaller(narrow, 1e100)
+    half = square_root(narrow) / (1 + square_root(1 + narrow))
+    peak = half / (1 + square_root((1 - half) * (1 + half)))
+    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
+    past = larger(first, 0.0)
+    a0 = larger(square_root(peak * peak + past * past), 1e-30)
+    x = first / a0
+    z = last / a0
+    root_x = square_root(1 + x * x)
+    root_z = square_root(1 + z * z)
+    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
+    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
+    right = x > 0
+    shared = where(right, z * root_x + x * root_z, 1.0)
+    apart = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
+    lead = where(right, x + root_x, 1 / (root_x - x))
+    return lead, z + root_z, a0 / 2, area_sine(apart)
+
+
+def moving(torus, way):
+    """Return what the motion of the limits adds to the rate of the turned angle."""
+    (sine, cosine), (across, along) = way.first, way.span
+    upper = sine * along + cosine * across
+    first = _density(torus, way, sine * sine)
+    last = _density(torus, way, upper * upper)
+    return way.motion[1] * last - way.motion[0] * first
+
+
+def _density(torus, way, sin2):
+    """Return the rate of the turned angle by t."""
+    c, (A, B, E) = way.c, way.shape
+    rho = c + 2 * torus.R * (E + B * sin2)
+    return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
+
+
+def folded(values, count):
+    """Return the sum of so many values, or rows of them, which change, in an order that is kept."""
+    while count % 2 == 0:
+        count = count // 2
+        for k in range(count):
+            values[k] += values[count + k]
+    total = values[0]
+    for k in range(1, count):
+        total = total + values[k]
+    return total

@@ -14,18 +14,24 @@ from ..compiled import loop
 from ..elementwise import larger, ratio, some, square_root, where
 from ..exact import two_sum
 from ..repeatable import arctangent, reduced, sine_cosine
-from .geodesic_classes import distance, ends_of, in_legs, inner, outer, peaked
+from .geodesic_classes import (
+    add_nodes,
+    distance,
+    ends_of,
+    folded,
+    in_legs,
+    inner,
+    moving,
+    outer,
+    peaked,
+)
 from .geodesic_root import (
     AGREES,
     ROUNDS,
-    folded,
-    moving,
     newton,
     on_working_sheet,
     rule,
     start,
-    stretched,
-    two_nodes,
 )
 
 KINDS = np.array(["none", "point", "meridian", "outer", "inner"])
@@ -202,7 +208,7 @@ def padded(count):
     return np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
 
 
-@loop(inlined=("growth", "two_to_bits", "two_nodes", "_node"))
+@loop(inlined=("growth", "two_to_bits", "add_nodes"))
 def find(torus, ends, few, many, counts, rows, answers, codes):
     """Write down the shortest geodesics between pairs of ends.
 
@@ -277,7 +283,7 @@ def _search(torus, ends, angle, begin, outside, hard, nodes, count, rows):
         way = outer(torus, ends, u) if outside else inner(torus, ends, u)
         if done:
             kind = OUTER if outside else INNER
-            return Way(kind, total, way.c, way.cos_a, way.cos_b)
+            return Way(kind, total, way.c, way.cosines[0], way.cosines[1])
         if hard:
             one, two, three = in_legs(way)
             first = _summed(torus, one, nodes, count, rows)
@@ -304,13 +310,6 @@ def _open(way):
 
 def _summed(torus, way, nodes, count, rows):
     """Return what `integrate` does, by the nodes of a rule, of which so many count."""
-    stretch = stretched(torus, way)
-    shares = nodes[0]
-    weights = nodes[1]
-    turned = rows[0]
-    rate = rows[1]
-    length = rows[2]
-    for k in range(len(shares)):
-        turned[k], rate[k], length[k] = two_nodes(torus, way, stretch, shares[k], weights[k])
-    both = folded(rate, count) + moving(torus, way)
-    return folded(turned, count), both, folded(length, count)
+    add_nodes(torus, way, nodes, rows)
+    rate = folded(rows[1], count) + moving(torus, way)
+    return folded(rows[0], count), rate, folded(rows[2], count)

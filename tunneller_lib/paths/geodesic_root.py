@@ -10,8 +10,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ..elementwise import larger, ratio, smaller, square_root, where
-from ..repeatable import area_sine, growth, sine_cosine
-from .geodesic_classes import STEEP, Ends, in_legs, outer, peaked, room, steepest, wide
+from ..repeatable import area_sine, sine_cosine
+from .geodesic_classes import (
+    STEEP,
+    Ends,
+    add_nodes,
+    folded,
+    in_legs,
+    moving,
+    outer,
+    peaked,
+    steepest,
+    wide,
+)
 from .quadrature import gauss_rule
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
@@ -38,15 +49,6 @@ class Root(NamedTuple):
     c: np.ndarray
     cos_a: np.ndarray
     cos_b: np.ndarray
-
-
-class Stretch(NamedTuple):
-    """tan(t/4) = half (G - 1/G), where G grows from `first` to `last` as exp(width share)."""
-
-    half: np.ndarray
-    first: np.ndarray
-    last: np.ndarray
-    width: np.ndarray
 
 
 @cache
@@ -132,124 +134,16 @@ def integrate(torus, way, count):
     if isinstance(way, list):
         turned, rate, length = zip(*(integrate(torus, leg, count) for leg in way), strict=True)
         return sum(turned), sum(rate), sum(length)
-    shares, weights = (row[:, None] for row in rule(count))
-    sums = two_nodes(torus, way, stretched(torus, way), shares, weights)
-    turned, rate, length = (folded(values, count // 2) for values in sums)
+    columns = [[row[:, None]] for row in rule(count)]
+    rows = [[None], [None], [None]]
+    add_nodes(torus, way, columns, rows)
+    turned, rate, length = (folded(values, count // 2) for (values,) in rows)
     return turned, rate + moving(torus, way), length
 
 
 def _outer_in_legs(torus, ends, u):
     """Return `outer` as a list of legs."""
     return list(in_legs(outer(torus, ends, u)))
-
-
-def stretched(torus, way):
-    """Return by which substitution the integrals of a way are taken.
-
-    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
-    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
-    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
-    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
-    """
-    first = _tangent_of_half(way.sine / (1 + way.cosine))
-    # Half of the span, by the root of what doesn't cancel.
-    short = way.along > 0
-    long_side = square_root((1 + abs(way.along)) / 2)
-    short_side = way.across / (2 * long_side)
-    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
-    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
-    last = first + width
-    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
-    narrow = larger(smaller(way.A, way.E + way.c / (2 * torus.R)), 0.0) / way.B
-    narrow = smaller(narrow, 1e100)
-    half = square_root(narrow) / (1 + square_root(1 + narrow))
-    peak = half / (1 + square_root((1 - half) * (1 + half)))
-    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
-    past = larger(first, 0.0)
-    a0 = larger(square_root(peak * peak + past * past), 1e-30)
-    x = first / a0
-    z = last / a0
-    root_x = square_root(1 + x * x)
-    root_z = square_root(1 + z * z)
-    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
-    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
-    right = x > 0
-    shared = where(right, z * root_x + x * root_z, 1.0)
-    sine = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
-    lead = where(right, x + root_x, 1 / (root_x - x))
-    return Stretch(a0 / 2, lead, z + root_z, area_sine(sine))
-
-
-def two_nodes(torus, way, stretch, share, weight):
-    """Return what the nodes at a share of the way from its ends add to each integral.
-
-    On a `torus`, by the `stretch` of the way; both have the same `weight`.
-    """
-    grown = 1 + growth(stretch.width * share)
-    shrunk = 1 / grown
-    step = weight * (stretch.width * stretch.half)
-    one = _node(torus, way, stretch.half, step, stretch.first * grown, shrunk / stretch.first)
-    other = _node(torus, way, stretch.half, step, stretch.last * shrunk, grown / stretch.last)
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
-
-
-def _node(torus, way, half, step, grown, shrunk):
-    """Return what a node adds to the turned angle, its rate by the unknown, and the length."""
-    v = half * (grown - shrunk)
-    dv = step * (grown + shrunk)
-    v2 = v * v
-    below = 1 / (1 + v2)
-    sine = 4 * v * (1 - v2) * (below * below)
-    sin2 = sine * sine
-    twice = 2 * torus.R
-    rho = way.c + twice * (way.E + way.B * sin2)
-    both = rho + way.c
-    D = way.A + way.B * sin2
-    under = both * D
-    # One quotient has those by rho, both and D.
-    all_ = 1 / (rho * under)
-    by_rho = all_ * under
-    density = square_root(twice * (all_ * rho)) * (4 * dv * below)
-    # The rate of c / (rho sqrt((rho + c) D)) by the unknown, from its logarithm.
-    drho = way.dc + twice * (way.dE + way.dB * sin2)
-    dD = way.dA + way.dB * sin2
-    spread = (
-        drho * by_rho + (drho + way.dc) / 2 * (all_ * (rho * D)) + dD / 2 * (all_ * (rho * both))
-    )
-    turned = way.c * by_rho * density
-    rate = (way.dc - way.c * spread) * by_rho * density
-    return turned, rate, rho * density
-
-
-def moving(torus, way):
-    """Return what the motion of the limits adds to the rate of the turned angle."""
-    sine = way.sine * way.along + way.cosine * way.across
-    first = _density(torus, way, way.sine * way.sine)
-    last = _density(torus, way, sine * sine)
-    return way.dlast * last - way.dfirst * first
-
-
-def _density(torus, way, sin2):
-    """Return the rate of the turned angle by t."""
-    rho = way.c + 2 * torus.R * (way.E + way.B * sin2)
-    return way.c / rho * square_root(2 * torus.R / ((rho + way.c) * (way.A + way.B * sin2)))
-
-
-def folded(values, count):
-    """Return the sum of so many values, or rows of them, which change, in an order that is kept."""
-    while count % 2 == 0:
-        count = count // 2
-        for k in range(count):
-            values[k] += values[count + k]
-    total = values[0]
-    for k in range(1, count):
-        total = total + values[k]
-    return total
-
-
-def _tangent_of_half(tangent):
-    """Return the tangent of half of an angle from its own."""
-    return tangent / (1 + square_root(1 + tangent * tangent))
 
 
 def newton(u, miss, rate, scale, low, high, before):
@@ -296,7 +190,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
             # For a given angle the length is stationary in c: what u lacked hardly matters.
             reached = turned + where(step == 0, 0.0, rate * step)  # with a level start no rate
             total = length + now.c * miss
-            found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
+            found[:, left[done]] = reached[done], total[done], end.c, *end.cosines
             if np.all(done):
                 return found
         # The others go on without those that are done.
@@ -311,7 +205,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
     end = way[-1] if isinstance(way, list) else way
     near = np.abs(turned - angle) * max(torus.r / torus.R, 1) <= AGREES
     turned = np.where(near, turned, np.nan)
-    found[:, left] = turned, length + end.c * (angle - turned), end.c, end.cos_a, end.cos_b
+    found[:, left] = turned, length + end.c * (angle - turned), end.c, *end.cosines
     return found
 
 
@@ -336,14 +230,14 @@ def start(torus, ends, a, b, angle):
     sine = up / size
     # x of that azimuth: rho_a - c = 2R x^2 with c = rho_a cos(tilt), 1 - cos as sin^2 / (1 + cos).
     x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
-    X = room(torus, ends)
+    X = ends.room
     # From x to u, kept off both ends of the class.
     share = smaller(larger(x / X, 0.0), 0.95)
     risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
     guess = where(x > 0, risen, 0.99 * x)
     # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
     if wide(torus):
-        L = square_root(rho_a / (2 * R))
+        L = ends.meridian
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
         times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
         far = 2 * area_sine((times - 1 / times) / 2)
