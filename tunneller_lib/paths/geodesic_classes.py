@@ -28,6 +28,14 @@ STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is 
 STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
 NARROW = 0.32  # of R: what is nearer to the axis there than that needs a leg of its own
 CLOSE = 1e-5  # rad
+PI_REST = 1.2246467991473532e-16  # what pi is more than the double next to it
+
+
+class Radii(NamedTuple):
+    """r and R of a torus as plain numbers, in any unit."""
+
+    r: float
+    R: float
 
 
 class Ends(NamedTuple):
@@ -94,25 +102,42 @@ class Integrand(NamedTuple):
 
 def ends_of(torus, a, b):
     """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
-    R = torus.R
+    return ends_at(torus, a, b, places(torus, a, b))
+
+
+def places(torus, a, b):
+    """Return sines and cosines of a/2 and b/2, and rho at both, in m."""
     sine_a, cosine_a = sine_cosine(a / 2)
     sine_b, cosine_b = sine_cosine(b / 2)
+    return sine_a, cosine_a, sine_b, cosine_b, rho(torus, a, cosine_a), rho(torus, b, cosine_b)
+
+
+def ends_at(torus, a, b, placed):
+    """Return what `ends_of` does, from their `places`."""
+    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = placed
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
-    rho_a = distance(torus, a, cosine_a)
-    rho_b = distance(torus, b, cosine_b)
     # A product has the difference of the squares to its last digits, near ends or not.
     apart = middle * sine
-    meridian = square_root(rho_a / (2 * R))
+    meridian = square_root(rho_a / (2 * torus.R))
     # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
     # spindle it is the meridian, through the node (c = 0).
-    room = cosine_a if torus.r >= R else meridian
-    halves = sine_a, cosine_a, sine_b, cosine_b, sine, cosine
-    return Ends(*halves, apart, rho_a, rho_b, meridian, room)
+    room = cosine_a if torus.r >= torus.R else meridian
+    return Ends(
+        sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b, meridian, room
+    )
+
+
+def rho(torus, phi, cosine):
+    """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet."""
+    far = distance(torus, phi, cosine)
+    return where(phi == math.pi, 0.0, far) if torus.r == torus.R else far
 
 
 def distance(torus, phi, cosine):
-    """Return rho at phi, in rad, from -pi to pi, the cosine of whose half is given."""
+    """Return how far from the axis a point at phi is, phi from -pi to pi in rad,
+    where the cosine of its half is given.
+    """
     _, level = sine_cosine(phi)
     # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
     inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)

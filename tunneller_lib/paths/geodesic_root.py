@@ -4,6 +4,7 @@ What is between the loops is element by element, so that arrays, plain numbers a
 (`geodesic_pair`) give the same bits.
 """
 
+import math
 from functools import cache
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from .geodesic_classes import (
     add_nodes,
     folded,
     in_legs,
+    inner,
     moving,
     outer,
     peaked,
@@ -64,6 +66,70 @@ def rule(count):
 def on_working_sheet(torus, a, angle):
     """Return where few nodes do, found by doubling them until nothing changed."""
     return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
+
+
+def search(torus, ends, angle, begin, outside, hard, nodes, rows):
+    """Return the way of `outer`, or else of `inner`, that turns by an angle, of plain numbers.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    ends : Ends
+        The ends.
+    angle : float
+        The turned angle, in rad.
+    begin : (u, scale, low)
+        As by `start`.
+    outside, hard : bool
+        Whether it is of `outer`, and one that takes three legs.
+    nodes : (shares and weights, count)
+        A quadrature's, of which so many count.
+    rows : (3, m) float
+        Room for what nodes add.
+
+    Returns
+    -------
+    settled : bool
+        Whether Newton's method came to an end.
+    length, c, cos_a, cos_b : float
+        Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
+    """
+    u, scale, low = begin
+    high = math.inf
+    before = 0.0
+    total = math.nan
+    done = False
+    for _ in range(ROUNDS):
+        way = outer(torus, ends, u) if outside else inner(torus, ends, u)
+        if done:
+            return True, total, way.c, way.cosines[0], way.cosines[1]
+        if hard:
+            one, two, three = in_legs(way)
+            first = _summed(torus, one, nodes, rows)
+            second = _summed(torus, two, nodes, rows)
+            third = _summed(torus, three, nodes, rows)
+            turned = first[0] + second[0] + third[0]
+            rate = first[1] + second[1] + third[1]
+            length = first[2] + second[2] + third[2]
+        else:
+            turned, rate, length = _summed(torus, way, nodes, rows)
+        miss = angle - turned
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        # For a given angle the length is stationary in c: what u lacked hardly matters.
+        total = length + way.c * miss
+        reached = turned + where(step == 0, 0.0, rate * step)
+        if done and not abs(reached - angle) <= AGREES:
+            break
+    return False, math.nan, math.nan, math.nan, math.nan
+
+
+def _summed(torus, way, nodes, rows):
+    """Return what `integrate` does, by the nodes of a rule, of which so many count."""
+    shares, count = nodes
+    add_nodes(torus, way, shares, rows)
+    rate = folded(rows[1], count) + moving(torus, way)
+    return folded(rows[0], count), rate, folded(rows[2], count)
 
 
 @np.errstate(divide="ignore", invalid="ignore")

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 
 from ..arguments import Finite, checked
 from ..paths import competing_geodesics, geodesic_direct
-from ..paths.geodesic_trace import half_swing
+from ..paths.direct_problem import half_swing
 from ..surfaces import Torus
 from .path_plot import JointPosition, Tori
 from .style import COLOURS
