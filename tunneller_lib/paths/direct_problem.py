@@ -198,11 +198,9 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
     check_ratio(torus)
     check_points(n, theta.shape)
     s = length[..., None] * _shares(n)
-    given = np.empty((6, theta.size))
-    for row, values in zip(given, (theta, phi, azimuth), strict=False):
-        row[:] = values.ravel()
+    given = np.full((6, theta.size), math.nan)
+    given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
     given[3:5] = reduced(given[1:3])
-    given[5] = math.nan
     if clairaut is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
             _, half_cosine = sine_cosine(given[3] / 2)
@@ -496,14 +494,16 @@ def begun_at(orbit, start, count, edges, series):
     of the outer equator, and which that is, in swings, where so little is left that it tells more.
     """
     y = panel_place(orbit, abs(start.t))
-    panel = panel_below(y, count)
+    panel = 0
+    for k in range(1, count):
+        panel = panel + (y >= k)
     x = 2 * (y - panel) - 1
     sign = where(start.t < 0, -1.0, 1.0)
-    length = series_sum(x, of_panel(series[0], panel))
-    gained = series_sum(x, of_panel(series[1], panel))
-    before = sign * (of_panel(edges[0], panel) + length)
-    turned = sign * (of_panel(edges[1], panel) + gained)
-    left = sign * (of_panel(edges[2], panel) - gained)
+    length = series_sum(x, series[0][panel])
+    gained = series_sum(x, series[1][panel])
+    before = sign * (edges[0][panel] + length)
+    turned = sign * (edges[1][panel] + gained)
+    left = sign * (edges[2][panel] - gained)
     late = abs(turned) > LATE * edges[1][count]
     return before, turned, left, where(late, sign / 2, math.nan)
 
@@ -529,42 +529,20 @@ def point_on(orbit, start, begun, s, count, edges, series):
     rest = rest - swings * whole
     sign = where(rest < 0, -1.0, 1.0)
     size = smaller(abs(rest), edges[0][count])
-    panel = panel_of(size, count, edges[0])
-    low = of_panel(edges[0], panel)
-    x = solved(size - low, of_panel(edges[0], panel + 1) - low, of_panel(series[0], panel))
-    gained = series_sum(x, of_panel(series[1], panel))
-    beyond = sign * (of_panel(edges[1], panel) + gained) - turned + swings * (2 * edges[1][count])
+    panel = 0
+    for k in range(1, count):
+        panel = panel + (edges[0][k] <= size)
+    low = edges[0][panel]
+    x = solved(size - low, edges[0][panel + 1] - low, series[0][panel])
+    gained = series_sum(x, series[1][panel])
+    beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
     # Where both are great and nearly the same, as by the node of a horn, what is left of them
     # to the outer equator isn't.
-    nearby = left - sign * (of_panel(edges[2], panel) - gained)
+    nearby = left - sign * (edges[2][panel] - gained)
     beyond = where(swings + sign / 2 == crossing, nearby, beyond)
     y = orbit.step * (panel + (1 + x) / 2)
     place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
     return beyond, place, azimuth
-
-
-def panel_below(y, count):
-    """Return the panel, of so many, in which y panels from t = 0 end."""
-    if isinstance(y, np.ndarray):
-        return np.minimum(y.astype(int), count - 1)
-    return min(int(y), count - 1)
-
-
-def panel_of(size, count, edges):
-    """Return the panel in which an arc length of some size ends."""
-    if isinstance(size, np.ndarray):
-        return np.sum(edges[1:count, None] <= size, axis=0)
-    panel = 0
-    while panel + 1 < count and edges[panel + 1] <= size:
-        panel += 1
-    return panel
-
-
-def of_panel(rows, panel):
-    """Return what is in the row of a panel, or in that of each of an array of panels."""
-    if isinstance(rows, np.ndarray):
-        return rows[..., panel, np.arange(rows.shape[-1])]
-    return rows[panel]
 
 
 # ---- loops over geodesics ------------------------------------------------------
@@ -614,14 +592,24 @@ def _plainly(torus, given, s, position, azimuth):
     """Fill in points of geodesics by the loop as it stands."""
     arguments = torus.r / torus.R, torus.R, given.tolist(), s.tolist()
     shares, integral = panel_rule()
-    room = [np.empty(shape).tolist() for shape in ROOM]
+    room = None, np.empty(ROOM[1]).tolist(), [[None] * MOST_PANELS for _ in range(2)]
     places, directions = position.tolist(), azimuth.tolist()
     follow_each(*arguments, shares.tolist(), integral, *room, places, directions)
     position[:] = places
     azimuth[:] = directions
 
 
-@loop(inlined=("growth", "two_to_bits", "rates", "series_sum", "nearer", "_tabulate"))
+@loop(
+    inlined=(
+        "growth",
+        "two_to_bits",
+        "rates",
+        "series_sum",
+        "nearer",
+        "_tabulate",
+        "add_panel_in_loops",
+    )
+)
 def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
     """Write down points of geodesics.
 
@@ -678,26 +666,39 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
     """Fill in what both integrals are where panels begin and end, and their series."""
     edges[0][0] = edges[1][0] = 0.0
     for panel in range(count):
-        for k in range(TERMS):
-            values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
-        integrated(integral, values, series, panel)
-        for one in range(2):
-            gained = series_sum(1.0, series[one][panel])
-            edges[one][panel + 1] = edges[one][panel] + gained
-        edges[2][panel] = gained
+        length, turned = add_panel(orbit, panel, shares, integral, values, series)
+        edges[0][panel + 1] = edges[0][panel] + length
+        edges[1][panel + 1] = edges[1][panel] + turned
+        edges[2][panel] = turned
     edges[2][count] = 0.0
     for panel in range(count - 1, -1, -1):
         edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
 
 
-def integrated(integral, values, series, panel):
-    """Fill in the series of a panel: sums over the nodes, one after the other, of plain numbers."""
-    sums = np.cumsum(integral * np.array(values)[..., None], axis=1)[:, -1].tolist()
-    series[0][panel], series[1][panel] = sums
+def add_panel(orbit, panel, shares, integral, _, series):
+    """Fill in both series of a panel, and return their sums at its end.
+
+    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
+    isn't the last.
+    """
+    if isinstance(orbit.c, np.ndarray):
+        values = rates(orbit, orbit.step * (panel + shares[:, None]))
+        for one in range(2):
+            terms = integral[0, :, None] * values[one][0]
+            for k in range(1, TERMS):
+                terms += integral[k, :, None] * values[one][k]
+            series[one, :, panel] = terms
+        return series_sum(1.0, series[0, :, panel]), series_sum(1.0, series[1, :, panel])
+    values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
+    sums = np.add.reduce(integral[:, None] * values[..., None], axis=0)
+    series[0][panel], series[1][panel] = sums.tolist()
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-def integrated_in_loops(integral, values, series, panel):
-    """Fill in the same, compiled."""
+def add_panel_in_loops(orbit, panel, shares, integral, values, series):
+    """Do what `add_panel` does, compiled, with room for `values`."""
+    for k in range(TERMS):
+        values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
         terms = series[one][panel]
         for j in range(TERMS + 1):
@@ -705,37 +706,23 @@ def integrated_in_loops(integral, values, series, panel):
         for k in range(1, TERMS):
             for j in range(TERMS + 1):
                 terms[j] += integral[k][j] * values[one][k]
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-def row_of(rows, panel):
-    """Return the row of a panel."""
-    return rows[panel]
-
-
-def panel_below_in_loops(y, count):
-    """Return what `panel_below` does, of a number."""
-    return min(int(y), count - 1)
-
-
-def panel_of_in_loops(size, count, edges):
-    """Return what `panel_of` does, of a number."""
-    panel = 0
-    while panel + 1 < count and edges[panel + 1] <= size:
-        panel += 1
-    return panel
-
-
-PARTS = {
-    **NUMBERS,
-    "ratio": divided,
-    "integrated": integrated_in_loops,
-    "of_panel": row_of,
-    "panel_below": panel_below_in_loops,
-    "panel_of": panel_of_in_loops,
-}
+PARTS = {**NUMBERS, "ratio": divided, "add_panel": add_panel_in_loops}
 
 
 # ---- the same by arrays ----------------------------------------------------
+
+
+class Columns:
+    """Rows (..., panels, n), which give each column that of a panel of its own."""
+
+    def __init__(self, rows):
+        self.rows = rows
+
+    def __getitem__(self, panel):
+        return self.rows[..., panel, np.arange(self.rows.shape[-1])]
 
 
 def _by_arrays(torus, given, s, position, azimuth):
@@ -757,7 +744,11 @@ def _by_arrays(torus, given, s, position, azimuth):
     for same in _alike(orbit):
         alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
         edges, series = _tabulated(alike[0])
-        table = edges.shape[1] - 1, edges, series
+        table = (
+            edges.shape[1] - 1,
+            [Columns(row) for row in edges],
+            [Columns(row) for row in series],
+        )
         which = leaving[same]
         found = point_on(*alike, begun_at(*alike, *table), s[:, which], *table)
         turned[:, which], place[:, which] = side[which] * found[0], found[1]
@@ -784,19 +775,9 @@ def _alike(orbit):
 
 
 def _tabulated(orbit):
-    """Return what `_tabulate` fills in, (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
-    shares, integral = panel_rule()
+    """Return what `_tabulate` fills in: (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
     count = int(orbit.panels.max(initial=1))
     edges = np.zeros((3, count + 1, orbit.c.size))
     series = np.empty((2, TERMS + 1, count, orbit.c.size))
-    for panel in range(count):
-        values = rates(orbit, orbit.step * (panel + shares[:, None]))
-        for one in range(2):
-            terms = integral[0, :, None] * values[one][0]
-            for k in range(1, TERMS):
-                terms += integral[k, :, None] * values[one][k]
-            series[one, :, panel] = terms
-            edges[one, panel + 1] = edges[one, panel] + series_sum(1.0, terms)
-    for panel in range(count - 1, -1, -1):
-        edges[2, panel] = edges[2, panel + 1] + series_sum(1.0, series[1, :, panel])
+    _tabulate(orbit, count, *panel_rule(), None, edges, series)
     return edges, series
