@@ -590,13 +590,10 @@ def _compiled(torus, given, s, position, azimuth):
 
 def _plainly(torus, given, s, position, azimuth):
     """Fill in points of geodesics by the loop as it stands."""
-    arguments = torus.r / torus.R, torus.R, given.tolist(), s.tolist()
-    shares, integral = panel_rule()
-    room = None, np.empty(ROOM[1]).tolist(), [[None] * MOST_PANELS for _ in range(2)]
-    places, directions = position.tolist(), azimuth.tolist()
-    follow_each(*arguments, shares.tolist(), integral, *room, places, directions)
-    position[:] = places
-    azimuth[:] = directions
+    shares, _ = panel_rule()
+    room = None, np.empty(ROOM[1]), [[None] * MOST_PANELS for _ in range(2)]
+    arguments = torus.r / torus.R, torus.R, given, s, shares, None, *room, position, azimuth
+    compiled.call_plain(follow_each, *arguments, **PLAIN)
 
 
 @loop(
@@ -675,12 +672,13 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
         edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
 
 
-def add_panel(orbit, panel, shares, integral, _, series):
+def add_panel(orbit, panel, shares, integral, values, series):
     """Fill in both series of a panel, and return their sums at its end.
 
     Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
     isn't the last.
     """
+    _, integral = panel_rule()
     if isinstance(orbit.c, np.ndarray):
         values = rates(orbit, orbit.step * (panel + shares[:, None]))
         for one in range(2):
@@ -709,6 +707,12 @@ def add_panel_in_loops(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
+PLAIN = {
+    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
+}
+PLAIN = {
+    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
+}
 PARTS = {**NUMBERS, "ratio": divided, "add_panel": add_panel_in_loops}
 
 

@@ -515,13 +515,21 @@ def _density(torus, way, sin2):
     return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
 
 
-def folded(values, count):
-    """Return the sum of so many values, or rows of them, which change, in an order that is kept."""
+def folded(rows, count):
+    """Return the sums of so many values of each of three rows, which change.
+
+    The order is kept: halves are added to each other as long as they are even.
+    """
+    turned, rate, length = rows[0], rows[1], rows[2]
     while count % 2 == 0:
         count = count // 2
         for k in range(count):
-            values[k] += values[count + k]
-    total = values[0]
+            turned[k] += turned[count + k]
+            rate[k] += rate[count + k]
+            length[k] += length[count + k]
+    turned_sum, rate_sum, length_sum = turned[0], rate[0], length[0]
     for k in range(1, count):
-        total = total + values[k]
-    return total
+        turned_sum = turned_sum + turned[k]
+        rate_sum = rate_sum + rate[k]
+        length_sum = length_sum + length[k]
+    return turned_sum, rate_sum, length_sum

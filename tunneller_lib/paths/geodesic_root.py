@@ -128,8 +128,8 @@ def _summed(torus, way, nodes, rows):
     """Return what `integrate` does, by the nodes of a rule, of which so many count."""
     shares, count = nodes
     add_nodes(torus, way, shares, rows)
-    rate = folded(rows[1], count) + moving(torus, way)
-    return folded(rows[0], count), rate, folded(rows[2], count)
+    turned, rate, length = folded(rows, count)
+    return turned, rate + moving(torus, way), length
 
 
 @np.errstate(divide="ignore", invalid="ignore")
@@ -203,7 +203,7 @@ def integrate(torus, way, count):
     columns = [[row[:, None]] for row in rule(count)]
     rows = [[None], [None], [None]]
     add_nodes(torus, way, columns, rows)
-    turned, rate, length = (folded(values, count // 2) for (values,) in rows)
+    turned, rate, length = folded([values for (values,) in rows], count // 2)
     return turned, rate + moving(torus, way), length
 
 

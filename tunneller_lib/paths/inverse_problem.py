@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import compiled
-from ..arguments import Positions, checked
+from ..arguments import Positions, checked, none_beyond
 from ..compiled import loop
 from ..elementwise import NUMBERS, divided, larger, ratio, some, square_root, where
 from ..exact import two_sum
@@ -63,6 +63,9 @@ HALVINGS = 30
 AHEAD = 5  # of them, looked at once
 BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
+PLAIN = {
+    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
+}
 # s for a pair, on the working sheet and on a ring.
 BY_ARRAYS = 8e-6, 35e-6
 ONE_BY_ONE = 2e-4, 7e-4
@@ -346,7 +349,7 @@ def turn_and_ends(p, q):
     found[:, 0] = q[:, 0] - p[:, 0]
     found[:, 1] = p[:, 1]
     found[:, 2] = q[:, 1]
-    if not (np.abs(found) <= math.pi).all():
+    if not none_beyond(found, math.pi):
         # What the difference of far angles loses may be more than pi.
         turn, rest = two_sum(q[:, 0], -p[:, 0])
         found[:, 0] = reduced(turn) + reduced(rest)
@@ -536,21 +539,20 @@ def _answers(size, ends):
         return _answers_by_arrays(size, ends)
     many = NODES_OF_RING if size.r > size.R else NODES
     form = padded if ready else listed
-    rules = [(form(count), count // 2) for count in (NODES_OF_WORKING_SHEET, many)]
+    few, many = ((form(count), count // 2) for count in (NODES_OF_WORKING_SHEET, many))
     answers = np.empty((6, len(ends)))
     if ready:
-        rows = np.empty((3, max(nodes.shape[1] for nodes, _ in rules)))
-        parts = {**NUMBERS, "ratio": divided}
-        compiled.call(find, size, ends, *rules, rows, answers, **parts)
+        rows = np.empty((3, many[0].shape[1]))
+        compiled.call(find, size, ends, few, many, rows, answers, **{**NUMBERS, "ratio": divided})
     else:
-        rows = [[0.0] * (many // 2) for _ in range(3)]
+        rows = [[0.0] * many[1] for _ in range(3)]
         try:
-            for i, row in enumerate(ends.tolist()):
-                answers[:, i] = answer(size, *row, *rules, rows)
-        except ZeroDivisionError:  # a product of numbers below 1e-150, which arrays divide by
+            compiled.call_plain(find, size, ends, few, many, rows, answers, **PLAIN)
+        except (ZeroDivisionError, ValueError):
+            # A product of numbers below 1e-150, which arrays divide by.
             return _answers_by_arrays(size, ends)
-    if (answers[4] == OPEN).any():
-        open_ = np.flatnonzero(answers[4] == OPEN)
+    open_ = [i for i, kind in enumerate(answers[4].tolist()) if kind == OPEN]
+    if open_:
         answers[:, open_] = _answers_by_arrays(size, ends[open_])
     return answers
 
