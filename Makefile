@@ -71,7 +71,7 @@ sliders: environment ## time every slider in JupyterLab, for tests/sliders.md, o
 	@PYTHONPATH=$(CURDIR) $(BIN)/python tests/browser/sliders.py $(CHAPTERS)
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
-	@$(HEADLESS) $(BIN)/python -m tunneller_lib atlas
+	@$(HEADLESS) $(BIN)/python -m exhibits.sweep
 
 # The peers' own sources warn, and one brings a plugin that this pytest refuses.
 bench: ## time the library against others, in an environment of its own

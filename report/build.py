@@ -138,7 +138,7 @@ def without_scenes_that_cannot_be_drawn(stale):
     """Return which notebooks can be run: without a GL library those that draw no scene."""
     scenes = [notebook for notebook in stale if draws_scenes(notebook)]
     if scenes:
-        from tunneller_lib.reporting import gl
+        from kit import gl
 
         if said := gl.problem():
             say(f"{said} {len(scenes)} notebooks draw some: they stay as they are committed.")

@@ -16,7 +16,7 @@ import PIL.Image
 import typst
 from scipy.ndimage import gaussian_filter, maximum_filter, minimum_filter, uniform_filter
 
-from tunneller_lib.reporting.number_format import MORE, decimals_of
+from kit.number_format import MORE, decimals_of
 
 NUMBERS = 1e-9  # relative difference that is none
 BLUR = 2.0  # px, of a page printed at 215 dpi: what the eye takes together

@@ -25,15 +25,16 @@ PEERS = ROOT / "pyproject.toml"  # its group "bench"
 NEEDED = 2e9  # bytes: 1.3 GB of packages, and what they unpack
 GL_LIBRARY, GL_PACKAGES = "libEGL.so.1", ["libegl1", "libgl1-mesa-dri"]
 
-# Imported when Python starts: a notebook uses the library of the checkout that it lies in,
-# whichever checkout's environment runs it.
+# Imported when Python starts: a notebook uses the library of the checkout that it lies in, and the
+# packages beside it, whichever checkout's environment runs it.
 OWN_CHECKOUT = """import os, sys
 try:
     near = [os.getcwd(), os.path.dirname(os.getcwd())]
 except OSError:
     near = []
 own = [folder for folder in near if os.path.isdir(os.path.join(folder, "tunneller_lib"))]
-sys.path.append([*own, {root!r}][0])
+checkout = [*own, {root!r}][0]
+sys.path += [checkout, os.path.join(checkout, "notebooks")]
 """
 
 # JupyterLab asks nobody for news or newer versions, nor whether it may.

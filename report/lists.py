@@ -67,7 +67,7 @@ def verdict_list():
 
 def with_findings(text):
     """Return the README's text with its findings made anew; contents.toml lists them."""
-    from tunneller_lib.reporting.chapters import read_chapters  # `make bench` has no IPython
+    from kit.chapters import read_chapters  # `make bench` has no IPython
 
     contents = tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text(encoding="utf-8"))
     chapters = {chapter.number: chapter for chapter in read_chapters(ROOT / "notebooks")}

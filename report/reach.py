@@ -13,7 +13,10 @@ import sys
 from functools import cache
 from pathlib import Path
 
-PACKAGES = {"tunneller_lib", "report", "tests"}
+# Where packages of the checkout lie in it.
+PACKAGES = {
+    "tunneller_lib": "", "report": "", "tests": "", "kit": "notebooks", "exhibits": "notebooks"
+}  # fmt: skip
 
 
 def parsed(text):
@@ -106,9 +109,15 @@ def _data(file):
     return [near for near in file.parent.iterdir() if near.is_file() and near.suffix != ".py"]
 
 
+def package_of(file, root):
+    """Return the package that a module of the checkout is in, for its relative imports."""
+    parts = file.relative_to(root).parts[:-1]
+    return parts[1:] if parts[:1] == ("notebooks",) else parts
+
+
 @cache
 def _imported_by(file, root):
-    return set(_imported(_imports_of(file), root, file.relative_to(root).parts[:-1]))
+    return set(_imported(_imports_of(file), root, package_of(file, root)))
 
 
 class _Imports(list):
@@ -176,7 +185,7 @@ def _file(root, module):
     """Return the file of a module of the checkout in a list, or an empty one."""
     if not module or module[0] not in PACKAGES:
         return []
-    place = Path(root, *module)
+    place = Path(root, PACKAGES[module[0]], *module)
     return [f for f in (place.with_suffix(".py"), place / "__init__.py") if f.is_file()][:1]
 
 

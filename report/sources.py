@@ -6,13 +6,13 @@ import sys
 import tomllib
 from pathlib import Path
 
-from report.reach import meaning, needed
+from report.reach import meaning, needed, package_of
 
 ROOT = Path(__file__).resolve().parent.parent
 INDEX = "00_index"  # the notebook that tells what the others found
 SCENES = Path("build", "scenes")  # what the web pages turn; not committed
 WRITTEN = (".typ", ".toml", ".bib")  # what the report consists of, besides results
-DRAWS_SCENES = Path("tunneller_lib", "reporting", "scene.py")  # needs an off-screen GL library
+DRAWS_SCENES = Path("notebooks", "kit", "scene.py")  # needs an off-screen GL library
 
 
 def digest(*parts):
@@ -86,8 +86,8 @@ def draws_scenes(path, root=ROOT):
     """Tell whether a notebook or a module draws in space, which takes an off-screen GL library."""
     if path.suffix == ".ipynb":
         return root / DRAWS_SCENES in needed(code(path), root)
-    inside = path.relative_to(root).parts[:-1]
-    return root / DRAWS_SCENES in needed(path.read_text(encoding="utf-8"), root, inside)
+    text = path.read_text(encoding="utf-8")
+    return root / DRAWS_SCENES in needed(text, root, package_of(path, root))
 
 
 def notebook_sources(notebook):

@@ -4,7 +4,7 @@ from unittest import mock
 
 import numpy as np
 
-from tunneller_lib.paths import atlas
+from exhibits import atlas
 
 
 def small(block):

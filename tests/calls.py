@@ -4,6 +4,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
+from exhibits import quartics
+from exhibits.quartics import foot_quartic, line_quartic
 from tunneller_lib.paths import (
     ChordLaw,
     ConeChord,
@@ -21,8 +23,6 @@ from tunneller_lib.removal.volume import (
     removed_volume,
     ring,
 )
-from tunneller_lib.replica import quartics
-from tunneller_lib.replica.quartics import foot_quartic, line_quartic
 from tunneller_lib.surfaces import (
     REFERENCE_MACHINE,
     Box,

@@ -76,7 +76,7 @@ def pytest_collection_modifyitems(items):
     """Leave out what draws scenes where there is no GL library, saying so."""
     paths = dict.fromkeys(item.path for item in items)
     if any(map(draws_scenes, paths)):
-        from tunneller_lib.reporting import gl  # here, for the core's tests do without matplotlib
+        from kit import gl  # here, for the core's tests do without matplotlib
 
         if not (said := gl.problem()):
             return

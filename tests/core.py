@@ -3,7 +3,7 @@
 from report.reach import needed
 from report.sources import ROOT
 
-STUDY = ("report", "tunneller_lib/reporting", "tunneller_lib/__main__.py")
+STUDY = ("report", "notebooks", "tunneller_lib/__main__.py")
 
 
 def core_tests():

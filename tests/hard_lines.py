@@ -10,7 +10,7 @@ touches to exact places.
 
 import numpy as np
 
-from tunneller_lib.replica.rod_cases import TRIPLES, whole_rotations
+from exhibits.rod_cases import TRIPLES, whole_rotations
 
 EPS = np.finfo(float).eps
 KINDS = ("rod", "capsule", "frustum", "box", "rounded")

@@ -51,7 +51,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # run as a script
-from report.reach import steps
+from report.reach import package_of, steps
 from report.sources import code
 from tests.check import reads
 from tests.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
@@ -116,8 +116,9 @@ class Mutant:
 
 
 def modules():
-    """Return the names of the library's modules, but for those that pass names on."""
-    every = sorted(str(path.relative_to(COPY)) for path in COPY.glob("tunneller_lib/**/*.py"))
+    """Return the names of the library's modules and of what notebooks share."""
+    files = [*COPY.glob("tunneller_lib/**/*.py"), *COPY.glob("notebooks/*/*.py")]
+    every = sorted(str(path.relative_to(COPY)) for path in files)
     return [file for file in every if not file.endswith("__init__.py")]
 
 
@@ -202,7 +203,7 @@ def reach():
         away = steps(text, COPY, ("tests",))
         for file in library_in(text):
             if file.is_file() and not file.name.startswith("test_"):
-                inside = file.relative_to(COPY).parts[:-1]
+                inside = package_of(file, COPY)
                 further = steps(file.read_text(encoding="utf-8"), COPY, inside)
                 for there, more in {file: 0, **further}.items():
                     away[there] = min(away.get(there, 99), more + 2)
@@ -329,10 +330,11 @@ def report(tree, tests, limit, verdict, bare, passing):
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     gc.freeze()  # pytest collects garbage five times at its end: not in what is shared
     os.chdir(tree)
-    os.environ["PYTHONPATH"] = str(tree)  # what tests start, and notebooks, import
-    sys.path[:] = [str(tree), *(place for place in sys.path if Path(place) != ROOT)]
+    ours = [str(tree), str(tree / "notebooks")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(ours)  # what tests start, and notebooks, import
+    sys.path[:] = [*ours, *(one for one in sys.path if Path(one) not in (ROOT, ROOT / "notebooks"))]
     for name in list(sys.modules):  # ours are those of the copy
-        if name.split(".")[0] in ("tunneller_lib", "tests", "report"):
+        if name.split(".")[0] in ("tunneller_lib", "kit", "exhibits", "tests", "report"):
             del sys.modules[name]
     sys.stdout = sys.stderr = said = io.StringIO()
     first = First()
@@ -438,7 +440,8 @@ def copy():
 
 def everything():
     """Return one digest of the library and its tests."""
-    paths = sorted([*COPY.glob("tunneller_lib/**/*.py"), *COPY.glob("tests/**/*.py")])
+    folders = "tunneller_lib", "notebooks", "tests"
+    paths = sorted(path for folder in folders for path in (COPY / folder).rglob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from tunneller_lib.reporting import COLOURS, scene
+from kit import COLOURS, scene
 
 
 @pytest.fixture(autouse=True)

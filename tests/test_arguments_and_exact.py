@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from tests.shapes import EPS
-from tunneller_lib import arguments, exact
+from tunneller_lib import arguments
+from tunneller_lib.kernels import exact
 
 numbers = st.floats(-1e9, 1e9).map(lambda x: round(x, 60))
 vectors = st.tuples(*[numbers] * 3)

@@ -32,10 +32,10 @@ from report.state import State
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
 
-RECORD = """from tunneller_lib.reporting import Record
+RECORD = """from kit import Record
 record = Record("01_test")
 record("it", {value}, "m")"""
-DRAW = """from tunneller_lib.reporting.style import figure
+DRAW = """from kit.style import figure
 record.figure(figure(height=4)[0], "axes", "Empty axes.")"""
 
 

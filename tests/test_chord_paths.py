@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from exhibits.path_plot import path_style
+from kit import in_words
 from tests.foot_lengths import length_of_feet
 from tests.long import many
 from tunneller_lib.paths import (
@@ -18,8 +20,6 @@ from tunneller_lib.paths import (
     projected_length,
 )
 from tunneller_lib.paths.chord_paths import ChordPath
-from tunneller_lib.reporting import in_words
-from tunneller_lib.reporting.path_plot import path_style
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["README.md", "notebooks/*", "report/sections/geodesics.typ"]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from exhibits import quartics
 from tests.shapes import eq2
 from tunneller_lib.paths import cutting_circuit, project_chord
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.replica import quartics
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 EGG = Egg(0.5)

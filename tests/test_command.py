@@ -9,24 +9,21 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import PIL.Image
 import pytest
 
-from tunneller_lib import reporting
-from tunneller_lib.__main__ import main, own_name, parser
-from tunneller_lib.job import WrongJob, read_job, results
+from kit import figure
+from tunneller_lib.__main__ import main, missing, own_name, parser
+from tunneller_lib.job import WrongJob, read_job, results, wall_plot
 from tunneller_lib.job.atomic_write import check_writable
 from tunneller_lib.job.csv_reading import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.reporting import figure, gl, wall_plot
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
 
 READS = ["notebooks/flank.toml", "notebooks/reference.toml"]
 
 ROOT = Path(__file__).resolve().parents[1]
-JOBS_OF_A_CUT = "cut", "scene", "animate"
 REFERENCE = ROOT / "notebooks" / "reference.toml"
 # The reference, soon done.
 QUICK = {"feed = 0.1 ": "feed = 0.2 ", "step = 5e-3": "step = 1e-2", "rest = 1.0": "rest = 0.2",
@@ -434,19 +431,15 @@ def test_cut_refuses_an_integral_before_it_plans(capsys, job, tmp_path):
     path = job({"# integral = 0": "integral = 1"})
     code, said, told = run(capsys, "cut", path, "--out", tmp_path / "cut")
     assert code == 1 and not said and "planning" not in told
-    assert told.startswith("refused: [controller] integral: must be 0 for cut, ")
-    assert told.endswith("; scene and animate take it; got 1.\n")
+    assert told.startswith("refused: [controller] integral: must be 0, ")
+    assert told.endswith("; got 1.\n")
 
 
 def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
     (tmp_path / "file").touch()
-    (tmp_path / "taken.html").mkdir()
-    for command, out, why in (
-        ("cut", "file/cut", f"can't be written; {tmp_path / 'file'} is no folder."),
-        ("scene", "taken.html", "is a folder, not a file."),
-    ):
-        code, said, told = run(capsys, command, job(), "--out", tmp_path / out, "--json")
-        assert code == 2 and json.loads(said)["wrong"].endswith(why) and "simulat" not in told
+    why = f"can't be written; {tmp_path / 'file'} is no folder."
+    code, said, told = run(capsys, "cut", job(), "--out", tmp_path / "file" / "cut", "--json")
+    assert code == 2 and json.loads(said)["wrong"].endswith(why) and "simulat" not in told
 
 
 @pytest.mark.parametrize(
@@ -614,52 +607,12 @@ def test_code_is_one_for_a_value_and_two_for_what_cannot_be_read(capsys, job, tm
     assert not (tmp_path / "cut").exists()
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [[], ["dig"], ["cut"], ["scene", "job.toml", "--share", "2"], ["scene", "job.toml", "--share",
-     "half"], ["animate", "job.toml", "--frames", "1"],
-     ["animate", "job.toml", "--width", "1601"], ["animate", "job.toml", "--out", "a.avi"],
-     ["scene", "job.toml", "--out", "a.htm"], ["atlas", "--jobs", "0"],
-     ["atlas", "--table", "no/such/folder/atlas.csv"]],
-)  # fmt: skip
+@pytest.mark.parametrize("arguments", [[], ["dig"], ["cut"], ["cut", "a.toml", "--share", "1"]])
 def test_command_refuses_wrong_usage(capsys, arguments):
     with pytest.raises(SystemExit) as end:
         main(arguments)
     said, told = capsys.readouterr()
     assert end.value.code == 2 and not said and "error: " in told
-
-
-def test_scene_writes_a_page(capsys, job, tmp_path):
-    out = tmp_path / "page.html"
-    code, said, _ = run(capsys, "scene", job(), "--share", 0.3, "--out", out, "--json")
-    assert code == 0 and json.loads(said) == {"files": [str(out)]}
-    page = out.read_text()
-    title = re.search(r"<title>(.*)</title>", page)[1]
-    assert re.fullmatch(
-        r"The machine in the tunnel after \d\.\d s; colours: over-break / mm", title
-    )
-    assert f'aria-label="{title}"' in page and f"{title}. Drag to turn" in page
-    assert "position: fixed" not in page[page.index("<body") : page.index("<script")]
-    assert '"to cut"' in page and '"Below"' not in page
-    assert "<title>" not in page[page.index("</title>") :] and "VTK.js | Example" not in page
-
-
-def test_animate_writes_its_frames(capsys, job, tmp_path):
-    out = tmp_path / "run.gif"
-    code, said, told = run(capsys, "animate", job(), "--frames", 3, "--width", 160, "--out", out)
-    assert code == 0 and said == f"{out}\n"
-    assert "3 of 3 pictures, 0 s to go" in told
-    with PIL.Image.open(out) as film:
-        assert film.n_frames == 3 and film.size == (160, 100)
-
-
-def test_command_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path):
-    def stop(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("tunneller_lib.reporting.sweep.compute_blocks", stop)
-    code, said, told = run(capsys, "atlas", "--folder", tmp_path, "--table", tmp_path / "a.csv")
-    assert (code, said, told) == (130, "", "interrupted\n") and not list(tmp_path.iterdir())
 
 
 def test_garbage_is_left_at_the_end_of_a_process_of_its_own_alone(capsys, monkeypatch, tmp_path):
@@ -674,7 +627,7 @@ def test_garbage_is_left_at_the_end_of_a_process_of_its_own_alone(capsys, monkey
 @pytest.mark.parametrize(
     ("command", "name", "other", "tables"),
     [
-        *((one, "flank.toml", "flank", "surface, mill, paths") for one in JOBS_OF_A_CUT),
+        ("cut", "flank.toml", "flank", "surface, mill, paths"),
         ("flank", "reference.toml", "cut", "section, limits, plan, controller"),
     ],
 )
@@ -690,25 +643,8 @@ def test_help_names_the_commands_and_the_exit_codes(capsys):
         parser().parse_args(["--help"])
     said = capsys.readouterr().out
     assert end.value.code == 0
-    words = "cut", "scene", "animate", "atlas", "with 1", "with 2", "130"
+    words = "cut", "with 1", "with 2", "130"
     assert all(word in said for word in words)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("scene", "job.toml", "--out", "wall.txt"), "must end in .html; got wall.txt."),
-        (("animate", "job.toml", "--frames", "1"), "must be from 2 to 600; got 1."),
-        (("animate", "job.toml", "--frames", "601"), "must be from 2 to 600; got 601."),
-        (("atlas", "--jobs", "0"), "must be from 1 to 10000; got 0."),
-    ],
-)
-def test_options_out_of_range_are_refused_in_words(capsys, arguments, said):
-    with pytest.raises(SystemExit) as end:
-        parser().parse_args(arguments)
-    assert end.value.code == 2 and capsys.readouterr().err.endswith(f"{said}\n")
-    bounds = parser().parse_args(["animate", "job.toml", "--frames", "2"])
-    assert bounds.frames == 2
 
 
 def without(package, *arguments):
@@ -718,21 +654,16 @@ def without(package, *arguments):
     return subprocess.run([sys.executable, "-c", code, *arguments], text=True, capture_output=True)
 
 
-@pytest.mark.parametrize("package", ["numpy", "scipy", "matplotlib", "pyvista", "PIL", "trame"])
+@pytest.mark.parametrize("package", ["numpy", "scipy", "matplotlib"])
 def test_help_needs_no_package(package):
     done = without(package, "--help")
     assert done.returncode == 0 and "COMMAND" in done.stdout and not done.stderr
 
 
-@pytest.mark.parametrize(("command", "package", "name"), [
-    ("cut", "numpy", "numpy"), ("scene", "matplotlib", "matplotlib"),
-    ("animate", "PIL", "pillow"), ("scene", "trame", "trame"),
-])  # fmt: skip
-def test_command_names_the_package_that_it_lacks(command, package, name):
-    done = without(package, command, str(REFERENCE), "--json")
+def test_command_names_the_package_that_it_lacks():
+    done = without("numpy", "cut", str(REFERENCE), "--json")
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    extra = "" if name == "numpy" else "[scene]"
-    assert done.stderr.startswith(f'wrong: the package {name} is missing; pip install ".{extra}"')
+    assert done.stderr.startswith('wrong: the package numpy is missing; pip install "." in')
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
 
 
@@ -744,39 +675,10 @@ def test_cut_draws_its_wall_with_matplotlib_alone(job, tmp_path, package, drawn)
     assert ((tmp_path / "cut" / "wall.png").exists(), left in done.stderr) == (drawn, not drawn)
 
 
-LIBRARY = "libEGL.so.1: cannot open shared object file: No such file or directory"
-
-
-@pytest.fixture
-def library_missing(monkeypatch):
-    """Make VTK one that lacks a library of the system's."""
-    name = "tunneller_lib.reporting.tunnel_scene"
-
-    class Broken:
-        def find_spec(self, asked, path=None, target=None):
-            if asked == name:
-                raise ImportError(LIBRARY, name="vtkmodules.vtkRenderingOpenGL2")
-
-    monkeypatch.delitem(sys.modules, name, raising=False)
-    monkeypatch.delattr(reporting, "tunnel_scene", raising=False)
-    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
-
-
-def test_command_names_the_library_that_vtk_lacks(capsys, library_missing):
-    said = f"VTK can't be loaded ({LIBRARY}): on Debian or Ubuntu, `sudo apt-get install libegl1 "
-    assert gl.REMEDY.endswith("` installs the off-screen GL library that scenes need.")
-    code, _, told = run(capsys, "scene", REFERENCE)
-    assert code == 2 and told.startswith(f"wrong: {said}") and told.count("\n") == 1
-
-
-def test_command_names_a_package_that_cannot_be_loaded(capsys, monkeypatch):
-    def load(_):
-        raise ImportError("cannot import name 'a' from 'PIL'.\nHelp.", name="PIL.Image")
-
-    monkeypatch.setattr("tunneller_lib.__main__.import_module", load)
-    code, _, told = run(capsys, "scene", REFERENCE)
+def test_command_names_a_package_that_cannot_be_loaded():
+    error = ImportError("cannot import name 'a' from 'PIL'.\nHelp.", name="PIL.Image")
     why = "cannot import name 'a' from 'PIL'"
-    assert (code, told) == (2, f"wrong: the package pillow can't be loaded; {why}.\n")
+    assert missing(error) == f"the package pillow can't be loaded; {why}."
 
 
 @pytest.mark.parametrize(("error", "code", "answer"), [
@@ -819,4 +721,4 @@ def test_command_line_brings_pictures_only_when_they_are_made():
     code = "import sys; from tunneller_lib.__main__ import parser; parser(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, text=True, capture_output=True)
     brought = set(done.stdout.split())
-    assert not {"numpy", "matplotlib", "pyvista", "tunneller_lib.reporting"} & brought
+    assert not {"numpy", "matplotlib"} & brought

@@ -14,18 +14,18 @@ import pytest
 from tests.hard_lines import FAMILIES, KINDS
 from tests.long import many
 from tests.test_exact_kernel import shape_of
-from tunneller_lib import compiled
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.hyperosculate import Cones
 from tunneller_lib.envelopes.jet import Jet
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
+from tunneller_lib.kernels import compiled
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse, geodesic_trace, inverse_problem
+from tunneller_lib.paths import direct_problem, geodesic_direct, geodesic_inverse, inverse_problem
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod, Torus, blocks
 
@@ -465,7 +465,7 @@ def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
     go(True, monkeypatch)
     monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", cores)
     monkeypatch.setattr(inverse_problem, "BLOCK", 100)
-    monkeypatch.setattr(geodesic_trace, "BLOCK", 100)
+    monkeypatch.setattr(direct_problem, "BLOCK", 100)
     monkeypatch.setattr(blocks, "COMPILED", 100)
     rng = np.random.default_rng(5)
     p, q = rng.uniform(-1, 1, (2, 730, 2))
@@ -517,7 +517,7 @@ BROKEN = """
 import sys
 sys.path.insert(0, {folder!r})
 import numpy as np
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.motion import Lag, Loop, follow
 compiled.expect(2 * compiled.LONG, "axes")
 print(follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10)).command.sum(), compiled.ready("axes"))
@@ -533,8 +533,8 @@ def test_a_numba_that_does_not_work_is_as_none(error, tmp_path):
 FULL = """
 import resource, signal
 import numba
-from tunneller_lib import compiled
-from tunneller_lib.elementwise import lesser
+from tunneller_lib.kernels import compiled
+from tunneller_lib.kernels.elementwise import lesser
 compiled._Work.compiled = True
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # files that are written hold nothing
@@ -552,8 +552,8 @@ def test_a_disk_that_is_full_loses_no_answer(tmp_path):
 SPOILT = """
 import os, pickle
 from pathlib import Path
-from tunneller_lib import compiled
-from tunneller_lib.elementwise import lesser
+from tunneller_lib.kernels import compiled
+from tunneller_lib.kernels.elementwise import lesser
 compiled._Work.compiled = True
 
 def asked():
@@ -593,7 +593,7 @@ def test_a_folder_of_kept_forms_that_is_none_loses_no_answer(tmp_path):
 
 
 FUSED = """
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 compiled.expect(2 * compiled.LONG, "axes")
 import numpy as np
 from tunneller_lib.motion import Lag, Loop, follow

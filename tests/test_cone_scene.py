@@ -5,20 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
-from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones
-from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
-from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
-from tunneller_lib.envelopes.fit import noisy_planes
-from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
-from tunneller_lib.reporting import blade_scene, scene
-from tunneller_lib.reporting.blade_scene import (
-    each_tool_picture,
-    tool_sequence_picture,
-    tools_scene,
-)
-from tunneller_lib.reporting.cone_scene import (
+from exhibits import blade_scene
+from exhibits.blade_scene import each_tool_picture, tool_sequence_picture, tools_scene
+from exhibits.cone_scene import (
     cone_in_the_model_picture,
     cone_on_sheet_picture,
     moving_cone_picture,
@@ -27,7 +16,7 @@ from tunneller_lib.reporting.cone_scene import (
     osculating_ring_picture,
     plane_fans_picture,
 )
-from tunneller_lib.reporting.six_cones_scene import (
+from exhibits.six_cones_scene import (
     _arcs,
     _arcs_seen,
     cones_at_contact_picture,
@@ -36,11 +25,19 @@ from tunneller_lib.reporting.six_cones_scene import (
     noisy_cones_picture,
     six_rulings_picture,
 )
-from tunneller_lib.reporting.surface_scene import (
+from exhibits.surface_scene import (
     cones_along_curve_picture,
     ring_on_graph_picture,
     tangent_planes_picture,
 )
+from kit import scene
+from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
+from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones
+from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
+from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
+from tunneller_lib.envelopes.fit import noisy_planes
+from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
 
 ANGLE = np.radians(30)
 PLACE = (0.5, 0.3)

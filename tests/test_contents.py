@@ -10,10 +10,8 @@ from itertools import chain
 import PIL.Image
 import pytest
 
-from report.site.proofs import proofs
-from report.sources import INDEX, ROOT, notebooks, records
-from tunneller_lib.reporting import Record, ending, figure
-from tunneller_lib.reporting.chapters import (
+from kit import Record, ending, figure
+from kit.chapters import (
     contents_table,
     draw_first_pictures,
     draw_map,
@@ -21,6 +19,8 @@ from tunneller_lib.reporting.chapters import (
     printed,
     read_chapters,
 )
+from report.site.proofs import proofs
+from report.sources import INDEX, ROOT, notebooks, records
 
 READS = ["notebooks/*", "report/numbers/*", "report/ledger/*", "tests/test_*.py"]
 

@@ -27,18 +27,16 @@ from random import Random
 import numpy as np
 import pytest
 
+from exhibits import atlas
 from tests.blocks import few_pairs
 from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
-from tunneller_lib.paths import atlas
 
 READS = ["notebooks/flank.toml"]
 
 EXAMPLES_AT = Path(__file__).parent / "examples"
 ROOMS = sorted(path.stem for path in EXAMPLES_AT.glob("[a-z]*.py"))
-if not importlib.util.find_spec("IPython"):  # the core's tests do without
-    ROOMS.remove("reporting")
 SOON = 5.0  # seconds of processor time
 EXAMPLES = {room: importlib.import_module(f"tests.examples.{room}") for room in ROOMS}
 INSTANCES = {kind: one for room in EXAMPLES.values() for kind, one in room.INSTANCES.items()}
@@ -343,10 +341,6 @@ ONCE_FOUND = {
     "motion.Hydraulics.loaded": 182,
     "ream.gain_margins": 730,
     "ream.route_through": 161,
-    "replica.interpolators.fixed_rounded": 262,
-    "reporting.Record.order": 382,
-    "reporting.envelope_plot.draw_planes_along_line": 277,
-    "reporting.moving_picture": 852,
 }  # by the long form, and mended
 
 

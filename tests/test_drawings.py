@@ -7,13 +7,8 @@ import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
 
-from tunneller_lib.motion import Integrator, Loop, Resonance
-from tunneller_lib.motion.tasks import HandOver, Task
-from tunneller_lib.paths import ConeChord
-from tunneller_lib.removal import DexelGrid
-from tunneller_lib.reporting import (
+from exhibits import (
     cone_plot,
-    figure,
     geodesic_plot,
     groove_plot,
     machine_plot,
@@ -23,7 +18,12 @@ from tunneller_lib.reporting import (
     response_plot,
     rod_plot,
 )
-from tunneller_lib.reporting.chapters import draw_first_pictures
+from kit import figure
+from kit.chapters import draw_first_pictures
+from tunneller_lib.motion import Integrator, Loop, Resonance
+from tunneller_lib.motion.tasks import HandOver, Task
+from tunneller_lib.paths import ConeChord
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
 
 EGG = Egg(0.5)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from exhibits.envelope_plot import draw_cone_and_conic, draw_cone_counts
+from kit import figure
 from tunneller_lib.envelopes import ConePose
-from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.envelope_plot import draw_cone_and_conic, draw_cone_counts
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from exhibits.quartics import foot_quartic
 from tests.symbols_tunneller import (
     EXAMPLE,
     SIGNS,
@@ -36,7 +37,6 @@ from tests.symbols_tunneller import (
     zero,
 )
 from tunneller_lib.paths import project_chord
-from tunneller_lib.replica.quartics import foot_quartic
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["report/ledger/*"]

@@ -10,9 +10,9 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from exhibits import quartics
+from exhibits.quartics import line_quartic
 from tests.symbols_tunneller import TORI, TORUS, R, at, close, draw, r, t, x, y, z, zero
-from tunneller_lib.replica import quartics
-from tunneller_lib.replica.quartics import line_quartic
 from tunneller_lib.surfaces import Torus
 
 READS = ["report/ledger/*"]

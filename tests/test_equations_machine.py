@@ -9,6 +9,7 @@ from math import atan2, sqrt
 import numpy as np
 import sympy as sp
 
+from exhibits.machine_scene import BODY, machine_model
 from tests import matlab_listing
 from tests.basic_listing import PRINTED, REPAIRS, run
 from tests.symbols_tunneller import R, phi, r, theta
@@ -20,7 +21,6 @@ from tunneller_lib.paths import (
     geodesic_inverse,
     project_chord,
 )
-from tunneller_lib.reporting.machine_scene import BODY, machine_model
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
 
 READS = ["report/ledger/*", "report/listings.toml"]

@@ -16,6 +16,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from exhibits.interpolators import INTERPOLATORS, listing
+from exhibits.motion_plot import draw_hand_over
+from kit import figure
 from tests import matlab_listing
 from tests import structured_text as interpreter
 from tests.counted import Counted
@@ -44,9 +47,6 @@ from tunneller_lib.motion.tasks import (
     schedule,
 )
 from tunneller_lib.paths import project_chord
-from tunneller_lib.replica.interpolators import INTERPOLATORS, listing
-from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.motion_plot import draw_hand_over
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 READS = ["report/ledger/*", "report/listings.toml", "tests/references/controller_cycles.csv"]

@@ -10,6 +10,7 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from exhibits.quartics import foot_quartic, real_roots
 from tests.symbols_tunneller import (
     EXAMPLE,
     THIRD,
@@ -35,7 +36,6 @@ from tests.symbols_tunneller import (
     z,
     zero,
 )
-from tunneller_lib.replica.quartics import foot_quartic, real_roots
 from tunneller_lib.surfaces import Torus
 
 READS = ["report/ledger/*"]

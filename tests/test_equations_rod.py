@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from exhibits import rod_cases as cases
+from exhibits.rod_exact import exact_intervals
+from exhibits.rod_exact import judge as missed_thin_thick
+from exhibits.rod_methods import METHODS, crossings, three_surfaces
 from tests.exact_shapes import judged
 from tests.hard_lines import FAMILIES, KINDS
 from tests.test_exact_kernel import meet
-from tunneller_lib.replica import rod_cases as cases
-from tunneller_lib.replica.rod_exact import exact_intervals
-from tunneller_lib.replica.rod_exact import judge as missed_thin_thick
-from tunneller_lib.replica.rod_methods import METHODS, crossings, three_surfaces
+from tunneller_lib.kernels.vectors import differences, scalar_products
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box
 from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rod_interval import frame
-from tunneller_lib.surfaces.vectors import differences, scalar_products
 
 READS = ["report/ledger/*"]
 

@@ -4,14 +4,12 @@ import re
 from pathlib import Path
 
 import numpy as np
-import PIL.Image
 import pytest
 import pyvista
 
-from tunneller_lib.__main__ import main
+from exhibits import flank_scene
 from tunneller_lib.job.flank import read_flank
 from tunneller_lib.milling import sweep_error
-from tunneller_lib.reporting import flank_scene
 
 READS = ["notebooks/flank.toml"]
 
@@ -99,15 +97,3 @@ def test_pictures_change_as_the_mill_goes_on(solved):
     pictures = list(flank_scene.mill_pictures(job, result, 3, width=200))
     assert [picture.shape for picture in pictures] == [(150, 200, 3)] * 3
     assert np.any(pictures[0] != pictures[1]) and np.any(pictures[1] != pictures[2])
-
-
-def test_the_command_writes_scene_and_animation(tmp_path, capsys):
-    job = tmp_path / "job.toml"
-    job.write_text(quick(), encoding="utf-8")
-    out = tmp_path / "out"
-    assert main(["flank", str(job), "--out", str(out), "--scene", "--animate", "2"]) == 0
-    assert str(out / "way.gif") in capsys.readouterr().out
-    with PIL.Image.open(out / "way.gif") as film:
-        assert film.n_frames == 2
-    page = (out / "scene.html").read_text(encoding="utf-8")
-    assert "A conical mill on the surface" in page

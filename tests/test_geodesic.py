@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from tests.long import many
 from tests.shapes import log_uniform
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import (
     competing_geodesics,
     geodesic_classes,

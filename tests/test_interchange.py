@@ -1,16 +1,14 @@
 """Files for other programs, written and read back."""
 
-import re
 from dataclasses import replace
 from functools import partial
 from xml.etree import ElementTree
 
 import numpy as np
-import PIL.Image
 import pytest
 import pyvista
-from matplotlib import colormaps
 
+from exhibits.tunnel_scene import wall_mesh
 from tunneller_lib.job.atomic_write import replacement, write
 from tunneller_lib.job.csv_reading import read_csv
 from tunneller_lib.job.csv_tables import knots_csv, setpoints_csv, setvalues_csv
@@ -33,9 +31,6 @@ from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan
 from tunneller_lib.ream.wall import standing
 from tunneller_lib.removal import DexelGrid
-from tunneller_lib.reporting.pictures import write_picture
-from tunneller_lib.reporting.style import ERROR_MAP, TEXT_WIDTH, figure
-from tunneller_lib.reporting.tunnel_scene import cut_scene, wall_mesh
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 EGG = Egg(0.5)
@@ -323,55 +318,3 @@ def test_write_leaves_the_old_file_if_the_new_one_fails(tmp_path):
     assert path.read_bytes() == b"old\n" and list(path.parent.iterdir()) == [path]
     write(path, "new\n")
     assert path.read_bytes() == b"new\n" and list(path.parent.iterdir()) == [path]
-
-
-def test_gif_has_its_frames(tmp_path):
-    pictures = [np.full((40, 60, 3), 255, np.uint8) for _ in range(4)]
-    for k, picture in enumerate(pictures):
-        picture[10 : 14 + 5 * k, 20:30] = (200, 20, 30)
-    path = write_picture(tmp_path / "run.gif", iter(pictures))
-    with PIL.Image.open(path) as film:
-        assert film.n_frames == 4 and film.size == (60, 40) and film.info["loop"] == 0
-        film.seek(3)
-        shown = np.asarray(film.convert("RGB")).astype(int)
-    assert np.max(np.abs(shown - pictures[3])) <= 8
-
-
-def test_gif_keeps_the_colours_of_errors(tmp_path):
-    scale = colormaps[ERROR_MAP](np.linspace(0, 1, 50), bytes=True)[None, :, :3]
-    rng = np.random.default_rng(1)
-    others = np.clip(rng.normal(150, 40, (300, 50, 3)), 0, 255).astype(np.uint8)
-    path = write_picture(
-        tmp_path / "run.gif", [np.concatenate([scale, k + others // 2]) for k in (0, 1)]
-    )
-    with PIL.Image.open(path) as film:
-        shown = np.asarray(film.convert("RGB"))[0].astype(int)
-    # Half a step of the 64 colours kept, and what Pillow's search is coarser than the nearest.
-    assert np.max(np.abs(shown - scale[0])) <= 6 + 4
-
-
-def test_gif_keeps_white_white(tmp_path):
-    pictures = [np.full((30, 30, 3), 255, np.uint8) for _ in range(2)]
-    pictures[1][5:9, 5:9] = 252
-    with PIL.Image.open(write_picture(tmp_path / "run.gif", pictures)) as film:
-        assert np.all(np.asarray(film.convert("RGB")) == 255)
-
-
-def test_png_is_the_drawing(tmp_path):
-    drawing, ax = figure(height=4)
-    ax.fill_between([0, 1], 0, 1, color="red")
-    with PIL.Image.open(write_picture(tmp_path / "wall.png", drawing)) as picture:
-        shown = np.asarray(picture.convert("RGB"))
-    assert shown.shape[0] / shown.shape[1] == pytest.approx(4 / TEXT_WIDTH, rel=0.01)
-    assert np.all(shown == (255, 0, 0), axis=-1).mean() > 0.5 and np.all(shown[0, 0] == 255)
-
-
-def test_html_scene_loads_nothing_from_elsewhere(cut, tmp_path):
-    text = write_picture(tmp_path / "scene.html", cut_scene(cut, wall=cut.wall)).read_text()
-    assert len(text) > 500_000  # with program and data inside
-    named = set(re.findall(r"""(?:https?|wss?)://[^\s"'`)<>]+""", text))
-    # Comments and a base that only parses relative addresses.
-    assert named <= {"http://any", "http://www.kitware.com/Copyright.htm",
-                     "https://karthikkaranth.me/blog/generating-random-points-in-a-sphere/"
-                     "#better-choice-of-spherical-coordinates"}  # fmt: skip
-    assert not re.findall(r"""(?:src|href)\s*=\s*["']?//|url\(\s*["']?https?:|@import""", text)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exhibits.interpolators import INTERPOLATORS, listing
 from tunneller_lib.motion import (
     polyline,
     polyline_slopes,
@@ -19,7 +20,6 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.interpolate import line_ticks
 from tunneller_lib.motion.ramp import rest_to_rest, rest_to_rest_ticks
-from tunneller_lib.replica.interpolators import INTERPOLATORS, listing
 
 LOW, HIGH = -(2**31), 2**31 - 1
 HALF = Fraction(1, 2)

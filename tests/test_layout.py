@@ -19,15 +19,18 @@ LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
 NOTEBOOKS = notebooks()
 FLOORS = {
-    "arguments": 0, "compiled": 0, "elementwise": 0, "exact": 0, "terminal": 0,
-    "surfaces": 1, "envelopes": 1, "repeatable": 1,
+    "arguments": 0, "kernels": 0, "terminal": 0,
+    "surfaces": 1, "envelopes": 1,
     "paths": 2, "removal": 2, "motion": 2,
-    "ream": 3, "replica": 3, "milling": 3,
+    "ream": 3, "milling": 3,
     "job": 4,
-    "reporting": 5,
-    "__main__": 6,
+    "__main__": 5,
 }  # fmt: skip
-BELOW_REPORTING = {"numpy", "scipy", "tunneller_lib"} | (set(sys.stdlib_module_names) - {"json"})
+# What each package outside the library may import; the library imports none of them.
+BESIDE = {"kit": {"kit", "tunneller_lib"}, "exhibits": {"exhibits", "kit", "tunneller_lib"}}
+SHARED = sorted((ROOT / "notebooks").glob("*/*.py"))
+CORE = {"numpy", "scipy", "tunneller_lib"} | (set(sys.stdlib_module_names) - {"json"})
+DRAWN = ROOT / "tunneller_lib" / "job" / "wall_plot.py"  # imported where pictures are wanted
 
 
 def name_of(path):
@@ -70,11 +73,17 @@ def test_modules_import_only_from_floors_below(path):
             assert own != "__init__", f"the package itself imports {name}"
             floor = FLOORS.get(inner[0], 0)  # the package's own names, its version, lie below all
             assert inner[0] == own or floor < FLOORS[own], f"{own} imports {name}"
-        if own not in ("reporting", "__main__"):
-            also = {"numba"} if own == "compiled" else set()
-            assert package in BELOW_REPORTING | also, f"{own} imports {name}"
-        if own not in ("replica", "reporting"):
-            assert "replica" not in inner, f"{own}, a tool, uses {name}"
+        also = {"numba"} if path.stem == "compiled" else {"matplotlib"} if path == DRAWN else set()
+        assert own == "__main__" or package in CORE | also, f"{own} imports {name}"
+
+
+@pytest.mark.parametrize("path", SHARED, ids=name_of)
+def test_what_notebooks_share_imports_no_notebook_s_own(path):
+    package = path.parent.name
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and not node.level:
+            first = node.module.split(".")[0]
+            assert first not in BESIDE or first in BESIDE[package], f"{package} imports {first}"
 
 
 def test_every_room_has_its_floor():

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tunneller_lib import compiled, elementwise
-from tunneller_lib.surfaces.line_loops import FOR_LINES, meet_lines
+from tunneller_lib.kernels import compiled, elementwise
+from tunneller_lib.kernels.line_loops import FOR_LINES, meet_lines
 
 NUMBERS = [0.0, 1.5, -2.0, math.inf, -math.inf, math.nan]
 

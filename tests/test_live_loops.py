@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from report.live.javascript import Untranslated, script, take_back
-from tunneller_lib.compiled import call_plain, cosine
+from tunneller_lib.kernels.compiled import call_plain, cosine
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid
 from tunneller_lib.motion.both_joints import least_parts, machine_of, parts_in
 from tunneller_lib.motion.hydraulics import spool_at

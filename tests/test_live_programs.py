@@ -8,11 +8,11 @@ import nbformat
 import numpy as np
 import pytest
 
+from kit import preview
 from report.live.excerpt import excerpt
 from report.live.program import exercises, programs
 from report.sources import ROOT, cells, notebooks
 from tests.pictures import pixels
-from tunneller_lib.reporting import preview
 
 READS = ["figures/*", "notebooks/*", "report/numbers/*", "tunneller_lib/*"]
 

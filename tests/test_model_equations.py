@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from exhibits import envelope_equations as eq
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes.adapted import adapted_frames, model_jet
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.families import channel, cubic, moving_cone, ruled, saddle
 from tunneller_lib.envelopes.isotropic import contact_point
 from tunneller_lib.envelopes.jet import jet_variables
-from tunneller_lib.replica import envelope_equations as eq
 
 PLACES = [(0.3, -0.4, 0.7, 0.2), (-1.2, 0.5, -0.3, 2.0), (0.0, 0.0, 1e-3, -2e-3)]
 

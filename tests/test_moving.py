@@ -7,8 +7,8 @@ import PIL.Image
 import pytest
 from PIL import ImageSequence
 
-from tunneller_lib.reporting import figure, moving_picture
-from tunneller_lib.reporting.record import drawing_pixels
+from kit import figure, moving_picture
+from kit.record import drawing_pixels
 
 
 def dot(place, width=6):

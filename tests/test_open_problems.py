@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from exhibits import envelope_equations as eq
 from tests.symbols_open import (
     D,
     a,
@@ -24,7 +25,6 @@ from tests.test_equations_envelopes_open import HALF_ANGLES, halves_along_the_ci
 from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
-from tunneller_lib.replica import envelope_equations as eq
 
 
 def once_round(expression):

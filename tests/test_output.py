@@ -83,9 +83,9 @@ from tests.test_output import told_by
 
 jobs, place = map(Path, sys.argv[1:])
 options = command.parser().parse_args(["cut", str(jobs / "later.toml")])
-made = command.read(options, budget=True)
+made = command.read(options)
 numbers = results.summarise(*made)
-command.read = lambda options, budget: made
+command.read = lambda options: made
 results.summarise = lambda *_: numbers
 command.draw_wall(*made, jobs / "wall.png", str)  # imported
 arguments = ["cut", str(jobs / "later.toml"), "--out", str(place / "cut")]
@@ -306,25 +306,6 @@ def test_what_a_system_leaves_in_a_folder_does_not_matter(jobs, tmp_path):
     (tmp_path / "cut" / ".DS_Store").write_bytes(b"")
     (tmp_path / "cut" / "wall.png").unlink()
     assert cut(jobs, "later", tmp_path / "cut") == 0 and told_by(tmp_path / "cut") == "later"
-
-
-def test_scene_and_animation_say_their_job_and_replace_none_but_their_like(jobs, tmp_path, capsys):
-    for command, name, more in (("scene", "a.html", []), ("animate", "a.gif", ["--frames", "2"])):
-        out = tmp_path / name
-        of = {job: [command, str(jobs / f"{job}.toml"), "--out", str(out), *more] for job in JOBS}
-        for job in ("earlier", "later"):
-            assert main(of[job]) == 0
-            stamp = stamp_of(f"{job}.toml", JOBS[job].encode())
-            assert stamp.encode() in out.read_bytes()[:4096]
-            assert out.read_bytes().count(stamp.encode()) == 1
-        made = out.read_bytes()
-        assert main(of["bad"]) == 1 and not out.exists()
-        assert Path(f"{out}.earlier").read_bytes() == made
-        out.write_text("mine")
-        capsys.readouterr()
-        assert main(of["later"]) == 2 and out.read_text() == "mine"
-        assert f"{name}: is a file that no run has left; " in capsys.readouterr().err
-    assert {path.suffix for path in tmp_path.iterdir()} == {".html", ".gif", ".earlier"}
 
 
 def test_disk_that_takes_no_more_is_told_with_the_folder(jobs, tmp_path, monkeypatch, capsys):

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
+from exhibits.path_scene import projected_chord, projected_chord_picture, three_ways_in_space
+from exhibits.torus_scene import entire_torus_picture, grid_picture
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
-from tunneller_lib.reporting.path_scene import (
-    projected_chord,
-    projected_chord_picture,
-    three_ways_in_space,
-)
-from tunneller_lib.reporting.torus_scene import entire_torus_picture, grid_picture
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 TORUS = REFERENCE_MACHINE.torus

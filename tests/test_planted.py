@@ -16,19 +16,19 @@ import pytest
 from matplotlib import font_manager
 from nbformat.v4 import new_code_cell, new_notebook
 
+from kit import COLOURS, figure
 from report.compare import Text, difference, picture_difference
 from report.execute import run_notebook
 from report.sources import ROOT, notebook_sources
-from tunneller_lib.reporting import COLOURS, figure
 
 READS = ["figures/circuit_tunnel.png"]
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
 
 SOURCES = [
-    "from tunneller_lib.reporting import Record\nrecord = Record('01_test')",
+    "from kit import Record\nrecord = Record('01_test')",
     "record('it', 1.25, 'm', digits=3)",
-    "from tunneller_lib.reporting.style import figure\n"
+    "from kit.style import figure\n"
     "drawing, ax = figure(height=4)\nrecord.figure(drawing, 'axes', 'Empty axes.')",
     "print(0.5)",
 ]

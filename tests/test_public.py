@@ -1,7 +1,8 @@
 """Who uses what a room lists: a name that nobody outside the library asks for isn't public.
 
-A user is a notebook, the command line, a program of the report or the README. Kinds of answers need
-no listing: who has an answer has its fields and methods, which are documented in its module.
+A user is a notebook, what notebooks share, the command line, a program of the report or the
+README. Kinds of answers need no listing: who has an answer has its fields and methods, which are
+documented in its module.
 """
 
 import ast
@@ -15,13 +16,16 @@ from report.sources import ROOT, code
 READS = ["notebooks/*", "report/*.py", "README.md", "tunneller_lib/*"]
 
 LIBRARY = ROOT / "tunneller_lib"
-# What the documents print is kept whole, by whichever test or notebook it is judged.
-ROOMS = sorted({path.parent.name for path in LIBRARY.glob("*/__init__.py")} - {"replica"})
+ROOMS = sorted(
+    path.parent.name for path in LIBRARY.glob("*/__init__.py") if path.parent.name != "kernels"
+)
 
 
 def users():
     """Yield the Python of all users, each with the package that it is in."""
     yield from ((code(path), "") for path in sorted(ROOT.glob("notebooks/[0-9]*.ipynb")))
+    shared = sorted(ROOT.glob("notebooks/*/*.py"))
+    yield from ((path.read_text(), path.parent.name) for path in shared)
     yield from ((path.read_text(), "report") for path in sorted(ROOT.glob("report/**/*.py")))
     yield (LIBRARY / "__main__.py").read_text(), "tunneller_lib"
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -74,11 +78,13 @@ def test_listed_names_are_there_once(room):
 
 
 def test_users_are_found_in_all_their_ways():
-    text = "from tunneller_lib.motion import follow\nfrom tunneller_lib.paths.atlas import blocks"
+    text = (
+        "from tunneller_lib.motion import follow\nfrom tunneller_lib.paths.bounds import shortest"
+    )
     assert set(imported(text, "")) == {
         ("motion", "follow"),
-        ("paths", "atlas"),
-        ("paths", "blocks"),
+        ("paths", "bounds"),
+        ("paths", "shortest"),
     }
     assert set(imported("from .job import say", "tunneller_lib")) == {("job", "say")}
     assert not set(imported("from numpy.linalg import norm\nfrom .sources import ROOT", "report"))

@@ -12,9 +12,9 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from tunneller_lib.reporting import Record, figure, preview
-from tunneller_lib.reporting.number_format import decimals_of
-from tunneller_lib.reporting.record import PREVIEW, PRINTED, drawing_svg
+from kit import Record, figure, preview
+from kit.number_format import decimals_of
+from kit.record import PREVIEW, PRINTED, drawing_svg
 
 
 @pytest.fixture
@@ -236,9 +236,9 @@ LAID_OUT = """
 import sys
 import numpy as np
 from tunneller_lib.paths import ConeChord
-from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.cone_plot import draw_cone, draw_development
-from tunneller_lib.reporting.record import drawing_svg
+from kit import figure
+from exhibits.cone_plot import draw_cone, draw_development
+from kit.record import drawing_svg
 
 filled = [bytearray(size) for size in range(int(sys.argv[1]))]
 drawing, (one, other, third) = figure(1, 3, height=6.5)

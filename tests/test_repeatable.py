@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tunneller_lib import repeatable
+from tunneller_lib.kernels import repeatable
 
 RNG = np.random.default_rng(0)
 SMALL = 10.0 ** RNG.uniform(-20, 0, 300)

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exhibits.rod_cases import GENERATORS, rulings
+from exhibits.rod_exact import judge, rounding
+from exhibits.rod_methods import METHODS
 from tests.long import many
 from tests.shapes import EPS
-from tunneller_lib.replica.rod_cases import GENERATORS, rulings
-from tunneller_lib.replica.rod_exact import judge, rounding
-from tunneller_lib.replica.rod_methods import METHODS
 from tunneller_lib.surfaces import Rod
 from tunneller_lib.surfaces.rod import meet_rods
 from tunneller_lib.surfaces.rod_interval import frame

@@ -6,21 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tunneller_lib.arguments import rule_of
-from tunneller_lib.reporting import (
+from exhibits import (
     blade_scene,
-    camera,
     cone_scene,
     flank_scene,
-    gl,
     machine_scene,
     path_scene,
-    scene,
     six_cones_scene,
     surface_scene,
     torus_scene,
     tunnel_scene,
 )
+from kit import camera, gl, scene
+from tunneller_lib.arguments import rule_of
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg
 
 

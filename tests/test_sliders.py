@@ -17,12 +17,12 @@ import numpy as np
 import pytest
 from IPython.display import Image
 
-from tunneller_lib.reporting import figure, scene, sliders
-from tunneller_lib.reporting.camera import live, refill
-from tunneller_lib.reporting.interactive import ROOM
+from kit import figure, scene, sliders
+from kit.camera import live, refill
+from kit.interactive import ROOM
 
 ROOT = Path(__file__).resolve().parents[1]
-SLIDERS = "tunneller_lib.reporting.interactive"
+SLIDERS = "kit.interactive"
 
 
 def draw(**values):
@@ -124,8 +124,8 @@ SERVED = """
 import asyncio, json, re, sys
 import aiohttp, msgpack, pyvista
 from wslink.chunking import UnChunker, generate_chunks
-from tunneller_lib.reporting import scene
-from tunneller_lib.reporting.camera import live
+from kit import scene
+from kit.camera import live
 
 async def welcome(address, word):  # what the server answers to a page that says a word
     hello = {"wslink": "1.0", "id": "system:c0:0", "method": "wslink.hello",

@@ -7,9 +7,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from exhibits.motion_plot import draw_setvalues
+from kit import COLOURS, figure
 from report.sources import ROOT
-from tunneller_lib.reporting import COLOURS, figure
-from tunneller_lib.reporting.motion_plot import draw_setvalues
 
 READS = ["report/site/style.css", "report/verdicts.typ"]
 

@@ -49,8 +49,6 @@ def test_progress_is_a_line_that_no_terminal_obeys(capsys):
     ("cut", f"{OBEYED}.toml"),
     ("cut", REFERENCE, "--out", f"{REFERENCE}/{OBEYED}"),
     ("identify", f"{OBEYED}.csv"),
-    ("scene", REFERENCE, "--out", OBEYED),
-    ("animate", REFERENCE, "--frames", OBEYED),
     (OBEYED,),
 ])  # fmt: skip
 def test_a_name_that_a_terminal_would_obey_is_spelled_out(capsys, arguments):

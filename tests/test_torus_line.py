@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exhibits import quartics
 from tests.shapes import EPS, TORI, directions, eq2, off_surface, tori
-from tunneller_lib.replica import quartics
 from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40

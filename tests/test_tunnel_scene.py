@@ -1,29 +1,23 @@
 """The machine in the tunnel: the wall in stages, parts where the simulation has them, pictures."""
 
-from dataclasses import replace
-from itertools import pairwise
-
 import numpy as np
-import PIL.Image
 import pytest
 
-from tunneller_lib.motion import Integrator, Loop
-from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits, Pose, plan, simulate
-from tunneller_lib.ream.wall import standing
-from tunneller_lib.reporting.machine_scene import DARK
-from tunneller_lib.reporting.scene import shoot
-from tunneller_lib.reporting.tunnel_scene import (
+from exhibits.machine_scene import DARK
+from exhibits.tunnel_scene import (
     OPENED,
     SCALAR,
-    cut_picture,
-    cut_pictures,
     cut_scene,
     posed_machine,
     stages,
     tunnel_mesh,
     wall_mesh,
 )
+from kit.scene import shoot
+from tunneller_lib.motion import Integrator, Loop
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, Pose, plan, simulate
+from tunneller_lib.ream.wall import standing
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 EGG = Egg(0.5)
@@ -136,18 +130,3 @@ def test_tunnel_scene_refuses_a_tick_beyond_the_run(cut):
         cut_scene(cut, last(cut) + 1)
     with pytest.raises(ValueError, match=r"^limit: must"):
         cut_scene(cut, limit=0.0)
-
-
-def test_pictures_show_the_run_from_first_to_last(cut):
-    few = replace(cut, centres=cut.centres[:200])
-    pictures = list(cut_pictures(few, 3, width=320))
-    assert [picture.shape for picture in pictures] == [(200, 320, 3)] * 3
-    assert all(np.any(a != b) for a, b in pairwise(pictures))
-    # the scene that changes from tick to tick shows what a new one would
-    [wall] = stages(few, [last(few)])
-    alone = cut_picture(few, last(few), wall=wall)
-    np.testing.assert_array_equal(pictures[-1], PIL.Image.fromarray(alone).resize((320, 200)))
-    with pytest.raises(
-        ValueError, match=r"^count: must be one whole number from 2 to 10000; got 1"
-    ):
-        cut_pictures(cut, 1)

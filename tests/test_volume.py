@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import quad
 
+from exhibits.groove_plot import draw_passes
+from kit import figure
 from tests.shapes import log_uniform
 from tunneller_lib.removal.volume import (
     _less_sine,
@@ -17,8 +19,6 @@ from tunneller_lib.removal.volume import (
     removed_volume,
     ring,
 )
-from tunneller_lib.reporting import figure
-from tunneller_lib.reporting.groove_plot import draw_passes
 
 
 @given(log_uniform(1e-6, 1e6), st.floats(0, 2))

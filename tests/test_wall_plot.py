@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from kit import figure
 from tests.examples.ream import CUT
+from tunneller_lib.job import wall_plot
 from tunneller_lib.ream import carve
-from tunneller_lib.reporting import figure, wall_plot
 
 LIMIT = 2e-3
 

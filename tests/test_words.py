@@ -22,6 +22,7 @@ import re
 
 import pytest
 
+from exhibits.rod_cases import GENERATORS
 from tests.prose import (
     END,
     FREE,
@@ -41,7 +42,6 @@ from tests.prose import (
     uses,
     worded,
 )
-from tunneller_lib.replica.rod_cases import GENERATORS
 
 READS = ["report/*", "tests/test_rod.py"]
 

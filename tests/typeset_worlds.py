@@ -27,6 +27,7 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
+from exhibits import envelope_equations
 from tests.symbols_envelopes import example
 from tunneller_lib.envelopes import jet_variables
 from tunneller_lib.envelopes.conics import top_circle
@@ -35,10 +36,9 @@ from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
-from tunneller_lib.paths.geodesic_trace import half_swing
+from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.ream.wall import pass_distance
 from tunneller_lib.removal.volume import bowl, groove_area, half_lens, removed_volume, ring
-from tunneller_lib.replica import envelope_equations
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Rod, Torus
 
 WORLDS = {}

@@ -2,7 +2,6 @@
 
 import argparse
 import atexit
-import csv
 import gc
 import json
 import math
@@ -10,7 +9,6 @@ import os
 import sys
 import time
 from contextlib import contextmanager, suppress
-from importlib import import_module
 from pathlib import Path
 
 from . import __version__
@@ -69,26 +67,15 @@ LONGEST_PATH = 5000  # characters: more than systems take
 PACKAGES = {"PIL": "pillow"}  # where it isn't called as it is imported
 
 
-def missing(error, extra="[scene]"):
-    """Return the sentence of a package that isn't installed or can't be loaded.
-
-    What needs more than numpy and scipy says which `extra` brings it.
-    """
+def missing(error):
+    """Return the sentence of a package that isn't installed or can't be loaded."""
     name = (error.name or "").partition(".")[0]
+    package = f"the package {PACKAGES.get(name, name)}" if name else "a package"
     if not isinstance(error, ModuleNotFoundError):
         said = str(error).strip().partition("\n")[0].rstrip(".")
-        why = said or "no reason is given"
-        if name != "vtkmodules":
-            which = f"the package {PACKAGES.get(name, name)}" if name else "a package"
-            return f"{which} can't be loaded; {why}."
-        from .reporting import gl
-
-        return f"VTK can't be loaded ({why}): {gl.REMEDY}"
-    extra = {"numpy": "", "scipy": "", "distributed": "[cluster]"}.get(name, extra)
-    return (
-        f"the package {PACKAGES.get(name, name)} is missing; "
-        f'pip install ".{extra}" in this study\'s folder brings it.'
-    )
+        return f"{package} can't be loaded; {said or 'no reason is given'}."
+    extra = "" if name in ("numpy", "scipy") else "[picture]"
+    return f'{package} is missing; pip install ".{extra}" in this study\'s folder brings it.'
 
 
 def ended(options, code, how, why):
@@ -154,26 +141,10 @@ def parser():
         added.set_defaults(run=run)
         return added
 
-    job = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
-    scene = command("scene", run_scene, "write the machine in the tunnel as a web page, offline")
-    film = command("animate", run_animate, "write an animation of the cut as a GIF (minutes)")
-    film.description += (
-        "; without a graphics card each picture takes one to several seconds, 60 of them minutes"
-    )
-    for added, out in ((job, ""), (scene, ".html"), (film, ".gif")):
-        added.add_argument("job", type=Path, help="the TOML file")
-        added.add_argument(
-            "--out",
-            type=path_with(out),
-            metavar=f"FILE{out}" if out else "FOLDER",
-            help="under build/ by default",
-        )
-        added.add_argument("--json", action="store_true", help=JSON)
-    scene.add_argument("--share", type=share, default=1.0, help="of the run: 0 to 1, the end")
-    film.add_argument("--frames", type=between(2, 600), default=60, help="how many, 60 by default")
-    film.add_argument(
-        "--width", type=between(64, 1600), default=800, help="in pixels, at most 1600"
-    )
+    cut = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
+    cut.add_argument("job", type=Path, help="the TOML file")
+    cut.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
+    cut.add_argument("--json", action="store_true", help=JSON)
 
     flank = command("flank", run_flank, "positions and paths of a conical mill on a surface")
     flank.add_argument("job", type=Path, help="the TOML file; notebooks/flank.toml is one")
@@ -184,15 +155,6 @@ def parser():
         help="measured: CSV with x_m, y_m, z_m and unit normals nx, ny, nz, or triangles as STL",
     )
     flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
-    flank.add_argument(
-        "--scene", action="store_true", help="also write scene.html: mill and surface, to turn"
-    )
-    flank.add_argument(
-        "--animate",
-        type=between(2, 600),
-        metavar="PICTURES",
-        help="also write way.gif, an animation of so many pictures",
-    )
     flank.add_argument("--json", action="store_true", help=JSON)
     log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
     log.description += "; a log of a loop must begin at rest, for at least 10 rows"
@@ -209,36 +171,7 @@ def parser():
         help="of the slope that a loop adds, 0 by default",
     )
     log.add_argument("--json", action="store_true", help=JSON)
-    added = command("atlas", run_atlas, "sweep tori and pairs of positions (minutes)")
-    added.add_argument(
-        "--folder", type=Path, default=Path("build/atlas"), help="where blocks are kept"
-    )
-    added.add_argument(
-        "--table", type=table, default=Path("notebooks/atlas.csv"), help="the summary"
-    )
-    added.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
-    added.add_argument(
-        "--jobs", type=between(1, 10_000), help="local processes, one a core by default"
-    )
     return whole
-
-
-def path_with(suffix):
-    """Return the type of a path with this suffix; any if it is empty."""
-
-    def path(text):
-        if suffix and Path(text).suffix != suffix:
-            raise argparse.ArgumentTypeError(f"must end in {suffix}; got {text}.")
-        return Path(text)
-
-    return path
-
-
-def share(text):
-    """Return a number from 0 to 1."""
-    if not 0 <= float(text) <= 1:
-        raise argparse.ArgumentTypeError(f"must be from 0 to 1; got {text}.")
-    return float(text)
 
 
 def between(least, most):
@@ -252,27 +185,17 @@ def between(least, most):
     return whole_number
 
 
-def table(text):
-    """Return the path of a table whose folder is there."""
-    if not Path(text).parent.is_dir():
-        raise argparse.ArgumentTypeError(f"there is no folder {Path(text).parent}.")
-    return Path(text)
-
-
-def read(options, *, budget=False):
-    """Return the job that a command's options name and its cut, planned and simulated.
-
-    Where a `budget` is wanted a job that has none is refused.
-    """
+def read(options):
+    """Return the job that a command's options name and its cut, planned and simulated."""
     import numpy as np
 
     from .job import read_job, say
 
     job = read_job(options.job)
-    if budget and (integral := job.controller.get("integral")):
+    if integral := job.controller.get("integral"):
         raise ValueError(
-            "[controller] integral: must be 0 for cut, whose budget has no closed form with it; "
-            f"scene and animate take it; got {integral:g}."
+            "[controller] integral: must be 0, for the budget has no closed form with it; "
+            f"got {integral:g}."
         )
     say("planning ...")
     plan = job.planned
@@ -282,8 +205,7 @@ def read(options, *, budget=False):
     axes, wall = job.expected_seconds
     # The budget runs a lap's axes some times more.
     runs = LOADED_RUNS if job.arm else BUDGET_RUNS
-    more = runs / plan.laps if budget else 0.0
-    lasts = f"about {max(round(axes * (1 + more) + wall), 1)} s"
+    lasts = f"about {max(round(axes * (1 + runs / plan.laps) + wall), 1)} s"
     say(f"simulating {plan.laps} x {plan.ticks.sum()} ticks on {rays}, {lasts} ...")
     cut = job.simulated(say)
     say(
@@ -322,7 +244,7 @@ def run_cut(options):
 
     folder = options.out or Path("build") / own_name(options.job)
     with output(folder) as new:
-        job, cut = read(options, budget=True)
+        job, cut = read(options)
         numbers = summarise(job, cut, say)
         if not options.json:
             tell(summary_text(numbers) + "\n")
@@ -340,53 +262,16 @@ def draw_wall(job, cut, path, say):
     Return the files written, none where a package is missing; `say` gets the reason.
     """
     try:
-        from .reporting import figure, pictures, wall_plot
+        from .job import wall_plot
     except ImportError as error:
-        say(f"{path.name} is left out: {missing(error, '[picture]')}")
+        say(f"{path.name} is left out: {missing(error)}")
         return []
-    say(f"writing {path.name}")
-    drawing, ax = figure(height=9)
-    wall_plot.draw_unrolled(ax, cut, limit=job.limit)
-    files = [pictures.write_picture(path, drawing, job.stamp)]
     laps = path.with_name("laps.png")
-    say(f"writing {laps.name}")
-    drawing, ax = figure(height=6)
-    wall_plot.draw_laps(ax, cut, tolerance=job.plan["tolerance"])
-    return [*files, pictures.write_picture(laps, drawing, job.stamp)]
-
-
-def run_scene(options):
-    """Write the scene at a share of the run."""
-    import_module("trame")  # else first asked for when the page is written, after the simulation
-    from .job import say
-    from .job.atomic_write import check_writable, output
-    from .reporting import pictures, tunnel_scene
-
-    out = options.out or Path("build") / f"{own_name(options.job)}.html"
-    check_writable(out)
-    with output(out) as new:
-        job, cut = read(options)
-        tick = round(options.share * (len(cut.centres) - 1))
-        if options.share < 1:
-            say(f"cutting again, up to {tick * cut.plan.tick:.1f} s ...")
-        plotter = tunnel_scene.cut_scene(cut, tick, limit=job.limit)
-        pictures.write_picture(new, plotter, job.stamp)
-    return {"files": [str(out)]}
-
-
-def run_animate(options):
-    """Write the pictures of the run."""
-    from .job.atomic_write import check_writable, output
-    from .reporting import pictures, tunnel_scene
-
-    out = options.out or Path("build") / f"{own_name(options.job)}.gif"
-    check_writable(out)
-    with output(out) as new:
-        job, cut = read(options)
-        count = options.frames
-        every = tunnel_scene.cut_pictures(cut, count, width=options.width, limit=job.limit)
-        pictures.write_picture(new, counted(every, count), job.stamp)
-    return {"files": [str(out)]}
+    say(f"writing {path.name} and {laps.name}")
+    return [
+        wall_plot.write_unrolled(path, cut, limit=job.limit, stamp=job.stamp),
+        wall_plot.write_laps(laps, cut, tolerance=job.plan["tolerance"], stamp=job.stamp),
+    ]
 
 
 def run_flank(options):
@@ -396,12 +281,6 @@ def run_flank(options):
     from .job.flank import read_flank
     from .job.flank_files import flank_text, summarise_flank, write_flank
 
-    if options.scene:
-        import_module("trame")  # else first asked for when the page is written, after all else
-    if options.scene or options.animate:
-        from .reporting import flank_scene, pictures, scene
-
-        scene.empty().close()  # raises where nothing can be drawn
     folder = options.out or Path("build") / own_name(options.job)
     with output(folder) as new:
         job = read_flank(options.job, options.points)
@@ -412,14 +291,6 @@ def run_flank(options):
         if not options.json:
             tell(flank_text(numbers) + "\n")
         files = write_flank(job, result, new, say)
-        if options.scene:
-            say("drawing the scene ...")
-            plotter = flank_scene.mill_scene(job, result)
-            files.append(pictures.write_picture(new / "scene.html", plotter, job.stamp))
-        if options.animate:
-            every = flank_scene.mill_pictures(job, result, options.animate)
-            every = counted(every, options.animate)
-            files.append(pictures.write_picture(new / "way.gif", every, job.stamp))
         files.append(list_files(new, job.stamp))
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
@@ -450,40 +321,6 @@ def said_of_file(path, *arguments):
         if argument not in arguments:
             raise
         raise WrongJob(f"{path}: {what}") from None
-
-
-def counted(pictures, count):
-    """Yield pictures and say how many are done."""
-    from .job import say
-
-    start = time.monotonic()
-    for number, picture in enumerate(pictures, start=1):
-        yield picture
-        pace = (time.monotonic() - start) / number
-        say(f"{number} of {count} pictures, {pace * (count - number):.0f} s to go")
-
-
-def run_atlas(options):
-    """Sweep the blocks that are missing, then write the summary."""
-    import numpy as np
-
-    from .job.atomic_write import replacement
-    from .paths import atlas
-    from .reporting.sweep import compute_blocks
-
-    files = compute_blocks(
-        atlas.survey, atlas.blocks(), options.folder, scheduler=options.scheduler, jobs=options.jobs
-    )
-    rows = atlas.summary(map(np.load, files))
-    with replacement(options.table) as new, new.open("w", newline="") as file:
-        table = csv.DictWriter(file, rows[0], lineterminator="\n")
-        table.writeheader()
-        table.writerows({name: plain(value) for name, value in row.items()} for row in rows)
-
-
-def plain(value):
-    """Return a number with nine digits, other values as they are."""
-    return f"{value:.9g}" if isinstance(value, float) else value
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from types import FunctionType, ModuleType
 
 import numpy as np
 
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 
 # What Python's own functions are in JavaScript; a wrong argument raises an error there, too.
 HELPERS = """\

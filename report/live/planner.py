@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from exhibits.machine_plot import draw_limits
+from kit import COLOURS, figure
 from tunneller_lib import __main__ as command
+from tunneller_lib.job.wall_plot import write_drawing
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.reporting import COLOURS, figure, pictures
-from tunneller_lib.reporting.machine_plot import draw_limits
 from tunneller_lib.surfaces import Torus
 
 HERE = Path("/planned")
@@ -34,7 +35,7 @@ def draw(job, cut, path, say):
     """Write plan and wall of a cut as pictures; return the files written."""
     plan = path.with_name("plan.png")
     say(f"writing {plan.name}")
-    pictures.write_picture(plan, draw_plan(cut.plan), job.stamp)
+    write_drawing(plan, draw_plan(cut.plan), job.stamp)
     return [plan, *draw_wall(job, cut, path, say)]
 
 

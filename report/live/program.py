@@ -13,7 +13,15 @@ from report.reach import needed
 from report.sources import DRAWS_SCENES, ROOT, cells
 
 # What a page's Python can import.
-PACKAGES = {"tunneller_lib", "numpy", "scipy", "matplotlib", *sys.stdlib_module_names}
+PACKAGES = {
+    "tunneller_lib",
+    "kit",
+    "exhibits",
+    "numpy",
+    "scipy",
+    "matplotlib",
+    *sys.stdlib_module_names,
+}
 
 
 @dataclass(frozen=True)

@@ -147,10 +147,11 @@ def lock(files):
 
 
 def library(more=()):
-    """Return the library as a zip archive, with more files of the checkout beside it."""
+    """Return the library and what notebooks share as a zip archive, with more files beside it."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        own = (ROOT / "tunneller_lib").rglob("*.*")  # its data, too
+        folders = "tunneller_lib", "notebooks/kit", "notebooks/exhibits"
+        own = [path for folder in folders for path in (ROOT / folder).rglob("*.*")]  # data, too
         own = [path for path in own if "__pycache__" not in path.parts]
         for path in sorted([*own, *more]):
             entry = zipfile.ZipInfo(str(path.relative_to(ROOT)))

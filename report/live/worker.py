@@ -15,7 +15,7 @@ from types import ModuleType
 
 os.environ["MPLBACKEND"] = "agg"
 os.chdir("/study/notebooks")
-sys.path.insert(0, "/study")
+sys.path[:0] = ["/study", "/study/notebooks"]
 
 
 class Slider:
@@ -71,10 +71,10 @@ import numpy as np
 from matplotlib.mathtext import MathTextParser
 from pyodide.ffi import to_js
 
+from kit import record
 from report.live.excerpt import excerpt
 from report.live.javascript import Untranslated, script, take_back
-from tunneller_lib import compiled
-from tunneller_lib.reporting import record
+from tunneller_lib.kernels import compiled
 
 record.MOVED = {"format": "bmp"}  # to pack a picture takes a tenth of the time to draw it
 record.MATHTEXT = MathTextParser("agg")  # as Pyodide's matplotlib 3.10 wants it; ours is 3.11

@@ -13,8 +13,7 @@ SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.M)
 LISTS = {"Parameters", "Returns", "Yields", "Attributes", "Raises"}
 # From the top, as a reader comes down.
 ROOMS = [
-    "job", "reporting", "ream", "milling", "motion", "removal", "paths", "envelopes", "surfaces",
-    "replica",
+    "job", "ream", "milling", "motion", "removal", "paths", "envelopes", "surfaces", "kernels",
 ]  # fmt: skip
 
 

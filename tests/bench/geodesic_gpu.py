@@ -20,8 +20,8 @@ import numba.cuda.cudadrv.nvvm as nvvm
 import numba.cuda.dispatcher as dispatcher
 from numba import cuda, float64, int64, types, uint8
 
-from tunneller_lib import compiled
-from tunneller_lib.elementwise import NUMBERS, divided
+from tunneller_lib.kernels import compiled
+from tunneller_lib.kernels.elementwise import NUMBERS, divided
 from tunneller_lib.paths import geodesic_pair
 from tunneller_lib.paths.geodesic_root import NODES
 

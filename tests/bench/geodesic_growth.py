@@ -19,7 +19,7 @@ import numpy as np
 
 from tests.bench import growth
 from tests.bench.conftest import processor
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE as MACHINE
 

@@ -1,9 +1,9 @@
 """Shortest geodesics between millions of pairs, block by block: memory stays that of one block.
 
-python -m tests.bench.geodesic_many PAIRS [SCHEDULER]
+python -m tests.bench.geodesic_many PAIRS
 
-The blocks go to the local cores or, with the address of a scheduler, to a Dask cluster; each is
-summed up where it is made. A run that was interrupted goes on from where it stopped.
+The blocks go to the local cores; each is summed up where it is made. A run that was interrupted
+goes on from where it stopped.
 
 100,000,000 pairs on two cores (2026-11-24, Python 3.11, numba 0.68.1; other programs ran beside, a
 load of 6 to 8, and this one at a low priority): a process held 217 MB in the first half of the 400
@@ -16,8 +16,8 @@ import time
 
 import numpy as np
 
+from exhibits.sweep import compute_blocks
 from tunneller_lib.paths import geodesic_inverse
-from tunneller_lib.reporting.sweep import compute_blocks
 from tunneller_lib.surfaces import REFERENCE_MACHINE as MACHINE
 
 BLOCK = 250_000
@@ -41,9 +41,8 @@ def survey(block):
 def main():
     count = -(-int(float(sys.argv[1])) // BLOCK)
     blocks = [(k,) for k in range(count)]
-    scheduler = sys.argv[2] if len(sys.argv) > 2 else None
     begin = time.monotonic()
-    files = compute_blocks(survey, blocks, FOLDER, scheduler=scheduler)
+    files = compute_blocks(survey, blocks, FOLDER)
     answers, total, longest, held = np.stack([np.load(file) for file in files]).T
     print(
         f"{count * BLOCK:,} pairs, {answers.sum():,.0f} answers in {time.monotonic() - begin:.0f} s"

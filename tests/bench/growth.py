@@ -8,9 +8,9 @@ python -m tests.bench.growth
 import csv
 from pathlib import Path
 
+from kit import COLOURS, figure
+from kit.record import drawing_svg
 from tests.bench import times
-from tunneller_lib.reporting import COLOURS, figure
-from tunneller_lib.reporting.record import drawing_svg
 
 GEODESICS = Path(__file__).with_name("geodesic_growth.csv")
 PICTURE = Path(__file__).with_name("growth.svg")

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod

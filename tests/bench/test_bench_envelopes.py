@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
-from tunneller_lib import compiled
-from tunneller_lib.elementwise import NUMBERS
 from tunneller_lib.envelopes import (
     cone_directions,
     cone_loops,
@@ -21,6 +19,8 @@ from tunneller_lib.envelopes import (
 )
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
+from tunneller_lib.kernels import compiled
+from tunneller_lib.kernels.elementwise import NUMBERS
 
 ANGLE = np.radians(10)
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)

@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import lfilter
 
 from tests.bench.conftest import best_times
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, polyline, time_bresenham
 from tunneller_lib.motion.interpolate import line_ticks
 from tunneller_lib.motion.oil import PHASE

@@ -6,7 +6,7 @@ import pytest
 from tests.bench.conftest import best_times
 from tests.bench.test_bench_envelopes import solve
 from tests.bench.test_bench_geodesic import RING, random_pairs
-from tunneller_lib import compiled
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import geodesic_inverse
 
 PROVED = "lengths right to rounding, with the reason why no path is shorter"

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import pyvista
 
+from exhibits.rod_methods import METHODS
 from tests.bench.conftest import best_times
-from tunneller_lib import compiled
-from tunneller_lib.replica.rod_methods import METHODS
+from tunneller_lib.kernels import compiled
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from exhibits import quartics
+from exhibits.quartics import foot_quartic
 from tests.bench.conftest import best_times
-from tunneller_lib.replica import quartics
-from tunneller_lib.replica.quartics import foot_quartic
 from tunneller_lib.surfaces import Torus
 
 TORUS = Torus(0.08, 0.8)

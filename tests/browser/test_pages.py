@@ -11,9 +11,6 @@ import pytest
 from chromium import wait
 
 from report.site.build import SITE
-from tunneller_lib.reporting.camera import look
-from tunneller_lib.reporting.pictures import write_picture
-from tunneller_lib.reporting.scene import ball, empty
 
 PAGES = sorted(SITE.rglob("*.html"))
 WITH_SCENES = [page for page in PAGES if 'class="scene"' in page.read_text()]
@@ -255,38 +252,6 @@ def test_first_page_s_machine_moves_until_it_is_stopped(browser):
     time.sleep(0.5)
     assert browser.run(place) == stopped
     assert browser.run("document.getElementById('still').ariaPressed") == "true"
-
-
-@pytest.mark.parametrize("parallel", [True, False])
-def test_scene_of_its_own_shows_all_that_it_holds_in_windows_of_any_shape(
-    browser, tmp_path, parallel
-):
-    plotter = empty(parallel=parallel)
-    plotter.window_size = 1600, 1000
-    for x in (-3, 3):
-        plotter.add_mesh(ball((x, 0, 0), 1), color="red")
-    page = write_picture(tmp_path / "balls.html", look(plotter, (0, -1, 0)))
-    share = {}
-    for width, height in ((1600, 1000), (600, 1000), (390, 844), (1600, 1001)):
-        browser.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                     deviceScaleFactor=1, mobile=False)  # fmt: skip
-        if not share:
-            browser.open(page.as_uri())
-        wait(lambda: shown_columns(browser).any(), said="the balls")
-        time.sleep(0.5)
-        seen = np.flatnonzero(shown_columns(browser))
-        share[width, height] = (seen[-1] - seen[0]) / width
-        assert seen[0] > 0.05 * width and seen[-1] < 0.95 * width, (width, height)
-    browser.send("Emulation.clearDeviceMetricsOverride")
-    wide, *_, back = share.values()
-    assert back == pytest.approx(wide, abs=0.01)
-    assert max(share.values()) - min(share.values()) < 0.05
-
-
-def shown_columns(browser):
-    """Return which columns of the window show a thing that is red."""
-    pixels = browser.picture("document.querySelector('main')").astype(int)
-    return (pixels[..., 0] > pixels[..., 1] + 60).any(axis=0)
 
 
 def test_scene_is_turned_by_keyboard(browser):

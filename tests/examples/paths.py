@@ -1,12 +1,10 @@
 """Examples for the room paths."""
 
-import numpy as np
-
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, ConeChord, geodesic_inverse
-from tunneller_lib.paths.atlas import COLUMNS
 from tunneller_lib.paths.chord_paths import ChordPath
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.paths.geodesic import Geodesic, GeodesicPoints
+from tunneller_lib.paths.direct_problem import GeodesicPoints
+from tunneller_lib.paths.inverse_problem import Geodesic
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 _GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])
@@ -32,9 +30,6 @@ CALLS = {
     "Circuit.path_overcut": {"s": (0.0, 0.5, 1.0)},
     "ConeChord": {"f": 0.25},
     "GeodesicPoints.deviation": {"position": [(0.3, 0.2), (0.1, 0.1)]},
-    "atlas.pairs": {"stripe": 8},
-    "atlas.summary": {"tables": [np.ones((2, len(COLUMNS)))]},
-    "atlas.survey": {"block": (0, 8)},
     "competing_geodesics": _ENDS,
     "corrected_chord": _ENDS,
     "geodesic_inverse": _ENDS,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Directions, HalfAngle, Length, Length0, Point, Points, Whole, checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .functions import Shift, Turn, Varying
 from .jet import Jet
 

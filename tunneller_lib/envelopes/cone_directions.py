@@ -8,7 +8,7 @@ on each interval holds one zero at most, which bisection can't miss and Newton's
 
 import math
 
-from ..elementwise import ratio, some, where
+from ..kernels.elementwise import ratio, some, where
 from .binary_forms import product11, replaced2, replaced3
 
 SAME = 2e-5  # rad, zeros nearer than this are one multiple zero

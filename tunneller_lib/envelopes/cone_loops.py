@@ -4,8 +4,8 @@ The loops go from point to point, for `compiled.call`; with arrays the formulas 
 once. Every bit is the same.
 """
 
-from ..compiled import root
-from ..elementwise import where
+from ..kernels.compiled import root
+from ..kernels.elementwise import where
 from .cone_directions import circle_zeros
 from .graph_forms import model_forms, space_forms
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arguments import Angles, Directions, Point, bounded_array, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from .functions import Centre, Shift
 from .jet import Jet, derivative
 

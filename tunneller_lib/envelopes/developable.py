@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arguments import Reals, checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .functions import Function, coordinates
 from .jet import derivative, jet_variables
 

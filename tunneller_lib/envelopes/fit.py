@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arguments import LEAST, Directions, Points, Positive, Whole, checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .functions import Centre, Function, Number, UnitVectors
 from .isotropic import normal, plane_to_point, surface_points
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Rule, bounded_array, directions, finite, real, shown
-from ..exact import norm
+from ..kernels.exact import norm
 from .jet import Jet
 
 _UNIT = 1e-6  # by how much the length of what is said to be a unit vector may be off

@@ -6,8 +6,8 @@ used, coefficient by coefficient, so that one point goes the same way as thousan
 compiled loops.
 """
 
-from ..compiled import root
-from ..elementwise import ratio, where
+from ..kernels.compiled import root
+from ..kernels.elementwise import ratio, where
 from .binary_forms import (
     plus12,
     plus13,

@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from .. import compiled
 from ..arguments import HalfAngle, Reals, checked
-from ..elementwise import NUMBERS
+from ..kernels import compiled
+from ..kernels.elementwise import NUMBERS
 from . import cone_loops
 from .adapted import FLAT, MOST
 from .circle_roots import real_zeros

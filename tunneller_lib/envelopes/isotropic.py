@@ -7,7 +7,7 @@ planes of a surface become a surface z = f(x, y), those of a cone a conic over a
 import numpy as np
 
 from ..arguments import Angles, Directions, Lengths, Points, Reals, checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .functions import Function, Three, UnitThree, UnitVectors, Varying, one_number
 from .jet import derivative, jet_variables
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ..arguments import Length0, NotNegative, Points, Reals, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from .fit import mean_frame
 from .functions import UnitVectors, Varying
 from .jet import Jet, jet_variables

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..envelopes import fit_surface
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from ..milling import Patch
 from .csv_reading import read_csv
 from .mesh import read_stl, vertex_normals

@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import MOST, Positive, Rule, checked, shown
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from ..paths.circuit import Circuit
 from ..ream.wall import overbreak, standing
 from ..removal import DexelGrid

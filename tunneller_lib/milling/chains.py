@@ -9,7 +9,7 @@ from ..arguments import Length, Length0, Rule, Whole, checked, shown
 from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .five_axes import TiltingTable, cradle_depth, stretch
 from .motion import moved
 from .obstacles import Around

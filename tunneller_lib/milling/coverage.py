@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arguments import Length, Length0, NotNegative, Whole, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from .chains import Chains, trace_chains
 from .five_axes import TiltingTable
 from .obstacles import Around

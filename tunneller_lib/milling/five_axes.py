@@ -20,7 +20,7 @@ from ..arguments import (
     checked,
     directions,
 )
-from ..exact import norm
+from ..kernels.exact import norm
 from .motion import Axes, Tips
 from .obstacles import Around
 from .patch import Range

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Rule, Whole, checked, directions, near_points
-from ..exact import norm
+from ..kernels.exact import norm
 
 
 def _rows(check):

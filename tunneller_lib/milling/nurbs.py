@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..arguments import Rule, Whole, bounded_array, checked, near_points
 from ..envelopes.functions import Varying
 from ..envelopes.jet import Jet, compose, places
-from ..exact import norm
+from ..kernels.exact import norm
 
 LEAST_DEGREE, MOST_DEGREE = 3, 9
 MOST_CONTROL = 200  # points each way

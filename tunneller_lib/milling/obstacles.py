@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Rule, near_points
-from ..exact import norm
+from ..kernels.exact import norm
 from .tools import seen_from
 
 BLOCK = 1_000_000  # pairs of a position and a cell that are looked at together

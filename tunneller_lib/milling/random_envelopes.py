@@ -7,7 +7,7 @@ import numpy as np
 from ..arguments import checked
 from ..envelopes.families import moving_cone, turning
 from ..envelopes.functions import Turn
-from ..exact import dot
+from ..kernels.exact import dot
 from .patch import Patch
 from .tools import ConicalMill
 

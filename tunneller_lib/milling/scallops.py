@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Whole, checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .chains import Chain
 from .coverage import Coverage
 from .patch import Patch

@@ -8,7 +8,7 @@ from ..arguments import Length, Points, Sign, Whole, checked
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .chains import Chain
 from .motion import Axes, Tips, motion_through
 from .patch import Patch

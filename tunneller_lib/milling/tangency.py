@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..arguments import Length0, Rule, Whole, bounded_array, checked, shown
 from ..envelopes.functions import Function
 from ..envelopes.jet import jet_variables
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .chains import Chain, conjugate_frame, fitting
 from .five_axes import TiltingTable
 from .obstacles import Around

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Length, Length0, Whole, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from .chains import Chains
 from .five_axes import TiltingTable, cradle_depth
 from .obstacles import Around

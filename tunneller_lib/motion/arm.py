@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Angles, Length, Length0, Positions, Rates, checked
-from ..compiled import cosine, sine
+from ..kernels.compiled import cosine, sine
 from .quantities import Size, Size0
 
 GRAVITY = 9.81  # m/s^2

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Angle, Angles, Finite, Reals, checked
-from ..compiled import cosine, root
+from ..kernels.compiled import cosine, root
 from ..surfaces.linkage import Cylinders, JointAngles, Linkage, chambers, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Size0, Torque

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Angle, Finite, Rule, checked
-from ..compiled import root
+from ..kernels.compiled import root
 from ..surfaces.linkage import chambers, check_stroke
 from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, Plant, ValveResonance

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import shown
-from ..compiled import call, call_plain, expect
+from ..kernels.compiled import call, call_plain, expect
 from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, parts_in
 from .hydraulics import spool_at
 from .oil import Compressible, out_of_stroke

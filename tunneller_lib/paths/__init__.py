@@ -1,6 +1,5 @@
 """Paths of the cutter's centre: projected chords, the tunnel's circuit, the cone's test case."""
 
-from . import atlas
 from .chord_law import ChordLaw
 from .chord_paths import CHORD_PATHS, SHORT_CHORD_PATHS, path_length
 from .circuit import cutting_circuit
@@ -15,7 +14,6 @@ __all__ = [
     "SHORT_CHORD_PATHS",
     "ChordLaw",
     "ConeChord",
-    "atlas",
     "competing_geodesics",
     "corrected_chord",
     "cutting_circuit",

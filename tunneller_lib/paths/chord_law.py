@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Positions, checked
-from ..exact import cross, dot, norm
+from ..kernels.exact import cross, dot, norm
 from .bounds import Row
 from .quadrature import gauss_rule
 

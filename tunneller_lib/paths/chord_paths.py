@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Positions, checked, positions
-from ..exact import dot, norm, radius_and_excess
+from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points

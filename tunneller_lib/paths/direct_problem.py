@@ -21,12 +21,23 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import compiled
 from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
-from ..compiled import loop
-from ..elementwise import NUMBERS, divided, larger, ratio, smaller, some, square_root, where, within
-from ..exact import dot
-from ..repeatable import WHOLE, arctangent, area_sine, growth, reduced, sine_cosine
+from ..kernels import compiled
+from ..kernels.compiled import loop
+from ..kernels.elementwise import (
+    NUMBERS,
+    PLAIN,
+    divided,
+    larger,
+    ratio,
+    smaller,
+    some,
+    square_root,
+    where,
+    within,
+)
+from ..kernels.exact import dot
+from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, sine_cosine
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
 from .geodesic_classes import PI_REST, Radii, distance, rho
@@ -173,7 +184,7 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     Notes
     -----
     theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length.
-    Clairaut's constant turns them into quadratures (`geodesic_trace`), which repeat after half a
+    Clairaut's constant turns them into quadratures (the module), which repeat after half a
     swing or a round of the tube: a geodesic of any length takes as long as a short one. Angles are
     right to some roundings, and to one of length / sqrt(R (r + R)), for what a last digit of the
     start moves grows along the way; near the inner equator of a ring, where neighbours part, that
@@ -707,12 +718,6 @@ def add_panel_in_loops(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-PLAIN = {
-    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
-}
-PLAIN = {
-    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
-}
 PARTS = {**NUMBERS, "ratio": divided, "add_panel": add_panel_in_loops}
 
 

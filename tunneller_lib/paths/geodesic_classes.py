@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, some, square_root, where
-from ..repeatable import area_sine, growth, sine_cosine
+from ..kernels.elementwise import larger, ratio, smaller, some, square_root, where
+from ..kernels.repeatable import area_sine, growth, sine_cosine
 
 STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
 STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, smaller, square_root, where
-from ..repeatable import area_sine, sine_cosine
+from ..kernels.elementwise import larger, ratio, smaller, square_root, where
+from ..kernels.repeatable import area_sine, sine_cosine
 from .geodesic_classes import (
     STEEP,
     Ends,

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import compiled
 from ..arguments import Positions, checked, none_beyond
-from ..compiled import loop
-from ..elementwise import NUMBERS, divided, larger, ratio, some, square_root, where
-from ..exact import two_sum
-from ..repeatable import arctangent, reduced
+from ..kernels import compiled
+from ..kernels.compiled import loop
+from ..kernels.elementwise import NUMBERS, PLAIN, divided, larger, ratio, some, square_root, where
+from ..kernels.exact import two_sum
+from ..kernels.repeatable import arctangent, reduced
 from ..surfaces import Torus
 from .bounds import Count, check_ratio
 from .direct_problem import followed
@@ -63,9 +63,6 @@ HALVINGS = 30
 AHEAD = 5  # of them, looked at once
 BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
-PLAIN = {
-    name: NUMBERS[name] for name in ("where", "smaller", "larger", "square_root", "ratio", "some")
-}
 # s for a pair, on the working sheet and on a ring.
 BY_ARRAYS = 8e-6, 35e-6
 ONE_BY_ONE = 2e-4, 7e-4

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..arguments import Positions, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from ..surfaces import Torus
 from .bounds import Count, check_on_sheet, check_points
 from .quadrature import panels, path_lengths

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..exact import in_blocks, norm
+from ..kernels.exact import in_blocks, norm
 
 ORDER = 48  # nodes on a panel
 BLOCK = 1024  # paths measured at once, whose nodes fit the cache

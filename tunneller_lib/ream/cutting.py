@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import Each, Length, Rule, Whole, checked, size
-from ..compiled import expect
+from ..kernels.compiled import expect
 from ..motion import Push, follow
 from ..motion.arm import Arm
 from ..motion.servo import Track

@@ -8,7 +8,7 @@ the ground that the force was for is the ground that the cutter takes.
 
 import numpy as np
 
-from ..exact import norm
+from ..kernels.exact import norm
 from ..motion.both_joints import Push
 from .front import engaged_areas
 from .moves import levers

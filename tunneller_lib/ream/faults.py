@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from ..motion import follow
 from ..motion.plant import NoLinearForm
 from ..paths import geodesic_inverse

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from ..exact import norm
+from ..kernels.exact import norm
 from ..removal.volume import removed_volume
 from .moves import levers
 from .outward import gradient

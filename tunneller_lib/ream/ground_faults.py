@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arguments import checked
-from ..exact import norm
+from ..kernels.exact import norm
 from ..motion import Compressible, follow
 from ..motion.arm import Arm
 from ..removal import Ground

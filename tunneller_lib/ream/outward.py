@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..exact import dot
+from ..kernels.exact import dot
 
 
 def wall_frame(circuit, s):

@@ -7,7 +7,7 @@ outward normal and rho its radius of curvature at the place where f is zero.
 import numpy as np
 
 from ..arguments import checked
-from ..exact import dot, norm
+from ..kernels.exact import dot, norm
 from .both_axes import Loops, Plants, check_linear, check_ticks
 from .outward import gradient, wall_frame
 from .planning import Plan

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arguments import Coordinate, Length, Lengths, Positive, checked
-from ..exact import norm
+from ..kernels.exact import norm
 from ..paths.circuit import Circuit
 from ..removal import DexelGrid
 from ..removal.dexel import Shape

@@ -6,7 +6,6 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import compiled
 from ..arguments import (
     Coordinate,
     Length,
@@ -20,8 +19,9 @@ from ..arguments import (
     shown,
     whole,
 )
-from ..elementwise import NUMBERS
-from ..exact import norm
+from ..kernels import compiled
+from ..kernels.elementwise import NUMBERS
+from ..kernels.exact import norm
 from ..surfaces import Box, Frustum, Rod, RoundedDisc
 from . import dexel_loops
 from .grid import Lines, fan, parallel

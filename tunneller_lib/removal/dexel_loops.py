@@ -5,7 +5,7 @@ The formulas are those that `grid` has for whole arrays, so that every bit is th
 
 import numpy as np
 
-from ..elementwise import greater, lesser
+from ..kernels.elementwise import greater, lesser
 from .grid import measured, met_ball, swept
 
 

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, square_root, where
-from ..exact import norm
+from ..kernels.elementwise import larger, square_root, where
+from ..kernels.exact import norm
 from ..surfaces.rod_interval import ball_sweep, flat_interval
 
 BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of the grid

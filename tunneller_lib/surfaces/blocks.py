@@ -14,10 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import compiled
-from ..elementwise import larger, ratio, smaller, square_root, where
-from . import line_loops
-from .vectors import differences, scalar_products, vector_products
+from ..kernels import compiled, line_loops
+from ..kernels.elementwise import larger, ratio, smaller, square_root, where
+from ..kernels.vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
 COMPILED = 65536  # the same by a compiled loop, for which only calls count

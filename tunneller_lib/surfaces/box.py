@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, scaled, smaller, some, square_root, where, within
-from ..exact import accurate_products
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
-from .rod_interval import GUARD, nearest_offset
-from .vectors import (
+from ..kernels.elementwise import larger, ratio, scaled, smaller, some, square_root, where, within
+from ..kernels.exact import accurate_products
+from ..kernels.vectors import (
     differences,
     either,
     lengths,
@@ -21,6 +19,8 @@ from .vectors import (
     shares,
     unit_and_speed,
 )
+from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
+from .rod_interval import GUARD, nearest_offset
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Directions, Rule, checked, near_points
+from ..kernels.vectors import differences, scalar_products, sums, unit_and_speed
 from .blocks import BLOCK
 from .box import Box
 from .frustum import Frustum
@@ -21,7 +22,6 @@ from .touching import (
     touches_of_planes,
     unit_of,
 )
-from .vectors import differences, scalar_products, sums, unit_and_speed
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, smaller, square_root, where, within
-from ..exact import cross, dot, norm
+from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
+from ..kernels.exact import cross, dot, norm
+from ..kernels.vectors import differences, lengths
 from .blocks import (
     CLOSE,
     MISSED,
@@ -22,7 +23,6 @@ from .blocks import (
     with_those_beside,
 )
 from .rod_interval import GUARD, flat_interval, frame, nearest_point
-from .vectors import differences, lengths
 
 
 @checked

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
-from ..compiled import root, sine
+from ..kernels.compiled import root, sine
 
 USUAL_R = 0.80  # m, the reference machine's arm, by which the study's sizes are given
 

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..elementwise import larger, ratio, scaled, smaller, square_root, where, within
-from ..exact import accurate_products, two_product, two_sum
-from .vectors import (
+from ..kernels.elementwise import larger, ratio, scaled, smaller, square_root, where, within
+from ..kernels.exact import accurate_products, two_product, two_sum
+from ..kernels.vectors import (
     differences,
     either,
     lengths,

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
-from ..elementwise import larger, ratio, some, square_root, where, within
-from ..exact import dot, norm
+from ..kernels.elementwise import larger, ratio, some, square_root, where, within
+from ..kernels.exact import dot, norm
+from ..kernels.vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
 from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
 from .rod_interval import GUARD, nearest_offset
-from .vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
 
 FINE = 2.0**-50  # of the size, to which a place is told: there are floats between such ends
 GUESSES = 6  # of Newton's steps to about where a line is nearest

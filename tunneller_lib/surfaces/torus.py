@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Angles, Directions, Length, Points, Positions, Rates, checked
-from ..exact import dot, in_blocks, radius_and_excess
+from ..kernels.exact import dot, in_blocks, radius_and_excess
 from . import torus_line
 
 # The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..exact import cross, dot, norm
+from ..kernels.exact import cross, dot, norm
 
 # Distances below this share of r + R count as contact: a few roundings of the arithmetic here.
 CONTACT = 8 * np.finfo(float).eps

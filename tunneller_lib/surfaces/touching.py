@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..exact import accurate_products
+from ..kernels.exact import accurate_products
+from ..kernels.vectors import scalar_products, unit_and_speed, vector_products
 from .box import Box
 from .rod import Rod
 from .rounded_disc import RoundedDisc
-from .vectors import scalar_products, unit_and_speed, vector_products
 
 HALVINGS = 32  # a chord of so small an arc is off by the square of it, less than a rounding
 

@@ -1,0 +1,233 @@
+"""Plane drawings of cones, planes and surfaces of lines, each on the Axes that it is given."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from kit.kinds import Map, check_same_shape
+from kit.style import COLOURS
+from tunneller_lib.arguments import Angle, HalfAngle, Positive, checked
+from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes.adapted import frames_along
+from tunneller_lib.envelopes.conics import conic, osculating_conic
+from tunneller_lib.envelopes.functions import Centre, Function
+from tunneller_lib.envelopes.hyperosculate import Cones
+from tunneller_lib.envelopes.isotropic import plane_to_point
+
+from .plot import equal
+
+SHADES = {2: "#DCE6EF", 4: "#7FA6C9", 6: "#22527A"}  # of numbers of cones
+SIDES = COLOURS["tangent sphere"], COLOURS["error"]  # of the two planes that are seen edge-on
+
+
+@checked
+def draw_cone_and_conic(space: Axes, top: Axes, side: Axes, cone: ConePose):
+    """Draw a cone from the side, the circle of its planes, and its conic from the side.
+
+    Parameters
+    ----------
+    space, top, side : matplotlib.axes.Axes
+    cone : ConePose
+        In m, its vertex and its axis in the x-z plane.
+
+    Raises
+    ------
+    ValueError
+        If vertex or axis isn't in that plane, or a plane has the normal (0, 0, -1).
+    """
+    if cone.vertex[1] or cone.axis[1]:
+        raise ValueError(f"cone: must have vertex and axis in the x-z plane; got {cone}.")
+    round_it = np.linspace(0, 2 * np.pi, 361)
+    curve = plane_to_point(*cone.planes(round_it))
+    lean = np.arctan2(cone.axis[0], cone.axis[2])
+    rulings = lean + np.array([-1, 1]) * cone.half_angle
+    n = np.stack([np.cos(rulings), 0 * rulings, -np.sin(rulings)], axis=-1) * [[1], [-1]]
+    edges = plane_to_point(n, -n @ np.array(cone.vertex))
+    for way, colour in zip([lean, *rulings], [COLOURS["torus"], *SIDES], strict=True):
+        line = [0, 2] * np.array([[np.sin(way)], [np.cos(way)]])
+        space.plot(cone.vertex[0] + line[0], cone.vertex[2] + line[1], color=colour)
+    space.set(title="the cone", xlim=(-2.5, 2.5), ylim=(-1.5, 3.5))
+    equal(space, "x / m", "z / m")
+    top.plot(*curve[:, :2].T, color=COLOURS["top view"])
+    top.plot(np.cos(round_it), np.sin(round_it), "--", color=COLOURS["torus"], lw=0.8)
+    top.scatter(*edges.T[:2], color=SIDES)
+    top.set(title="its circle", xlim=(-2.2, 2.2), ylim=(-2.2, 2.2))
+    equal(top, "x", "y")
+    side.plot(*curve[:, ::2].T, color=COLOURS["cone"])
+    side.axhline(0, color=COLOURS["torus"], lw=0.5)
+    side.scatter(*edges.T[::2], color=SIDES)
+    side.set(title="its conic", xlim=(-2.2, 2.2), ylim=(-2.2, 2.2), aspect="equal")
+    side.set(xlabel="x", ylabel="z / m")
+
+
+@checked
+def draw_planes_along_line(
+    above: Axes, ahead: Axes, turned: Axes, surface: Function(2), line: Angle
+):
+    """Draw a surface of lines from above, the tangent planes along one line, and their turn.
+
+    Parameters
+    ----------
+    above, ahead, turned : matplotlib.axes.Axes
+        From above; along the line, where the planes are seen edge-on; turn against place.
+    surface : callable
+        Of the line s, in rad, and the place t along it, three coordinates in m.
+    line : float
+        Which line, in rad; the four squares stand on it from t = 0.1 to t = 1.2.
+    """
+    four = np.linspace(0.1, 1.2, 4)
+    frames = frames_along(surface, line, four)  # which looks at what the surface returns
+    # One curve with gaps takes less time than 33 lines.
+    edges = surface(*np.meshgrid(np.linspace(0, 2 * np.pi, 33), [0.1, 1.2]))
+    x, y = (np.insert(one, 2, np.nan, axis=0).T.ravel() for one in edges[:2])
+    above.plot(x, y, color=COLOURS["torus"], lw=0.8)
+    x, y, _ = frames.contact.T
+    above.plot(x, y, "s-", color=COLOURS["tangent sphere"], mfc=COLOURS["plane"], mec="none")
+    above.set(title="from above", xlim=(-1.7, 1.7), ylim=(-1.7, 1.7))
+    equal(above, "x / m", "y / m")
+    _, turn = _turn(surface, line, four)
+    ends = 0.4 * np.stack([np.cos(turn), np.sin(turn)])
+    ahead.plot(*np.stack([-ends, ends], axis=1), color=COLOURS["plane"])
+    ahead.plot(0, 0, "o", color=COLOURS["tangent sphere"])
+    ahead.set(title="seen along the line", xlim=(-0.5, 0.5), ylim=(-0.5, 0.5))
+    equal(ahead, "in the first plane / m", "across / m")
+    place, turn = _turn(surface, line, np.linspace(0.1, 1.2, 30))
+    turned.plot(place, np.degrees(turn), color=COLOURS["plane"])
+    turned.set(title="turn of the plane", xlabel="along the line / m", ylabel="turn / deg")
+    turned.set(ylim=(-10, 190), box_aspect=1)
+
+
+def _turn(surface, line, t):
+    """Return places along a line, in m, and how far the planes there have turned, in rad."""
+    found = frames_along(surface, line, t)
+    n = found.axes[:, 2]
+    turn = np.arctan2(n @ found.axes[0, 1], n @ found.axes[0, 2])
+    return np.linalg.norm(found.contact - found.contact[0], axis=-1), np.unwrap(turn)
+
+
+@checked
+def draw_cone_counts(ax: Axes, x: Map, y: Map, count: Map):
+    """Shade on `ax` a map of the model by the number of cones, all (n, m): 6 dark, 2 pale.
+
+    Raises
+    ------
+    ValueError
+        If places `x`, `y` and `count` haven't one shape.
+    """
+    check_same_shape(x=x, y=y, count=count)
+    ax.contourf(x, y, count, levels=[1, 3, 5, 7], colors=list(SHADES.values()))
+    ax.set(xlabel="x", aspect="equal")
+
+
+@checked
+def draw_cones_at_contact(
+    where: Axes, rods: Axes, f: Function(2), place: Centre, half_angle: HalfAngle
+):
+    """Draw a contact in a quarter of the model, and the rulings of all cones there from above.
+
+    Parameters
+    ----------
+    where, rods : matplotlib.axes.Axes
+        The model, with the circle of the radius cot(half_angle); the tangent plane, with dots on
+        the side of the vertices, generators ochre, cones that gouge red.
+    f : callable
+        Of x and y, in m.
+    place : (2,) float
+        The contact, from 0 to 2.6.
+    half_angle : float
+        Of the cones, in rad.
+    """
+    quarter = np.linspace(0, np.pi / 2, 91)
+    edge = np.array([np.sin(quarter), np.cos(quarter)]) / np.tan(half_angle)
+    where.set(facecolor=SHADES[4], xlim=(0, 2.6), ylim=(0, 2.6), xlabel="x", ylabel="y")
+    where.fill_between(*edge, color=SHADES[6], lw=0)
+    where.plot(*place, "o", color=COLOURS["machine"])
+    where.set(aspect="equal", title="the contact in the model")
+    frame = adapted_frames(f, *np.array(place)[:, None], "isotropic").axes[0]
+    cones = hyperosculating_cones(f, *place, half_angle=half_angle)
+    ends = (cones.vertex - cones.contact) / cones.distance[:, None] @ frame[:2].T
+    for end, colour in zip(ends, cone_colours(cones), strict=True):
+        rods.plot(*np.transpose([end, -end]), "o-", color=colour, markevery=[0])
+    rods.plot(0, 0, "o", color=COLOURS["chord"])
+    rods.set(xlabel="in the tangent plane", ylabel="across", xticks=[], yticks=[])
+    rods.set(xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), aspect="equal", title=f"{len(cones)} cones")
+
+
+@checked
+def cone_colours(cones: Cones):
+    """Return the colours of cones: generators ochre, those that gouge red, others green."""
+    names = np.where(cones.undecided, "generator", np.where(cones.gouges, "error", "cone"))
+    return [COLOURS[name] for name in names]
+
+
+@checked
+def draw_gap_map(ax: Axes, e: Map, w: Map, gap: Map, edge: Positive, limit: Positive):
+    """Shade a map of the gap between a surface and a cone.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    e, w : (n, m) float
+        Places in the tangent plane, in m.
+    gap : (n, m) float
+        Positive where there is air, in mm; the dashed line is where it is 0.
+    edge : float
+        How far from the contact the map goes, in m.
+    limit : float
+        Where the shades end, in mm.
+
+    Returns
+    -------
+    shades : matplotlib.contour.QuadContourSet
+        For a colour bar.
+
+    Raises
+    ------
+    ValueError
+        If places and gaps haven't one shape.
+    """
+    check_same_shape(e=e, w=w, gap=gap)
+    steps = limit * np.linspace(-1, 1, 21)
+    with np.errstate(over="ignore"):  # a gap may be any number of limits
+        shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
+    shades.set_rasterized(True)  # flat shades: less than lines
+    ax.contour(e, w, gap, [0.0], colors="k", linewidths=0.6, linestyles="--")
+    ax.plot(0, 0, ".", color=COLOURS["chord"])
+    ax.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge))
+    return shades
+
+
+@checked
+def draw_ring_gap(above: Axes, beside: Axes, f: Function(2), place: Centre, centre: Centre):
+    """Draw the conic over a circle that osculates a graph, from above, and its gap to the graph.
+
+    Parameters
+    ----------
+    above, beside : matplotlib.axes.Axes
+        The circle over the graph's level lines, which are not drawn at the origin; conic less
+        graph against the angle about the circle's centre.
+    f : callable
+        Of x and y, in m.
+    place : (2,) float
+        Where the conic touches.
+    centre : (2,) float
+        From there to the circle's centre.
+    """
+    reach = np.linspace(-1, 1, 121)
+    z, a, b = osculating_conic(centre, f(*jet_variables(*place)))
+    curve = conic((*place, z), centre, a, b, reach)
+    away, turn = np.meshgrid(np.linspace(0.06, 1.3, 12), np.linspace(0, 2 * np.pi, 73))
+    x, y = away * np.cos(turn), away * np.sin(turn)
+    above.contour(x, y, f(x, y), 9, colors=COLOURS["torus"], linewidths=0.5)
+    across = np.array([-place[1], place[0]]) / np.hypot(*place) / 2
+    ends = np.array(place) / 2 + np.array([[-1], [1]]) * across
+    above.plot(*ends.T, "--", color=COLOURS["chord"], lw=0.8)
+    above.plot(*curve[:, :2].T, color=COLOURS["top view"])
+    above.plot(0, 0, "+", color=COLOURS["chord"], ms=8)
+    above.plot(*place, "o", color=COLOURS["error"])
+    above.plot(*np.add(place, centre), "o", color=COLOURS["top view"])
+    above.set(xlim=(-0.26, 0.9), ylim=(-0.36, 0.8), aspect="equal", xlabel="x", ylabel="y")
+    gap = 1000 * (curve[:, 2] - f(*curve[:, :2].T))  # mm
+    most = np.abs(gap).max()
+    beside.plot(np.degrees(reach), gap, color=COLOURS["cone"])
+    beside.set(xlabel="angle about the centre / deg", ylabel="conic less graph / mm")
+    beside.set(title=f"up to {most:.2f} mm", ylim=(-max(1, most), max(1, most)))

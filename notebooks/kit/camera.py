@@ -1,0 +1,235 @@
+"""What becomes of a finished scene: a picture, a scene to turn, one kept for the web pages.
+
+It gets scenes that are made already: so it needs neither pyvista nor a GL library itself.
+"""
+
+import functools
+import html
+import os
+import secrets
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
+
+from tunneller_lib.arguments import checked
+
+from .kinds import Pixels
+from .style import COLOURS, STYLE, TEXT_WIDTH
+
+MARGIN = 20  # px of white left around a picture
+WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
+LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
+BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
+
+
+def shoot(
+    plotter,
+    *,
+    direction=(1.0, -1.5, 0.8),
+    up=(0.0, 0.0, 1.0),
+    zoom=1.3,
+    letters=None,
+    width=TEXT_WIDTH,
+):
+    """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene; it is closed afterwards, unless somebody is there to turn it.
+    direction, up : (3,) float
+        From the middle of the scene towards the camera, and what points up in the picture; a
+        direction of None is for a camera that is set already.
+    zoom : float
+        Above 1 for a closer look.
+    letters : dict of str to ((3,) float, (2,) float), optional
+        What is written over the picture: each text, as matplotlib sets it, with the point in the
+        scene that it names and its way from there, to the right and up in sizes of the letters.
+    width : float
+        Of the picture on paper, in cm, where letters have the size of those in drawings.
+
+    Returns
+    -------
+    pixels : (n, m, 3) uint8
+        Red, green, blue.
+    """
+    if direction is not None:
+        look(plotter, direction, up, zoom)
+    pixels = plotter.screenshot(return_img=True)
+    if letters:
+        pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
+    if folder := os.environ.get("TUNNELLER_SCENES"):
+        _keep(plotter, Path(folder))
+    # Late, as it takes a fifth of a second: the command does without.
+    from IPython import get_ipython
+    from IPython.display import display
+
+    if get_ipython() and os.environ.get("PYVISTA_JUPYTER_BACKEND") != "static":
+        display(live(plotter, "A scene to turn; its picture is described where it is shown."))
+    else:
+        plotter.close()
+    return crop(pixels)
+
+
+def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
+    """Return a scene after its camera is set.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene, with all that is to be seen.
+    direction, up, zoom
+        As for `shoot`.
+
+    Returns
+    -------
+    plotter : pyvista.Plotter
+        The same scene.
+    """
+    plotter.view_vector(direction, viewup=up)
+    plotter.camera.zoom(zoom)
+    return plotter
+
+
+@checked
+def crop(pixels: Pixels):
+    """Return a picture without its white border, but for a small margin.
+
+    Parameters
+    ----------
+    pixels : (n, m, 3) uint8
+        Red, green, blue.
+
+    Returns
+    -------
+    pixels : (n, m, 3) uint8
+        The part that shows something, or all of an empty picture.
+    """
+    drawn = np.any(pixels != 255, axis=-1)
+    if not drawn.any():
+        return pixels
+    rows = np.flatnonzero(drawn.any(axis=1))
+    columns = np.flatnonzero(drawn.any(axis=0))
+    top = max(rows[0] - MARGIN, 0)
+    left = max(columns[0] - MARGIN, 0)
+    return pixels[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]
+
+
+def live(plotter, title):
+    """Return a widget in which a scene is turned.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene, its camera set; its window gets the widget's size.
+    title : str
+        What it shows, for those who can't see it.
+
+    Returns
+    -------
+    widget : ipywidgets.HTML
+        With pyvista's ``viewer``, whose ``update`` shows what has changed in the scene.
+    """
+    plotter.window_size = WIDGET
+    plotter.enable_anti_aliasing("msaa")  # which takes half the time of a still picture's
+    word = _password()
+    widget = plotter.show(return_viewer=True)
+    frame = f'<iframe title="{html.escape(title)}"'
+    asked = f"{widget.src}&secret={word}"  # which the page takes off its address
+    widget.value = widget.value.replace("<iframe", frame, 1).replace(widget.src, asked, 1)
+    return widget
+
+
+@functools.cache
+def _password():
+    """Return this process' own word for its scenes; their server refuses whoever doesn't say it.
+
+    Left alone, it would take the same word everywhere, so that any web page that is open in a
+    browser on this machine could ask for scenes and turn them.
+    """
+    import pyvista
+    from trame.app import get_server
+
+    word = f"s{secrets.token_hex(16)}"  # the page takes a number for one
+    server = get_server(pyvista.global_theme.trame.jupyter_server_name)
+    server.cli.set_defaults(authKey=word)
+    if server.running:  # for somebody's own scenes
+        server.protocol.updateSecret(word)
+    return word
+
+
+def refill(plotter, other):
+    """Put another scene's actors in place of a scene's own; it keeps its camera and its lights.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        The scene that is shown.
+    other : pyvista.Plotter
+        The one that gives its actors; it is closed.
+    """
+    plotter.clear_actors()
+    for name, actor in other.actors.items():
+        plotter.add_actor(actor, name=name, reset_camera=False, render=False)
+    other.close()
+
+
+def _lettered(plotter, pixels, letters, size):
+    """Return a scene's picture with letters of a size in pixels written over it."""
+    height, width = pixels.shape[:2]
+    inch = 72.0  # px, so that a point is a pixel
+    drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)
+    drawing.figimage(pixels)
+    halo = [withStroke(linewidth=size / 4, foreground="white")]
+    style = {"fontsize": size, "color": COLOURS["chord"], "path_effects": halo}
+    style |= {"ha": "center", "va": "center"}
+    line = {"arrowstyle": "-", "lw": size / 16, "shrinkA": 0, "shrinkB": 0, "path_effects": halo}
+    canvas = FigureCanvasAgg(drawing)
+    with rc_context(STYLE):
+        for text, (point, away) in letters.items():
+            named = _on_screen(plotter, point)
+            beside = named + size * np.asarray(away)
+            place = {"xy": named, "xycoords": "figure pixels", "xytext": beside}
+            leads = line if np.hypot(*away) > BESIDE else None
+            drawing.add_artist(Annotation(text, arrowprops=leads, **place, **style))
+        canvas.draw()
+    return np.array(canvas.buffer_rgba())[..., :3]
+
+
+def _on_screen(plotter, point):
+    """Return where a point (3,) of a scene lies in its picture, in px from the lower left."""
+    renderer = plotter.renderer
+    renderer.SetWorldPoint(*point, 1.0)
+    renderer.WorldToDisplay()
+    return np.array(renderer.GetDisplayPoint()[:2])
+
+
+def _keep(plotter, folder):
+    """Write a scene for the web pages, named by the notebook's cell that is running."""
+    for actor in plotter.actors.values():
+        if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
+            actor.mapper.dataset = _light(actor.mapper.dataset)
+    from IPython import get_ipython
+
+    cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
+    before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
+    folder.mkdir(parents=True, exist_ok=True)
+    plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
+
+
+def _light(mesh):
+    """Return a mesh that packs well: single precision, without the bits that no screen shows."""
+    if not mesh.length:
+        return mesh
+    packed = mesh.copy()
+    step = 2.0 ** (np.ceil(np.log2(mesh.length)) - 13)
+    packed.points = (np.round(mesh.points / step) * step).astype(np.float32)
+    if "Normals" in mesh.point_data:
+        normals = np.round(mesh.point_data["Normals"] * 64) / 64
+        packed.point_data["Normals"] = normals.astype(np.float32)
+    return packed

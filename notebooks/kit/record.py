@@ -1,0 +1,348 @@
+"""Numbers, tables and figures on their way from a notebook to the report.
+
+The report holds no typed result: it reads report/numbers/<notebook>.json and figures/, and only
+this module writes there.
+"""
+
+import io
+import json
+import math
+import os
+import re
+import sys
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import PIL.Image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.mathtext import MathTextParser
+
+from tunneller_lib.arguments import checked, shown
+from tunneller_lib.job.atomic_write import replacement
+
+from .displays import RecordedTable, RecordedText
+from .kinds import Decimals, Line, Lines, Picture, Rows
+from .number_format import cell, decimals_of, exponent, number, significant, steady
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+PREVIEW = 800  # px, the width of a figure shown in a notebook
+CLOSE = 1e-6  # relative difference below which no order is recorded
+MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
+MOVED = {"format": "png", "compress_level": 1}  # of pictures that the next one replaces
+PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
+# The lowest bit of a colour, which nobody sees, is noise in a shaded scene: where all are set, a
+# picture takes two thirds of the bytes, and white stays white.
+LOWEST = 1
+# Numbers that place something in a drawing, in points; a hundredth of one is 4 micrometres.
+PLACES = re.compile(r'\b[dxy]="[^"]*"|translate\([^)]*\)|<rect [^>]*>')
+FINE = re.compile(r"-?\d+\.\d{3,}")
+# Names of clips, markers, hatches and clouds. matplotlib takes them from places in full, whose last
+# bits differ from run to run, since its solver of layouts adds in the order of memory.
+DIGESTS = re.compile(r'(?<=[#"])([phm]|image)[0-9a-f]{10}(?=[)"])')
+
+
+class Record:
+    """The results of one notebook.
+
+    Parameters
+    ----------
+    notebook : str
+        Name of the notebook, without its suffix.
+
+    Notes
+    -----
+    Results go to the checkout, or to the folder named by ``TUNNELLER_RESULTS``. Each call writes
+    at once, and a file is never seen half-written.
+
+    Examples
+    --------
+    >>> record = Record("02_torus")
+    >>> record("length of the arm", 1.0987, "m", digits=3)
+    length of the arm: 1.10 m
+    >>> record("residual, worst", 3.1e-14, "m", below=1e-12)
+    residual, worst: at most 1e-12 m
+    >>> record.order("arm against leg", 1.0987, 1.2)
+    arm against leg: less
+    """
+
+    @checked
+    def __init__(self, notebook: Line):
+        self.notebook = _file_name("notebook", notebook)
+        self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT))
+
+    @checked
+    def __call__(
+        self, name: Line, value: object, unit: Line, *, digits: object = None, below: object = None
+    ):
+        """Record a number.
+
+        Parameters
+        ----------
+        name : str
+            What the number is; the report asks for it by this name.
+        value : int or float, of Python or numpy
+            The number, in that unit.
+        unit : str
+            Unit as printed, such as ``"mm"`` or ``"m^3/s"``; empty for a plain number.
+        digits : int, optional
+            Significant digits that are printed. An integer is printed whole without it.
+        below : float, optional
+            For a quantity at rounding level, which differs between machines: only this bound is
+            recorded, and a value that's negative or above it is refused.
+
+        Returns
+        -------
+        text : str
+            The number as printed, after its name: the last line of a cell shows it.
+
+        Raises
+        ------
+        ValueError
+            If the value isn't finite or breaks its bound, or there is not one of digits and below.
+        """
+        value = number(name, value)
+        if below is not None:
+            if digits is not None:
+                raise ValueError(f"{name}: give digits or below, not both.")
+            below = number(f"{name}: below", below)
+            if not 0 <= value <= below:
+                raise ValueError(f"{name}: must lie between 0 and {below}; got {value}.")
+            text = exponent(repr(below))
+            self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
+            return RecordedText(f"{name}: at most {text} {unit}".strip())
+        text = significant(name, value, digits)
+        stored = steady(value, decimals_of(value, digits))
+        entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
+        self._merge("numbers", name, entry)
+        return RecordedText(f"{name}: {text} {unit}".strip())
+
+    @checked
+    def order(self, name: Line, first: object, second: object):
+        """Record which of two numbers is the lesser, so that words can be compared with it.
+
+        Parameters
+        ----------
+        name : str
+            What is compared with what; the report asks for it by this name.
+        first, second : int or float, of Python or numpy
+            The numbers, in one unit.
+
+        Returns
+        -------
+        order : str
+            After the name ``less`` or ``greater``: what the first is.
+
+        Raises
+        ------
+        ValueError
+            If one isn't finite, or they differ by less than a part in a million: then the order
+            isn't the same on every machine.
+        """
+        first = number(f"first of {name}", first)
+        second = number(f"second of {name}", second)
+        if math.isclose(first, second, rel_tol=CLOSE, abs_tol=0.0):
+            raise ValueError(
+                f"{name}: the two must differ by more than {CLOSE:g} of the greater; "
+                f"got {first} and {second}."
+            )
+        order = "less" if first < second else "greater"
+        self._merge("orders", name, {"order": order})
+        return RecordedText(f"{name}: {order}")
+
+    @checked
+    def table(self, name: Line, columns: Lines, rows: Rows, *, decimals: Decimals = None):
+        """Record a table.
+
+        Parameters
+        ----------
+        name : str
+            What the table is; the report asks for it by this name.
+        columns : sequence of str
+            Headings with units, such as ``"$l$ / m"``; Typst's markup is set as such.
+        rows : sequence of sequences
+            Cells: numbers or text.
+        decimals : int or sequence of int, optional
+            Decimals printed, 0 to 15, for all columns or for each. Only floats need them.
+
+        Returns
+        -------
+        text : list of list of str
+            The cells as printed; a notebook shows them below their headings.
+
+        Raises
+        ------
+        ValueError
+            If a row has another length than the headings, or a number isn't finite or has no
+            decimals.
+        """
+        if not isinstance(decimals, tuple):
+            decimals = (decimals,) * len(columns)
+        for row in [decimals, *rows]:
+            if len(row) != len(columns):
+                raise ValueError(
+                    f"{name}: needs one entry for each of {len(columns)} columns; got {len(row)}."
+                )
+        text = [[cell(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
+        cells = [[_stored(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
+        self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
+        return RecordedTable(columns, text)
+
+    @checked
+    def figure(self, picture: Picture, name: Line, alt: str):
+        """Save a figure with its alternative text.
+
+        Parameters
+        ----------
+        picture : matplotlib.figure.Figure or (n, m, 3) uint8
+            A drawing, saved as SVG, or pixels, saved as PNG, no wider than print can show and
+            with the lowest bit of each colour set.
+        name : str
+            File name, without suffix.
+        alt : str
+            What the figure shows, for those who can't see it.
+
+        Returns
+        -------
+        preview : IPython.display.Image
+            The figure as a notebook shows it.
+
+        Raises
+        ------
+        ValueError
+            If there's no alternative text, or the name isn't fit for a file.
+        """
+        _file_name("figure", name)
+        if not alt.strip():
+            raise ValueError(f"{name}: needs an alternative text.")
+        if isinstance(picture, matplotlib.figure.Figure):
+            suffix = ".svg"
+            content = drawing_svg(picture)
+        else:
+            suffix = ".png"
+            content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
+        _replace(self.root / "figures" / (name + suffix), content)
+        self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
+        return preview(picture, alt)
+
+    def _merge(self, kind, name, entry):
+        file = self.root / "report" / "numbers" / f"{self.notebook}.json"
+        content = json.loads(file.read_text()) if file.exists() else {}
+        if shell := _shell():  # run from top to bottom, the inputs so far are the code cells
+            entry = entry | {"cell": len(shell.user_ns["In"]) - 1}
+        content.setdefault(kind, {})[name] = entry
+        text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        _replace(file, (text + "\n").encode())
+
+
+@checked
+def preview(picture: Picture, alt: str = ""):
+    """Return a picture as a notebook shows it.
+
+    Parameters
+    ----------
+    picture : matplotlib.figure.Figure or (n, m, 3) uint8
+        A drawing, which keeps the resolution of what is shown, or pixels.
+    alt : str
+        What it shows, for those who can't see it.
+
+    Returns
+    -------
+    preview : IPython.display.Image
+        800 pixels wide.
+    """
+    from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
+
+    small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
+    return Image(small(picture), format="png", width=PREVIEW, alt=alt)
+
+
+def moved_preview(drawing, alt):
+    """Return what `preview` does, sooner, though in more bytes: for one of many pictures."""
+    from IPython.display import Image
+
+    content = io.BytesIO()
+    PIL.Image.fromarray(drawing_pixels(drawing)).save(content, **MOVED)
+    return Image(content.getvalue(), format=MOVED["format"], width=PREVIEW, alt=alt)
+
+
+def _shell():
+    """Return the shell of a notebook that runs this, or None; IPython isn't imported for that."""
+    if "IPython" not in sys.modules:
+        return None
+    from IPython import get_ipython
+
+    return get_ipython()
+
+
+def _stored(name, value, decimals):
+    if isinstance(value, str):
+        return value
+    return steady(number(name, value), decimals or 0)
+
+
+def _file_name(argument, name):
+    if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name):
+        raise ValueError(
+            f"{argument}: a name has lower-case letters, digits, - and _ only; got {shown(name)}."
+        )
+    return name
+
+
+def drawing_svg(figure):
+    """Return a drawing as the bytes of a file, in SVG, its places to a hundredth of a point."""
+    content = io.StringIO()
+    # Text as outlines, and nothing that names the day or the run: the same bytes each time.
+    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
+        # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
+        figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
+    names = {}
+
+    def named(digest):
+        return names.setdefault(digest[0], f"{digest[1]}-{len(names)}")
+
+    return DIGESTS.sub(named, PLACES.sub(_rounded, content.getvalue())).encode()
+
+
+def _rounded(places):
+    return FINE.sub(lambda number: f"{float(number[0]):.2f}", places[0])
+
+
+def drawing_pixels(figure):
+    """Return a drawing as the pixels (n, m, 3) that a notebook shows, 800 of them wide."""
+    canvas = _canvas(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _drawing_preview(figure):
+    content = io.BytesIO()
+    _canvas(figure).print_png(content)
+    return content.getvalue()
+
+
+def _canvas(figure):
+    figure.set_dpi(PREVIEW / figure.get_figwidth())
+    canvas = FigureCanvasAgg(figure)  # savefig would draw twice, once for the layout
+    canvas.get_renderer().mathtext_parser = MATHTEXT
+    return canvas
+
+
+def _png(pixels):
+    content = io.BytesIO()
+    PIL.Image.fromarray(pixels).save(content, format="png", optimize=True)
+    return content.getvalue()
+
+
+def _pixel_preview(pixels):
+    return _png(_narrowed(pixels, PREVIEW))
+
+
+def _narrowed(pixels, width):
+    height = round(width * pixels.shape[0] / pixels.shape[1])
+    return np.asarray(PIL.Image.fromarray(pixels).resize((width, height)))
+
+
+def _replace(path, content):
+    with replacement(path) as new:
+        new.write_bytes(content)

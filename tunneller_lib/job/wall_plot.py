@@ -1,0 +1,117 @@
+"""Pictures of a cut: the wall unrolled, and what single laps leave along the section."""
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from .atomic_write import replacement
+from .mesh import SCALAR
+
+ROOF = np.pi / 2  # rad, the angle from y over z at which the wall's middle is
+SAMPLES = 3601  # of the section, for the arc lengths of rays
+SIZE, DPI = 6.3, 200  # inches, the width on paper
+TUNNEL, FIRST, LAST, LIMITS = "#C9C2B8", "#C42A52", "#222222", "#4D4D4D"
+WHOLE = 0.999  # of the depth of cut: ground that stands farther in is untouched
+
+
+def draw_unrolled(ax, cut, *, limit):
+    """Draw the standing wall as seen from within, with its over-break in colour.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    cut : Cut
+        A simulated or carved cut.
+    limit : float
+        Over- and under-break at the ends of the colour scale, in m. Untouched ground has the
+        tunnel's colour.
+
+    Returns
+    -------
+    shades : matplotlib.collections.QuadMesh
+        Over-break in mm; along the section, from the roof in m, above zero to the right.
+    """
+    lines = cut.wall.lines
+    along = _from_roof(cut.plan.circuit.section, np.arctan2(lines.sin, lines.cos))
+    order = np.argsort(along)
+    over = cut.overbreak[:, order]
+    untouched = over < -WHOLE * cut.plan.circuit.machine.depth
+    ax.set_facecolor(TUNNEL)
+    ax.set(xlabel="along the section from the roof / m (right)", ylabel="along the tunnel / m")
+    millimetres = np.ma.masked_where(untouched, 1e3 * over)
+    span = {"vmin": -1e3 * limit, "vmax": 1e3 * limit}
+    shades = ax.pcolormesh(
+        along[order], lines.x, millimetres, cmap="RdBu_r", rasterized=True, **span
+    )
+    ax.figure.colorbar(shades, ax=ax, label=SCALAR, extend="both")
+    return shades
+
+
+def draw_laps(ax, cut, *, tolerance):
+    """Draw what the first lap of a cut leaves and, beside it, the last.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    cut : Cut
+        A simulated or carved cut.
+    tolerance : float
+        Drawn to both sides, in m.
+
+    Returns
+    -------
+    lines : list of matplotlib.lines.Line2D
+        Over-break in mm against the place along the offset section in m: of the first lap, in whole
+        ground, and of the last, which is cut beside another, if there are two.
+    """
+    plan = cut.plan
+    places = plan.places
+    deviations = 1e3 * cut.lap_deviations
+    lines = ax.plot(places, deviations[0], color=FIRST, lw=0.8, label="lap 1")
+    if plan.laps > 1:
+        beside = f"lap {plan.laps}, beside another"
+        lines += ax.plot(places, deviations[-1], color=LAST, lw=0.8, label=beside)
+    for side in (-1e3, 1e3):
+        ax.axhline(side * tolerance, color=LIMITS, lw=0.5, ls="--")
+    ax.set(xlabel="place along the offset section / m", ylabel="over-break / mm")
+    ax.legend()
+    return lines
+
+
+def write_unrolled(path, cut, *, limit, stamp):
+    """Write what `draw_unrolled` draws of a cut to a PNG file and return its path.
+
+    Over- and under-break end the colour scale at `limit`, in m; `stamp` goes to the file's head.
+    """
+    figure = Figure(figsize=(SIZE, 3.6), layout="constrained")
+    draw_unrolled(figure.subplots(), cut, limit=limit)
+    return write_drawing(path, figure, stamp)
+
+
+def write_laps(path, cut, *, tolerance, stamp):
+    """Write what `draw_laps` draws of a cut to a PNG file and return its path.
+
+    The `tolerance`, in m, is drawn to both sides; `stamp` goes to the file's head.
+    """
+    figure = Figure(figsize=(SIZE, 2.4), layout="constrained")
+    draw_laps(figure.subplots(), cut, tolerance=tolerance)
+    return write_drawing(path, figure, stamp)
+
+
+def write_drawing(path, figure, stamp):
+    """Write a figure of matplotlib to a PNG file, with a stamp in its head; return its path."""
+    figure.set_dpi(DPI)
+    with replacement(path) as new:
+        # Not by savefig, which would draw twice, once for the layout.
+        FigureCanvasAgg(figure).print_png(new, metadata={"Comment": stamp})
+    return path
+
+
+def _from_roof(section, angle):
+    """Return arc lengths (n,), in m, of a section at angles in rad, from the roof to the right."""
+    s = np.linspace(0, section.perimeter, SAMPLES)
+    y, z = section.point(s).T
+    turned = np.unwrap(np.arctan2(z, y))
+    place = np.interp(np.mod(np.append(ROOF, angle) - turned[0], 2 * np.pi), turned - turned[0], s)
+    half = section.perimeter / 2
+    return np.mod(place[1:] - place[0] + half, 2 * half) - half

@@ -1,0 +1,254 @@
+"""Loops over plain numbers, compiled by numba where it is there, and works, and the work is long.
+
+A function that `call` is given works on numbers, tuples and rows that it reads and writes by
+index. It runs as it stands, on lists, or compiled, on arrays: the same statements in the same
+order, without fast-math, so that every bit of the answers is the same. Of Python's own it may use
+what both ways do alike: no powers, whose last bit depends on who computes them, and no `hypot`.
+"""
+
+import functools
+import importlib
+import inspect
+import math
+import os
+import sys
+import threading
+from collections import defaultdict
+from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
+from typing import ClassVar
+
+import numpy as np
+
+LONG = 2.0  # s of plain Python, from which on loading the compiler is worth its time
+_compiling = threading.Lock()
+
+
+class _Work:
+    """How much plain work of each kind there was, in s, and whether any is compiled since."""
+
+    compiled = False
+    of_kind: ClassVar = defaultdict(float)
+    other = None
+
+
+def replace_plain(other):
+    """Let `other` run functions where numba doesn't: it is called as `call` is.
+
+    For places that have another compiler, as a web page has.
+    """
+    _Work.other = other
+
+
+def expect(seconds, kind):
+    """Say that loops of a `kind` follow that take about so many `seconds` in plain Python.
+
+    Once `LONG` of that kind was expected its loops are compiled from then on, if numba is there.
+    """
+    _Work.of_kind[kind] += seconds
+    if _Work.of_kind[kind] > LONG and not _Work.compiled:
+        _Work.compiled = _numba_loads()
+
+
+def ready(kind):
+    """Tell whether loops of a kind are compiled: for who has other ways than plain Python."""
+    return _Work.compiled and _Work.of_kind[kind] > LONG
+
+
+def each_block(work, count, size, kind):
+    """Do some `work` on blocks of rows, which have nothing to do with each other.
+
+    Where loops of its kind are compiled, which leave Python's lock alone, all cores take part: as
+    many as numba was given, by NUMBA_NUM_THREADS.
+
+    Parameters
+    ----------
+    work : function
+        Of a slice of the rows.
+    count, size : int
+        Of all rows, and of those of a block.
+    kind : object
+        As for `expect`.
+    """
+    blocks = [slice(first, first + size) for first in range(0, count, size)]
+    cores = min(len(blocks), sys.modules["numba"].config.NUMBA_NUM_THREADS) if ready(kind) else 1
+    if cores < 2:
+        for block in blocks:
+            work(block)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(cores) as pool:
+        for _ in pool.map(work, blocks):  # which raises what a block has raised
+            pass
+
+
+def loop(inlined=()):
+    """Return a decorator of a loop that a compiler shall make several numbers at once of.
+
+    Its quotients by zero are infinite or not a number when it is compiled, as plain Python has them
+    from `elementwise.ratio`, without a branch for each; functions whose names are `inlined` become
+    part of those that call them.
+    """
+
+    def marked(function):
+        function.options = {"error_model": "numpy"}, inlined
+        return function
+
+    return marked
+
+
+def _numba_loads():
+    """Tell whether numba is there and works here; it may fail with any error."""
+    return _imported(sys.modules.get("numba", "not yet asked for"))
+
+
+@functools.cache  # who has none would look for it again at every short call
+def _imported(_found):
+    try:
+        importlib.import_module("numba")
+    except Exception:  # of its cache, of llvmlite, of a numpy that it doesn't take
+        return False
+    return True
+
+
+def call(function, *arguments, kind=None, **parts):
+    """Return what a `function` of numbers, tuples and rows answers; rows it may change.
+
+    Parameters
+    ----------
+    function : function
+        Of a module of this library, as all functions that it calls.
+    *arguments
+        Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m).
+    kind : object, optional
+        The kind of loop that it is; not needed where the caller knows that it is `ready`.
+    **parts
+        Functions to be called in place of those that have these names in the functions' modules.
+    """
+    if _Work.compiled and (kind is None or ready(kind)):
+        with _compiling:
+            fast = _compiled(function, *parts.items())
+        return _run(fast, arguments)
+    return (_Work.other or call_plain)(function, *arguments, **parts)
+
+
+def _run(fast, arguments):
+    """Return what a compiled function answers, whatever is wrong with its kept form.
+
+    That may be cut short, or another's, and then any error comes before a row was changed; or it
+    can't be kept for another day, as on a full disk, and then the function is compiled by now.
+    """
+    try:
+        return fast(*arguments)
+    except Exception:
+        _forget(fast)
+    try:
+        return fast(*arguments)
+    except Exception:  # nor can it be deleted
+        return _never_kept(fast.py_func)(*arguments)
+
+
+def _forget(fast):
+    """Delete what was kept of a compiled function, where one may."""
+    kept = Path(fast.stats.cache_path or os.devnull)
+    for path in kept.glob(f"*{fast.py_func.__qualname__}-*"):
+        with suppress(OSError):
+            path.unlink()
+
+
+@functools.cache
+def _never_kept(copy):
+    """Return a copy of a function, compiled; no form of it is kept or looked for."""
+    import numba
+
+    return numba.njit(copy, **copy.made_with)
+
+
+def call_plain(function, *arguments, **parts):
+    """Return what `call` does of a `function`, `arguments` and `parts`, never compiled."""
+    # Python reads and writes lists several times as fast as arrays.
+    lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
+    if parts:
+        function = _replaced(function, *parts.items())
+    answer = function(*lists)
+    for array, rows in zip(arguments, lists, strict=True):
+        if isinstance(array, np.ndarray) and array.size:
+            array[:] = rows
+    return answer
+
+
+def sine(x):
+    """Return the sine of a float x, by the C library, or of an array, by numpy."""
+    return math.sin(x) if isinstance(x, float) else np.sin(x)
+
+
+def cosine(x):
+    """Return the cosine of a float x, by the C library, or of an array, by numpy."""
+    return math.cos(x) if isinstance(x, float) else np.cos(x)
+
+
+def root(x):
+    """Return the square root of a float x or of an array."""
+    return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+@functools.lru_cache(32)
+def _replaced(function, *parts):
+    """Return a function that calls other parts than it names."""
+    return _copied(function, dict(parts), lambda copy: copy, {})
+
+
+@functools.cache
+def _compiled(function, *parts):
+    """Return the same compiled, with all functions that it calls."""
+    import hashlib
+
+    import numba
+
+    known = {sine: math.sin, cosine: math.cos, root: math.sqrt}
+    options, inlined = getattr(function, "options", ({}, ()))
+
+    def made(copy):
+        # Only compiled code calls it: a way in from Python would take as long to compile again.
+        alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(copy, forceinline=copy.__name__ in inlined, **alone, **options)
+
+    copy = _copied(function, dict(parts), made, known)
+    # A compiled form that was kept is found by the function's name: this one changes with the
+    # parts, with any module that takes part, and with the numbers that are imported from others.
+    modules = {inspect.getmodule(one) for one in (function, *known)}
+    about = [part.__qualname__ for _, part in parts] + sorted(map(inspect.getsource, modules))
+    named = [
+        one.__globals__.get(name) for one in (function, *known) for name in one.__code__.co_names
+    ]
+    about += [repr(value) for value in named if isinstance(value, int | float | tuple)]
+    options = {"nogil": True} | options
+    about.append(repr(options))
+    digest = hashlib.sha256("".join(about).encode()).hexdigest()
+    copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
+    copy.made_with = options
+    try:
+        return numba.njit(cache=True, **options)(copy)
+    except Exception:  # no folder that could be written to
+        return _never_kept(copy)
+
+
+def _copied(function, parts, made, known):
+    """Return a copy of a function that calls others as `made` of their copies, and `parts`.
+
+    What is made of each is `known` from then on.
+    """
+    names = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        called = parts.get(name, names.get(name))
+        if isinstance(called, FunctionType):
+            if called not in known:
+                known[called] = made(_copied(called, parts, made, known))
+            names[name] = known[called]
+        elif name in parts:  # one that is written in C
+            names[name] = called
+    return FunctionType(
+        function.__code__, names, function.__name__, function.__defaults__, function.__closure__
+    )

@@ -1,0 +1,146 @@
+"""One formula for one line and for many: operations on floats as on arrays, element by element.
+
+Python adds two floats in a thirtieth of the time that numpy takes to be called. A formula made of
+sums, products and these functions runs either way, with the same bits. Many callers divide by zero
+where another branch answers: with arrays they hold numpy's warnings off.
+"""
+
+import math
+
+import numpy as np
+
+
+def where(condition, yes, no):
+    """Return `yes` where a condition holds, else `no`."""
+    if condition is True:
+        return yes
+    if condition is False:
+        return no
+    return np.where(condition, yes, no)
+
+
+def smaller(a, b):
+    """Return the smaller of two numbers, or not a number if one is none."""
+    if type(a) is float and type(b) is float:
+        return a if a <= b or a != a else b
+    return np.minimum(a, b)
+
+
+def larger(a, b):
+    """Return the larger of two numbers, or not a number if one is none."""
+    if type(a) is float and type(b) is float:
+        return a if a >= b or a != a else b
+    return np.maximum(a, b)
+
+
+def within(x, low, high):
+    """Return x, or the end that it is beyond."""
+    return smaller(larger(x, low), high)
+
+
+def square_root(x):
+    """Return the square root, not a number of what is below zero."""
+    if type(x) is float:
+        return math.sqrt(x) if x >= 0 else math.nan
+    return np.sqrt(x)
+
+
+def ratio(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    if type(a) is float and type(b) is float:
+        return a / b if b else a * math.copysign(math.inf, b)
+    return np.divide(a, b)
+
+
+def power_above(x):
+    """Return the power of two next above a size."""
+    return math.frexp(x)[1] if type(x) is float else np.frexp(x)[1]
+
+
+def scaled(x, power):
+    """Return x times a power of two."""
+    if type(x) is float and type(power) is int:
+        return math.ldexp(x, power)
+    return np.ldexp(x, power)
+
+
+def two_to(shifted):
+    """Return two to the power that was added to 1.5 * 2^52, from -1022 to 1023."""
+    if type(shifted) is float:
+        return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
+    return ((shifted.view(np.int64) + 1023) << 52).view(np.float64)  # it is among the last bits
+
+
+def some(condition):
+    """Return whether a condition holds anywhere."""
+    return condition.any() if isinstance(condition, np.ndarray) else condition
+
+
+# ---- the same of numbers alone, for loops that may be compiled -------------
+
+
+def chosen(condition, yes, no):
+    """Return `yes` if a condition holds, else `no`."""
+    return yes if condition else no
+
+
+def lesser(a, b):
+    """Return the smaller of two numbers, none NaN."""
+    return a if a <= b else b
+
+
+def greater(a, b):
+    """Return the larger of two numbers, none NaN."""
+    return a if a >= b else b
+
+
+def rooted(x):
+    """Return the square root of a number that isn't below zero."""
+    return math.sqrt(x)
+
+
+def quotient(a, b):
+    """Return a / b, which is infinite or not a number where b is zero."""
+    return a / b if b else a * math.copysign(math.inf, b)
+
+
+def divided(a, b):
+    """Return a / b, in a `compiled.loop`, which divides by zero as arrays do."""
+    return a / b
+
+
+def holds(condition):
+    """Return whether a condition holds."""
+    return condition
+
+
+def power_in_bits(x):
+    """Return the power of two next above a number that isn't below 1e-300."""
+    return (np.float64(x).view(np.int64) >> 52) - 1022
+
+
+def two_to_bits(shifted):
+    """Return `two_to` of a number."""
+    return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
+
+
+# What `compiled.call` puts in their place,
+NUMBERS = {
+    "where": chosen,
+    "smaller": lesser,
+    "larger": greater,
+    "square_root": rooted,
+    "ratio": quotient,
+    "some": holds,
+    "power_above": power_in_bits,
+    "two_to": two_to_bits,
+}
+# and `compiled.call_plain` may, where a root of what is below zero raises ValueError.
+PLAIN = {
+    "where": chosen,
+    "smaller": lesser,
+    "larger": greater,
+    "square_root": math.sqrt,
+    "ratio": quotient,
+    "some": holds,
+}

@@ -1,0 +1,87 @@
+"""Lines one after the other, for `compiled.call`, by the formulas that rows of lines have."""
+
+import math
+
+from .elementwise import NUMBERS
+from .vectors import differences
+
+
+def quick(shape, q, u):
+    """Stand in for the quick way of a shape, see `blocks`: `enter`, `leave` and if it's `sure`.
+
+    Parameters: a point from the shape's start, in m, and a direction, three floats each.
+    """
+    raise NotImplementedError
+
+
+def careful(shape, p, u):
+    """Stand in for the careful way of a shape, whose point p is where it is."""
+    raise NotImplementedError
+
+
+def meet_lines(shape, plain, points, directions, enter, leave):
+    """Fill in where lines enter and leave one shape.
+
+    Parameters
+    ----------
+    shape : NamedTuple
+        Its `start`, in m, is one of its points.
+    plain : bool
+        Whether the quick way may decide.
+    points, directions : (n, 3) or (1, 3) float
+        Points of the lines, in m, and their directions; one may be the same for all.
+    enter, leave : (n,) float
+        To be filled.
+    """
+    for i in range(len(enter)):
+        k = i if len(points) > 1 else 0
+        p = (points[k][0], points[k][1], points[k][2])
+        k = i if len(directions) > 1 else 0
+        u = (directions[k][0], directions[k][1], directions[k][2])
+        sure = False
+        if plain:
+            first, last, sure = quick(shape, differences(p, shape.start), u)
+        if not sure:
+            first, last = careful(shape, p, u)
+        enter[i] = first
+        leave[i] = last
+
+
+# Numbers may be none here, as beside a shape, and of any size: so these differ from those that
+# other loops have.
+
+
+def least_of(a, b):
+    """Return the smaller of two numbers, or not a number if one is none."""
+    return a if a <= b or a != a else b
+
+
+def most_of(a, b):
+    """Return the larger of two numbers, or not a number if one is none."""
+    return a if a >= b or a != a else b
+
+
+def root_or_none(x):
+    """Return the square root, not a number of what is below zero."""
+    return math.sqrt(x) if x >= 0 else math.nan
+
+
+def power_of(x):
+    """Return the power of two next above a size."""
+    return math.frexp(x)[1]
+
+
+def shifted(x, power):
+    """Return x times a power of two."""
+    return math.ldexp(x, power)
+
+
+# What `compiled.call` puts in the place of what formulas call.
+FOR_LINES = {
+    **NUMBERS,
+    "smaller": least_of,
+    "larger": most_of,
+    "square_root": root_or_none,
+    "power_above": power_of,
+    "scaled": shifted,
+}
