@@ -601,8 +601,9 @@ def _compiled(torus, given, s, position, azimuth):
 
 def _plainly(torus, given, s, position, azimuth):
     """Fill in points of geodesics by the loop as it stands."""
-    shares, _ = panel_rule()
-    room = None, np.empty(ROOM[1]), [[None] * MOST_PANELS for _ in range(2)]
+    shares = panel_rule()[0].tolist()
+    edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
+    room = None, edges, [[None] * MOST_PANELS for _ in range(2)]
     arguments = torus.r / torus.R, torus.R, given, s, shares, None, *room, position, azimuth
     compiled.call_plain(follow_each, *arguments, **PLAIN)
 

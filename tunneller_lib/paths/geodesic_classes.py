@@ -422,13 +422,13 @@ def add_nodes(torus, way, nodes, rows):
     """
     c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
     first, last, half, width = _stretched(torus, way)
-    twice = 2 * torus.R
+    twice, half_c = 2 * torus.R, c / 2
     shares, weights = nodes[0], nodes[1]
     turned, rate, length = rows[0], rows[1], rows[2]
     for k in range(len(shares)):
         grown = 1 + growth(width * shares[k])
         shrunk = 1 / grown
-        step = weights[k] * (width * half)
+        step = 4 * (weights[k] * (width * half))
         turned_by = rate_by = length_by = 0.0
         for above, below in (first * grown, shrunk / first), (last * shrunk, grown / last):
             v = half * (above - below)
@@ -436,24 +436,24 @@ def add_nodes(torus, way, nodes, rows):
             flat = 1 / (1 + v2)
             sine = 4 * v * (1 - v2) * (flat * flat)
             sin2 = sine * sine
-            rho = c + twice * (E + B * sin2)
+            swing, dswing = B * sin2, dB * sin2
+            rho = c + twice * (E + swing)
             both = rho + c
-            D = A + B * sin2
+            D = A + swing
             under = both * D
             # One quotient has those by rho, both and D.
             all_ = 1 / (rho * under)
             by_rho = all_ * under
-            density = square_root(twice * (all_ * rho)) * (4 * (step * (above + below)) * flat)
-            # The rate of c / (rho sqrt((rho + c) D)) by the unknown, from its logarithm.
-            drho = dc + twice * (dE + dB * sin2)
-            dD = dA + dB * sin2
-            spread = (
-                drho * by_rho
-                + (drho + dc) / 2 * (all_ * (rho * D))
-                + dD / 2 * (all_ * (rho * both))
+            density = square_root(twice * (all_ * rho)) * (step * (above + below) * flat)
+            # The rate of c / (rho sqrt((rho + c) D)) by the unknown, twice, from its logarithm.
+            drho = dc + twice * (dE + dswing)
+            twice_rate = (
+                2 * drho * by_rho
+                + (drho + dc) * (all_ * (rho * D))
+                + (dA + dswing) * (all_ * (rho * both))
             )
             turned_by = turned_by + c * by_rho * density
-            rate_by = rate_by + (dc - c * spread) * by_rho * density
+            rate_by = rate_by + (dc - half_c * twice_rate) * by_rho * density
             length_by = length_by + rho * density
         turned[k] = turned_by
         rate[k] = rate_by

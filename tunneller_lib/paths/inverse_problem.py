@@ -215,7 +215,8 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     (nan, 'none')
     """
     check_ratio(torus)
-    p, q = np.broadcast_arrays(p, q)
+    if p.shape != q.shape:
+        p, q = np.broadcast_arrays(p, q)
     shape = p.shape[:-1]
     ends = turn_and_ends(p, q)
     size, unit = radii(torus)
