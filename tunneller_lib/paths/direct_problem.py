@@ -2,7 +2,7 @@
 
 Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut's
 c = rho sin(azimuth), rho = r + R cos(phi), is constant, and with it arc length s and turned angle
-are integrals over one variable t (`geodesic_classes`). Their integrands depend on sin^2(t) alone:
+are integrals over one variable t (`geodesic_root`). Their integrands depend on sin^2(t) alone:
 they repeat after half a swing between turning points, or after one round of a ring's tube, and
 backwards after half of that. So both integrals are wanted from t = 0 to pi/2 only, where
 t = width sinh(y) spreads their peak: panels of equal width in y have a series each, over x from -1
@@ -40,7 +40,7 @@ from ..kernels.exact import dot
 from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, sine_cosine
 from ..surfaces import Torus
 from .bounds import Count, check_points, check_ratio
-from .geodesic_classes import PI_REST, Radii, distance, rho
+from .geodesic_root import PI_REST, Radii, distance, rho
 
 ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
@@ -53,9 +53,9 @@ MOST_PANELS = 60  # for the narrowest peak, about which pi/2 is 70 wide in y
 
 ROUNDS = 30  # Newton's method takes about four
 BLOCK = 8192  # points at a time: they need the same room however many there are
-EACH, POINT = 1.1e-4, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
-SOON = 1e-3  # s, about what arrays take at least
-FASTER = 15  # so many times as fast as plain Python are arrays where they are large
+EACH, POINT = 7e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
+SOON = 2e-3  # s, about what arrays take at least
+FASTER = 10  # so many times as fast as plain Python are arrays where they are large
 KIND = "points of geodesics"  # of work, for `compiled`
 LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
 ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
@@ -283,28 +283,6 @@ def half_swing(torus: Torus, clairaut: Lengths):
 # ---- orbits ------------------------------------------------------------------
 
 
-class Heading(NamedTuple):
-    """How a geodesic sets out.
-
-    Parameters
-    ----------
-    sine, cosine : (...) float
-        Of the azimuth; the sine is zero along a meridian.
-    rising : (...) float
-        1 where phi grows at first, else -1.
-    on_sheet : (...) bool
-        Whether the start is on the working sheet.
-    placed : (half_sine, half_cosine, rho)
-        Sine and cosine of half of phi there, and the distance from the axis.
-    """
-
-    sine: np.ndarray
-    cosine: np.ndarray
-    rising: np.ndarray
-    on_sheet: np.ndarray
-    placed: tuple
-
-
 class Orbit(NamedTuple):
     """What stays the same along a geodesic: rho = c + 2 (E + B sin^2(t)).
 
@@ -363,15 +341,31 @@ def panel_rule():
 
 
 def headed(r, phi, azimuth, steep):
-    """Return the `Heading` of a geodesic from phi by an azimuth, both in rad, from -pi to pi.
+    """Return how a geodesic sets out from phi by an azimuth, both in rad, from -pi to pi.
 
-    `steep` is what Clairaut's constant tells of the azimuth's sine, or NaN where nobody knows it.
+    Parameters
+    ----------
+    r : float
+        r / R of the torus.
+    phi, azimuth : (...) float
+        Those of the start.
+    steep : (...) float
+        What Clairaut's constant tells of the azimuth's sine, or NaN where nobody knows it.
+
+    Returns
+    -------
+    sine, cosine : (...) float
+        Of the azimuth; the sine is zero along a meridian.
+    on_sheet : (...) bool
+        Whether the start is on the working sheet.
+    placed : tuple
+        Sine and cosine of half of phi, and the distance from the axis.
     """
     sine, cosine = sine_cosine(azimuth)
     level = where(abs(sine) <= ALONG_MERIDIAN, 0.0, sine)
     sine = where(steep == steep, where(abs(sine) <= STEEP, steep, sine), level)
     placed = _placed(r, phi)
-    return Heading(sine, cosine, where(cosine < 0, -1.0, 1.0), placed[2] > 0, placed)
+    return sine, cosine, placed[2] > 0, placed
 
 
 def _placed(r, phi):
@@ -384,7 +378,7 @@ def orbit_of(r, phi, placed, sine, cosine):
     """Return the `Orbit` of a geodesic, and its `Start`.
 
     It begins at phi, from -pi to pi, in rad, where r + cos(phi) is above zero and the rest is
-    `placed` as in a `Heading`, by an azimuth of this sine, above zero, and cosine.
+    `placed` as by `headed`, by an azimuth of this sine, above zero, and cosine.
     """
     half_sine, half_cosine, rho = placed
     c = rho * sine
@@ -402,8 +396,8 @@ def orbit_of(r, phi, placed, sine, cosine):
     orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
     # Between turning points sin(phi/2) = k cos(t). Round the tube phi falls as pi - 2t, or grows
     # as its negative.
-    rising = where(cosine < 0, -1.0, 1.0)
-    falling = -rising * phi
+    upward = rising(cosine)
+    falling = -upward * phi
     # Next to where a round begins t is small, and it is no difference of pi and another angle.
     beyond = where(falling < 0, -1.0, 1.0)
     round_tube = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
@@ -411,7 +405,12 @@ def orbit_of(r, phi, placed, sine, cosine):
     swing = arctangent(where(opposed, slope, -slope), abs(half_sine))
     half = where(opposed, where(slope > 0, -1.0, 1.0), 0.0)
     begun = where(free, (1 - beyond) / 2, half)
-    return orbit, Start(phi, rising, where(free, round_tube, swing), begun)
+    return orbit, Start(phi, upward, where(free, round_tube, swing), begun)
+
+
+def rising(cosine):
+    """Return 1 where phi grows at first, by the cosine of the azimuth, else -1."""
+    return where(cosine < 0, -1.0, 1.0)
 
 
 def whole_part(x):
@@ -640,14 +639,14 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         theta, phi, azimuth = given[0][i], given[1][i], given[2][i]
         near, whither = given[3][i], given[4][i]
         ways = s[i]
-        heading = headed(r, near, whither, given[5][i])
+        sine, cosine, on_sheet, placed = headed(r, near, whither, given[5][i])
         last = whither + ways[len(ways) - 1] / R
-        sound = heading.on_sheet and last - last == 0
-        leaving = sound and heading.sine != 0
-        side = where(heading.sine < 0, -1.0, 1.0)
+        sound = on_sheet and last - last == 0
+        leaving = sound and sine != 0
+        side = where(sine < 0, -1.0, 1.0)
         count = 0
         if leaving:
-            orbit, start = orbit_of(r, near, heading.placed, side * heading.sine, heading.cosine)
+            orbit, start = orbit_of(r, near, placed, side * sine, cosine)
             count = int(orbit.panels)
             _tabulate(orbit, count, shares, integral, values, edges, series)
             begun = begun_at(orbit, start, count, edges, series)
@@ -657,7 +656,7 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
             elif ways[k] == 0:
                 found = theta, phi, azimuth
             else:
-                turned, place, direction = 0.0, near + heading.rising * (ways[k] / R), whither
+                turned, place, direction = 0.0, near + rising(cosine) * (ways[k] / R), whither
                 if leaving:
                     turned, place, direction = point_on(
                         orbit, start, begun, ways[k] / R, count, edges, series
@@ -740,16 +739,16 @@ def _by_arrays(torus, given, s, position, azimuth):
     r = torus.r / torus.R
     theta, phi, direction, near, whither, steep = given
     s = s.T / torus.R
-    heading = headed(r, near, whither, steep)
+    sine, cosine, on_sheet, placed = headed(r, near, whither, steep)
     last = whither + s[-1]
-    sound = heading.on_sheet & (last - last == 0)
-    turned = np.where(sound, 0.0, np.full(s.shape, math.nan))
-    place = near + heading.rising * s
+    sound = on_sheet & (last - last == 0)
+    turned = np.zeros(s.shape)
+    place = near + rising(cosine) * s
     onward = np.broadcast_to(whither, s.shape).copy()
-    leaving = np.flatnonzero(sound & (heading.sine != 0))
-    side = np.where(heading.sine < 0, -1.0, 1.0)
-    placed = [value[leaving] for value in heading.placed]
-    ahead = (side * heading.sine)[leaving], heading.cosine[leaving]
+    leaving = np.flatnonzero(sound & (sine != 0))
+    side = np.where(sine < 0, -1.0, 1.0)
+    placed = [value[leaving] for value in placed]
+    ahead = (side * sine)[leaving], cosine[leaving]
     orbit, start = _orbits(r, near[leaving], placed, *ahead)
     for same in _alike(orbit):
         alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))

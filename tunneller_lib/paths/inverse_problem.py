@@ -22,27 +22,25 @@ from ..kernels.repeatable import arctangent, reduced
 from ..surfaces import Torus
 from .bounds import Count, check_ratio
 from .direct_problem import followed
-from .geodesic_classes import (
+from .geodesic_root import (
+    AGREES,
+    NODES,
+    NODES_OF_RING,
+    NODES_OF_WORKING_SHEET,
     PI_REST,
     Ends,
     Radii,
     ends_at,
     half_swing_by_the_node,
     inner,
+    integrate,
+    on_working_sheet,
     outer,
     peaked,
     places,
-    second,
-)
-from .geodesic_root import (
-    AGREES,
-    NODES,
-    NODES_OF_RING,
-    NODES_OF_WORKING_SHEET,
-    integrate,
-    on_working_sheet,
     rule,
     search,
+    second,
     solve,
     start,
 )
@@ -65,7 +63,7 @@ BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
 # s for a pair, on the working sheet and on a ring.
 BY_ARRAYS = 8e-6, 35e-6
-ONE_BY_ONE = 2e-4, 7e-4
+ONE_BY_ONE = 1e-4, 4e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -668,7 +666,7 @@ def _search(torus, family, pair, possible, ways, low=None):
     a, b, angle = (array[index] for array in pair[:3])
     ends = ends_at(torus, a, b, [value[index] for value in pair.placed])
     found = solve(family, torus, ends, a, b, angle, None if low is None else low[index])
-    reached = np.abs(found.turned - angle) <= AGREES
+    reached = np.abs(found[0] - angle) <= AGREES
     index = index[reached]
     ways.kind[index] = INNER if family is inner else OUTER
     for array, value in zip(ways[1:], found[1:], strict=True):
