@@ -202,8 +202,13 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
 def followed(torus, p, azimuth, length, n, clairaut=None):
     """Return points of geodesics as `geodesic_direct` does.
 
-    With `clairaut`, rho times the sine of the azimuth, for each, it follows ways that a node parts
-    from the meridian, however near they are to it.
+    Parameters
+    ----------
+    torus, p, azimuth, length, n
+        As of `geodesic_direct`.
+    clairaut : (...) float, optional
+        rho times the sine of the azimuth, in m. It tells ways that a node parts from the meridian,
+        however near they are to it.
     """
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     check_ratio(torus)

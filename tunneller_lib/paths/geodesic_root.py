@@ -115,19 +115,19 @@ class Integrand(NamedTuple):
 
 def ends_of(torus, a, b):
     """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
-    return ends_at(torus, a, b, places(torus, a, b))
+    return ends_at(torus, a, b, half_angles(torus, a, b))
 
 
-def places(torus, a, b):
-    """Return sines and cosines of a/2 and b/2, and rho at both, in m."""
+def half_angles(torus, a, b):
+    """Return the sines and cosines of a/2 and b/2, and rho at a and at b, in m."""
     sine_a, cosine_a = sine_cosine(a / 2)
     sine_b, cosine_b = sine_cosine(b / 2)
     return sine_a, cosine_a, sine_b, cosine_b, rho(torus, a, cosine_a), rho(torus, b, cosine_b)
 
 
-def ends_at(torus, a, b, placed):
-    """Return what `ends_of` does, from their `places`."""
-    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = placed
+def ends_at(torus, a, b, halves):
+    """Return the `Ends` of geodesics on a torus from phi = a to phi = b, whose `halves` are known."""
+    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = halves
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
     # A product has the difference of the squares to its last digits, near ends or not.
@@ -148,9 +148,7 @@ def rho(torus, phi, cosine):
 
 
 def distance(torus, phi, cosine):
-    """Return how far from the axis a point at phi is, phi from -pi to pi in rad,
-    where the cosine of its half is given.
-    """
+    """Return rho at phi, in rad, from -pi to pi; the cosine of phi / 2 is given, too."""
     _, level = sine_cosine(phi)
     # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
     inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)

@@ -31,13 +31,13 @@ from .geodesic_root import (
     Ends,
     Radii,
     ends_at,
+    half_angles,
     half_swing_by_the_node,
     inner,
     integrate,
     on_working_sheet,
     outer,
     peaked,
-    places,
     rule,
     search,
     second,
@@ -299,7 +299,7 @@ class EndPair(NamedTuple):
 
     What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
     tells where the ends were exchanged. `on_sheet` tells where both are on the working sheet,
-    `placed` are the `places` of both.
+    `halves` are the `half_angles` of both.
     """
 
     a: np.ndarray
@@ -309,7 +309,7 @@ class EndPair(NamedTuple):
     side: np.ndarray
     swap: np.ndarray
     on_sheet: np.ndarray
-    placed: tuple
+    halves: tuple
 
 
 class Way(NamedTuple):
@@ -371,10 +371,10 @@ def normal_form(torus, turn, phi1, phi2):
     flat = torus.R * a < LEVEL * ((torus.r + torus.R) * angle)
     a = where(flat, 0.0, a)
     b = where(flat, 0.0, b)
-    placed = places(torus, a, b)
+    halves = half_angles(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    on_sheet = placed[4] > 0
-    return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet, placed)
+    on_sheet = halves[4] > 0
+    return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet, halves)
 
 
 def level(torus, pair):
@@ -392,7 +392,7 @@ def level(torus, pair):
     cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
     near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
     if some(near):
-        at = pair.placed[4]
+        at = pair.halves[4]
         across = where(near, at * (LARGE * angle), 1.0)
         down = where(near, torus.R * (LARGE * (a - b)), 0.0)
         most = larger(across, down)  # over it, squares are neither too small nor too large
@@ -423,8 +423,8 @@ def azimuths(pair, way):
     # and of the sine twice, since the turn is reckoned from the other end, too.
     back = pair.mirror * where(pair.swap, -1.0, 1.0)
     c = pair.side * way.c
-    first = arctangent(ratio(c, pair.placed[4]), back * way.cos_a)
-    last = arctangent(ratio(c, pair.placed[5]), back * way.cos_b)
+    first = arctangent(ratio(c, pair.halves[4]), back * way.cos_a)
+    last = arctangent(ratio(c, pair.halves[5]), back * way.cos_b)
     undirected = way.kind <= POINT
     first = where(undirected, math.nan, first)
     last = where(undirected, math.nan, last)
@@ -481,19 +481,32 @@ def find(torus, ends, few, many, rows, answers):
 
 
 def answer(torus, turn, phi1, phi2, few, many, rows):
-    """Return length, both azimuths, Clairaut's constant, kind and certificate of the shortest way.
+    """Return the shortest way between two ends as numbers.
 
-    Lengths are in m, angles in rad; the kind is `OPEN` where arrays have to answer. The arguments
-    are those of `find`, for one pair.
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    turn, phi1, phi2 : float
+        The turn between the ends and phi of both, in rad, from -pi to pi.
+    few, many, rows
+        As of `find`.
+
+    Returns
+    -------
+    length, azimuth1, azimuth2, clairaut : float
+        In m and rad.
+    kind, certificate : float
+        Their codes; the kind is `OPEN` where arrays have to answer.
     """
     pair = normal_form(torus, turn, phi1, phi2)
-    way = shortest(torus, pair, few, many, rows)
+    way = _shortest(torus, pair, few, many, rows)
     first, last, c = azimuths(pair, way)
     kind = way.kind + 0.0
     return way.length, first, last, c, kind, certificate(torus, pair, way.kind) + 0.0
 
 
-def shortest(torus, pair, few, many, rows):
+def _shortest(torus, pair, few, many, rows):
     """Return the shortest `Way`; its kind is `OPEN` where that takes more than this."""
     a, b, angle = pair.a, pair.b, pair.angle
     way = level(torus, pair)
@@ -504,7 +517,7 @@ def shortest(torus, pair, few, many, rows):
         return _open(way)
     if way.kind != NONE:
         return way
-    ends = ends_at(torus, a, b, pair.placed)
+    ends = ends_at(torus, a, b, pair.halves)
     sheet = on_working_sheet(torus, a, angle)
     nodes = few if sheet else many
     begin = start(torus, ends, a, b, angle)
@@ -602,7 +615,7 @@ def _least_second(torus, pair):
     """Return the unknown of `second` with which the turned angle is least, and that angle."""
     index = np.flatnonzero(pair.on_sheet)
     a = pair.a[index]
-    ends = ends_at(torus, a, pair.b[index], [value[index] for value in pair.placed])
+    ends = ends_at(torus, a, pair.b[index], [value[index] for value in pair.halves])
     unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
     bracket = np.stack([-FARTHEST * unit, -NEAREST * unit])
@@ -664,7 +677,7 @@ def _search(torus, family, pair, possible, ways, low=None):
     """Write down the ways of a class that reach their turned angle."""
     index = np.flatnonzero(possible)
     a, b, angle = (array[index] for array in pair[:3])
-    ends = ends_at(torus, a, b, [value[index] for value in pair.placed])
+    ends = ends_at(torus, a, b, [value[index] for value in pair.halves])
     found = solve(family, torus, ends, a, b, angle, None if low is None else low[index])
     reached = np.abs(found[0] - angle) <= AGREES
     index = index[reached]
@@ -675,7 +688,7 @@ def _search(torus, family, pair, possible, ways, low=None):
         index = np.flatnonzero(possible)[~reached]
         a, b, angle = (array[index] for array in pair[:3])
         far = WOUND * (np.cos(a / 2) if family is outer else np.ones_like(a))
-        ends = ends_at(torus, a, b, places(torus, a, b))
+        ends = ends_at(torus, a, b, half_angles(torus, a, b))
         wound = integrate(torus, family(torus, ends, far), NODES)[0] < angle
         _wind(torus, pair, family, index[wound], ways)
 
