@@ -503,10 +503,23 @@ def point_at(orbit, start, swings, y, sign):
 
 
 def begun_at(orbit, start, count, edges, series):
-    """Return what lies before a geodesic's `start` on its orbit, for `point_on`.
+    """Return what a geodesic has behind it where it begins, for `point_on`.
 
-    That is the arc length from t = 0 and the turned angle; what is left of it to the next crossing
-    of the outer equator, and which that is, in swings, where so little is left that it tells more.
+    Parameters
+    ----------
+    orbit, start : Orbit, Start
+        As by `orbit_of`.
+    count, edges, series
+        As filled in by `_tabulate`.
+
+    Returns
+    -------
+    before, turned : (...) float
+        Arc length and turned angle from t = 0.
+    left : (...) float
+        What is left of the turned angle to the next crossing of the outer equator.
+    crossing : (...) float
+        Which crossing that is, in swings, where what is left has more digits; else NaN.
     """
     y = panel_place(orbit, abs(start.t))
     panel = 0

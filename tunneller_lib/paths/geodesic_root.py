@@ -126,7 +126,7 @@ def half_angles(torus, a, b):
 
 
 def ends_at(torus, a, b, halves):
-    """Return the `Ends` of geodesics on a torus from phi = a to phi = b, whose `halves` are known."""
+    """Return the `Ends` on a torus of geodesics from phi = a to b, whose `halves` are known."""
     sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = halves
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
