@@ -633,7 +633,7 @@ def _plainly(torus, given, s, position, azimuth):
         "series_sum",
         "nearer",
         "_tabulate",
-        "add_panel_in_loops",
+        "_add_panel_in_loops",
     )
 )
 def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
@@ -692,7 +692,7 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
     """Fill in what both integrals are where panels begin and end, and their series."""
     edges[0][0] = edges[1][0] = 0.0
     for panel in range(count):
-        length, turned = add_panel(orbit, panel, shares, integral, values, series)
+        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
         edges[0][panel + 1] = edges[0][panel] + length
         edges[1][panel + 1] = edges[1][panel] + turned
         edges[2][panel] = turned
@@ -701,7 +701,7 @@ def _tabulate(orbit, count, shares, integral, values, edges, series):
         edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
 
 
-def add_panel(orbit, panel, shares, integral, values, series):
+def _add_panel(orbit, panel, shares, integral, values, series):
     """Fill in both series of a panel, and return their sums at its end.
 
     Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
@@ -722,8 +722,8 @@ def add_panel(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-def add_panel_in_loops(orbit, panel, shares, integral, values, series):
-    """Do what `add_panel` does, compiled, with room for `values`."""
+def _add_panel_in_loops(orbit, panel, shares, integral, values, series):
+    """Do what `_add_panel` does, compiled, with room for `values`."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
@@ -736,7 +736,7 @@ def add_panel_in_loops(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-PARTS = {**NUMBERS, "ratio": divided, "add_panel": add_panel_in_loops}
+PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _add_panel_in_loops}
 
 
 # ---- the same by arrays ----------------------------------------------------
