@@ -214,9 +214,10 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
     check_ratio(torus)
     check_points(n, theta.shape)
     s = length[..., None] * _shares(n)
-    given = np.full((6, theta.size), math.nan)
+    given = np.empty((6, theta.size))
     given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
     given[3:5] = reduced(given[1:3])
+    given[5] = math.nan
     if clairaut is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
             _, half_cosine = sine_cosine(given[3] / 2)
@@ -625,17 +626,11 @@ def _plainly(torus, given, s, position, azimuth):
     compiled.call_plain(follow_each, *arguments, **PLAIN)
 
 
-@loop(
-    inlined=(
-        "growth",
-        "two_to_bits",
-        "rates",
-        "series_sum",
-        "nearer",
-        "_tabulate",
-        "_add_panel_in_loops",
-    )
-)
+# What becomes part of its caller, compiled, so that several nodes and terms go at once.
+INLINED = "growth", "two_to_bits", "rates", "series_sum", "nearer", "_tabulate", "_in_loops"
+
+
+@loop(inlined=INLINED)
 def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
     """Write down points of geodesics.
 
@@ -722,7 +717,7 @@ def _add_panel(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-def _add_panel_in_loops(orbit, panel, shares, integral, values, series):
+def _in_loops(orbit, panel, shares, integral, values, series):
     """Do what `_add_panel` does, compiled, with room for `values`."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
@@ -736,7 +731,7 @@ def _add_panel_in_loops(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _add_panel_in_loops}
+PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
 
 
 # ---- the same by arrays ----------------------------------------------------

@@ -601,13 +601,10 @@ def search(torus, ends, angle, begin, outside, hard, nodes, rows):
         if done:
             return True, total, way.c, way.cosines[0], way.cosines[1]
         if hard:
-            one, two, three = in_legs(way)
-            first = _summed(torus, one, nodes, rows)
-            second = _summed(torus, two, nodes, rows)
-            third = _summed(torus, three, nodes, rows)
-            turned = first[0] + second[0] + third[0]
-            rate = first[1] + second[1] + third[1]
-            length = first[2] + second[2] + third[2]
+            turned = rate = length = 0.0
+            for leg in in_legs(way):
+                parts = _summed(torus, leg, nodes, rows)
+                turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
         else:
             turned, rate, length = _summed(torus, way, nodes, rows)
         miss = angle - turned
@@ -796,8 +793,10 @@ def start(torus, ends, a, b, angle):
     X = ends.room
     # From x to u, kept off both ends of the class.
     share = smaller(larger(x / X, 0.0), 0.95)
-    risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
-    guess = where(x > 0, risen, 0.99 * x)
+    guess = 0.99 * x
+    if some(x > 0):
+        risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
+        guess = where(x > 0, risen, guess)
     # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
     if wide(torus):
         L = ends.meridian

@@ -514,7 +514,7 @@ def _shortest(torus, pair, few, many, rows):
         return way
     # Arrays look at the other way along a meridian, and at the inner equator.
     if torus.r >= torus.R and (angle == 0 or (a == math.pi and abs(b) == math.pi)):
-        return _open(way)
+        return Way(OPEN, *way[1:])
     if way.kind != NONE:
         return way
     ends = ends_at(torus, a, b, pair.halves)
@@ -537,10 +537,6 @@ def _shortest(torus, pair, few, many, rows):
     return way
 
 
-def _open(way):
-    return Way(OPEN, way.length, way.c, way.cos_a, way.cos_b)
-
-
 def _answers(size, ends):
     """Return what `answer` does, (6, n), of `turn_and_ends` (n, 3)."""
     ready = compiled.ready("geodesics")
@@ -558,7 +554,8 @@ def _answers(size, ends):
         try:
             compiled.call_plain(find, size, ends, few, many, rows, answers, **PLAIN)
         except (ZeroDivisionError, ValueError):
-            # A product of numbers below 1e-150, which arrays divide by.
+            # A product of numbers below 1e-150, which arrays divide by, or a root of what rounding
+            # left below zero, which is NaN there.
             return _answers_by_arrays(size, ends)
     open_ = [i for i, kind in enumerate(answers[4].tolist()) if kind == OPEN]
     if open_:
