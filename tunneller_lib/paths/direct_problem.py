@@ -654,7 +654,7 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         ways = s[i]
         sine, cosine, on_sheet, placed = headed(r, near, whither, given[5][i])
         last = whither + ways[len(ways) - 1] / R
-        sound = on_sheet and last - last == 0
+        sound = on_sheet and last - last == 0  # neither infinite nor not a number
         leaving = sound and sine != 0
         side = where(sine < 0, -1.0, 1.0)
         count = 0
@@ -666,9 +666,10 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         for k in range(len(ways)):
             if not sound:
                 found = math.nan, math.nan, math.nan
-            elif ways[k] == 0:
+            elif ways[k] == 0:  # the start itself, to its last digit
                 found = theta, phi, azimuth
             else:
+                # Along a meridian phi grows or falls with the arc; there is no swing to look up.
                 turned, place, direction = 0.0, near + rising(cosine) * (ways[k] / R), whither
                 if leaving:
                     turned, place, direction = point_on(

@@ -598,7 +598,7 @@ def search(torus, ends, angle, begin, outside, hard, nodes, rows):
     done = False
     for _ in range(ROUNDS):
         way = outer(torus, ends, u) if outside else inner(torus, ends, u)
-        if done:
+        if done:  # this call of the class was for the azimuths at the last unknown alone
             return True, total, way.c, way.cosines[0], way.cosines[1]
         if hard:
             turned = rate = length = 0.0
@@ -613,7 +613,7 @@ def search(torus, ends, angle, begin, outside, hard, nodes, rows):
         total = length + way.c * miss
         reached = turned + where(step == 0, 0.0, rate * step)
         if done and not abs(reached - angle) <= AGREES:
-            break
+            break  # the class ends before it turns so far
     return False, math.nan, math.nan, math.nan, math.nan
 
 

@@ -373,7 +373,8 @@ def normal_form(torus, turn, phi1, phi2):
     b = where(flat, 0.0, b)
     halves = half_angles(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    on_sheet = halves[4] > 0
+    rho_a, _ = halves[4:]
+    on_sheet = rho_a > 0
     return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet, halves)
 
 
@@ -392,15 +393,15 @@ def level(torus, pair):
     cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
     near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
     if some(near):
-        at = pair.halves[4]
-        across = where(near, at * (LARGE * angle), 1.0)
+        rho_a, _ = pair.halves[4:]
+        across = where(near, rho_a * (LARGE * angle), 1.0)
         down = where(near, torus.R * (LARGE * (a - b)), 0.0)
         most = larger(across, down)  # over it, squares are neither too small nor too large
         part, rest = ratio(across, most), ratio(down, most)
         size = most * square_root(part * part + rest * rest)
         kind = where(near, OUTER, kind)
         length = where(near, size / LARGE, length)
-        c = where(near, at * ratio(across, size), c)
+        c = where(near, rho_a * ratio(across, size), c)
         cosine = where(near, -ratio(down, size), cosine)
     return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
 
@@ -423,8 +424,9 @@ def azimuths(pair, way):
     # and of the sine twice, since the turn is reckoned from the other end, too.
     back = pair.mirror * where(pair.swap, -1.0, 1.0)
     c = pair.side * way.c
-    first = arctangent(ratio(c, pair.halves[4]), back * way.cos_a)
-    last = arctangent(ratio(c, pair.halves[5]), back * way.cos_b)
+    rho_a, rho_b = pair.halves[4:]
+    first = arctangent(ratio(c, rho_a), back * way.cos_a)
+    last = arctangent(ratio(c, rho_b), back * way.cos_b)
     undirected = way.kind <= POINT
     first = where(undirected, math.nan, first)
     last = where(undirected, math.nan, last)
