@@ -21,7 +21,7 @@ def test_paper_is_seen_from_the_eye_and_up_is_up(direction):
 @pytest.mark.parametrize("names", [["cone", "tunnel"], ["tunnel", "cone"]])
 def test_near_sheets_are_drawn_over_far_ones(names):
     _, ax = figure(height=5)
-    near, far = SQUARE + (0, 0, 0.5), SQUARE - (0, 0, 0.5)
+    near, far = (SQUARE + np.array([0, 0, height]) for height in (0.5, -0.5))
     draw_shaded(ax, (0, 0.1, 1), dict(zip(names, (near, far), strict=True)))
     [faces] = ax.collections
     under, over = faces.get_facecolors()[:, :3]
