@@ -96,9 +96,7 @@ class Chapter:
             shown = f'<details class="source"><summary>code</summary>{shown}</details>'
         else:
             shown = f'<div class="source">{shown}</div>'
-        return (
-            f'<div class="cell" id="cell-{number}">\n{shown}\n{outputs}{turning}{moving}</div>'
-        )
+        return f'<div class="cell" id="cell-{number}">\n{shown}\n{outputs}{turning}{moving}</div>'
 
     def output(self, output):
         if output.output_type == "stream":
