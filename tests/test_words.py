@@ -184,7 +184,7 @@ def test_every_free_pattern_is_used(free):
         ("Five paths; the plane section is best.", ["Five", "best"]),
         ('The worst excess is #num("11_rivals", "worst excess"), the least too.', ["least"]),
         (
-            'It is #than("11_rivals", "rule", "more") than that of #count("13_any_length", "paths").',
+            'It is #than("11_rivals", "rule", "more") than that of #count("05_circuit", "paths").',
             [],
         ),
         ("Largest error of two joints, in ten steps.", []),

@@ -23,8 +23,8 @@ WORDS = 160
 LINES = 18
 # The look of a chapter's number on the machine's picture.
 CHIP = (
-    "position: absolute; padding: 0 0.4em; color: #222222; background: #FFFFFF; "
-    "border: 1px solid #595959; border-radius: 3px"
+    "position: absolute; padding: 0 0.3em; font-size: 0.85em; color: #222222; "
+    "background: #FFFFFF; border: 1px solid #595959; border-radius: 3px"
 )
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
