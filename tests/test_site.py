@@ -543,7 +543,7 @@ def test_pages_that_run_hold_the_runtime_the_library_and_their_licences(running)
     packages = json.loads(wrapped(running / "live/lock.js"))["packages"]
     assert list(packages) == ["some-thing"] and packages["some-thing"]["version"] == "1.0"
     with zipfile.ZipFile(io.BytesIO(wrapped(running / "live/study.zip.js"))) as study:
-        for file in ("tunneller_lib/__init__.py", "notebooks/atlas.csv"):
+        for file in ("tunneller_lib/__init__.py", "notebooks/contents.toml"):
             assert study.read(file) == (ROOT / file).read_bytes()
     found = {p.name for p in (running / "live/licences").rglob("*") if p.is_file()}
     assert {"LICENSE", "Pyodide-MPL-2.0.txt", "Python-PSF-2.0.txt"} <= found

@@ -27,7 +27,10 @@ if (shown) {
 }
 
 // ---- a link that leads to a cell opens its code
-const unfold = () => document.querySelector(".cell:target > details.source")?.setAttribute("open", "");
+const unfold = () => {
+  const cell = document.getElementById(location.hash.slice(1));
+  cell?.querySelector(":scope > details.source")?.setAttribute("open", "");
+};
 unfold();
 addEventListener("hashchange", unfold);
 
