@@ -65,7 +65,7 @@ class Chapter:
             for name, t in made.get("tables", {}).items()
         }
         self.pictures = {}  # file name: content, of pictures that are in the notebook only
-        self.heading = self.caption = ""
+        self.heading = ""
 
     def html(self):
         """Return the page's body."""
@@ -80,10 +80,8 @@ class Chapter:
 
     def prose(self, text):
         html = markdown(text, self.link)
-        if headings := re.findall(r"<h(\d)[^>]*>(.*?)</h\d>", html):
-            level, said = headings[-1]
-            self.heading = plain(said)
-            self.caption = "" if level == "1" else escape(self.heading)  # a title is said once
+        if headings := re.findall(r"<h\d[^>]*>(.*?)</h\d>", html):
+            self.heading = plain(headings[-1])
         return html
 
     def code(self, cell, number):
@@ -123,10 +121,11 @@ class Chapter:
             content = (ROOT / "figures" / file).read_bytes()  # shown in its stead
             caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
-            file, caption = f"{self.stem}-{len(self.pictures)}.webp", self.caption
+            file, caption = f"{self.stem}-{len(self.pictures)}.webp", escape(alt)
+            alt = f"Drawing: {self.heading}"  # what it shows is said below it
             self.pictures[file] = packed(content)
         source = f"{self.to_root}figures/{file}"
-        said = attribute(alt or f"Drawing: {self.heading}.")
+        said = attribute(alt)
         below = f"<figcaption>{caption}</figcaption>" if caption else ""
         return (
             f'<figure><a href="{source}"><img src="{source}" alt="{said}" {sizes(content)} '
