@@ -16,9 +16,8 @@ NOTEBOOKS = CHECKOUT / "notebooks"
 CONTENTS = "contents.toml"
 NEEDS = re.compile(r"\*\*You need\*\*\s+(.*?)\.(?:\s|$)", re.DOTALL)
 HEADS = "", "question", "what came out", "you need", "minutes"
-# Of prose and of code that are read in a minute. A reader who has calculus took 17 and 19 minutes
-# for essays 64 and 65, and for chapters a quarter more than 150 words and 30 lines a minute give:
-# code takes longer than prose, and these rates give all three.
+# Of prose and of code in sight that are read in a minute, as a reader who has calculus took for two
+# essays and for chapters: code takes longer than prose.
 WORDS = 160
 LINES = 18
 # The look of a chapter's number on the machine's picture.

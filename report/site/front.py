@@ -138,7 +138,8 @@ def front_page(chosen, doors):
         '<button type="button" id="still" aria-pressed="false">Stop the motion</button></div>',
         f'<ul class="doors">{entries}</ul>',
         f'<p><a href="{page_name(ROOT / "notebooks" / f"{INDEX}.ipynb")}">Where to begin, '
-        "ways for a course, the words of the trade, and what came out</a></p>" if any(n.stem == INDEX for n in chosen) else "",
+        "courses, words of the trade, and what came out</a></p>"
+        if any(n.stem == INDEX for n in chosen) else "",
     ]  # fmt: skip
     for part in tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text())["part"]:
         first, last = part["chapters"]
