@@ -52,9 +52,9 @@ def test_code_that_was_no_python_reaches_all_that_imports_it(reached):
 
 
 def test_notebook_and_its_data_reach_it(reached):
-    assert "notebooks/12_atlas.ipynb" in reached("notebooks/atlas.csv")
-    found = [n for n in reached("notebooks/12_atlas.ipynb") if n.startswith("notebooks")]
-    assert found == ["notebooks/12_atlas.ipynb"]
+    assert "notebooks/11_rivals.ipynb" in reached("notebooks/atlas.csv")
+    found = [n for n in reached("notebooks/11_rivals.ipynb") if n.startswith("notebooks")]
+    assert found == ["notebooks/11_rivals.ipynb"]
 
 
 def test_longest_tests_are_there():

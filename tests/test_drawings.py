@@ -19,7 +19,6 @@ from exhibits import (
     rod_plot,
 )
 from kit import figure
-from kit.chapters import draw_first_pictures
 from tunneller_lib.motion import Integrator, Loop, Resonance
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
@@ -490,16 +489,3 @@ def test_mirrored_way_has_ends_within_half_a_turn(ax):
     for begin, end in (((0.1, 0.8), (2.6, -0.3)), ((0.0, 0.8), (3.7, -0.3))):
         with pytest.raises(ValueError, match=r"^begin, end: must have theta 0, and one between"):
             geodesic_plot.draw_mirrored(ax, RING, begin, end)
-
-
-@pytest.mark.parametrize("folder", ["here", 3, None])
-def test_first_pictures_are_those_of_a_folder(ax, folder):
-    with pytest.raises(ValueError, match=r"^folder: must be of class Path; got "):
-        draw_first_pictures(ax, folder)
-    assert not ax.images
-
-
-def test_chapter_without_a_picture_is_named(ax, tmp_path):
-    (tmp_path / "01_bare.ipynb").write_text('{"cells": [{"cell_type": "code", "source": []}]}')
-    with pytest.raises(ValueError, match=r"^folder: 01_bare\.ipynb must hold a picture; run it\.$"):
-        draw_first_pictures(ax, tmp_path)

@@ -220,6 +220,38 @@ def test_notebook_title_is_a_question(path):
     assert title.startswith("# ") and title.endswith("?")
 
 
+def code_cells(path):
+    """Return a notebook's code cells."""
+    return [c for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"]
+
+
+def is_hidden(cell):
+    """Tell whether a cell's code is folded on the pages; in JupyterLab it must be as well."""
+    marks = cell["metadata"]
+    on_pages = "hide-input" in marks.get("tags", [])
+    assert on_pages == marks.get("jupyter", {}).get("source_hidden", False), cell["source"][:1]
+    return on_pages
+
+
+@every_notebook
+def test_no_code_stands_before_the_first_picture(path):
+    for cell in code_cells(path):
+        assert is_hidden(cell), "".join(cell["source"])[:80]
+        if any({"image/png", "text/html"} & output.get("data", {}).keys()
+               for output in cell["outputs"]):  # fmt: skip
+            return
+    pytest.fail("no picture: run the notebook")
+
+
+@every_notebook
+def test_imports_stand_in_one_hidden_cell(path):
+    imports = (ast.Import, ast.ImportFrom)
+    having = [cell for cell in code_cells(path)
+              if any(isinstance(node, imports)
+                     for node in ast.walk(ast.parse("".join(cell["source"]))))]  # fmt: skip
+    assert len(having) == 1 and is_hidden(having[0])
+
+
 @every_notebook
 def test_notebook_is_numbered(path):
     assert re.fullmatch(r"\d\d_[a-z0-9_]+", path.stem)

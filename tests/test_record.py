@@ -167,9 +167,11 @@ def test_table_is_refused(record, rows, decimals, message):
         record.table("t", ["x"], rows, decimals=decimals)
 
 
-def test_results_go_to_the_checkout_unless_told(monkeypatch):
+def test_results_of_a_run_by_hand_go_where_git_looks_at_nothing(monkeypatch):
     monkeypatch.delenv("TUNNELLER_RESULTS", raising=False)
-    assert Record("01_test").root == Path(__file__).parents[1]
+    checkout = Path(__file__).parents[1]
+    assert Record("01_test").root == checkout / "build" / "lab"
+    assert "build/" in (checkout / ".gitignore").read_text().splitlines()
 
 
 def test_drawing_has_the_same_bytes_twice(record, root):

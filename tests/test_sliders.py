@@ -53,16 +53,18 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     calls = []
     picture = sliders(
-        lambda **v: calls.append(v) or draw(**v), gain=(1.0, 20.0, 10.0, "1/s"), delay=(0, 4, 1)
+        lambda **v: calls.append(v) or draw(**v),
+        loop_gain=(1.0, 20.0, 10.0, "1/s"),
+        delay=(0, 4, 1),
     )
-    assert picture.values == {"gain": 10.0, "delay": 1}
+    assert picture.values == {"loop_gain": 10.0, "delay": 1}
     gain, delay, _ = shown[-1].children
     assert isinstance(gain, ipywidgets.FloatSlider) and isinstance(delay, ipywidgets.IntSlider)
     assert (gain.min, gain.max, gain.value, delay.max) == (1.0, 20.0, 10.0, 4)
-    assert (gain.description, delay.description) == ("gain / 1/s", "delay")
+    assert (gain.description, delay.description) == ("loop gain / 1/s", "delay")
     delay.value = 3
-    assert calls[-1] == {"gain": 10.0, "delay": 3}
-    assert shown[-1].alt.endswith("Drawn for gain 10, delay 3.")
+    assert calls[-1] == {"loop_gain": 10.0, "delay": 3}
+    assert shown[-1].alt.endswith("Drawn for loop gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
 
 

@@ -1,33 +1,30 @@
-"""The study's chapters, its notebooks: what each asks and found, their table, their map."""
+"""The study's chapters, its notebooks: what each asks and found, their tables, ways to them."""
 
-import base64
-import io
 import json
 import math
 import re
 import tomllib
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
-import PIL.Image
-from matplotlib.axes import Axes
-from matplotlib.patches import FancyBboxPatch
-
-from tunneller_lib.arguments import Whole, checked
+from tunneller_lib.arguments import checked
 
 from .record import CHECKOUT, Record
-from .style import COLOURS
 
 NOTEBOOKS = CHECKOUT / "notebooks"
 CONTENTS = "contents.toml"
 NEEDS = re.compile(r"\*\*You need\*\*\s+(.*?)\.(?:\s|$)", re.DOTALL)
 HEADS = "", "question", "what came out", "you need", "minutes"
-# Of prose and of code that are read in a minute. A reader who has calculus took 17 and 19 minutes
-# for essays 64 and 65, and for chapters a quarter more than 150 words and 30 lines a minute give:
-# code takes longer than prose, and these rates give all three.
+# Of prose and of code in sight that are read in a minute, as a reader who has calculus took for two
+# essays and for chapters: code takes longer than prose.
 WORDS = 160
 LINES = 18
-THUMB = 1.6  # width of a small picture over its height
+# The look of a chapter's number on the machine's picture.
+CHIP = (
+    "position: absolute; padding: 0 0.3em; font-size: 0.85em; color: #222222; "
+    "background: #FFFFFF; border: 1px solid #595959; border-radius: 3px"
+)
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -91,9 +88,13 @@ def read_chapters(folder=NOTEBOOKS):
 
 
 def _cells(path):
-    """Return the kind and the text of each cell of a notebook."""
+    """Return the kind and the text of each cell of a notebook that is in sight."""
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    return [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
+    return [
+        (cell["cell_type"], "".join(cell["source"]))
+        for cell in cells
+        if "hide-input" not in cell["metadata"].get("tags", ())
+    ]
 
 
 def _minutes(cells):
@@ -218,99 +219,47 @@ def _markdown(text):
 
 
 @checked
-def draw_map(ax: Axes, folder: Path = NOTEBOOKS):
-    """Draw the parts of the study and which builds on which.
+def course_table(folder: Path = NOTEBOOKS):
+    """Return a table of the courses, each with its hours, goals and prerequisites, as Markdown.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The drawing.
-    folder : pathlib.Path
-        The folder with the notebooks and ``contents.toml``.
-
-    Returns
-    -------
-    boxes : list of matplotlib.patches.FancyBboxPatch
-        One for each part that has chapters.
+    The folder holds the notebooks and ``contents.toml``.
     """
-    every = read_chapters(folder)
-    boxes = []
-    parts = {p["name"]: p for p in _contents(folder)["part"] if _chapters_of(p, every)}
-    arrow = {
-        "arrowstyle": "->",
-        "color": COLOURS["tangent sphere"],
-        "lw": 1.2,
-        "shrinkA": 0,
-        "shrinkB": 2,
-    }
-    for name, part in parts.items():
-        x, y = part["place"]
-        inside = _chapters_of(part, every)
-        corner = (x - 0.38, y - 0.24)
-        look = {"boxstyle": "round,pad=0.03", "fc": "white", "ec": COLOURS["cutter"]}
-        box = FancyBboxPatch(corner, 0.76, 0.48, **look)
-        boxes.append(ax.add_patch(box))
-        numbers = f"{inside[0].number:02} to {inside[-1].number:02}"
-        ax.text(x, y, f"{_two_lines(name)}\n{numbers}", ha="center", va="center")
-        for other in part["follows"]:
-            u, v = parts[other]["place"]
-            ax.annotate("", (x - 0.41, y), (u + 0.41, v), arrowprops=arrow)
-    ax.set(xlim=(-0.5, max(p["place"][0] for p in parts.values()) + 0.5), ylim=(-0.4, 2.4))
-    ax.axis("off")
-    return boxes
+    every = {chapter.number: chapter for chapter in read_chapters(folder)}
+    lines = ["| notebooks | hours | you can do afterwards | you need |", "|-|-|-|-|"]
+    for course in _contents(folder)["course"]:
+        way = [every[number] for number in course["chapters"]]
+        links = ", ".join(chapter.link for chapter in way)
+        hours = sum(chapter.minutes for chapter in way) / 60
+        lines.append(f"| {links} | {hours:.1f} | {course['goals']} | {course['needs']} |")
+    return _markdown("\n".join(lines))
 
 
 @checked
-def draw_first_pictures(ax: Axes, folder: Path = NOTEBOOKS, *, across: Whole(1, 100) = 7):
-    """Draw the first picture of each chapter, small, with the chapter's number.
+def machine_map(folder: Path = NOTEBOOKS):
+    """Return the machine's picture with links to the chapters at its parts, as HTML.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The drawing.
-    folder : pathlib.Path
-        The folder with the notebooks, each as it was last run.
-    across : int
-        How many stand beside each other.
-
-    Returns
-    -------
-    images : list of matplotlib.image.AxesImage
-        One for each chapter.
-
-    Raises
-    ------
-    ValueError
-        If a notebook holds no picture.
+    The folder holds the notebooks and ``contents.toml``, which has the picture and the places.
     """
-    images = []
-    paths = [path for path in sorted(folder.glob("[0-9]*.ipynb")) if int(path.stem[:2])]
-    for k, path in enumerate(paths):
-        picture = _first_picture(path)
-        column, row = k % across, -(k // across)
-        wide = min(0.88, 0.75 * picture.width / picture.height / THUMB)
-        high = wide * picture.height / picture.width * THUMB
-        place = (column - wide / 2, column + wide / 2, row - high / 2, row + high / 2)
-        images.append(ax.imshow(picture, extent=place, aspect="auto"))
-        ax.text(column - 0.47, row + 0.41, path.stem[:2], va="center", fontsize=7)
-    ax.set(xlim=(-0.5, across - 0.5), ylim=(-((len(paths) - 1) // across) - 0.5, 0.5))
-    ax.axis("off")
-    return images
+    from IPython.display import HTML
+
+    every = {chapter.number: chapter for chapter in read_chapters(folder)}
+    machine = _contents(folder)["machine"]
+    links = "".join(
+        f'<a href="{every[int(number)].file}" title="{escape(every[int(number)].question)}" '
+        f'style="{CHIP}; left: {across}%; top: {down}%">{number}</a>'
+        for number, (across, down) in machine["places"].items()
+    )
+    source = f"../figures/{machine['figure']}"
+    picture = f'<img src="{source}" alt="{escape(machine["alt"])}" style="width: 100%">'
+    return HTML(f'<div style="position: relative; max-width: 800px">{picture}{links}</div>')
 
 
-def _first_picture(path):
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
-        for output in cell.get("outputs", []):
-            if content := output.get("data", {}).get("image/png"):
-                picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
-                picture.thumbnail((320, 320))
-                return picture
-    raise ValueError(f"folder: {path.name} must hold a picture; run it.")
+def worth(words, notebook="42_budget"):
+    """Return a line on what a chapter's subject is worth on the wall, as Markdown.
 
-
-def _two_lines(name):
-    middle = min((i for i, c in enumerate(name) if c == " "), key=lambda i: abs(i - len(name) / 2))
-    return f"{name[:middle]}\n{name[middle + 1 :]}"
+    The names in braces are those of numbers that the notebook recorded.
+    """
+    return _markdown(f"**What it is worth on the wall.** {filled(notebook, words)}")
 
 
 def _chapters_of(part, every):

@@ -35,7 +35,7 @@ def sliders(draw: Callable, *, alt: str = "", **ranges: object):
         that's left to the one who records it. A scene needs it.
     **ranges
         (low, high, start) of each value, perhaps with its unit; whole numbers make a slider of
-        whole numbers.
+        whole numbers. A name's words, joined by ``_``, stand beside the slider.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def _moved_drawing(draw, first, alt, controls):
             drawing.set_layout_engine("none")
             for ax, place in zip(drawing.axes, places, strict=True):
                 ax.set_position(place)
-        here = ", ".join(f"{name} {value:g}" for name, value in values.items())
+        here = ", ".join(f"{_words(name)} {value:g}" for name, value in values.items())
         return moved_preview(drawing, f"{alt} Drawn for {here}.")
 
     def show(**values):
@@ -165,6 +165,11 @@ def _moved_scene(draw, plotter, alt, controls):
     return [widget, told]
 
 
+def _words(name):
+    """Return the words that a name is made of: ``arm_angle`` is the arm angle."""
+    return name.replace("_", " ")
+
+
 def _slider(name, low, high, start, unit=""):
     from ipywidgets import FloatSlider, IntSlider
 
@@ -172,7 +177,7 @@ def _slider(name, low, high, start, unit=""):
         "min": low,
         "max": high,
         "value": start,
-        "description": f"{name} / {unit}" if unit else name,
+        "description": f"{_words(name)} / {unit}" if unit else _words(name),
         "style": {"description_width": "initial"},
         "continuous_update": False,
     }

@@ -1,7 +1,7 @@
 """Numbers, tables and figures on their way from a notebook to the report.
 
-The report holds no typed result: it reads report/numbers/<notebook>.json and figures/, and only
-this module writes there.
+The report holds no typed result: it reads report/numbers/<notebook>.json and figures/, which the
+build takes from what this module writes.
 """
 
 import io
@@ -52,8 +52,9 @@ class Record:
 
     Notes
     -----
-    Results go to the checkout, or to the folder named by ``TUNNELLER_RESULTS``. Each call writes
-    at once, and a file is never seen half-written.
+    Results go to the folder named by ``TUNNELLER_RESULTS``, which the build sets, or else to
+    build/lab: a notebook run by hand changes no committed file. Each call writes at once, and a
+    file is never seen half-written.
 
     Examples
     --------
@@ -69,7 +70,7 @@ class Record:
     @checked
     def __init__(self, notebook: Line):
         self.notebook = _file_name("notebook", notebook)
-        self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT))
+        self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT / "build" / "lab"))
 
     @checked
     def __call__(

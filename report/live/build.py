@@ -77,9 +77,8 @@ class LivePages:
                         f"live/programs/{name}.js", f"{text}{json.dumps(program.source)};\n"
                     )
         files = dict(self.kept)
-        tables = [n for n in (ROOT / "notebooks").glob("*.csv") if self.reads(n.name)]
         more = [ROOT / "notebooks" / "contents.toml", HERE / "javascript.py", HERE / "excerpt.py"]
-        files["study.zip"] = library([*more, *tables])
+        files["study.zip"] = library(more)
         files |= {name: (HERE / name).read_bytes() for name in OWN}
         files["lock"] = lock(self.kept).encode()
         for name, content in files.items():
@@ -101,10 +100,6 @@ class LivePages:
             found.write(own, (HERE / Path(own).name).read_bytes())
         job = (ROOT / "notebooks" / "reference.toml").read_text()
         found.write("live/job.js", f"window.referenceJob = {json.dumps(job)};\n")
-
-    def reads(self, file):
-        """Tell whether a program reads a file of that name."""
-        return any(file in p.source for every in self.programs.values() for p in every)
 
 
 def build(folder, chosen=None, kept=None):

@@ -167,13 +167,11 @@ def colours(name):
 
 def add_front(site, chosen):
     """Write the first page, and its small pictures."""
-    essays = [notebook for notebook in chosen if notebook.stem.startswith("6")]
-    play = page_name((essays or chosen)[0])
     tool, by = ("planner.html", "a form") if site.live else ("library/index.html", "the library")
     moved = "pictures to move and " if site.live else ""
     doors = [
         ("Read", "report.html", "the article: what was claimed, and what came out"),
-        ("Play", play, f"essays and chapters, with {moved}scenes to turn"),
+        ("Play", page_name(chosen[0]), f"chapters with one question each, {moved}scenes to turn"),
         ("Build", tool, f"plan and simulate a cut of your own, with {by} or from a file"),
     ]
     body, pictures = front_page(chosen, doors)

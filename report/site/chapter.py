@@ -1,4 +1,7 @@
-"""A notebook as a page: its prose, code and stored outputs, nothing run."""
+"""A notebook as a page: its prose, code and stored outputs, nothing run.
+
+Code that sets up, draws or records is folded, as it is in JupyterLab; what carries the idea isn't.
+"""
 
 import ast
 import base64
@@ -10,6 +13,13 @@ import nbformat
 from report.site.markup import attribute, code, formula, markdown, plain
 from report.site.pictures import packed, sizes
 from report.sources import ROOT, records
+
+# A picture with links at its places: the one output of HTML that is let through.
+PLACED = re.compile(
+    r'<div style="[^"<>]*"><img src="\.\./figures/[\w.]+" alt="[^"<>]*" style="[^"<>]*">'
+    r'(?:<a href="\w+\.ipynb" title="[^"<>]*" style="[^"<>]*">\d+</a>)+</div>'
+)
+FOLDED = "hide-input"  # the tag of a cell whose code a reader opens by a click
 
 
 def title(notebook):
@@ -55,7 +65,7 @@ class Chapter:
             for name, t in made.get("tables", {}).items()
         }
         self.pictures = {}  # file name: content, of pictures that are in the notebook only
-        self.heading = self.caption = ""
+        self.heading = ""
 
     def html(self):
         """Return the page's body."""
@@ -70,10 +80,8 @@ class Chapter:
 
     def prose(self, text):
         html = markdown(text, self.link)
-        if headings := re.findall(r"<h(\d)[^>]*>(.*?)</h\d>", html):
-            level, said = headings[-1]
-            self.heading = plain(said)
-            self.caption = "" if level == "1" else escape(self.heading)  # a title is said once
+        if headings := re.findall(r"<h\d[^>]*>(.*?)</h\d>", html):
+            self.heading = plain(headings[-1])
         return html
 
     def code(self, cell, number):
@@ -81,11 +89,12 @@ class Chapter:
         outputs = "".join(map(self.output, cell.outputs))
         turning = self.scenes_below(number)
         moving = self.live.below(self.stem, number) if self.live else ""
-        said = f'<p class="number">cell {number}</p>'
-        return (
-            f'<div class="cell" id="cell-{number}">\n'
-            f'<div class="source">{said}{code(source)}</div>\n{outputs}{turning}{moving}</div>'
-        )
+        shown = f'<p class="number">cell {number}</p>{code(source)}'
+        if FOLDED in cell.metadata.get("tags", ()):
+            shown = f'<details class="source"><summary>code</summary>{shown}</details>'
+        else:
+            shown = f'<div class="source">{shown}</div>'
+        return f'<div class="cell" id="cell-{number}">\n{shown}\n{outputs}{turning}{moving}</div>'
 
     def output(self, output):
         if output.output_type == "stream":
@@ -94,6 +103,9 @@ class Chapter:
         if "image/png" in data:
             alt = output.metadata.get("image/png", {}).get("alt", "")
             return self.figure(base64.b64decode(data["image/png"]), alt)
+        if PLACED.fullmatch(data.get("text/html", "")):
+            there = data["text/html"].replace('src="../', f'src="{self.to_root}')
+            return re.sub(r'href="([^"]+)"', lambda m: f'href="{self.link(m[1])}"', there) + "\n"
         if recorded := self.recorded_table(data.get("text/plain", "")):
             return recorded
         if "text/markdown" in data:
@@ -109,10 +121,11 @@ class Chapter:
             content = (ROOT / "figures" / file).read_bytes()  # shown in its stead
             caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
         else:
-            file, caption = f"{self.stem}-{len(self.pictures)}.webp", self.caption
+            file, caption = f"{self.stem}-{len(self.pictures)}.webp", escape(alt)
+            alt = f"Drawing: {self.heading}"  # what it shows is said below it
             self.pictures[file] = packed(content)
         source = f"{self.to_root}figures/{file}"
-        said = attribute(alt or f"Drawing: {self.heading}.")
+        said = attribute(alt)
         below = f"<figcaption>{caption}</figcaption>" if caption else ""
         return (
             f'<figure><a href="{source}"><img src="{source}" alt="{said}" {sizes(content)} '

@@ -137,8 +137,9 @@ def front_page(chosen, doors):
         f'<div class="moving">{moving_machine()}',
         '<button type="button" id="still" aria-pressed="false">Stop the motion</button></div>',
         f'<ul class="doors">{entries}</ul>',
-        f'<p><a href="{page_name(ROOT / "notebooks" / f"{INDEX}.ipynb")}">Where to begin, the map '
-        "of all parts, and what came out</a></p>" if any(n.stem == INDEX for n in chosen) else "",
+        f'<p><a href="{page_name(ROOT / "notebooks" / f"{INDEX}.ipynb")}">Where to begin, '
+        "courses, words of the trade, and what came out</a></p>"
+        if any(n.stem == INDEX for n in chosen) else "",
     ]  # fmt: skip
     for part in tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text())["part"]:
         first, last = part["chapters"]

@@ -26,6 +26,14 @@ if (shown) {
   shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
 }
 
+// ---- a link that leads to a cell opens its code
+const unfold = () => {
+  const cell = document.getElementById(location.hash.slice(1));
+  cell?.querySelector(":scope > details.source")?.setAttribute("open", "");
+};
+unfold();
+addEventListener("hashchange", unfold);
+
 // ---- the list of pages shows where this one is
 const here = document.querySelector(".contents [aria-current]");
 if (here) here.closest("nav").scrollTop = here.offsetTop - here.closest("nav").clientHeight / 3;

@@ -33,7 +33,7 @@ def started(browser, root):
     root : pathlib.Path
         An empty folder for the copy.
     """
-    for folder in ("notebooks", "tests/references", "report/numbers"):
+    for folder in ("notebooks", "figures", "tests/references", "report/numbers"):
         shutil.copytree(ROOT / folder, root / folder)
     (root / ".venv").symlink_to(ROOT / ".venv")
     environment = {k: v for k, v in os.environ.items() if k != "PYVISTA_JUPYTER_BACKEND"}

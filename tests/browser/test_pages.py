@@ -13,6 +13,7 @@ from chromium import wait
 from report.site.build import SITE
 
 PAGES = sorted(SITE.rglob("*.html"))
+CHAPTERS = [page for page in PAGES if page.parent.name == "chapters"]
 WITH_SCENES = [page for page in PAGES if 'class="scene"' in page.read_text()]
 
 
@@ -309,6 +310,32 @@ def test_code_stays_hidden_but_where_a_link_leads(browser):
     assert browser.run(seen.format(1)) == "none" and browser.run(seen.format(2)) == "block"
     browser.run("document.getElementById('code').click()")
     assert browser.run(seen.format(1)) == "block"
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_first_picture_begins_in_the_first_screen(browser, width, height):
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                 deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+    tops = {}
+    for page in CHAPTERS:
+        browser.open(page.as_uri())
+        browser.run("document.getElementById('code').checked = true")  # whoever hid it before
+        browser.until("!!document.querySelector('.cell img')")
+        first = "document.querySelector('.cell img').getBoundingClientRect().top + scrollY"
+        tops[page.stem] = round(browser.run(first))
+    browser.send("Emulation.clearDeviceMetricsOverride")
+    print(f"{width} x {height}: first pictures begin {min(tops.values())} to {max(tops.values())}")
+    assert {stem: top for stem, top in tops.items() if top >= height} == {}
+
+
+def test_folded_code_opens_by_a_click_and_where_a_link_leads(browser):
+    page = next(page for page in CHAPTERS if page.stem == "02_torus")
+    browser.open(page.as_uri() + "#cell-2")
+    folded = "document.querySelector('#cell-{} > details.source')"
+    browser.run("document.getElementById('code').checked = true")
+    assert browser.run(folded.format(2) + ".open") and not browser.run(folded.format(1) + ".open")
+    browser.run(folded.format(1) + ".querySelector('summary').click()")
+    assert browser.run(folded.format(1) + ".open")
 
 
 def test_anchors_are_seen_on_a_small_screen(browser):
