@@ -3,7 +3,7 @@
 Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
-from . import atomic_write, csv_reading, csv_tables, drawing, mesh, results
+from . import atomic_write, mesh, results
 from .progress import say
 from .reader import read_job
 from .tables import WrongJob
@@ -12,9 +12,6 @@ from .tables import WrongJob
 __all__ = [
     "WrongJob",
     "atomic_write",
-    "csv_reading",
-    "csv_tables",
-    "drawing",
     "flank",
     "flank_files",
     "mesh",
