@@ -9,13 +9,4 @@ from .reader import read_job
 from .tables import WrongJob
 
 # `flank` is imported where it is asked for: a cut needs none of the rooms beneath it.
-__all__ = [
-    "WrongJob",
-    "atomic_write",
-    "flank",
-    "flank_files",
-    "mesh",
-    "read_job",
-    "results",
-    "say",
-]
+__all__ = ["WrongJob", "atomic_write", "flank", "flank_files", "mesh", "read_job", "results", "say"]
