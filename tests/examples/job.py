@@ -102,8 +102,8 @@ def _results():
 
 
 CALLS = {
-    "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
-    "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
+    "read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
+    "dxf": {"curves": {"WALL": Egg(0.5)}},
     "mesh.stl_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
     "mesh.vtp_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
     "mesh.wall_solid": lambda: {"wall": _cut().wall},
