@@ -70,7 +70,7 @@ def with_findings(text):
     from kit.chapters import read_chapters  # `make bench` has no IPython
 
     contents = tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text(encoding="utf-8"))
-    chapters = {chapter.number: chapter for chapter in read_chapters(ROOT / "notebooks")}
+    chapters = {chapter.number: chapter for chapter in read_chapters()}
     lines = ["| we asked | and found |", "| --- | --- |"]
     for number in contents["readme"]:
         chapter = chapters[number]

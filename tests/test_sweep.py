@@ -61,14 +61,6 @@ def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
     assert [path.name for path in tmp_path.rglob("*.part")] == ["0-3.part"]  # another's
 
 
-def test_summary_needs_whole_rows():
-    for wrong in (np.zeros((4, 3)), np.zeros((0, len(atlas.COLUMNS))), np.zeros(4)):
-        with pytest.raises(
-            ValueError, match=r"^tables: each must hold rows of \d+ columns; got sh"
-        ):
-            atlas.summary([wrong])
-
-
 def test_sweep_keeps_the_blocks_that_were_finished(tmp_path):
     with pytest.raises(ArithmeticError):
         compute_blocks(fails_late, [(0, k) for k in range(4)], tmp_path, jobs=1)

@@ -7,19 +7,15 @@ import math
 import re
 import tomllib
 from dataclasses import dataclass
-from pathlib import Path
 
 import PIL.Image
-from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from tunneller_lib.arguments import Whole, checked
-
-from .record import CHECKOUT, Record
+from .displays import RAISED
+from .record import CHECKOUT
 from .style import COLOURS
 
 NOTEBOOKS = CHECKOUT / "notebooks"
-CONTENTS = "contents.toml"
 NEEDS = re.compile(r"\*\*You need\*\*\s+(.*?)\.(?:\s|$)", re.DOTALL)
 HEADS = "", "question", "what came out", "you need", "minutes"
 # Of prose and of code that are read in a minute. A reader who has calculus took 17 and 19 minutes
@@ -27,8 +23,8 @@ HEADS = "", "question", "what came out", "you need", "minutes"
 # code takes longer than prose, and these rates give all three.
 WORDS = 160
 LINES = 18
+ACROSS = 7  # small pictures beside each other
 THUMB = 1.6  # width of a small picture over its height
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -58,35 +54,20 @@ class Chapter:
     needs: str
     minutes: int
 
-    @property
-    def link(self):
-        """The chapter's number as a link in Markdown."""
-        return f"[{self.number:02}]({self.file})"
 
-
-def read_chapters(folder=NOTEBOOKS):
-    """Return the chapters in order.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder with the notebooks and ``contents.toml``.
-
-    Raises
-    ------
-    ValueError
-        If a sentence asks for a number that its notebook doesn't record.
-    """
-    said = _contents(folder)["found"]
+def read_chapters():
+    """Return the chapters in order."""
+    said = _contents()["found"]
     made = []
-    for path in sorted(folder.glob("[0-9]*.ipynb")):
-        if number := int(path.stem[:2]):
-            cells = _cells(path)
-            opening = cells[0][1]
-            question = opening.split("\n")[0].lstrip("# ")
-            found = filled(path.stem, said[path.stem], folder.parent)
-            needs = " ".join(NEEDS.search(opening)[1].split())
-            made.append(Chapter(number, path.name, question, found, needs, _minutes(cells)))
+    _index, *paths = sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))
+    for path in paths:
+        cells = _cells(path)
+        opening = cells[0][1]
+        question = opening.split("\n")[0].lstrip("# ")
+        found = filled(path.stem, said[path.stem])
+        needs = " ".join(NEEDS.search(opening)[1].split())
+        number = int(path.stem[:2])
+        made.append(Chapter(number, path.name, question, found, needs, _minutes(cells)))
     return made
 
 
@@ -103,8 +84,7 @@ def _minutes(cells):
     return 5 * math.ceil((words / WORDS + lines / LINES) / 5)
 
 
-@checked
-def ending(record: Record, words: str = ""):
+def ending(record, words=""):
     """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
 
     Parameters
@@ -120,19 +100,12 @@ def ending(record: Record, words: str = ""):
     ending : IPython.display.Markdown
         The finding; links to the chapter before, the index and the next.
 
-    Raises
-    ------
-    ValueError
-        If the record is of none of the study's notebooks, or the words ask for a number that it
-        doesn't hold.
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
-    if record.notebook not in names:
-        raise ValueError(f"record: must be of a notebook of the study; got {record.notebook!r}.")
     at = names.index(record.notebook)
     near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    sentence = words or _contents(NOTEBOOKS)["found"][record.notebook]
+    sentence = words or _contents()["found"][record.notebook]
     said = filled(record.notebook, sentence, record.root)
     return _markdown(f"{said}\n\n{links}")
 
@@ -149,20 +122,10 @@ def filled(stem, sentence, root=CHECKOUT):
     root : pathlib.Path
         The folder in which the numbers lie under report/numbers.
 
-    Raises
-    ------
-    ValueError
-        If the notebook doesn't record a number of that name.
     """
     file = root / "report" / "numbers" / f"{stem}.json"
     numbers = json.loads(file.read_text())["numbers"] if file.exists() else {}  # an essay's
-
-    def told(match):
-        if match[1] not in numbers:
-            raise ValueError(f"{stem}: records no number {match[1]!r}.")
-        return printed(**numbers[match[1]])
-
-    return re.sub(r"\{([^{}]+)\}", told, sentence)
+    return re.sub(r"\{([^{}]+)\}", lambda name: printed(**numbers[name[1]]), sentence)
 
 
 def printed(text, unit, **more):
@@ -193,21 +156,16 @@ def printed(text, unit, **more):
     return ("at most " if "bound" in more else "") + digits + gap + shown.replace("deg", "°")
 
 
-@checked
-def contents_table(folder: Path = NOTEBOOKS):
-    """Return a table of the chapters, part by part, as Markdown.
-
-    The folder holds the notebooks and ``contents.toml``.
-    """
-    every = read_chapters(folder)
+def contents_table():
+    """Return a table of the chapters, part by part, as Markdown."""
+    every = read_chapters()
     lines = []
-    for part in _contents(folder)["part"]:
-        if inside := _chapters_of(part, every):
-            lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
-            lines += [
-                f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |" for c in inside
-            ]
-            lines.append("")
+    for part in _contents()["part"]:
+        lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
+        for c in _chapters_of(part, every):
+            link = f"[{c.number:02}]({c.file})"
+            lines.append(f"| {link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |")
+        lines.append("")
     return _markdown("\n".join(lines))
 
 
@@ -217,39 +175,24 @@ def _markdown(text):
     return Markdown(text)
 
 
-@checked
-def draw_map(ax: Axes, folder: Path = NOTEBOOKS):
+def draw_map(ax):
     """Draw the parts of the study and which builds on which.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
         The drawing.
-    folder : pathlib.Path
-        The folder with the notebooks and ``contents.toml``.
-
-    Returns
-    -------
-    boxes : list of matplotlib.patches.FancyBboxPatch
-        One for each part that has chapters.
     """
-    every = read_chapters(folder)
-    boxes = []
-    parts = {p["name"]: p for p in _contents(folder)["part"] if _chapters_of(p, every)}
-    arrow = {
-        "arrowstyle": "->",
-        "color": COLOURS["tangent sphere"],
-        "lw": 1.2,
-        "shrinkA": 0,
-        "shrinkB": 2,
-    }
+    every = read_chapters()
+    parts = {part["name"]: part for part in _contents()["part"]}
+    arrow = {"arrowstyle": "->", "color": COLOURS["tangent sphere"], "lw": 1.2}
+    arrow |= {"shrinkA": 0, "shrinkB": 2}
     for name, part in parts.items():
         x, y = part["place"]
         inside = _chapters_of(part, every)
         corner = (x - 0.38, y - 0.24)
         look = {"boxstyle": "round,pad=0.03", "fc": "white", "ec": COLOURS["cutter"]}
-        box = FancyBboxPatch(corner, 0.76, 0.48, **look)
-        boxes.append(ax.add_patch(box))
+        ax.add_patch(FancyBboxPatch(corner, 0.76, 0.48, **look))
         numbers = f"{inside[0].number:02} to {inside[-1].number:02}"
         ax.text(x, y, f"{_two_lines(name)}\n{numbers}", ha="center", va="center")
         for other in part["follows"]:
@@ -257,55 +200,36 @@ def draw_map(ax: Axes, folder: Path = NOTEBOOKS):
             ax.annotate("", (x - 0.41, y), (u + 0.41, v), arrowprops=arrow)
     ax.set(xlim=(-0.5, max(p["place"][0] for p in parts.values()) + 0.5), ylim=(-0.4, 2.4))
     ax.axis("off")
-    return boxes
 
 
-@checked
-def draw_first_pictures(ax: Axes, folder: Path = NOTEBOOKS, *, across: Whole(1, 100) = 7):
+def draw_first_pictures(ax):
     """Draw the first picture of each chapter, small, with the chapter's number.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
         The drawing.
-    folder : pathlib.Path
-        The folder with the notebooks, each as it was last run.
-    across : int
-        How many stand beside each other.
-
-    Returns
-    -------
-    images : list of matplotlib.image.AxesImage
-        One for each chapter.
-
-    Raises
-    ------
-    ValueError
-        If a notebook holds no picture.
     """
-    images = []
-    paths = [path for path in sorted(folder.glob("[0-9]*.ipynb")) if int(path.stem[:2])]
+    _index, *paths = sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))
     for k, path in enumerate(paths):
         picture = _first_picture(path)
-        column, row = k % across, -(k // across)
+        column, row = k % ACROSS, -(k // ACROSS)
         wide = min(0.88, 0.75 * picture.width / picture.height / THUMB)
         high = wide * picture.height / picture.width * THUMB
         place = (column - wide / 2, column + wide / 2, row - high / 2, row + high / 2)
-        images.append(ax.imshow(picture, extent=place, aspect="auto"))
+        ax.imshow(picture, extent=place, aspect="auto")
         ax.text(column - 0.47, row + 0.41, path.stem[:2], va="center", fontsize=7)
-    ax.set(xlim=(-0.5, across - 0.5), ylim=(-((len(paths) - 1) // across) - 0.5, 0.5))
+    ax.set(xlim=(-0.5, ACROSS - 0.5), ylim=(-((len(paths) - 1) // ACROSS) - 0.5, 0.5))
     ax.axis("off")
-    return images
 
 
 def _first_picture(path):
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
-        for output in cell.get("outputs", []):
-            if content := output.get("data", {}).get("image/png"):
-                picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
-                picture.thumbnail((320, 320))
-                return picture
-    raise ValueError(f"folder: {path.name} must hold a picture; run it.")
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    outputs = (output.get("data", {}) for cell in cells for output in cell.get("outputs", []))
+    content = next(data["image/png"] for data in outputs if "image/png" in data)
+    picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
+    picture.thumbnail((320, 320))
+    return picture
 
 
 def _two_lines(name):
@@ -318,5 +242,5 @@ def _chapters_of(part, every):
     return [chapter for chapter in every if first <= chapter.number <= last]
 
 
-def _contents(folder):
-    return tomllib.loads((folder / CONTENTS).read_text())
+def _contents():
+    return tomllib.loads((NOTEBOOKS / "contents.toml").read_text())
