@@ -75,8 +75,7 @@ def test_plan_view_turns_the_arm_by_phi(ax):
 
 
 def test_limits_are_the_machine_s(ax):
-    machine_plot.draw_limits(ax, REFERENCE_MACHINE)
-    [line] = ax.lines
+    [line] = machine_plot.draw_limits(ax, REFERENCE_MACHINE)
     low, high = np.radians([line.get_xydata().min(axis=0), line.get_xydata().max(axis=0)])
     assert low == pytest.approx([REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min])
     assert high == pytest.approx([REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max])

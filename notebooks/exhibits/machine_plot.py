@@ -70,18 +70,12 @@ def draw_plan_view(ax, machine, phi):
 
 
 def draw_limits(ax, machine):
-    """Draw the joint limits of a machine, phi against theta, in degrees.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    machine : Machine
-        Whose limits.
-    """
+    """Draw the joint limits of a machine, phi against theta, in degrees; return the rectangle."""
     theta = np.degrees([machine.theta_min, machine.theta_max])
     phi = np.degrees([machine.phi_min, machine.phi_max])
-    ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
+    lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
     ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
+    return lines
 
 
 def _dimension(ax, start, stop, text):

@@ -136,7 +136,7 @@ class Record:
         first = number(f"first of {name}", first)
         second = number(f"second of {name}", second)
         if math.isclose(first, second, rel_tol=CLOSE, abs_tol=0.0):
-            raise ValueError(f"{name}: must differ by {CLOSE:g} of the greater; got {first}, {second}.")
+            raise ValueError(f"{name}: must differ by {CLOSE:g} of either; got {first}, {second}.")
         order = "less" if first < second else "greater"
         self._merge("orders", name, {"order": order})
         return RecordedText(f"{name}: {order}")
