@@ -186,14 +186,14 @@ def side_by_side(*pictures):
 
 
 def rows(pictures):
-    """Return pictures (n, m, 3) in rows of three on white, each in the middle of its place.
+    """Return pictures (n, m, 3) in full rows of three on white, each in the middle of its place.
 
     Examples
     --------
     >>> import numpy as np
-    >>> sizes = [(4, 6), (2, 3), (4, 6), (1, 1)]
+    >>> sizes = [(4, 6), (2, 3), (1, 1)]
     >>> rows([np.zeros((*size, 3), dtype=np.uint8) for size in sizes]).shape
-    (8, 18, 3)
+    (4, 18, 3)
     """
     height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
     padded = [_padded(picture, height, width) for picture in pictures]
