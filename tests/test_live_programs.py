@@ -94,7 +94,7 @@ EXERCISES = [(n, number) for n in notebooks() for number in exercises(n)]
 def test_every_chapter_has_exercises_and_one_needs_what_no_page_has():
     count = {n.stem: "".join(WRITTEN[n]).count("\ndef check_") for n in notebooks()}
     there = {n.stem: len(exercises(n)) for n in notebooks()}
-    assert sum(there.values()) > 70
+    assert sum(there.values()) > 68  # two a chapter
     assert {stem for stem in there if there[stem] != count[stem]} == {"53_contact"}
 
 
