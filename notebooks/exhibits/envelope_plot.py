@@ -22,7 +22,6 @@ def draw_cone_and_conic(space, top, side, cone):
     space, top, side : matplotlib.axes.Axes
     cone : ConePose
         In m, its vertex and its axis in the x-z plane.
-
     """
     round_it = np.linspace(0, 2 * np.pi, 361)
     curve = plane_to_point(*cone.planes(round_it))
@@ -151,7 +150,6 @@ def draw_gap_map(ax, e, w, gap, edge, limit):
     -------
     shades : matplotlib.contour.QuadContourSet
         For a colour bar.
-
     """
     steps = limit * np.linspace(-1, 1, 21)
     with np.errstate(over="ignore"):  # a gap may be any number of limits

@@ -48,7 +48,6 @@ def draw_hand_over(ax, tasks, run, ticks, *, unit=1.0):
         How long each segment lasts, 1 to 1000.
     unit : float
         Drawn time of one unit of the tasks.
-
     """
     # A row a task, the most urgent on top; beneath them how the segments fared.
     tick = tasks[0].period

@@ -99,7 +99,6 @@ def ending(record, words=""):
     -------
     ending : IPython.display.Markdown
         The finding; links to the chapter before, the index and the next.
-
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
     at = names.index(record.notebook)
@@ -121,7 +120,6 @@ def filled(stem, sentence, root=CHECKOUT):
         The sentence.
     root : pathlib.Path
         The folder in which the numbers lie under report/numbers.
-
     """
     file = root / "report" / "numbers" / f"{stem}.json"
     numbers = json.loads(file.read_text())["numbers"] if file.exists() else {}  # an essay's

@@ -37,7 +37,6 @@ def sliders(draw, *, alt="", **ranges):
     first : matplotlib.figure.Figure or pyvista.Plotter
         What was drawn with the start values, a scene closed where it isn't shown to be turned.
         ``PYVISTA_JUPYTER_BACKEND=static`` marks a run without a screen.
-
     """
     starts = {name: start for name, (_, _, start, *_) in ranges.items()}
     first = draw(**starts)

@@ -28,7 +28,6 @@ def moving_picture(draw, values, *, alt, milliseconds=80):
     -------
     picture : IPython.display.Image
         An animated PNG, 800 pixels wide.
-
     """
     from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
 
