@@ -21,7 +21,7 @@ from exhibits import (
 from kit import figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
-from tunneller_lib.paths import ConeChord
+from tunneller_lib.paths import ConeChord, competing_geodesics
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
 
@@ -131,6 +131,8 @@ def test_tangent_spheres_touch_the_meridian_and_the_working_one_stands_out(ax):
     feet = TORUS.feet(m)
     for circle, foot in zip(circles, feet, strict=True):
         assert circle.radius == pytest.approx(np.linalg.norm(foot - m))
+    for text in ax.texts[:4]:  # at one distance from each foot
+        assert np.hypot(*text.xyann) == pytest.approx(14)
     working, *others = circles
     assert all(working.get_linewidth() > other.get_linewidth() for other in others)
     assert all(working.get_edgecolor() != other.get_edgecolor() for other in others)
@@ -156,6 +158,12 @@ def test_competing_geodesics_are_told_apart_from_the_shortest(ax):
     for line in (shortest, *longer):
         ends = np.radians(line.get_xydata()[[0, -1]]) - [p, q]
         np.testing.assert_allclose(np.exp(1j * ends), 1, atol=1e-9)
+    # Ways over the inner equator have their lengths farther on, clear of the others'.
+    kinds = competing_geodesics(RING, p, q).kind
+    assert set(kinds) == {"inner", "outer"}
+    for text, line, kind in zip(ax.texts, (shortest, *longer), kinds, strict=False):
+        at = np.argmin(np.hypot(*(line.get_xydata() - text.xy).T))
+        assert at == (155 if kind == "inner" else 100)
 
 
 def test_deviations_vanish_at_both_ends(ax):
@@ -340,6 +348,13 @@ def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):
     there = np.stack([x, 0 * x + 0.1, 0 * x], axis=-1)
     enter, leave = capsule.meet_line(there, (0, 0, 1))
     assert np.sum(high - low) == pytest.approx(20 - np.sum(np.clip(leave - enter, 0, None)))
+    [outline] = ax.patches
+    x, z = outline.get_xy().T
+    y = np.full_like(x, grid.lines.aside[np.argmin(np.abs(grid.lines.aside - 0.1))])
+    along = np.stack([x, y, z], axis=-1) - capsule.a
+    axis = np.subtract(capsule.b, capsule.a)
+    foot = np.clip(along @ axis / (axis @ axis), 0, 1)
+    np.testing.assert_allclose(np.linalg.norm(along - foot[:, None] * axis, axis=-1), 0.4)
 
 
 # ---- set-values and tasks -------------------------------------------------------------------

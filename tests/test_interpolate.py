@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.interpolators import INTERPOLATORS
+from exhibits.interpolators import INTERPOLATORS, listing
 from tunneller_lib.motion import (
     polyline,
     polyline_slopes,
@@ -274,6 +274,11 @@ def test_listing_in_exact_arithmetic_is_the_line_with_ties_down():
         for difference in range(-60, 61):
             line = time_bresenham(3, 3 + difference, ticks, tie="down").tolist()
             assert list(exact_listing(3, 3 + difference, ticks)) == line
+
+
+def test_listing_has_the_last_sample_that_rounding_would_put_off():
+    assert 1000.4 - 1000.1 < 0.3
+    assert listing(1000.1, 1000.4, 0, 3, 0.1)[0].size == 4
 
 
 def test_listing_in_double_precision_is_mildly_wrong():

@@ -34,6 +34,15 @@ def test_eq11_and_eq12_are_derivatives_along_the_circle(x, y, u, v):
     assert eq.eq12(f, u, v) == pytest.approx(fourth, rel=1e-12)
 
 
+def test_eq04_as_mended_holds_on_a_graph_of_lines():
+    x, y = jet_variables(0.4, 0.7)
+    p = x + 0.5 * y
+    f = (y - 0.3 * x) / (1 + p * p) + p**3  # straight where p is constant
+    mended, printed = eq.eq04_terms(f), eq.eq04_terms(f, printed=True)
+    assert abs(mended.sum()) < 1e-13 * np.abs(mended).max()
+    assert abs(printed.sum()) > 1e-2 * np.abs(printed).max()
+
+
 @pytest.mark.parametrize(("x", "y", "u", "v"), PLACES)
 def test_eq14_is_a_sixth_of_the_jacobian(x, y, u, v):
     f, angle = graph(*jet_variables(x, y)), 0.4

@@ -5,6 +5,7 @@ import pytest
 
 from exhibits.path_scene import projected_chord, projected_chord_picture, three_ways_in_space
 from exhibits.torus_scene import entire_torus_picture, grid_picture
+from kit import scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -50,3 +51,16 @@ def test_entire_torus_shows_its_inner_sheet_on_the_right_only():
     middle = picture.shape[1] // 2
     halves = [share(half, "inner sheet") for half in (picture[:, :middle], picture[:, middle:])]
     assert halves[0] < 1e-3 < 0.01 < halves[1]
+
+
+def test_axis_is_named_at_the_end_of_the_node(monkeypatch):
+    letters, shoot = [], scene.shoot
+
+    def noted(plotter, **view):
+        letters.append(view["letters"])
+        return shoot(plotter, **view)
+
+    monkeypatch.setattr(scene, "shoot", noted)
+    entire_torus_picture(Torus(0.1, 0.8))
+    node, axis = (letters[0][name][0] for name in ("node", "axis"))
+    assert axis @ node > node @ node

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.rod_cases import GENERATORS, rulings
+from exhibits.rod_cases import GENERATORS, rulings, whole_rotations
 from exhibits.rod_exact import judge as judged_flat
 from exhibits.rod_exact import rounding
 from exhibits.rod_methods import METHODS
@@ -346,6 +346,13 @@ ROD = Rod(*ENDS, 1)
 def test_wrong_input_is_told(call, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         call()
+
+
+def test_whole_rotations_are_of_small_numbers():
+    matrix, N = whole_rotations(np.random.default_rng(1), 2_000)
+    np.testing.assert_array_equal(matrix @ np.swapaxes(matrix, 1, 2), N[:, None, None] ** 2
+                                  * np.eye(3, dtype=int))  # fmt: skip
+    assert 0 < N.min() and N.max() <= 4 * 9**2
 
 
 def test_lines_beside_a_ruling_are_off_by_last_bits():

@@ -354,6 +354,12 @@ def test_real_roots_of_any_degree():
     np.testing.assert_allclose(quartics.real_roots([1.0, -6.0, 11.0, -6.0]), [1, 2, 3], rtol=1e-12)
 
 
+@pytest.mark.parametrize(("share", "real"), [(0.75, 3), (1.5, 1)])
+def test_real_roots_lean_by_the_root_of_a_rounding_at_most(share, real):
+    far = 2.0**26 / share  # beside it i and -i are so much of its rounding's root
+    assert np.isfinite(quartics.real_roots([1.0, -far, 1.0, -far])).sum() == real
+
+
 def test_many_lines_take_little_memory_and_have_the_bits_of_few():
     torus = Torus(0.1, 0.9)
     a, b = np.random.default_rng(45).normal(size=(2, 40_000, 3))
