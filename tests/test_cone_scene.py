@@ -128,21 +128,22 @@ def test_tangent_planes_are_pink_pieces_as_many_as_places():
 
 @pytest.fixture
 def curves(monkeypatch):
-    """Return a list that gets the points of each curve that is drawn."""
-    drawn = []
+    """Return two lists that get the points and the radius of each curve that is drawn."""
+    drawn, radii = [], []
     curve = scene.curve
 
-    def noted(points, *look):
+    def noted(points, radius):
         drawn.append(np.array(points))
-        return curve(points, *look)
+        radii.append(radius)
+        return curve(points, radius)
 
     monkeypatch.setattr(scene, "curve", noted)
-    return drawn
+    return drawn, radii
 
 
 def test_ring_on_a_graph_is_green_and_its_top_view_yellow(curves):
     picture = ring_on_graph_picture(cyclide, PLACE, (0.12, 0.16))
-    ring, top, down = curves
+    (ring, top, down), _ = curves
     np.testing.assert_array_equal(top[:, :2], ring[:, :2])
     np.testing.assert_allclose(top[:, 2], down[1][2])  # as deep as the contact's own foot
     assert share(picture, "cone") > 1e-3 and share(picture, "top view") > 1e-3
@@ -152,7 +153,9 @@ def test_cones_along_a_curve_are_generators_of_one_family(curves):
     track = np.linspace(0.2, 0.9, 141)
     contacts = np.stack([0.25 + 0.4 * track, track], axis=-1)
     picture = cones_along_curve_picture(cyclide, contacts, ANGLE)
-    arcs = curves[2:]  # after the curve, in space and in the model
+    drawn, radii = curves
+    assert radii == [0.02] + [0.008] * (len(drawn) - 1)  # m, in space and in the smaller model
+    arcs = drawn[2:]  # after the curve, in space and in the model
     assert arcs and all(np.abs(arc[:, :2] - (0.45, 0.55)).max() < 0.5 for arc in arcs)
     assert share(picture, "cone") > 0.02 and share(picture, "generator") > 1e-3
 
@@ -195,11 +198,19 @@ def test_noisy_cones_are_blue_upon_the_exact_ones():
     assert share(picture, "cone") > 1e-3 and share(picture, "tangent sphere") > 1e-3
 
 
-def test_only_multiple_cones_are_drawn():
+def test_only_multiple_cones_are_drawn(monkeypatch):
+    drawn, cone = [], scene.cone
+
+    def noted(vertex, *about):
+        drawn.append(vertex.tolist())
+        return cone(vertex, *about)
+
+    monkeypatch.setattr(scene, "cone", noted)
     double = hyperosculating_cones(cyclide, 1.2, np.sqrt(3 - 1.44), half_angle=ANGLE)
     assert (double.multiplicity > 1).any()
     pictures = [double_cones_picture(SHEET, cones) for cones in (double, CONES)]
     assert dark(pictures[0]) > dark(pictures[1])  # their rulings are black
+    assert drawn == double.vertex[double.multiplicity > 1].tolist()
 
 
 # ---- blades ---------------------------------------------------------------------------------

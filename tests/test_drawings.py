@@ -6,6 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
 
 from exhibits import (
     cone_plot,
@@ -18,7 +19,7 @@ from exhibits import (
     response_plot,
     rod_plot,
 )
-from kit import figure
+from kit import COLOURS, figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord, competing_geodesics
@@ -135,6 +136,7 @@ def test_tangent_spheres_touch_the_meridian_and_the_working_one_stands_out(ax):
         assert np.hypot(*text.xyann) == pytest.approx(14)
     working, *others = circles
     assert all(working.get_linewidth() > other.get_linewidth() for other in others)
+    assert working.get_edgecolor() == to_rgba(COLOURS["tangent sphere"])
     assert all(working.get_edgecolor() != other.get_edgecolor() for other in others)
 
 

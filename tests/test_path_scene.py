@@ -64,3 +64,17 @@ def test_axis_is_named_at_the_end_of_the_node(monkeypatch):
     entire_torus_picture(Torus(0.1, 0.8))
     node, axis = (letters[0][name][0] for name in ("node", "axis"))
     assert axis @ node > node @ node
+
+
+def test_inner_sheet_is_drawn_within_the_tube_alone(monkeypatch):
+    sheets, surface = [], scene.surface
+
+    def noted(points):
+        sheets.append(points)
+        return surface(points)
+
+    monkeypatch.setattr(scene, "surface", noted)
+    torus = Torus(0.1, 0.8)
+    entire_torus_picture(torus)
+    _whole, _outer, inner = sheets
+    assert np.hypot(inner[..., 0], inner[..., 2]).max() <= (torus.R - torus.r) * (1 + 1e-12)

@@ -354,6 +354,14 @@ def test_real_roots_of_any_degree():
     np.testing.assert_allclose(quartics.real_roots([1.0, -6.0, 11.0, -6.0]), [1, 2, 3], rtol=1e-12)
 
 
+def test_quartic_of_the_feet_vanishes_at_them():
+    torus = Torus(0.3, 0.8)
+    m = np.random.default_rng(7).uniform(0.2, 1.5, (200, 3))
+    powers = torus.feet(m)[..., :1] ** np.arange(4, -1, -1)
+    terms = quartics.foot_quartic(torus, m)[:, None] * powers
+    assert np.all(np.abs(terms.sum(axis=-1)) < 1e-11 * np.abs(terms).sum(axis=-1))
+
+
 @pytest.mark.parametrize(("share", "real"), [(0.75, 3), (1.5, 1)])
 def test_real_roots_lean_by_the_root_of_a_rounding_at_most(share, real):
     far = 2.0**26 / share  # beside it i and -i are so much of its rounding's root

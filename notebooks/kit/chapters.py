@@ -99,6 +99,14 @@ def ending(record, words=""):
     -------
     ending : IPython.display.Markdown
         The finding; links to the chapter before, the index and the next.
+
+    Examples
+    --------
+    >>> from kit import Record
+    >>> print(ending(Record("08_cone"), "It is so.").data)
+    It is so.
+    <BLANKLINE>
+    [00 index](00_index.ipynb) · [07 chord](07_chord.ipynb) · [09 geodesic](09_geodesic.ipynb)
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
     at = names.index(record.notebook)
