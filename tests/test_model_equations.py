@@ -85,14 +85,12 @@ def test_cones_of_an_envelope_solve_eq09_eq11_and_eq12(name):
     assert np.all(np.abs(eq.eq12(f, u, v)) < 1e-9 * scale)
 
 
-def test_eq23_and_eq24_hold_for_cylinders_of_their_radius_only():
+def test_eq23_holds_for_cylinders():
     surface = ruled(saddle, offset=0.1)
-    x, y, f = model_jet(surface, *GRID)
+    x, y, _ = model_jet(surface, *GRID)
     ruling = np.stack([c + 0 * x for c in saddle(GRID[0])[2]], axis=-1)
     u, v = (top_circle(ruling, 0.0)[0] - np.stack([x, y], -1)).T
     np.testing.assert_allclose(eq.eq23(x, y, u, v), 0, atol=1e-11)
-    np.testing.assert_allclose(eq.eq24(f, x, y, u, v, -0.1), 0, atol=1e-10)
-    assert np.abs(eq.eq24(f, x, y, u, v, 0.1)).min() > 1e-3
 
 
 def test_eq25_and_eq26_hold_for_channels():

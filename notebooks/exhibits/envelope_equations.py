@@ -82,18 +82,6 @@ def eq23(x, y, u, v):
     return x * x + y * y + 1 + 2 * x * u + 2 * y * v
 
 
-def eq24(f, x, y, u, v, radius):
-    """Return the condition for a cylinder beside Eq. 23, in m.
-
-    `f` at (x, y), the conic about (x + u, y + v); `radius` in m, positive where the normals point
-    to the axis.
-    """
-    d = f.derivative
-    second = d(2, 0) * v**2 - 2 * d(1, 1) * u * v + d(0, 2) * u**2
-    height = f.value - x * d(1, 0) - y * d(0, 1) - radius
-    return 2 * (u * u + v * v) * height + (x * x + y * y + 1) * second
-
-
 def eq25(f, u, v):
     """Return the condition that tangent planes along the conic meet above its centre, in m."""
     d = f.derivative

@@ -4,7 +4,7 @@ import numpy as np
 
 from kit.style import COLOURS
 from tunneller_lib.paths import competing_geodesics, geodesic_direct
-from tunneller_lib.paths.geodesic_trace import half_swing
+from tunneller_lib.paths.direct_problem import half_swing
 
 FAN = np.radians(np.linspace(178, 33, 500))  # azimuths, from straight down to steeply up
 

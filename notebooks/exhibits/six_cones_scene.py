@@ -46,12 +46,16 @@ def contact_scene(f, place, half_angle):
         rod = size / cones.distance[k] * (cones.vertex[k] - cones.contact[k]) + cones.contact[k]
         plotter.add_mesh(scene.curve([cones.contact[k], rod], size / 60), color=colour)
     for k in np.flatnonzero(cones.undecided):
-        distance = cones.distance[k]
-        far = min(np.pi, size / 2 / distance / np.sin(half_angle)) * np.linspace(-1, 1, 81)
-        along = np.linspace(max(distance - size, 0), distance + size, 25)
-        scene.put(plotter, _piece(cones, k, along, far), "generator", opacity=0.6)
+        scene.put(plotter, _leaf(cones, k, size), "generator", opacity=0.6)
     frame = adapted_frames(f, *np.array(place)[:, None], "isotropic").axes[0]
     return scene.look(plotter, [1, 1, 3] @ frame, frame[2])
+
+
+def _leaf(cones, k, size):
+    """Return the part of a cone near its contact."""
+    distance = cones.distance[k]
+    far = min(np.pi, size / 2 / distance / np.sin(cones.half_angle)) * np.linspace(-1, 1, 81)
+    return _piece(cones, k, np.linspace(max(distance - size, 0), distance + size, 25), far)
 
 
 def _piece(cones, k, along, spread):
@@ -228,11 +232,8 @@ def double_cones_picture(sheet, cones):
     size = np.ptp(sheet, axis=(0, 1)).max()
     plotter = scene.on_sheet(sheet)
     for k in np.flatnonzero(cones.multiplicity > 1):
-        distance = cones.distance[k]
-        reach = 0.35 * size / distance
-        ends = max(1 - reach, 0) * distance, (1 + reach) * distance
-        wall = scene.cone(cones.vertex[k], cones.axis[k], cones.half_angle, *ends)
-        scene.put(plotter, wall, "cone", opacity=0.35)
+        scene.put(plotter, _leaf(cones, k, 0.35 * size), "cone", opacity=0.5)
+        reach = 0.35 * size / cones.distance[k]
         ruling = np.outer([-reach, reach], cones.vertex[k] - cones.contact[k])
         scene.put(plotter, scene.curve(cones.contact[k] + ruling, size / 150), "chord")
     scene.put(plotter, scene.ball(cones.contact[0], size / 50), "error")

@@ -9,8 +9,6 @@ if "DISPLAY" not in os.environ:
 import numpy as np
 import pyvista
 
-from tunneller_lib.envelopes.isotropic import cone_rulings
-
 from . import gl
 from .camera import crop as crop
 from .camera import look as look
@@ -147,27 +145,6 @@ def kept_parts(points, keep):
 def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
-
-
-def cone(vertex, axis, half_angle, near, far):
-    """Return a mesh of a truncated cone's wall.
-
-    Parameters
-    ----------
-    vertex, axis : (3,) float
-        Vertex in m, and a vector along the axis into the cone.
-    half_angle : float
-        Between axis and rulings, in rad.
-    near, far : float
-        Where the rulings begin and end, as distances from the vertex, in m.
-
-    Returns
-    -------
-    mesh : pyvista.PolyData
-        The wall, without its ends.
-    """
-    rulings = cone_rulings(np.array(axis), half_angle, np.linspace(0, 2 * np.pi, 361))
-    return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
 
 
 def arrow(start, vector, radius):
