@@ -232,7 +232,9 @@ def draw_first_pictures(ax):
 def _first_picture(path):
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     outputs = (output.get("data", {}) for cell in cells for output in cell.get("outputs", []))
-    content = next(data["image/png"] for data in outputs if "image/png" in data)
+    content = next((data["image/png"] for data in outputs if "image/png" in data), None)
+    if content is None:
+        raise ValueError(f"{path.name}: must hold a picture; run it.")
     picture = PIL.Image.open(io.BytesIO(base64.b64decode(content))).convert("RGB")
     picture.thumbnail((320, 320))
     return picture
