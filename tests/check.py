@@ -76,7 +76,7 @@ def without_comments(text):
 
 def reads(text):
     """Return the patterns of the files that a file of tests says it reads."""
-    said = re.search(r"^READS = (\[.*?\])$", text, re.M | re.S)
+    said = re.search(r"^READS = (\[.*?\])(?:  # fmt: skip)?$", text, re.M | re.S)
     return ast.literal_eval(said[1]) if said else []
 
 

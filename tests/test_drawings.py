@@ -6,6 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
 
 from exhibits import (
     cone_plot,
@@ -18,10 +19,10 @@ from exhibits import (
     response_plot,
     rod_plot,
 )
-from kit import figure
-from tunneller_lib.motion import Integrator, Loop, Resonance
+from kit import COLOURS, figure
+from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
-from tunneller_lib.paths import ConeChord
+from tunneller_lib.paths import ConeChord, competing_geodesics
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
 
@@ -52,7 +53,8 @@ def area(patches):
 
 def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
     theta = -0.4
-    limbs = machine_plot.draw_side_view(ax, REFERENCE_MACHINE, EGG, theta)
+    machine_plot.draw_side_view(ax, REFERENCE_MACHINE, EGG, theta)
+    limbs = ax.lines[3:5]
     assert [length(limb) for limb in limbs] == pytest.approx(
         [REFERENCE_MACHINE.r, REFERENCE_MACHINE.R]
     )
@@ -65,7 +67,8 @@ def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
 
 
 def test_plan_view_turns_the_arm_by_phi(ax):
-    leg, arm = machine_plot.draw_plan_view(ax, REFERENCE_MACHINE, 0.3)
+    machine_plot.draw_plan_view(ax, REFERENCE_MACHINE, 0.3)
+    leg, arm = ax.lines[1:3]
     assert length(leg) == pytest.approx(REFERENCE_MACHINE.r)
     x, y = np.diff(arm.get_xydata(), axis=0)[0]
     assert np.arctan2(y, x) == pytest.approx(0.3)
@@ -80,10 +83,12 @@ def test_limits_are_the_machine_s(ax):
 
 
 def test_section_and_its_construction_lie_on_the_curve(ax):
-    [line] = plot.draw_section(ax, EGG)
+    plot.draw_section(ax, EGG)
+    [line] = ax.lines
     np.testing.assert_allclose(EGG.depth(*line.get_data()), 0, atol=1e-12)
     assert length(line) == pytest.approx(EGG.perimeter, rel=1e-4) and ax.xaxis_inverted()
-    rays = plot.draw_construction(ax, EGG)
+    plot.draw_construction(ax, EGG)
+    rays = [line for line in ax.lines if len(line.get_xdata()) == 3]
     assert len(rays) == len(EGG.arcs)
     for ray, arc in zip(rays, EGG.arcs, strict=True):
         start, centre, stop = ray.get_xydata()
@@ -92,7 +97,8 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
 
 
 def test_radii_stand_inside_their_arcs_and_off_the_rays(ax):
-    rays = plot.draw_construction(ax, EGG)
+    plot.draw_construction(ax, EGG)
+    rays = [line for line in ax.lines if len(line.get_xdata()) == 3]
     written = [text.get_text() for text in ax.texts]
     values = {"$a$": EGG.a, "$3a$": 3 * EGG.a, "$a/2$": EGG.a / 2}
     assert [values[text] for text in written] == pytest.approx([arc.radius for arc in EGG.arcs])
@@ -108,14 +114,11 @@ def test_radii_stand_inside_their_arcs_and_off_the_rays(ax):
                 assert np.hypot(*(start + share * (stop - start) - place)) > 0.1 * EGG.a
 
 
-def test_pictures_are_as_many_as_axes_and_titles():
+def test_pictures_have_their_titles():
     drawing, axes = figure(1, 2, height=2)
     picture = np.zeros((4, 6, 3), dtype=np.uint8)
     plot.draw_pictures(axes, [picture] * 2, ["left", "right"])
     assert [ax.get_title() for ax in axes] == ["left", "right"]
-    for pictures, titles in (([picture], ["left", "right"]), ([picture] * 2, ["left"])):
-        with pytest.raises(ValueError, match=r"^axes, pictures, titles: must be as many of each"):
-            plot.draw_pictures(axes, pictures, titles)
     plt.close(drawing)
 
 
@@ -124,40 +127,52 @@ def test_pictures_are_as_many_as_axes_and_titles():
 
 def test_tangent_spheres_touch_the_meridian_and_the_working_one_stands_out(ax):
     m = np.array([1.2, 0.3, 0.0])
-    circles = plot.draw_tangent_spheres(ax, TORUS, m)
+    plot.draw_tangent_spheres(ax, TORUS, m)
+    circles = ax.patches
     feet = TORUS.feet(m)
     for circle, foot in zip(circles, feet, strict=True):
         assert circle.radius == pytest.approx(np.linalg.norm(foot - m))
+    for text in ax.texts[:4]:  # at one distance from each foot
+        assert np.hypot(*text.xyann) == pytest.approx(14)
     working, *others = circles
     assert all(working.get_linewidth() > other.get_linewidth() for other in others)
+    assert working.get_edgecolor() == to_rgba(COLOURS["tangent sphere"])
     assert all(working.get_edgecolor() != other.get_edgecolor() for other in others)
 
 
 def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
     p, q = (0.0, 0.1), (0.4, -0.3)
-    ways = path_plot.draw_ways(ax, TORUS, p, q)
-    for way in ways:
+    path_plot.draw_ways(ax, TORUS, p, q)
+    for way in ax.lines:
         ends = np.radians(way.get_xydata()[[0, -1]])
         np.testing.assert_allclose(ends, [p, q], atol=1e-9)
-    geodesic, spheres, joints = (way.get_label() for way in ways)
+    geodesic, spheres, joints = (way.get_label() for way in ax.lines)
     assert geodesic.startswith("geodesic, ") and "longer by" in spheres and "longer by" in joints
     assert float(spheres.split()[-2]) > 0 and float(joints.split()[-2]) > 0
 
 
 def test_competing_geodesics_are_told_apart_from_the_shortest(ax):
     p, q = (0.0, 0.8), (3.1, -0.3)
-    shortest, *longer = path_plot.draw_competing(ax, RING, p, q)
+    path_plot.draw_competing(ax, RING, p, q)
+    shortest, *longer = [line for line in ax.lines if line.get_linestyle() == "-"]
     assert longer and all(line.get_linewidth() < shortest.get_linewidth() for line in longer)
     assert all(line.get_color() != shortest.get_color() for line in longer)
     for line in (shortest, *longer):
         ends = np.radians(line.get_xydata()[[0, -1]]) - [p, q]
         np.testing.assert_allclose(np.exp(1j * ends), 1, atol=1e-9)
+    # Ways over the inner equator have their lengths farther on, clear of the others'.
+    kinds = competing_geodesics(RING, p, q).kind
+    assert set(kinds) == {"inner", "outer"}
+    for text, line, kind in zip(ax.texts, (shortest, *longer), kinds, strict=False):
+        at = np.argmin(np.hypot(*(line.get_xydata() - text.xy).T))
+        assert at == (155 if kind == "inner" else 100)
 
 
 def test_deviations_vanish_at_both_ends(ax):
     p, q = (0.0, 0.1), (0.4, -0.3)
     rules = ["tangent spheres", "joint space"]
-    lines = path_plot.draw_deviations(ax, TORUS, p, q, rules=rules)
+    path_plot.draw_deviations(ax, TORUS, p, q, rules=rules)
+    *lines, _level = ax.lines
     chord = np.linalg.norm(TORUS.point(*p) - TORUS.point(*q))
     for line in lines:
         x, y = line.get_data()
@@ -169,7 +184,8 @@ def test_deviations_vanish_at_both_ends(ax):
 
 def test_gap_of_rounder_tori_is_nearer_to_the_law(ax):
     tori = [Torus(1 / ratio, 1.0) for ratio in (4, 10, 100)]
-    law, *dots = path_plot.draw_gap(ax, tori, (0.0, 0.6), (1.5, -0.6))
+    path_plot.draw_gap(ax, tori, (0.0, 0.6), (1.5, -0.6))
+    law, *dots = ax.lines
     angle, gap = law.get_data()
     gap = np.interp(dots[0].get_xdata(), angle, gap)
     off = [np.abs(one.get_ydata() - gap).max() for one in dots]
@@ -179,22 +195,20 @@ def test_gap_of_rounder_tori_is_nearer_to_the_law(ax):
 
 def test_ruling_is_dotted_where_it_meets_the_torus(ax):
     y, z = 0.2, 0.3
-    every, last = path_plot.draw_ruling(ax, TORUS, y, z)
+    path_plot.draw_ruling(ax, TORUS, y, z)
+    every, last = ax.lines[-2:]
     x = every.get_xdata()
     assert len(x) in (2, 4) and last.get_xdata() == x.max()
     size = (TORUS.r + TORUS.R) ** 4
     points = np.stack(np.broadcast_arrays(x, y, z), axis=-1)
     assert np.all(np.abs(TORUS.implicit(points)) < 1e-12 * size)
-    far = 10 * (TORUS.r + TORUS.R)
-    path_plot.draw_ruling(ax, TORUS, 0.0, far)
-    with pytest.raises(ValueError, match=r"^y, z: must be within ten sizes of the torus; got"):
-        path_plot.draw_ruling(ax, TORUS, 0.0, np.nextafter(far, np.inf))
 
 
 def test_cone_unrolls_with_a_straight_geodesic(ax):
     chord = ConeChord(1.0, 1.0, 0.5, 0.25)
     share = np.array([0.0, 0.5, 1.0])
-    geodesic, path, points = cone_plot.draw_development(ax, chord, share)
+    cone_plot.draw_development(ax, chord, share)
+    geodesic, path, points = ax.lines[-3:]
     assert length(geodesic) == pytest.approx(chord.geodesic_length, rel=1e-12)
     start, stop = geodesic.get_xydata()[[0, -1]]
     assert np.hypot(*(stop - start)) == pytest.approx(chord.geodesic_length, rel=1e-12)
@@ -205,7 +219,8 @@ def test_cone_unrolls_with_a_straight_geodesic(ax):
 def test_cone_seen_from_afar_has_the_lengths_of_its_projection(ax):
     chord = ConeChord(1.0, 1.0, 0.5, 0.25)
     share = np.linspace(0, 1, 5)
-    geodesic, path, points = cone_plot.draw_cone(ax, chord, share)
+    cone_plot.draw_cone(ax, chord, share)
+    geodesic, path, points = ax.lines[-3:]
     for line in (geodesic, path, points):
         ends = line.get_xydata()[[0, -1]]
         # From midway between P and Q: across, half a turn's sine; upwards, less for the far ones.
@@ -226,42 +241,37 @@ def test_cone_seen_from_afar_has_the_lengths_of_its_projection(ax):
 
 
 def test_shadow_is_a_rectangle_between_two_ellipses(ax):
-    rectangle, lower, upper = rod_plot.draw_shadow(ax, 0.5, 2.0, 0.3)
+    rod_plot.draw_shadow(ax, 0.5, 2.0, 0.3)
+    rectangle, lower, upper = ax.patches
     assert (rectangle.get_width(), rectangle.get_height()) == (2.0, 1.0)
     assert (lower.center, upper.center) == ((0, 0), (2.0, 0))
     assert {lower.height, upper.height} == {1.0} and {lower.width, upper.width} == {0.3}
 
 
-def test_shadow_leans_to_one_side_only(ax):
-    with pytest.raises(ValueError, match=r"^tilt: must be one finite number, not below zero"):
-        rod_plot.draw_shadow(ax, 0.5, 2.0, -0.3)
-
-
 def test_two_balls_leave_a_bowl_and_a_ring(ax):
     radius, advance = 0.5, 0.2
-    areas = groove_plot.draw_two_balls(ax, radius, advance)
+    groove_plot.draw_two_balls(ax, radius, advance)
+    bowls, rings = ax.collections[:2]
     # The upper half of either: the second ball less the lens, the strip less both balls.
     half = advance / 2
     lens = radius**2 * np.arccos(half / radius) - half * np.sqrt(radius**2 - half**2)
     bowl = np.pi * radius**2 / 2 - lens
-    assert area(areas["bowl"]) == pytest.approx(bowl, rel=1e-3)
-    assert areas["bowl"].get_paths()[0].vertices[:, 0].min() == pytest.approx(half, abs=2e-3)
+    assert area(bowls) == pytest.approx(bowl, rel=1e-3)
+    assert bowls.get_paths()[0].vertices[:, 0].min() == pytest.approx(half, abs=2e-3)
     under = half * np.sqrt(radius**2 - half**2) + radius**2 * np.arcsin(half / radius)
     ring = advance * radius - under
-    assert area(areas["ring"]) == pytest.approx(ring, rel=1e-2)
+    assert area(rings) == pytest.approx(ring, rel=1e-2)
 
 
 @pytest.mark.parametrize("depth", [0.05, 0.5, 0.9])
 def test_sector_and_segment_of_a_groove_differ_by_a_triangle(ax, depth):
     radius = 0.5
-    areas = groove_plot.draw_sector_and_segment(ax, radius, depth)
-    sector, segment = (shoelace(areas[name].get_xy()) for name in ("sector", "segment"))
+    groove_plot.draw_sector_and_segment(ax, radius, depth)
+    sector, segment = (shoelace(patch.get_xy()) for patch in ax.patches)
     beta = np.arccos((radius - depth) / radius)
     assert sector == pytest.approx(radius**2 * beta, rel=1e-3)
     triangle = (radius - depth) * radius * np.sin(beta)
     assert sector - segment == pytest.approx(triangle, rel=1e-6, abs=1e-12)
-    with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
-        groove_plot.draw_sector_and_segment(ax, radius, 1.1)
 
 
 def shoelace(corners):
@@ -272,19 +282,20 @@ def shoelace(corners):
 
 def test_half_lens_is_a_cap_of_the_ball_or_its_upper_half(ax):
     radius, advance = 0.5, 0.2
-    whole = groove_plot.draw_half_lens(ax, radius, advance)
-    upper = groove_plot.draw_half_lens(ax, radius, advance, strip=0.2)
+    groove_plot.draw_half_lens(ax, radius, advance)
+    groove_plot.draw_half_lens(ax, radius, advance, strip=0.2)
+    whole, upper, _strip = ax.collections
     cap = radius**2 * np.arccos(advance / 2 / radius) - advance / 2 * np.sqrt(0.24)
     assert area(whole) == pytest.approx(cap, rel=1e-2)
     assert area(upper) == pytest.approx(cap / 2, rel=1e-2)
-    with pytest.raises(ValueError, match=r"^advance: must be below the ball's diameter; got 1 m"):
-        groove_plot.draw_half_lens(ax, radius, 2 * radius)
 
 
 @pytest.mark.parametrize("pitch", [0.1, 3.0])
 def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     radius, depth = 0.5, 0.05
-    areas = groove_plot.draw_passes(ax, radius, depth, pitch)
+    groove_plot.draw_passes(ax, radius, depth, pitch)
+    _earlier, taken = ax.collections
+    sector = ax.patches[-1]
     to_chord = radius - depth
 
     def segment(height):
@@ -296,17 +307,16 @@ def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     expected = np.trapezoid(np.maximum(now - np.maximum(before, to_chord), 0), x)
     if pitch > 2 * radius:
         assert expected == pytest.approx(segment(to_chord), rel=1e-6)
-    assert area(areas["taken"]) == pytest.approx(expected, rel=1e-2)
+    assert area(taken) == pytest.approx(expected, rel=1e-2)
     half = np.degrees(np.arccos(to_chord / radius))
-    assert areas["sector"].theta2 - areas["sector"].theta1 == pytest.approx(2 * half)
-    with pytest.raises(ValueError, match=r"^depth: must be at most the ball's diameter; got 1\.1"):
-        groove_plot.draw_passes(ax, radius, 1.1, pitch)
+    assert sector.theta2 - sector.theta1 == pytest.approx(2 * half)
     groove_plot.draw_passes(ax, radius, 2 * radius, pitch)
 
 
 def test_rod_and_box_are_drawn_where_they_touch(ax):
     rod = Rod((0, 0, 0), (0.9, 0, 1.2), 0.25)
-    lines = rod_plot.draw_rod_and_box(ax, rod, 0.1, 0.3, 0.2)
+    rod_plot.draw_rod_and_box(ax, rod, 0.1, 0.3, 0.2)
+    lines = ax.lines
     x, top = lines[3].get_data()
     corners = [(x, 0.2 + 0 * x), (x + 0.15, 0.1 + 0 * x), (x - 0.15, 0 * x)]
     for line, over in ((1, (x, 0.1 + 0 * x)), *((3, corner) for corner in corners)):
@@ -326,26 +336,27 @@ def test_shares_are_squares_of_their_grade(ax):
     assert middles == [[1, 0], [2, 0], [0, 1], [1, 1]]
     assert [p.get_facecolor() for p in ax.patches] == [p.get_facecolor() for p in key[1:]]
     assert [text.get_text() for text in ax.texts] == ["of", "7", "9"]
-    with pytest.raises(ValueError, match=r"^shares: must have 2 rows and 2 columns, as counts"):
-        plot.draw_shares(ax, shares, ["a", "b"], ["of", "7", "9"])
 
 
 def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):
     grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (10, 10))
     capsule = Rod((-0.2, 0.1, -0.1), (0.3, 0.1, 0.2), 0.4, ends="round")
     grid.cut(capsule)
-    bars = rod_plot.draw_cut_row(ax, grid, capsule)
+    rod_plot.draw_cut_row(ax, grid, capsule)
+    [bars] = ax.collections
     low, high = np.array(bars.get_segments())[..., 1].T
     x = np.unique(np.array(bars.get_segments())[..., 0])
     assert x.tolist() == grid.lines.x.tolist()
     there = np.stack([x, 0 * x + 0.1, 0 * x], axis=-1)
     enter, leave = capsule.meet_line(there, (0, 0, 1))
     assert np.sum(high - low) == pytest.approx(20 - np.sum(np.clip(leave - enter, 0, None)))
-    for wrong in (Rod((0, 0, 0), (0, 0, 1), 0.4), Rod((0, 0, 0), (0, 1, 0), 0.4, ends="round")):
-        with pytest.raises(ValueError, match=r"^capsule: must have round ends and its axis in a"):
-            rod_plot.draw_cut_row(ax, grid, wrong)
-    with pytest.raises(ValueError, match=r"^grid: must have lines along z; got rays\.$"):
-        rod_plot.draw_cut_row(ax, DexelGrid.radial(0, 1, 0.5, 0.6, (4, 9)), capsule)
+    [outline] = ax.patches
+    x, z = outline.get_xy().T
+    y = np.full_like(x, grid.lines.aside[np.argmin(np.abs(grid.lines.aside - 0.1))])
+    along = np.stack([x, y, z], axis=-1) - capsule.a
+    axis = np.subtract(capsule.b, capsule.a)
+    foot = np.clip(along @ axis / (axis @ axis), 0, 1)
+    np.testing.assert_allclose(np.linalg.norm(along - foot[:, None] * axis, axis=-1), 0.4)
 
 
 # ---- set-values and tasks -------------------------------------------------------------------
@@ -354,20 +365,21 @@ def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):
 @pytest.mark.parametrize(("box", "count"), [(None, 0), (0.0, 0), (1.0, 3)])
 def test_setvalues_have_a_box_each_where_it_has_a_height(ax, box, count):
     t, values, ideal = [0.0, 0.5, 1.0], [0.0, 1.0, 1.0], [0.0, 0.6, 1.2]
-    line, circles = motion_plot.draw_setvalues(ax, t, values, ideal, box=box)
+    motion_plot.draw_setvalues(ax, t, values, ideal, box=box)
+    line, circles = ax.lines
     np.testing.assert_array_equal(line.get_data(), [t, ideal])
     np.testing.assert_array_equal(circles.get_data(), [t, values])
     assert len(ax.patches) == count
     for patch, x, y in zip(ax.patches, t, values, strict=False):
         assert patch.get_center().tolist() == [x, y]
-    with pytest.raises(ValueError, match=r"^t, values, ideal: must be of one length; got"):
-        motion_plot.draw_setvalues(ax, t, values, ideal[1:])
 
 
 def test_responses_say_which_models_are_unstable(ax):
     loop = Loop(30.0, 0.01)
     models = {"T0": Integrator(1.0), "T1": Resonance(1.0, 50.0, 0.05)}
-    tracks = response_plot.draw_responses(ax, models, loop, np.linspace(0, 1, 20))
+    setvalues = np.linspace(0, 1, 20)
+    response_plot.draw_responses(ax, models, loop, setvalues)
+    tracks = {name: follow(model, loop, setvalues) for name, model in models.items()}
     assert tracks["T0"].stable == (True,) and tracks["T1"].stable == (False,)
     assert ax.get_title() == "unstable: T1"
     drawn = {line.get_label(): np.radians(line.get_ydata()) for line in ax.lines}
@@ -394,8 +406,8 @@ def test_hand_over_draws_each_segment_and_only_the_waits(ax):
 
 
 def test_scheme_has_each_word_in_a_block_of_its_own(ax):
-    blocks = motion_plot.draw_scheme(ax)
-    boxes = [block.get_bbox() for block in blocks]
+    motion_plot.draw_scheme(ax)
+    boxes = [block.get_bbox() for block in ax.patches]
     assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
     inside = [
         next(text.get_text() for text in ax.texts if box.contains(*text.xy) and text.get_text())
@@ -424,7 +436,8 @@ def test_scheme_has_each_word_in_a_block_of_its_own(ax):
 @pytest.mark.parametrize(("height", "words"), [(0.0, "both equators"), (0.35, "four feet")])
 def test_feet_along_the_axis_lie_on_a_line_through_it(ax, height, words):
     m = np.array([0.5, height, 0.25])
-    dots = plot.draw_feet_along_axis(ax, Torus(0.3, 0.8), m)
+    plot.draw_feet_along_axis(ax, Torus(0.3, 0.8), m)
+    [dots] = [line for line in ax.lines if line.get_marker() == "o"]
     x, z = dots.get_data()
     np.testing.assert_allclose(x * m[2], z * m[0], atol=1e-12)
     assert len(x) == 4 and words in ax.get_title()
@@ -434,36 +447,28 @@ def test_feet_along_the_axis_lie_on_a_line_through_it(ax, height, words):
 
 
 def test_crossings_lie_on_the_ellipses(ax):
-    *pieces, dots = rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, 15.0)
+    rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, 15.0)
+    _axis, *pieces, dots = ax.lines
     np.testing.assert_allclose(dots.get_xdata(), [-16, 16, 74, 106], rtol=1e-12)
     ends = np.array([piece.get_xdata() for piece in pieces])
     np.testing.assert_allclose(ends, [[-16, 16], [16, 74], [74, 106]], rtol=1e-12)
 
 
 def test_an_axis_seen_from_the_other_end_runs_backwards(ax):
-    *_, dots = rod_plot.draw_crossings(ax, 25.0, -90.0, 0.8, 15.0)
-    np.testing.assert_allclose(np.sort(dots.get_xdata()), [-106, -74, -16, 16], rtol=1e-12)
-
-
-def test_crossings_of_lines_beside_the_rod_are_refused(ax):
-    with pytest.raises(ValueError, match=r"^aside: must be at most the radius, 25 m; got -26 m\.$"):
-        rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, -26.0)
+    rod_plot.draw_crossings(ax, 25.0, -90.0, 0.8, 15.0)
+    np.testing.assert_allclose(np.sort(ax.lines[-1].get_xdata()), [-106, -74, -16, 16], rtol=1e-12)
 
 
 # ---- why a geodesic is the shortest way ------------------------------------------------------
 
 
 def test_half_swings_fall_to_that_of_the_outer_equator(ax):
-    lines = geodesic_plot.draw_half_swings(ax, [TORUS, RING])
+    geodesic_plot.draw_half_swings(ax, [TORUS, RING])
+    lines = ax.lines[::2]
     for line, torus in zip(lines, (TORUS, RING), strict=True):
         turned = line.get_ydata()
         assert np.all(np.diff(turned) < 0)
         assert turned[-1] == pytest.approx(180 / np.sqrt(1 + torus.r / torus.R), rel=1e-9)
-
-
-def test_half_swings_of_more_than_three_tori_are_refused(ax):
-    with pytest.raises(ValueError, match=r"^tori: must be at most three; got 4\.$"):
-        geodesic_plot.draw_half_swings(ax, [TORUS, RING] * 2)
 
 
 def test_arrivals_grow_with_the_direction(ax):
@@ -475,7 +480,8 @@ def test_arrivals_grow_with_the_direction(ax):
 
 def test_mirrored_way_has_a_corner_opposite_its_beginning(ax):
     begin, end = (0.0, 0.8), (2.6, -0.3)
-    way, image = geodesic_plot.draw_mirrored(ax, RING, begin, end)
+    geodesic_plot.draw_mirrored(ax, RING, begin, end)
+    way, image = ax.lines[:2]
     np.testing.assert_allclose(way.get_xydata()[0], np.degrees(begin), atol=1e-6)
     np.testing.assert_allclose(way.get_xydata()[-1], np.degrees(end) - [360, 0], atol=1e-6)
     np.testing.assert_allclose(image.get_xydata()[-1], np.degrees(end), atol=1e-6)
@@ -483,9 +489,3 @@ def test_mirrored_way_has_a_corner_opposite_its_beginning(ax):
     corner = np.argmax(theta)
     assert 170 < theta[corner] <= 180 and np.all(np.diff(theta[:corner]) > 0)
     assert np.all(np.diff(theta[corner + 1 :]) < 0)
-
-
-def test_mirrored_way_has_ends_within_half_a_turn(ax):
-    for begin, end in (((0.1, 0.8), (2.6, -0.3)), ((0.0, 0.8), (3.7, -0.3))):
-        with pytest.raises(ValueError, match=r"^begin, end: must have theta 0, and one between"):
-            geodesic_plot.draw_mirrored(ax, RING, begin, end)

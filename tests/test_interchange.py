@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from exhibits.tunnel_scene import wall_mesh
+from kit import scene
 from tunneller_lib.job.atomic_write import replacement
 from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
@@ -146,7 +146,9 @@ def test_vtp_comes_back_with_its_errors(cut, tmp_path):
     np.testing.assert_array_equal(read.points, mesh.points)
     np.testing.assert_array_equal(read.regular_faces, mesh.faces)
     assert read[SCALAR].max() == 1e3 * cut.overbreak.max()
-    assert read.area == pytest.approx(wall_mesh(cut.wall, JOB.circuit).area, rel=1e-5)
+    points = standing(cut.wall)
+    closed = np.concatenate([points, points[:, :1]], axis=1)
+    assert read.area == pytest.approx(scene.surface(closed).area, rel=1e-5)
 
 
 # The drawing

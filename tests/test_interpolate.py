@@ -276,6 +276,11 @@ def test_listing_in_exact_arithmetic_is_the_line_with_ties_down():
             assert list(exact_listing(3, 3 + difference, ticks)) == line
 
 
+def test_listing_has_the_last_sample_that_rounding_would_put_off():
+    assert 1000.4 - 1000.1 < 0.3
+    assert listing(1000.1, 1000.4, 0, 3, 0.1)[0].size == 4
+
+
 def test_listing_in_double_precision_is_mildly_wrong():
     moves = time_bresenham(0, np.arange(-200, 201), 30, tie="down")
     found = INTERPOLATORS["listing"](0, np.arange(-200, 201), 30)
@@ -361,22 +366,6 @@ def test_rounding_spectrum_refuses_a_common_factor():
         rounding_spectrum(8, 12)
 
 
-def test_listing_refuses_what_it_cannot_use():
-    with pytest.raises(ValueError, match=r"^t2: must be later"):
-        listing(0, 0, 5, 30, 1)
-    for length in (1e-16, 1e16):
-        with pytest.raises(
-            ValueError, match=r"^t2: must be later than t1 by 1e-15 to 1e\+15 s; got"
-        ):
-            listing(0, length, 5, 30, 1)
-    with pytest.raises(ValueError, match=r"^T: must be one finite number above zero"):
-        listing(0, 10, 5, 30, 0)
-    with pytest.raises(ValueError, match=r'^division: must be "floor" or "truncate"'):
-        listing(0, 10, 5, 30, 1, division="round")
-    with pytest.raises(ValueError, match=r"stop - start: must hold whole numbers from -32767"):
-        INTERPOLATORS["Q16.16, rounded"](-20_000, 20_000, 10)
-
-
 @pytest.mark.parametrize("difference", [-32_001, -7, 1, 2, 31_999])
 @pytest.mark.parametrize("ticks", [3, 7, 1000])
 def test_fixed_point_slopes_are_rounded_or_cut_off(difference, ticks):
@@ -388,28 +377,6 @@ def test_fixed_point_slopes_are_rounded_or_cut_off(difference, ticks):
         expected = [(n * step + half) >> 16 for n in range(ticks + 1)]
         found = INTERPOLATORS[name](-5, difference - 5, ticks)
         assert (found + 5).tolist() == expected
-
-
-@pytest.mark.parametrize("name", ["Q16.16, rounded", "Q16.16, truncated"])
-def test_fixed_point_refuses_what_its_sixteen_bits_cannot_hold(name):
-    run = INTERPOLATORS[name]
-    assert run([-32767, 32767], [0, 0], 10)[:, 0].tolist() == [-32767, 32767]
-    for start, stop, argument in [(40_000, 39_990, "start"), (-32768, 0, "start"),
-                                  (32760, 32770, "stop"), ([0, 1], [9, -40_000], "stop"),
-                                  ]:  # fmt: skip
-        with pytest.raises(ValueError, match=rf"^{argument}: must hold whole numbers from -32767"):
-            run(start, stop, 10)
-
-
-def test_truncated_fixed_point_refuses_to_drift_out_of_its_range():
-    with pytest.raises(ValueError, match=r"^end in fixed point: must hold whole numbers"):
-        INTERPOLATORS["Q16.16, truncated"](0, -32767, 2**20 - 40)
-
-
-@pytest.mark.parametrize("name", [name for name in INTERPOLATORS if name != "integer line"])
-def test_moves_of_other_interpolators_that_do_not_broadcast_are_refused(name):
-    with pytest.raises(ValueError, match=r"^start, stop: their leading axes must broadcast; got"):
-        INTERPOLATORS[name]([0, 1], [1, 2, 3], 10)
 
 
 @pytest.mark.parametrize("call", [time_bresenham, rest_to_rest])

@@ -4,7 +4,6 @@ import io
 
 import numpy as np
 import PIL.Image
-import pytest
 from PIL import ImageSequence
 
 from kit import figure, moving_picture
@@ -51,26 +50,3 @@ def test_drawings_may_stand_for_a_hundredth_of_a_second():
     shown = moving_picture(dot, [0.2, 0.8], alt="A dot.", milliseconds=10)
     with PIL.Image.open(io.BytesIO(shown.data)) as picture:
         assert picture.info["duration"] == 10
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (
-            {"milliseconds": 9},
-            r"^milliseconds: must be one whole number from 10 to 10000; got 9\.$",
-        ),
-        ({"alt": " "}, r"^alt: must say what is seen; got ' '\.$"),
-        ({"values": [1]}, r"^values: must be 2 to 500 values in a row; got \[1\]\.$"),
-        ({"draw": lambda value: value}, r"^draw: must return a drawing; got 0\.1\.$"),
-        (
-            {"draw": lambda value: figure(1, round(value) + 1, height=2)[0]},
-            r"^draw: must return drawings with as many axes each\.$",
-        ),
-        ({"draw": lambda value: dot(0, 5 + value)}, r"^draw: must return drawings of one size\.$"),
-    ],
-)
-def test_moving_picture_refuses(options, message):
-    given = {"draw": dot, "values": [0.1, 3.0], "alt": "A dot."} | options
-    with pytest.raises(ValueError, match=message):
-        moving_picture(**given)

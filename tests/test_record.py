@@ -60,11 +60,11 @@ def test_number_is_printed_with_its_digits(record, root, value, digits, text):
 @pytest.mark.parametrize(
     ("value", "options", "message"),
     [
-        (float("nan"), {"digits": 3}, "it: must be finite; got nan."),
-        (float("inf"), {"digits": 3}, "it: must be finite; got inf."),
-        (True, {}, "it: must be one number; got True."),
-        ("1", {"digits": 3}, "it: must be one number; got '1'."),
-        (np.ones(2), {"digits": 3}, "it: must be one number"),
+        (float("nan"), {"digits": 3}, "it: must be one finite number; got nan."),
+        (float("inf"), {"digits": 3}, "it: must be one finite number; got inf."),
+        (True, {}, "it: must be one finite number; got True."),
+        ("1", {"digits": 3}, "it: must be one finite number; got '1'."),
+        (np.ones(2), {"digits": 3}, "it: must be one finite number"),
         (1.5, {}, "it: digits must say how many of 1.5 are meant."),
         (1.5, {"digits": 0}, "it: digits must be an integer from 1 to 12; got 0."),
         (1.5, {"digits": 13}, "it: digits must be an integer from 1 to 12; got 13."),
@@ -72,7 +72,7 @@ def test_number_is_printed_with_its_digits(record, root, value, digits, text):
         (1.5, {"digits": 3, "below": 2.0}, "it: give digits or below, not both."),
         (2e-9, {"below": 1e-9}, "it: must lie between 0 and 1e-09; got 2e-09."),
         (-1e-12, {"below": 1e-9}, "it: must lie between 0"),
-        (float("nan"), {"below": 1e-9}, "it: must be finite; got nan."),
+        (float("nan"), {"below": 1e-9}, "it: must be one finite number; got nan."),
     ],
 )
 def test_number_is_refused(record, root, value, options, message):
@@ -100,11 +100,11 @@ def test_order_is_stored_as_a_word(record, root, first, second, order):
 @pytest.mark.parametrize(
     ("first", "second", "message"),
     [
-        (float("nan"), 1.0, "first of it: must be finite; got nan."),
-        (1.0, float("inf"), "second of it: must be finite; got inf."),
-        ("1", 2.0, "first of it: must be one number; got '1'."),
-        (1.0, 1.0000001, "it: the two must differ by more than 1e-06 of the greater; got 1.0 and"),
-        (0, 0, "it: the two must differ by more than 1e-06 of the greater; got 0 and 0."),
+        (float("nan"), 1.0, "first of it: must be one finite number; got nan."),
+        (1.0, float("inf"), "second of it: must be one finite number; got inf."),
+        ("1", 2.0, "first of it: must be one finite number; got '1'."),
+        (1.0, 1.0000001, "it: must differ by 1e-06 of either; got 1.0, 1.0000001."),
+        (0, 0, "it: must differ by 1e-06 of either; got 0, 0."),
     ],
 )
 def test_order_is_refused(record, root, first, second, message):
@@ -120,7 +120,7 @@ def test_last_bits_are_not_stored(record, root):
     assert stored(root)["numbers"]["third"]["value"] == 0.33333
     record("large", 1e7 / 3, "", digits=2)
     assert stored(root)["numbers"]["large"]["value"] == 3333300.0
-    record.table("t", ["x"], [[2 / 3], [-1e-9]], decimals=1)
+    record.table("t", ["x"], [[2 / 3], [-1e-9]], decimals=[1])
     assert stored(root)["tables"]["t"]["rows"] == [[0.6667], [0.0]]
 
 
@@ -156,10 +156,10 @@ def test_table_is_shown_below_its_headings(record):
     ("rows", "decimals", "message"),
     [
         ([[1.0]], None, "decimals must say"),
-        ([[1.0, 2.0]], 1, "one entry for each of 1 columns; got 2"),
-        ([[1.0]], [1, 1], "one entry for each of 1 columns; got 2"),
-        ([[float("nan")]], 1, "must be finite"),
-        ([[None]], 1, "must be one number"),
+        ([[1.0, 2.0]], [1], "argument 2 is longer"),
+        ([[1.0]], [1, 1], "argument 3 is longer"),
+        ([[float("nan")]], [1], "must be one finite number"),
+        ([[None]], [1], "must be one finite number"),
     ],
 )
 def test_table_is_refused(record, rows, decimals, message):
@@ -276,9 +276,9 @@ def test_figure_needs_an_alternative_text(record):
 
 @pytest.mark.parametrize("name", ["", "../up", "Two words", ".hidden"])
 def test_file_name_is_refused(record, name):
-    with pytest.raises(ValueError, match="a name has lower-case letters"):
+    with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
         Record(name)
-    with pytest.raises(ValueError, match="a name has lower-case letters"):
+    with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
         record.figure(figure(height=4)[0], name, "A line.")
 
 

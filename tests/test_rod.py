@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.rod_cases import GENERATORS, rulings
-from exhibits.rod_exact import judge, rounding
+from exhibits.rod_cases import GENERATORS, rulings, whole_rotations
+from exhibits.rod_exact import judge as judged_flat
+from exhibits.rod_exact import rounding
 from exhibits.rod_methods import METHODS
+from tests.exact_shapes import judged
 from tests.long import many
 from tests.shapes import EPS
 from tunneller_lib.surfaces import Rod
@@ -26,12 +28,21 @@ def margin(a, b, radius, p, u):
     return 64 * EPS * (radius + frame(a.T, b.T, u.T).run)
 
 
+def judge(found, lines, ends):
+    """Return which answers are missed, thin and thick, by the judge of either kind of ends."""
+    if ends == "flat":
+        return judged_flat(found, lines, margin(*lines))
+    a, b, radius, p, u = lines
+    shapes = np.column_stack([a, b, radius, radius, np.zeros((len(radius), 4))])
+    return judged(found, "capsule", shapes, p, u)
+
+
 @every_end
 @every_generator
 def test_meet_rods_never_misses_thins_or_thickens(lines_of, ends):
     lines = lines_of(np.random.default_rng(1), CHECKED)
     found = meet_rods(*lines, ends=ends)
-    missed, thin, thick = judge(found, lines, margin(*lines), ends=ends)
+    missed, thin, thick = judge(found, lines, ends)
     assert not missed.any() and not thin.any() and not thick.any()
 
 
@@ -77,7 +88,7 @@ def test_meet_line_of_one_rod_with_a_slight_tilt_or_length(slight, ends):
         p += rng.choice([0, 7, 1e6], (n, 1)) * radius * along
         lines = *np.broadcast_arrays(rod.a, rod.b, p)[:2], np.full(n, radius), p
         lines = *lines, np.broadcast_to(u, p.shape).copy()
-        assert not np.any(judge(rod.meet_line(p, u), lines, margin(*lines), ends=ends))
+        assert not np.any(judge(rod.meet_line(p, u), lines, ends))
 
 
 @every_end
@@ -96,11 +107,11 @@ def test_meet_rods_over_the_whole_range_of_sizes(together, ends):
     p = side + b * rng.integers(0, 2, (n, 1))
     lines = 0 * b, b, radius, p, u * speed[:, None]
     found = meet_rods(*lines, ends=ends)
-    assert not np.any(judge(found, lines, margin(*lines), ends=ends))
+    assert not np.any(judge(found, lines, ends))
     for i in range(many(60, 200)):
         one = tuple(row[i : i + 1] for row in lines)
         alone = Rod(b[i] * 0, b[i], radius[i], ends=ends).meet_line(p[i : i + 1], one[4][0])
-        assert not np.any(judge(alone, one, margin(*one), ends=ends))
+        assert not np.any(judge(alone, one, ends))
 
 
 def distance_outside(a, b, radius, points, ends):
@@ -134,7 +145,7 @@ def test_meet_rods_scales_by_powers_of_two_bit_for_bit(lines_of, power):
 def test_meet_rods_does_not_mind_the_order_of_the_ends(lines_of, ends):
     a, b, radius, p, u = lines = lines_of(np.random.default_rng(4), 500)
     swapped = meet_rods(b, a, radius, p, u, ends=ends)
-    missed, thin, thick = judge(swapped, lines, margin(*lines), ends=ends)
+    missed, thin, thick = judge(swapped, lines, ends)
     assert not (missed | thin | thick).any()
 
 
@@ -145,7 +156,7 @@ def test_meet_rods_turns_with_the_line(lines_of):
         enter, leave = meet_rods(a, b, radius, p, u, ends=ends)
         back = meet_rods(a, b, radius, p, -u, ends=ends)
         lines = a, b, radius, p, u
-        for verdict in judge((-back[1], -back[0]), lines, margin(*lines), ends=ends):
+        for verdict in judge((-back[1], -back[0]), lines, ends):
             assert not verdict.any()
         assert np.all((enter <= leave) == (back[0] <= back[1]))
 
@@ -257,7 +268,7 @@ def test_parallel_lines_through_rims(direction, far, ends):
     p = (np.add(rod.a, level + rim) - far * np.array(direction)).reshape(-1, 3)
     lines = tuple(np.broadcast_to(x, (len(p), 3)) for x in (rod.a, rod.b))
     lines += np.full(len(p), 25.0), p, np.broadcast_to(np.array(direction, float), p.shape)
-    verdicts = judge(rod.meet_line(p, direction), lines, margin(*lines), ends=ends)
+    verdicts = judge(rod.meet_line(p, direction), lines, ends)
     assert not np.any(verdicts)
 
 
@@ -337,19 +348,11 @@ def test_wrong_input_is_told(call, message):
         call()
 
 
-@pytest.mark.parametrize("name", METHODS)
-def test_methods_refuse_a_negative_radius(name):
-    with pytest.raises(ValueError, match=r"^radius: must not be below zero; got -1 m\.$"):
-        METHODS[name](*ENDS, -1.0, (0, 0, 0), (0, 0, 1))
-
-
-def test_intervals_are_judged_only_with_as_many_lines():
-    lines = rulings(np.random.default_rng(1), 5)
-    found = METHODS["slab"](*lines)
-    for wrong in (judge, rounding):
-        given = {"margin": 1e-9} if wrong is judge else {}
-        with pytest.raises(ValueError, match=r"^found, lines: their axes must broadcast; got "):
-            wrong([end[:3] for end in found], lines, **given)
+def test_whole_rotations_are_of_small_numbers():
+    matrix, N = whole_rotations(np.random.default_rng(1), 2_000)
+    np.testing.assert_array_equal(matrix @ np.swapaxes(matrix, 1, 2), N[:, None, None] ** 2
+                                  * np.eye(3, dtype=int))  # fmt: skip
+    assert 0 < N.min() and N.max() <= 4 * 9**2
 
 
 def test_lines_beside_a_ruling_are_off_by_last_bits():

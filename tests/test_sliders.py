@@ -184,21 +184,6 @@ def test_word_for_scenes_is_random_and_differs_from_process_to_process(served):
         assert re.fullmatch("s[0-9a-f]{32}", word)  # 128 bits, and nothing that a page changes
 
 
-def test_sliders_refuse_what_cannot_be_shown(monkeypatch):
-    monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
-    with pytest.raises(
-        ValueError, match=r"^draw: must return a drawing or a scene; got ndarray\.$"
-    ):
-        sliders(lambda gain: np.zeros((2, 2, 3)), gain=(1, 5, 3))
-    with pytest.raises(ValueError, match=r"^alt: must say what a scene shows; got ''\.$"):
-        sliders(balls, radius=(0.1, 1.0, 0.5))
-
-
-def test_sliders_refuse_a_start_beyond_the_range():
-    with pytest.raises(ValueError, match=r"^gain: must start from 1 to 5; got 9\.$"):
-        sliders(draw, gain=(1, 5, 9))
-
-
 def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
     drawings = []

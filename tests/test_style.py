@@ -3,11 +3,9 @@
 import re
 from itertools import combinations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from exhibits.motion_plot import draw_setvalues
 from kit import COLOURS, figure
 from report.sources import ROOT
 
@@ -53,15 +51,6 @@ def test_no_two_colours_that_lines_have_are_the_same_by_mistake():
     assert alike == [("offset", "plane"), ("printed", "generator")]
 
 
-@pytest.mark.parametrize("colour", ["mauve", "#FF0000", None])
-def test_colours_have_names_of_the_study(colour):
-    drawing, ax = figure(height=2)
-    draw_setvalues(ax, [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], colour="error")
-    with pytest.raises(ValueError, match=r"^colour: must be a name in COLOURS; got "):
-        draw_setvalues(ax, [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], colour=colour)
-    plt.close(drawing)
-
-
 @pytest.fixture(scope="module")
 def sheet():
     return (ROOT / "report" / "site" / "style.css").read_text()
@@ -102,9 +91,3 @@ def test_axes_have_no_more_divisions_than_asked_for():
     drawing, ax = figure(height=7)
     ax.plot([0, 4], [0, 24.6])
     assert len(ax.get_xticks()) > 8
-
-
-@pytest.mark.parametrize("divisions", [0, -1, 2.5, "five", True])
-def test_figure_refuses_divisions_that_are_none(divisions):
-    with pytest.raises(ValueError, match=r"^divisions: must be one whole number from 1 to 20; got"):
-        figure(height=7, divisions=divisions)

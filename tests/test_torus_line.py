@@ -342,20 +342,30 @@ def test_meet_line_broadcasts():
     np.testing.assert_array_equal(t, np.broadcast_to(one, t.shape))
 
 
-@pytest.mark.parametrize("meet_line", [Torus.meet_line, quartics.meet_line])
-def test_meet_line_refuses_points_that_coincide(meet_line):
+def test_meet_line_refuses_points_that_coincide():
     with pytest.raises(
         ValueError, match=r"^a, b: must differ, or there is no line; got a pair that coincides[.]$"
     ):
-        meet_line(Torus(1, 2), [(1, 2, 3), (1, 2, 4)], (1, 2, 3))
+        Torus(1, 2).meet_line([(1, 2, 3), (1, 2, 4)], (1, 2, 3))
 
 
 def test_real_roots_of_any_degree():
     np.testing.assert_allclose(quartics.real_roots([2.0, -3.0]), [1.5])
     np.testing.assert_allclose(quartics.real_roots([1.0, -6.0, 11.0, -6.0]), [1, 2, 3], rtol=1e-12)
-    for wrong in ([1.0], np.ones(quartics.MOST_ROOTS + 2)):
-        with pytest.raises(ValueError, match=r"^coefficients: must be of a degree from 1 to "):
-            quartics.real_roots(wrong)
+
+
+def test_quartic_of_the_feet_vanishes_at_them():
+    torus = Torus(0.3, 0.8)
+    m = np.random.default_rng(7).uniform(0.2, 1.5, (200, 3))
+    powers = torus.feet(m)[..., :1] ** np.arange(4, -1, -1)
+    terms = quartics.foot_quartic(torus, m)[:, None] * powers
+    assert np.all(np.abs(terms.sum(axis=-1)) < 1e-11 * np.abs(terms).sum(axis=-1))
+
+
+@pytest.mark.parametrize(("share", "real"), [(0.75, 3), (1.5, 1)])
+def test_real_roots_lean_by_the_root_of_a_rounding_at_most(share, real):
+    far = 2.0**26 / share  # beside it i and -i are so much of its rounding's root
+    assert np.isfinite(quartics.real_roots([1.0, -far, 1.0, -far])).sum() == real
 
 
 def test_many_lines_take_little_memory_and_have_the_bits_of_few():

@@ -52,25 +52,15 @@ def test_stages_end_with_the_wall_and_begin_with_none_removed(cut):
     np.testing.assert_allclose(EGG.depth(*standing(before)[..., 1:].T), 0, atol=1e-12)
 
 
-def test_stages_refuse_what_is_no_run(cut):
-    with pytest.raises(ValueError, match=r"^ticks: must ascend; got \[5, 3\]\.$"):
-        stages(cut, [5, 3])
-    for wrong in ([-1], [0.5]):
-        with pytest.raises(ValueError, match=r"^ticks: must hold whole numbers"):
-            stages(cut, wrong)
-    for wrong in (0, [last(cut) + 1]):
-        with pytest.raises(
-            ValueError, match=r"^ticks: must be whole numbers \(n,\) from 0 to \d+;"
-        ):
-            stages(cut, wrong)
-    with pytest.raises(ValueError, match=r"^cut: must be of class Cut"):
-        stages(cut.wall, [0])
-
-
 def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
     mesh = wall_mesh(cut.wall, cut.plan.circuit)
-    assert mesh.n_points == SHAPE[0] * SHAPE[1] and mesh.n_cells == (SHAPE[0] - 1) * SHAPE[1]
-    errors, points = cut.overbreak.ravel(), standing(cut.wall).reshape(-1, 3)
+    angle = np.mod(np.arctan2(cut.wall.lines.sin, cut.wall.lines.cos), 2 * np.pi)
+    shown = (angle < OPENED[0]) | (angle >= OPENED[1])  # the rest is left out, to look inside
+    rays = np.count_nonzero(shown)
+    assert 0 < rays < SHAPE[1]
+    assert mesh.n_points == SHAPE[0] * rays and mesh.n_cells == (SHAPE[0] - 1) * (rays - 1)
+    errors = cut.overbreak[:, shown].ravel()
+    points = standing(cut.wall)[:, shown].reshape(-1, 3)
     order = np.lexsort(np.round(points, 5).T)
     found = np.lexsort(np.round(np.asarray(mesh.points, dtype=float), 5).T)
     np.testing.assert_allclose(mesh.points[found], points[order], atol=1e-6)
@@ -78,10 +68,10 @@ def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
     assert mesh.array_names == [SCALAR]
 
 
-def test_wall_mesh_opened_leaves_a_part_out(cut):
+def test_wall_and_tunnel_leave_a_part_out(cut):
     whole_angle = 2 * np.pi - np.ptp(OPENED)
-    for mesh in (wall_mesh(cut.wall, cut.plan.circuit, opened=True),
-                 tunnel_mesh(EGG, -1.0, 0.5, opened=True)):  # fmt: skip
+    for mesh in (wall_mesh(cut.wall, cut.plan.circuit),
+                 tunnel_mesh(EGG, -1.0, 0.5)):  # fmt: skip
         angle = np.mod(np.arctan2(mesh.points[:, 2], mesh.points[:, 1]) - OPENED[1], 2 * np.pi)
         assert angle[angle < 6.28].max() == pytest.approx(whole_angle, abs=0.08)
 
@@ -123,10 +113,3 @@ def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
     red, green, blue = np.moveaxis(pictures[0][:, :1300], -1, 0)
     before = np.count_nonzero((red > green + 60) & (red > blue + 60) & (np.abs(green - blue) < 40))
     assert reddish > 200 and reddish > 5 * before  # the left wall loses too much
-
-
-def test_tunnel_scene_refuses_a_tick_beyond_the_run(cut):
-    with pytest.raises(ValueError, match=r"^tick: must be one whole number from 0 to \d+; got"):
-        cut_scene(cut, last(cut) + 1)
-    with pytest.raises(ValueError, match=r"^limit: must"):
-        cut_scene(cut, limit=0.0)

@@ -124,11 +124,13 @@ def test_wrong_input_is_told(call, message):
 def test_draw_passes_draws_what_is_removed(pitch):
     radius, depth = 0.2, 0.06
     _, ax = figure(height=5)
-    areas = draw_passes(ax, radius, depth, pitch)
+    draw_passes(ax, radius, depth, pitch)
+    _earlier, taken = ax.collections
+    sector = ax.patches[-1]
     drawn = 0.0
-    for path in areas["taken"].get_paths():
+    for path in taken.get_paths():
         x, y = path.vertices.T
         drawn += abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1))) / 2
     assert np.isclose(drawn, groove_area(radius, depth, pitch=pitch), rtol=0.02)
-    half = np.radians(areas["sector"].theta2 - areas["sector"].theta1) / 2
+    half = np.radians(sector.theta2 - sector.theta1) / 2
     assert np.isclose(half, np.arccos(1 - depth / radius))

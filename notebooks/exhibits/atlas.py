@@ -4,12 +4,8 @@ The tube's radius is the unit of length. A symmetry of the torus carries any pai
 into one from (0, phi1) to (turn, phi2) with phi1 >= |phi2|, so only those are tried.
 """
 
-from collections.abc import Iterable
-from typing import Annotated
-
 import numpy as np
 
-from tunneller_lib.arguments import Rule, Whole, bounded_array, checked, one_whole, shown
 from tunneller_lib.paths.chord_paths import CHORD_PATHS, path_length
 from tunneller_lib.paths.inverse_problem import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -25,44 +21,20 @@ _ON_GEODESIC = 65  # points of a geodesic from which the deviation of
 _ON_PATH = 17  # points of a path is measured
 
 
-def _block(name, value):
-    if not isinstance(value, tuple) or len(value) != 2:
-        raise ValueError(f"{name}: must be two whole numbers, (ratio, stripe); got {shown(value)}.")
-    ratio, stripe = value
-    return one_whole(name, ratio, 0, RATIOS.size - 1), one_whole(name, stripe, 0, STRIPES - 1)
-
-
-def _tables(name, value):
-    try:
-        return iter(value)
-    except Exception:  # TypeError, or whatever somebody's class raises
-        raise ValueError(
-            f"{name}: must be tables, one after the other; got {shown(value)}."
-        ) from None
-
-
-Block = Annotated[tuple[int, int], Rule("(2,) int", _block)]
-Tables = Annotated[Iterable, Rule("iterable of (n, 19) float", _tables)]
-
-
-@checked
 def blocks():
     """Return the (ratio, stripe) indices of all blocks, each about 9,000 pairs."""
     return [(i, k) for i in range(RATIOS.size) for k in range(STRIPES)]
 
 
-@checked
-def pairs(stripe: Whole(0, STRIPES - 1)):
+def pairs(stripe):
     """Return the turns, phi1 and phi2 (n,), in rad, of the pairs of a stripe, for any ratio."""
-    turn, phi1, phi2 = np.meshgrid(
-        np.split(_TURNS, STRIPES)[stripe], _HEIGHTS, _HEIGHTS, indexing="ij"
-    )
+    turns = np.split(_TURNS, STRIPES)[stripe]
+    turn, phi1, phi2 = np.meshgrid(turns, _HEIGHTS, _HEIGHTS, indexing="ij")
     kept = phi1 >= np.abs(phi2)
     return turn[kept], phi1[kept], phi2[kept]
 
 
-@checked
-def survey(block: Block):
+def survey(block):
     """Return a block of the atlas.
 
     Parameters
@@ -93,8 +65,7 @@ def survey(block: Block):
     return np.column_stack([which, turn, phi1, phi2, *found, *excess, aside])
 
 
-@checked
-def summary(tables: Tables):
+def summary(tables):
     """Return the worst and the middle of blocks, a dict for each block and path.
 
     Parameters
@@ -108,15 +79,7 @@ def summary(tables: Tables):
         What a row is about, and the median and the worst of its pairs; "at turn", "at phi1" and
         "at phi2" say where the excess is worst.
     """
-    rows = []
-    for table in tables:
-        table = bounded_array("tables", table)
-        if table.ndim != 2 or not len(table) or table.shape[1] != len(COLUMNS):
-            raise ValueError(
-                f"tables: each must hold rows of {len(COLUMNS)} columns; got shape {table.shape}."
-            )
-        rows += [_row(table, k, name) for k, name in enumerate(CHORD_PATHS)]
-    return rows
+    return [_row(table, k, name) for table in tables for k, name in enumerate(CHORD_PATHS)]
 
 
 def _row(table, k, name):

@@ -1,20 +1,15 @@
 """The cone of the appendix and its development, on the Axes `ax` they are given."""
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from kit.kinds import Series
 from kit.style import COLOURS
-from tunneller_lib.arguments import checked
-from tunneller_lib.paths import ConeChord
 
 from .plot import equal
 
 HEIGHT = np.radians(22)  # above the horizon, from where a cone is seen
 
 
-@checked
-def draw_cone(ax: Axes, chord: ConeChord, u: Series):
+def draw_cone(ax, chord, u):
     """Draw a cone down to P as it is seen from afar, with the geodesic and the path on it.
 
     Parameters
@@ -24,11 +19,6 @@ def draw_cone(ax: Axes, chord: ConeChord, u: Series):
         The test case, in m; the eye is at the azimuth midway between P and Q.
     u : (n,) float
         Fractions of the geodesic at which the path's points are drawn.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The geodesic, the path, the path's points.
     """
     cone = chord.cone
     towards = chord.turn / 2
@@ -49,15 +39,13 @@ def draw_cone(ax: Axes, chord: ConeChord, u: Series):
     geodesic = cone.point(distance, chord.azimuth(fine)) @ screen
     path = cone.point(chord.tangent_sphere(chord.azimuth(fine)), chord.azimuth(fine)) @ screen
     points = cone.point(chord.tangent_sphere(chord.azimuth(u)), chord.azimuth(u)) @ screen
-    lines = _draw_both(ax, geodesic, path, points)
-    _name_ends(ax, np.zeros(2), geodesic[0], geodesic[-1])
+    _draw_both(ax, geodesic, path, points)
+    _name_ends(ax, geodesic[0], geodesic[-1])
     ax.set_aspect("equal")
     ax.axis("off")
-    return lines
 
 
-@checked
-def draw_development(ax: Axes, chord: ConeChord, u: Series):
+def draw_development(ax, chord, u):
     """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
 
     Parameters
@@ -67,11 +55,6 @@ def draw_development(ax: Axes, chord: ConeChord, u: Series):
         The test case, in m.
     u : (n,) float
         Fractions of the geodesic at which the path's points are drawn.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The geodesic, the path, the path's points.
     """
     around = np.linspace(0, chord.turn, 181)
     for distance in chord.ends:
@@ -81,26 +64,23 @@ def draw_development(ax: Axes, chord: ConeChord, u: Series):
         ax.plot(*ruling.T, color=COLOURS["torus"], lw=0.8)
     fine = np.linspace(0, 1, 201)
     geodesic = chord.geodesic(fine)
-    lines = _draw_both(ax, geodesic, chord.path(fine), chord.path(u))
-    _name_ends(ax, np.zeros(2), geodesic[0], geodesic[-1])
+    _draw_both(ax, geodesic, chord.path(fine), chord.path(u))
+    _name_ends(ax, geodesic[0], geodesic[-1])
     equal(ax, "development / m", "development / m")
-    return lines
 
 
 def _draw_both(ax, geodesic, path, points):
-    """Return the lines of a geodesic, a path and points of the path, all (n, 2)."""
+    """Draw the lines of a geodesic, a path and points of the path, all (n, 2)."""
     blue = {"color": COLOURS["tangent sphere"]}
-    lines = ax.plot(*geodesic.T, color=COLOURS["geodesic"], label="geodesic")
-    lines += ax.plot(*path.T, lw=0.8, label="tangent-sphere path", **blue)
-    lines += ax.plot(*points.T, "o", mfc="white", **blue)
-    return lines
+    ax.plot(*geodesic.T, color=COLOURS["geodesic"], label="geodesic")
+    ax.plot(*path.T, lw=0.8, label="tangent-sphere path", **blue)
+    ax.plot(*points.T, "o", mfc="white", **blue)
 
 
-def _name_ends(ax, apex, p, q):
+def _name_ends(ax, p, q):
     """Write the names of the apex and both ends beside them, away from their middle."""
-    middle = (apex + p + q) / 3
-    for name, place in [("apex", apex), ("$P$", p), ("$Q$", q)]:
+    middle = (p + q) / 3
+    for name, place in [("apex", np.zeros(2)), ("$P$", p), ("$Q$", q)]:
         away = (place - middle) / np.hypot(*(place - middle))
-        ax.annotate(
-            name, place, 9 * away, textcoords="offset points", ha="center", va="center", fontsize=8
-        )
+        look = {"ha": "center", "va": "center", "fontsize": 8}
+        ax.annotate(name, place, 9 * away, textcoords="offset points", **look)

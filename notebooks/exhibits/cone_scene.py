@@ -3,12 +3,7 @@
 import numpy as np
 
 from kit import scene
-from kit.kinds import Curve, Grid
-from kit.style import COLOURS
-from tunneller_lib.arguments import Finite, Point, checked
-from tunneller_lib.envelopes import ConePose
 from tunneller_lib.envelopes.developable import curve_derivatives, tangent_planes
-from tunneller_lib.envelopes.functions import Function
 from tunneller_lib.envelopes.isotropic import cone_rulings, plane_to_point
 
 ROUND = np.linspace(0, 2 * np.pi, 1441)  # rad about an axis
@@ -17,8 +12,7 @@ FROM_ABOVE = 1, -1.6, 0.5
 ALONG_THE_EDGE = 0.3, -1, 0.9
 
 
-@checked
-def moving_cone_picture(cone: ConePose, turn: Point, shift: Point):
+def moving_cone_picture(cone, turn, shift):
     """Return a picture of a moving cone with its characteristic and two velocities of its axis.
 
     Parameters
@@ -35,17 +29,16 @@ def moving_cone_picture(cone: ConePose, turn: Point, shift: Point):
     picture : (n, m, 3) uint8
     """
     plotter = scene.empty()
-    wall = scene.surface(cone.mesh(m=361))
-    plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.45)
+    scene.put(plotter, scene.surface(cone.mesh(m=361)), "cone", opacity=0.45)
     for line in _characteristic(cone, turn, shift):
-        plotter.add_mesh(scene.curve(line, 0.02), color=COLOURS["chord"])
+        scene.put(plotter, scene.curve(line, 0.02), "chord")
     axis = np.array(cone.axis) / np.linalg.norm(cone.axis)
     for along in (cone.near, cone.far):
         end = along * np.cos(cone.half_angle) * axis
         speed = 0.6 * (np.array(shift) + np.cross(turn, end))
         foot = np.array(cone.vertex) + end
-        plotter.add_mesh(scene.arrow(foot, speed, 0.025), color=COLOURS["correct"])
-        plotter.add_mesh(scene.arrow(foot, speed @ axis * axis, 0.04), color=COLOURS["error"])
+        scene.put(plotter, scene.arrow(foot, speed, 0.025), "correct")
+        scene.put(plotter, scene.arrow(foot, speed @ axis * axis, 0.04), "error")
     return scene.shoot(plotter, direction=FROM_THE_SIDE)
 
 
@@ -66,22 +59,18 @@ def _characteristic(cone, turn, shift):
     return [np.array(cone.vertex) + line for line in found]
 
 
-@checked
-def cone_on_sheet_picture(sheet: Grid, cone: ConePose, touched: Curve, direction: Point):
+def cone_on_sheet_picture(sheet, cone, touched, direction):
     """Return a picture of a cone that touches a `sheet` (n, m, 3) along a curve, all in m.
 
     The curve `touched` is (n, 3); `direction` (3,) points towards the camera.
     """
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"], opacity=0.9)
-    wall = scene.surface(cone.mesh(m=361))
-    plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.45)
-    plotter.add_mesh(scene.curve(touched, 0.03), color=COLOURS["chord"])
+    plotter = scene.on_sheet(sheet, 0.9)
+    scene.put(plotter, scene.surface(cone.mesh(m=361)), "cone", opacity=0.45)
+    scene.put(plotter, scene.curve(touched, 0.03), "chord")
     return scene.shoot(plotter, direction=direction, zoom=1.5)
 
 
-@checked
-def cone_in_the_model_picture(cone: ConePose):
+def cone_in_the_model_picture(cone):
     """Return pictures of a cone with its normals, of these on the sphere, and of its conic.
 
     Parameters
@@ -102,48 +91,41 @@ def cone_in_the_model_picture(cone: ConePose):
 
 def _with_normals(cone, n):
     plotter = scene.empty()
-    wall = scene.surface(cone.mesh(m=361))
-    plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.6)
+    scene.put(plotter, scene.surface(cone.mesh(m=361)), "cone", opacity=0.6)
     feet = np.array(cone.vertex) + 1.2 * cone_rulings(cone.axis, cone.half_angle, ROUND)
     for foot, direction in zip(feet[::60], 0.5 * n[::60], strict=True):
-        arrow = scene.arrow(foot - direction, direction, 0.014)
-        plotter.add_mesh(arrow, color=COLOURS["error"])
+        scene.put(plotter, scene.arrow(foot - direction, direction, 0.014), "error")
     return scene.shoot(plotter, direction=FROM_ABOVE)
 
 
 def _on_the_sphere(n, top):
     plotter = scene.empty()
-    ball = scene.ball((0, 0, 0), 1)
-    plotter.add_mesh(ball, color=COLOURS["design surface"], opacity=0.35)
-    plotter.add_mesh(scene.curve(n, 0.025), color=COLOURS["error"])
-    plotter.add_mesh(scene.ball((0, 0, -1), 0.05), color=COLOURS["chord"])
-    plotter.add_mesh(scene.curve(top, 0.025), color=COLOURS["top view"])
+    scene.put(plotter, scene.ball((0, 0, 0), 1), "design surface", opacity=0.35)
+    scene.put(plotter, scene.curve(n, 0.025), "error")
+    scene.put(plotter, scene.ball((0, 0, -1), 0.05), "chord")
+    scene.put(plotter, scene.curve(top, 0.025), "top view")
     for one in n[::180]:
-        plotter.add_mesh(scene.curve([(0, 0, -1), one], 0.008), color=COLOURS["chord"])
+        scene.put(plotter, scene.curve([(0, 0, -1), one], 0.008), "chord")
     return scene.shoot(plotter, direction=(1, -1.6, 0.35))
 
 
 def _over_its_circle(points, top):
     plotter = scene.empty()
-    plotter.add_mesh(scene.curve(points, 0.025), color=COLOURS["cone"])
-    plotter.add_mesh(scene.curve(top, 0.025), color=COLOURS["top view"])
+    scene.put(plotter, scene.curve(points, 0.025), "cone")
+    scene.put(plotter, scene.curve(top, 0.025), "top view")
     for foot, point in zip(top[::60], points[::60] + 1e-9, strict=True):
-        plotter.add_mesh(scene.curve([foot, point], 0.006), color=COLOURS["chord"])
+        scene.put(plotter, scene.curve([foot, point], 0.006), "chord")
     return scene.shoot(plotter, direction=FROM_ABOVE)
 
 
-@checked
-def osculating_cone_scene(sheet: Grid, cone: ConePose):
+def osculating_cone_scene(sheet, cone):
     """Return a scene (pyvista's plotter) of a `sheet` (n, m, 3) and a `cone` through it, in m."""
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
-    wall = scene.surface(cone.mesh(m=1000))
-    plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.5)
+    plotter = scene.on_sheet(sheet)
+    scene.put(plotter, scene.surface(cone.mesh(m=1000)), "cone", opacity=0.5)
     return scene.look(plotter, ALONG_THE_EDGE)
 
 
-@checked
-def osculating_cone_picture(sheet: Grid, cone: ConePose, ruling: Point, corner: Point):
+def osculating_cone_picture(sheet, cone, ruling, corner):
     """Return a picture of that scene with the ruling along which they touch, and letters.
 
     Parameters
@@ -165,7 +147,7 @@ def osculating_cone_picture(sheet: Grid, cone: ConePose, ruling: Point, corner: 
     vertex = np.array(cone.vertex)
     way = np.array(ruling) / np.linalg.norm(ruling)
     line = vertex + np.linspace(cone.near, cone.far, 9)[:, None] * way
-    plotter.add_mesh(scene.curve(line, 0.02), color=COLOURS["tangent sphere"])
+    scene.put(plotter, scene.curve(line, 0.02), "tangent sphere")
     around = vertex + (cone.far - 0.1) * cone_rulings(cone.axis, cone.half_angle, ROUND[::4])
     opposite = around[np.argmax(np.linalg.norm(around - line[-1], axis=1))]
     letters = {
@@ -176,8 +158,7 @@ def osculating_cone_picture(sheet: Grid, cone: ConePose, ruling: Point, corner: 
     return scene.shoot(plotter, direction=ALONG_THE_EDGE, letters=letters, width=6.6)
 
 
-@checked
-def osculating_ring_picture(cone: ConePose, curve: Curve, touch: Point):
+def osculating_ring_picture(cone, curve, touch):
     """Return a picture of a cone's conic and the curve of a developable surface in the model.
 
     Parameters
@@ -203,10 +184,9 @@ def osculating_ring_picture(cone: ConePose, curve: Curve, touch: Point):
         (circle, "cone", "top view", thick),
         (curve, "chord", "tunnel", 1.4 * thick),
     ]:
-        plotter.add_mesh(scene.curve(line, size), color=COLOURS[colour])
-        flat = scene.curve(line * [1, 1, 0] + below, size)
-        plotter.add_mesh(flat, color=COLOURS[top])
-    plotter.add_mesh(scene.ball(touch, 2.5 * thick), color=COLOURS["tangent sphere"])
+        scene.put(plotter, scene.curve(line, size), colour)
+        scene.put(plotter, scene.curve(line * [1, 1, 0] + below, size), top)
+    scene.put(plotter, scene.ball(touch, 2.5 * thick), "tangent sphere")
     opposite = circle[np.argmax(np.linalg.norm(circle - np.array(touch), axis=1))]
     letters = {
         "$C^i$": (curve[0], (1.2, 0.2)),
@@ -217,8 +197,7 @@ def osculating_ring_picture(cone: ConePose, curve: Curve, touch: Point):
     return scene.shoot(plotter, **view, letters=letters, width=4.6)
 
 
-@checked
-def plane_fans_picture(curve: Function(1), place: Finite, cone: ConePose):
+def plane_fans_picture(curve, place, cone):
     """Return pictures of neighbouring planes: of a curve's tangents, and of their osculating cone.
 
     Parameters
@@ -253,12 +232,9 @@ def _fan(starts, ways, normals, colour, name, start=None):
     plotter = scene.empty()
     ahead = 0.9 * ways / np.linalg.norm(ways, axis=-1, keepdims=True)
     across = 0.5 * np.cross(normals, ahead)
-    last = len(starts) - 1
-    for k, middle in enumerate(starts + ahead):
-        look = {"color": COLOURS[colour], "opacity": 0.2}
-        if k == last:
-            look = {"color": COLOURS["error"], "opacity": 1.0}
-        plotter.add_mesh(scene.rectangle(middle, ahead[k], across[k]), **look)
+    looks = [(colour, 0.2)] * (len(starts) - 1) + [("error", 1.0)]
+    for middle, *sides, (shown, opacity) in zip(starts + ahead, ahead, across, looks, strict=True):
+        scene.put(plotter, scene.rectangle(middle, *sides), shown, opacity=opacity)
     letters = {name: (starts[-1] + 2 * ahead[-1], (1.4, 0.4))}
     if start:
         letters[start] = starts[-1], (-0.9, -0.7)

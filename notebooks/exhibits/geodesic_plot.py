@@ -1,21 +1,15 @@
 """Why a geodesic is the shortest way: plane drawings, each on the Axes `ax` it is given."""
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from kit.style import COLOURS
-from tunneller_lib.arguments import Finite, checked
 from tunneller_lib.paths import competing_geodesics, geodesic_direct
 from tunneller_lib.paths.direct_problem import half_swing
-from tunneller_lib.surfaces import Torus
-
-from .path_plot import JointPosition, Tori
 
 FAN = np.radians(np.linspace(178, 33, 500))  # azimuths, from straight down to steeply up
 
 
-@checked
-def draw_half_swings(ax: Axes, tori: Tori):
+def draw_half_swings(ax, tori):
     """Draw the angle of half a swing over Clairaut's constant, a curve for each torus.
 
     The constant is a share of the outer equator's radius, where the curve ends in a dot.
@@ -25,30 +19,20 @@ def draw_half_swings(ax: Axes, tori: Tori):
     ax : matplotlib.axes.Axes
     tori : list of Torus
         At most three, which differ by the line's style.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The curves, in deg.
     """
-    if len(tori) > 3:
-        raise ValueError(f"tori: must be at most three; got {len(tori)}.")
-    lines = []
     for torus, line in zip(tori, ("-", "--", ":"), strict=False):
         narrow = max(torus.r - torus.R, 0.0)
         wide = torus.r + torus.R
         c = narrow + (wide - narrow) * np.linspace(0.002, 1, 300)
         turned = np.degrees(half_swing(torus, c)[0])
         label = f"r/R = {torus.r / torus.R:g}"
-        lines += ax.plot(c / wide, turned, line, color=COLOURS["geodesic"], label=label)
+        ax.plot(c / wide, turned, line, color=COLOURS["geodesic"], label=label)
         ax.plot(1, turned[-1], "k.")
     ax.set(xlabel="c / (r + R)", ylabel="half a swing / deg", ylim=(60, 360))
     ax.legend(fontsize=7)
-    return lines
 
 
-@checked
-def draw_arrivals(ax: Axes, torus: Torus, begin: JointPosition, level: Finite):
+def draw_arrivals(ax, torus, begin, level):
     """Draw how far geodesics in a fan of directions have turned when they meet a parallel.
 
     Parameters
@@ -73,25 +57,15 @@ def draw_arrivals(ax: Axes, torus: Torus, begin: JointPosition, level: Finite):
     lines = []
     for number, line, words in ((1, "-", "first arrival"), (2, "--", "second arrival")):
         which, place = np.nonzero(count == number)
-        lines += ax.plot(
-            np.degrees(FAN[which]),
-            np.degrees(turns[which, place]),
-            line,
-            color=COLOURS["geodesic"],
-            label=words,
-        )
-    ax.set(
-        xlabel="azimuth at P / deg",
-        ylabel="turned at Q's parallel / deg",
-        xlim=(180, 30),
-        ylim=(0, 360),
-    )
+        arrived = np.degrees(FAN[which]), np.degrees(turns[which, place])
+        lines += ax.plot(*arrived, line, color=COLOURS["geodesic"], label=words)
+    ax.set(xlabel="azimuth at P / deg", ylabel="turned at Q's parallel / deg")
+    ax.set(xlim=(180, 30), ylim=(0, 360))
     ax.legend(fontsize=7)
     return lines
 
 
-@checked
-def draw_mirrored(ax: Axes, torus: Torus, begin: JointPosition, end: JointPosition):
+def draw_mirrored(ax, torus, begin, end):
     """Draw a geodesic that turns backwards by more than half a turn, and its mirror image.
 
     Parameters
@@ -101,34 +75,15 @@ def draw_mirrored(ax: Axes, torus: Torus, begin: JointPosition, end: JointPositi
         The surface, with r > R.
     begin, end : (2,) float
         Its ends: theta and phi in rad; theta is 0 at the one, between 0 and pi at the other.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The way; its image up to the half-plane opposite its beginning, where that has a corner.
-
-    Raises
-    ------
-    ValueError
-        If the ends are others, or no such geodesic stays clear of the inner equator.
     """
-    if begin[0] != 0 or not 0 < end[0] < np.pi:
-        raise ValueError(
-            "begin, end: must have theta 0, and one between 0 and pi; got "
-            f"{begin[0]:g} and {end[0]:g}."
-        )
     ways = competing_geodesics(torus, begin, end)
     backwards = np.flatnonzero((np.sin(ways.azimuth1) < 0) & (ways.kind == "outer"))
-    if not len(backwards):
-        raise ValueError("torus, begin, end: no geodesic over the outer equator joins these.")
     theta, phi = ways.points(401).position[backwards[0]].T
     told = f"turns by {abs(np.degrees(theta[-1] - theta[0])):.0f} deg"
-    lines = ax.plot(np.degrees(theta), np.degrees(phi), color="0.55", label=told)
+    ax.plot(np.degrees(theta), np.degrees(phi), color="0.55", label=told)
     near = theta > -np.pi
-    mirrored = np.where(near, -theta, theta + 2 * np.pi)
-    lines += ax.plot(
-        np.degrees(mirrored), np.degrees(phi), color=COLOURS["geodesic"], label="mirrored"
-    )
+    mirrored = np.degrees(np.where(near, -theta, theta + 2 * np.pi))
+    ax.plot(mirrored, np.degrees(phi), color=COLOURS["geodesic"], label="mirrored")
     for at in (-180, 180):
         ax.axvline(at, color="0.8", lw=0.8)
     ax.plot(*np.degrees(begin), "k.")
@@ -141,4 +96,3 @@ def draw_mirrored(ax: Axes, torus: Torus, begin: JointPosition, end: JointPositi
     ax.set_xticks(range(-180, 181, 90))
     ax.set_ylim(-30, 230)
     ax.legend(fontsize=7, loc="upper center")
-    return lines

@@ -1,18 +1,14 @@
 """Plane drawings of the machine on the Axes `ax`: its sizes, and its joint limits."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle
 
 from kit.style import COLOURS
-from tunneller_lib.arguments import Angle, checked
-from tunneller_lib.surfaces import Egg, Machine
 
 from .plot import equal
 
 
-@checked
-def draw_side_view(ax: Axes, machine: Machine, egg: Egg, theta: Angle):
+def draw_side_view(ax, machine, egg, theta):
     """Draw the machine from its right side at phi = 0, with its sizes and its place in the tunnel.
 
     Parameters
@@ -24,11 +20,6 @@ def draw_side_view(ax: Axes, machine: Machine, egg: Egg, theta: Angle):
         The tunnel's section, of which crown, roof centre and invert are seen.
     theta : float
         Angle of the horizontal joint, in rad.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The two limbs, r and R.
     """
     tip = machine.torus.point(theta, 0.0)[[0, 2]]
     hinge = tip * machine.r / (machine.r + machine.R)
@@ -37,8 +28,8 @@ def draw_side_view(ax: Axes, machine: Machine, egg: Egg, theta: Angle):
         style = "--" if level == 0 else "-"
         ax.axhline(level, color=COLOURS["tunnel"], ls=style, lw=1 if level == 0 else 3, zorder=0)
         ax.annotate(name, (-0.52, level), (0, 3), textcoords="offset points", fontsize=7)
-    lines = ax.plot(*np.transpose([centre, centre + hinge]), color=COLOURS["cutter"], lw=5)
-    lines += ax.plot(*np.transpose([centre + hinge, centre + tip]), color=COLOURS["machine"], lw=4)
+    ax.plot(*np.transpose([centre, centre + hinge]), color=COLOURS["cutter"], lw=5)
+    ax.plot(*np.transpose([centre + hinge, centre + tip]), color=COLOURS["machine"], lw=4)
     ax.plot(*np.transpose([centre, centre + hinge]), "o", color=COLOURS["chord"], ms=4)
     ax.add_patch(Circle(centre + tip, machine.cutter_radius, color=COLOURS["cutter"], alpha=0.5))
     ax.plot(*(centre + tip), "o", color=COLOURS["tangent sphere"])
@@ -50,11 +41,9 @@ def draw_side_view(ax: Axes, machine: Machine, egg: Egg, theta: Angle):
     ax.annotate("$R$", centre + (hinge + tip) / 2 + across, ha="center", va="center")
     ax.annotate("$-\\theta$", (0.38, machine.height + 0.07))
     equal(ax, "x / m (forwards)", "z / m (up)")
-    return lines
 
 
-@checked
-def draw_plan_view(ax: Axes, machine: Machine, phi: Angle):
+def draw_plan_view(ax, machine, phi):
     """Draw the machine from above at theta = 0, with the angle of its arm.
 
     Parameters
@@ -64,17 +53,12 @@ def draw_plan_view(ax: Axes, machine: Machine, phi: Angle):
         Its sizes, in m.
     phi : float
         Angle of the tangential joint, in rad.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The two limbs, r and R.
     """
     hinge = np.array([machine.r, 0.0])
     tip = machine.torus.point(0.0, phi)[:2]
     ax.axhline(0, color=COLOURS["chord"], lw=0.6)
-    lines = ax.plot([0, machine.r], [0, 0], color=COLOURS["cutter"], lw=5)
-    lines += ax.plot(*np.transpose([hinge, tip]), color=COLOURS["machine"], lw=4)
+    ax.plot([0, machine.r], [0, 0], color=COLOURS["cutter"], lw=5)
+    ax.plot(*np.transpose([hinge, tip]), color=COLOURS["machine"], lw=4)
     ax.plot([0, machine.r], [0, 0], "o", color=COLOURS["chord"], ms=4)
     ax.add_patch(Circle(tip, machine.cutter_radius, color=COLOURS["cutter"], alpha=0.5))
     ax.plot(*tip, "o", color=COLOURS["tangent sphere"])
@@ -83,24 +67,10 @@ def draw_plan_view(ax: Axes, machine: Machine, phi: Angle):
     ax.annotate("$r$", (machine.r / 2, -0.08), ha="center", va="center")
     ax.annotate("$R$", (hinge + tip) / 2 + [-0.05, 0.06], ha="center", va="center")
     equal(ax, "x / m (forwards)", "y / m (left)")
-    return lines
 
 
-@checked
-def draw_limits(ax: Axes, machine: Machine):
-    """Draw the joint limits of a machine, phi against theta, in degrees.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    machine : Machine
-        Whose limits.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The rectangle.
-    """
+def draw_limits(ax, machine):
+    """Draw the joint limits of a machine, phi against theta, in degrees; return the rectangle."""
     theta = np.degrees([machine.theta_min, machine.theta_max])
     phi = np.degrees([machine.phi_min, machine.phi_max])
     lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)

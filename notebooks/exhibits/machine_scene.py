@@ -10,8 +10,6 @@ import pyvista
 
 from kit.scene import curve, surface
 from kit.style import COLOURS
-from tunneller_lib.arguments import Angle, checked
-from tunneller_lib.surfaces import Machine, Section
 
 PICKS = 90  # carbide teeth drawn on the cutter
 SOLID = {"smooth_shading": True, "split_sharp_edges": True}
@@ -23,8 +21,7 @@ CASE = {"color": COLOURS["machine"], "opacity": 0.35}  # joints and cylinders sh
 THIN = {"color": COLOURS["chord"]}
 
 
-@checked
-def machine_model(machine: Machine, theta: Angle, phi: Angle):
+def machine_model(machine, theta, phi):
     """Return the parts of the machine in its own frame, origin on the horizontal joint.
 
     Parameters
@@ -80,8 +77,7 @@ def _base(machine, t):
     return [(pyvista.merge(beams + forks), BODY), (block, BODY)]
 
 
-@checked
-def machine_letters(machine: Machine, theta: Angle, phi: Angle):
+def machine_letters(machine, theta, phi):
     """Return both axes and both angles of a posed machine, and what its parts are called.
 
     Parameters
@@ -147,8 +143,7 @@ class _Frame:
         return mesh.transform(matrix, inplace=False)
 
 
-@checked
-def machine_in_tunnel(machine: Machine, section: Section, theta: Angle, phi: Angle):
+def machine_in_tunnel(machine, section, theta, phi):
     """Return the parts of the machine where it stands in a tunnel, and the tunnel's far wall.
 
     Parameters
@@ -196,15 +191,9 @@ def _box(x, y, z):
 
 
 def _rod(a, b, radius):
-    a = np.asarray(a, dtype=float)
-    b = np.asarray(b, dtype=float)
-    return pyvista.Cylinder(
-        center=(a + b) / 2,
-        direction=b - a,
-        radius=radius,
-        height=np.linalg.norm(b - a),
-        resolution=40,
-    )
+    a, b = np.array([a, b], dtype=float)
+    size = {"radius": radius, "height": np.linalg.norm(b - a), "resolution": 40}
+    return pyvista.Cylinder(center=(a + b) / 2, direction=b - a, **size)
 
 
 def _cylinder(a, b, width):
@@ -221,14 +210,7 @@ def _picks(radius):
     ring = np.sqrt(1 - x * x)
     out = np.stack([x, ring * np.cos(turn), ring * np.sin(turn)], axis=-1)[x > -0.8]
     height = 0.2 * radius
-    teeth = [
-        pyvista.Cone(
-            center=(radius - height / 2) * axis,
-            direction=axis,
-            height=height,
-            radius=0.4 * height,
-            resolution=16,
-        )
-        for axis in out
-    ]
+    size = {"height": height, "radius": 0.4 * height, "resolution": 16}
+    middle = radius - height / 2
+    teeth = [pyvista.Cone(center=middle * axis, direction=axis, **size) for axis in out]
     return pyvista.merge(teeth)

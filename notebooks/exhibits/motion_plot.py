@@ -3,27 +3,13 @@
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from kit.kinds import Series
-from kit.style import COLOURS, Colour, check_colour_names
-from tunneller_lib.arguments import Each, Finite, Positive, Wholes, checked
-from tunneller_lib.motion.tasks import HandOver, Task, schedule
-
-LONGEST = 1000  # ticks of a segment that is drawn
+from kit.style import COLOURS
+from tunneller_lib.motion.tasks import schedule
 
 
-@checked
-def draw_setvalues(
-    ax: Axes,
-    t: Series,
-    values: Series,
-    ideal: Series,
-    *,
-    box: Finite | None = None,
-    colour: Colour = "correct",
-):
+def draw_setvalues(ax, t, values, ideal, *, box=None, colour="correct"):
     """Draw set-values as circles on their ideal line, as the document's listing plots them.
 
     Parameters
@@ -37,47 +23,18 @@ def draw_setvalues(
         Height of a rectangle about each set-value, a step wide; none where it isn't above zero.
     colour : str
         Name in `COLOURS`.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The ideal line and the circles.
     """
-    if not len(t) == len(values) == len(ideal):
-        lengths = len(t), len(values), len(ideal)
-        raise ValueError(f"t, values, ideal: must be of one length; got {lengths}.")
-    lines = ax.plot(t, ideal, color=COLOURS["chord"], lw=0.8)
-    lines += ax.plot(t, values, "o", color=COLOURS[colour], mfc="white", ms=4.5)
-    if box is None or box <= 0:
-        return lines
+    ax.plot(t, ideal, color=COLOURS["chord"], lw=0.8)
+    ax.plot(t, values, "o", color=COLOURS[colour], mfc="white", ms=4.5)
+    if not box or box < 0:
+        return
     width = t[1] - t[0]
     for x, y in zip(t, values, strict=True):
         corner = (x - width / 2, y - box / 2)
         ax.add_patch(Rectangle(corner, width, box, fill=False, ec=COLOURS[colour], lw=0.6))
-    return lines
 
 
-def _draw_rows(ax, rows, unit):
-    """Draw rows, by name a colour's name and a list of (start, stop); return each row's bars."""
-    bars = []
-    for i, (colour, spans) in enumerate(rows.values()):
-        lengths = [(unit * a, unit * (b - a)) for a, b in spans]
-        bars.append(ax.broken_barh(lengths, (-i - 0.38, 0.76), fc=COLOURS[colour], lw=0))
-    ax.set_yticks(-np.arange(len(rows)), list(rows))
-    ax.tick_params(axis="y", length=0)
-    ax.set_ylim(0.6 - len(rows), 0.6)
-    return bars
-
-
-@checked
-def draw_hand_over(
-    ax: Axes,
-    tasks: Each(Task),
-    run: HandOver,
-    ticks: Wholes("(n,) int", 1, LONGEST),
-    *,
-    unit: Positive = 1.0,
-):
+def draw_hand_over(ax, tasks, run, ticks, *, unit=1.0):
     """Draw fast tasks, preparations, segments and waits of a run with a double buffer (Fig. 7).
 
     Parameters
@@ -91,17 +48,7 @@ def draw_hand_over(
         How long each segment lasts, 1 to 1000.
     unit : float
         Drawn time of one unit of the tasks.
-
-    Raises
-    ------
-    ValueError
-        If a task's name is no colour's, or there aren't as many ticks as segments.
     """
-    if not tasks:
-        raise ValueError("tasks: must be at least one; got none.")
-    check_colour_names("tasks", [task.name for task in tasks])
-    if np.shape(ticks) != (len(run.started),):
-        raise ValueError(f"ticks: must be {len(run.started)} numbers (n,); got {np.shape(ticks)}.")
     # A row a task, the most urgent on top; beneath them how the segments fared.
     tick = tasks[0].period
     ends = [start + number * tick for start, number in zip(run.started, ticks, strict=True)]
@@ -114,25 +61,25 @@ def draw_hand_over(
     rows["segment"] = "tangent sphere", list(zip(run.started, ends, strict=True))
     waits = zip(run.needed, run.started, strict=True)
     rows["starved"] = "error", [(needed, started) for needed, started in waits if started > needed]
-    bars = _draw_rows(ax, rows, unit)
+    bars = []
+    for i, (colour, spans) in enumerate(rows.values()):
+        lengths = [(unit * a, unit * (b - a)) for a, b in spans]
+        bars.append(ax.broken_barh(lengths, (-i - 0.38, 0.76), fc=COLOURS[colour], lw=0))
+    ax.set_yticks(-np.arange(len(rows)), list(rows))
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(0.6 - len(rows), 0.6)
     bars[-2].set(ec="white", lw=1.0)  # segments follow each other without a gap
     for start in run.started:
         ax.axvline(unit * start, color=COLOURS["chord"], lw=0.4, ls=":")
 
 
-@checked
-def draw_scheme(ax: Axes):
+def draw_scheme(ax):
     """Draw the blocks of the document's scheme (Fig. 7): two tasks, and a loop for each joint.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
         Sixteen units wide and seven high, once it is drawn on.
-
-    Returns
-    -------
-    blocks : list of matplotlib.patches.Rectangle
-        The four of the tasks from top to bottom, then those of each loop from left to right.
     """
     ax.set(xlim=(0, 16), ylim=(0, 7), aspect="equal")
     ax.axis("off")
@@ -146,7 +93,6 @@ def draw_scheme(ax: Axes):
     tasks = [_block(ax, 2.1, y, text, colour, width=3.4) for y, text, colour in words]
     for upper, lower in pairwise(tasks):
         _arrow(ax, (2.1, upper.get_y()), (2.1, lower.get_y() + lower.get_height()))
-    blocks = list(tasks)
     for y, joint, cylinder in [(5.4, r"$\theta$", "cylinder"), (2.4, r"$\varphi$", "cylinders")]:
         row = [
             _block(ax, 7.8, y, f"loop of {joint}", COLOURS["servo"]),
@@ -163,8 +109,6 @@ def draw_scheme(ax: Axes):
         _arrow(ax, (14.8, last.get_y()), (14.8, back), (7.8, back), (7.8, first.get_y()))
         ax.annotate(f"set-value of {joint}", (4.8, y + 0.12), fontsize=7)
         ax.annotate(f"counts of {joint}", (10.6, back + 0.12), fontsize=7)
-        blocks += row
-    return blocks
 
 
 def _block(ax, x, y, text, colour, width=1.7):

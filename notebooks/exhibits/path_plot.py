@@ -1,13 +1,10 @@
 """Plane drawings of paths and lines on the torus, each on the Axes `ax` it is given."""
 
 from itertools import cycle
-from typing import Annotated
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from kit.style import COLOURS
-from tunneller_lib.arguments import Finite, Rule, checked, positions, shown
 from tunneller_lib.paths import (
     CHORD_PATHS,
     ChordLaw,
@@ -15,51 +12,17 @@ from tunneller_lib.paths import (
     geodesic_inverse,
     path_length,
 )
-from tunneller_lib.surfaces import Torus
 
 from .plot import equal
 
 
-def _joint_position(name, value):
-    array = positions(name, value)
-    if array.ndim != 1:
-        raise ValueError(f"{name}: must be one joint position (2,); got {array.shape}.")
-    return array
-
-
-def _path_name(name, value):
-    if not isinstance(value, str) or value not in CHORD_PATHS:
-        raise ValueError(f"{name}: must be a name in CHORD_PATHS; got {shown(value)}.")
-    return value
-
-
-def _path_names(name, value):
-    if not isinstance(value, (list, tuple)):
-        raise ValueError(f"{name}: must be a list of names in CHORD_PATHS; got {shown(value)}.")
-    return [_path_name(f"{name}[{i}]", one) for i, one in enumerate(value)]
-
-
-def _tori(name, value):
-    if not isinstance(value, (list, tuple)) or not all(isinstance(one, Torus) for one in value):
-        raise ValueError(f"{name}: must be a list of tori; got {shown(value)}.")
-    return list(value)
-
-
-JointPosition = Annotated[np.ndarray, Rule("(2,) float", _joint_position, "rad")]
-PathName = Annotated[str, Rule("str", _path_name)]
-PathNames = Annotated[list, Rule("list of str", _path_names)]
-Tori = Annotated[list, Rule("list of Torus", _tori)]
-
-
-@checked
-def path_style(name: PathName):
+def path_style(name):
     """Return how the chord path of this name is drawn, as options of matplotlib's plot."""
     path = CHORD_PATHS[name]
     return {"color": COLOURS[path.colour], "ls": path.line, "label": name}
 
 
-@checked
-def draw_ways(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
+def draw_ways(ax, torus, p, q):
     """Draw the geodesic and its stand-ins between two positions in the plane of the joint angles.
 
     Parameters
@@ -69,18 +32,11 @@ def draw_ways(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
         The surface.
     p, q : (2,) float
         Joint positions (theta, phi) of the ends, in rad.
-
-    Returns
-    -------
-    artists : list
-        The curves, each labelled with its excess of length.
     """
     geodesic = geodesic_inverse(torus, p, q)
-    if not geodesic.length:
-        raise ValueError(f"p, q: must differ, or there is no way between them; got {shown(p)}.")
     theta, phi = np.degrees(geodesic.points(201).position.T)
     label = f"geodesic, {geodesic.length:.3f} m"
-    artists = ax.plot(theta, phi, color=COLOURS["geodesic"], label=label)
+    ax.plot(theta, phi, color=COLOURS["geodesic"], label=label)
     t = np.linspace(0, 1, 201)
     for name in ("tangent spheres", "joint space"):
         path = CHORD_PATHS[name]
@@ -88,14 +44,12 @@ def draw_ways(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
         excess = 1e6 * (path_length(torus, path, p, q) / geodesic.length - 1)
         told = f"longer by {float(f'{excess:.3g}'):g} ppm"  # three digits, no exponent
         style = path_style(name) | {"label": f"{name}, {told}"}
-        artists += ax.plot(theta, phi, **style)
+        ax.plot(theta, phi, **style)
     ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
     ax.legend()
-    return artists
 
 
-@checked
-def draw_competing(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
+def draw_competing(ax, torus, p, q):
     """Draw the geodesics that may be the shortest on a ring, unrolled.
 
     Parameters
@@ -105,21 +59,15 @@ def draw_competing(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
         The surface, with r > R.
     p, q : (2,) float
         Joint positions (theta, phi) of the ends, in rad.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The geodesics, the shortest first and in colour.
     """
     found = competing_geodesics(torus, p, q)
     shortest = {"color": COLOURS["geodesic"], "lw": 2}
     longer = {"color": "0.55", "lw": 1}
     box = {"fc": "w", "ec": "none", "pad": 0.8}
     middle = {"fontsize": 8, "ha": "center", "va": "center"}
-    lines = []
     for k, way in enumerate(found.points(201).position):
         theta, phi = np.degrees(way.T)
-        lines += ax.plot(theta, phi, **(shortest if k == 0 else longer))
+        ax.plot(theta, phi, **(shortest if k == 0 else longer))
         at = 155 if found.kind[k] == "inner" else 100
         ax.annotate(f"{found.length[k]:.2f} m", (theta[at], phi[at]), bbox=box, **middle)
     (theta, phi), (theta1, phi1) = np.degrees([p, q])
@@ -130,13 +78,9 @@ def draw_competing(ax: Axes, torus: Torus, p: JointPosition, q: JointPosition):
     ax.annotate("P", (theta, phi - 32), ha="center")
     ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg", xlim=(-190, 190))
     ax.set_xticks(range(-180, 181, 60))
-    return lines
 
 
-@checked
-def draw_deviations(
-    ax: Axes, torus: Torus, p: JointPosition, q: JointPosition, *, rules: PathNames
-):
+def draw_deviations(ax, torus, p, q, *, rules):
     """Draw how far stand-ins for the geodesic lie beside it.
 
     Parameters
@@ -148,26 +92,18 @@ def draw_deviations(
         Joint positions (theta, phi) of the ends, in rad.
     rules : list of str
         Names in `CHORD_PATHS`.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        One for each rule, in mm over the chord in m.
     """
     samples = geodesic_inverse(torus, p, q).points(513)
     t = np.linspace(0, 1, 65)
     chord = np.linalg.norm(np.diff(torus.point(*np.transpose([p, q])), axis=0))
-    lines = []
     for name in rules:
         off = samples.deviation(CHORD_PATHS[name](torus, p, q, t))
-        lines += ax.plot((t - 0.5) * chord, 1000 * off, **path_style(name))
+        ax.plot((t - 0.5) * chord, 1000 * off, **path_style(name))
     ax.axhline(0, color=COLOURS["geodesic"], lw=0.8)
     ax.set(xlabel="place along the chord / m", ylabel="beside the geodesic / mm")
-    return lines
 
 
-@checked
-def draw_gap(ax: Axes, tori: Tori, p: JointPosition, q: JointPosition):
+def draw_gap(ax, tori, p, q):
     """Draw the law of the tangent spheres' gap beside the geodesic, and the gap on some tori.
 
     Parameters
@@ -177,16 +113,10 @@ def draw_gap(ax: Axes, tori: Tori, p: JointPosition, q: JointPosition):
         The surfaces on which the gap is measured.
     p, q : (2,) float
         Joint positions (theta, phi) of the ends, in rad.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The law, then the dots of each torus: the gap over r, and the angle between the normals
-        at P and on the way in degrees.
     """
     law = ChordLaw(p, q)
     u = np.linspace(0, 1, 129)
-    lines = ax.plot(np.degrees(u * law.angle), law.gap(u), color=COLOURS["chord"], label="law")
+    ax.plot(np.degrees(u * law.angle), law.gap(u), color=COLOURS["chord"], label="law")
     t = np.linspace(0, 1, 25)
     half = law.angle / 2
     turned = half + np.arctan((2 * t - 1) * np.tan(half))  # of the chord's points, as on a sphere
@@ -195,13 +125,11 @@ def draw_gap(ax: Axes, tori: Tori, p: JointPosition, q: JointPosition):
         off = geodesic_inverse(torus, p, q).points(513).deviation(way)
         label = f"R/r = {torus.R / torus.r:.3g}"
         look = {"ls": "", "marker": marker, "ms": 4, "color": "0.45"}
-        lines += ax.plot(np.degrees(turned), off / torus.r, **look, label=label)
+        ax.plot(np.degrees(turned), off / torus.r, **look, label=label)
     ax.set(xlabel="angle between the normals / deg", ylabel="beside the geodesic / r")
-    return lines
 
 
-@checked
-def draw_ruling(ax: Axes, torus: Torus, y: Finite, z: Finite):
+def draw_ruling(ax, torus, y, z):
     """Draw a ruling of the tunnel, and the circles in which its plane y cuts the torus.
 
     Parameters
@@ -211,19 +139,7 @@ def draw_ruling(ax: Axes, torus: Torus, y: Finite, z: Finite):
         The surface, in m.
     y, z : float
         Place of the ruling, which is parallel to x, in m.
-
-    Returns
-    -------
-    dots : list of matplotlib.lines.Line2D
-        Where they meet; the one of greatest x is in colour.
-
-    Raises
-    ------
-    ValueError
-        If the ruling is ten times farther away than the torus reaches.
     """
-    if np.hypot(y, z) > 10 * (torus.r + torus.R):
-        raise ValueError(f"y, z: must be within ten sizes of the torus; got ({y:g}, {z:g}) m.")
     half = np.sqrt(max(torus.R**2 - y**2, 0))
     turn = np.linspace(0, 2 * np.pi, 361)
     for radius, sheet in ((torus.r + half, "torus"), (torus.r - half, "inner sheet")):
@@ -232,8 +148,7 @@ def draw_ruling(ax: Axes, torus: Torus, y: Finite, z: Finite):
     ax.plot([-reach, reach], [z, z], color=COLOURS["chord"], lw=1)
     t = torus.meet_line((0.0, y, z), (1.0, y, z))
     t = t[np.isfinite(t)]
-    dots = ax.plot(t, np.full_like(t, z), "o", color=COLOURS["chord"])
-    dots += ax.plot(t[-1:], t[-1:] * 0 + z, "o", color=COLOURS["tangent sphere"], ms=8)
+    ax.plot(t, np.full_like(t, z), "o", color=COLOURS["chord"])
+    ax.plot(t[-1:], t[-1:] * 0 + z, "o", color=COLOURS["tangent sphere"], ms=8)
     equal(ax, "x / m (forwards)", "z / m (up)")
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
-    return dots

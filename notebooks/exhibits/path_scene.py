@@ -3,21 +3,13 @@
 import numpy as np
 
 from kit import scene
-from kit.style import COLOURS
-from tunneller_lib.arguments import Positive, Whole, checked
 from tunneller_lib.paths import geodesic_inverse, project_chord
-from tunneller_lib.surfaces import Torus
-
-from .path_plot import JointPosition
 
 GAUGE = 0.007  # m, radius of what is drawn of a curve
 FROM_THE_SIDE = 0.7, -1.6, 0.5  # towards the camera
 
 
-@checked
-def three_ways_in_space(
-    torus: Torus, p: JointPosition, q: JointPosition, *, exaggeration: Positive
-):
+def three_ways_in_space(torus, p, q, *, exaggeration):
     """Return a picture of the chord, the geodesic and the projected chord between two corners.
 
     Parameters
@@ -43,10 +35,10 @@ def three_ways_in_space(
     plotter.window_size = 1300, 975
     angles = [np.linspace(a, b, n) for a, b, n in zip(p, q, (80, 60), strict=True)]
     patch = scene.surface(torus.point(*np.meshgrid(*angles, indexing="ij")))
-    plotter.add_mesh(patch, color=COLOURS["torus"], opacity=0.5)
+    scene.put(plotter, patch, "torus", opacity=0.5)
     ways = {"geodesic": curve.point, "tangent sphere": wide, "chord": chord}
     for colour, points in ways.items():
-        plotter.add_mesh(scene.curve(points, GAUGE), color=COLOURS[colour])
+        scene.put(plotter, scene.curve(points, GAUGE), colour)
     letters = {
         "$P$": (chord[0], (-0.7, 0.3)),
         "$Q$": (chord[-1], (0.5, -0.7)),
@@ -58,17 +50,7 @@ def three_ways_in_space(
     return scene.shoot(plotter, direction=direction, zoom=1.0, letters=letters, width=7.4)
 
 
-@checked
-def projected_chord(
-    torus: Torus,
-    p: JointPosition,
-    q: JointPosition,
-    *,
-    low: JointPosition,
-    high: JointPosition,
-    steps: Whole(1, 1000),
-    geodesic: bool = False,
-):
+def projected_chord(torus, p, q, *, low, high, steps, geodesic=False):
     """Return a scene of a chord, its projection step by step, and the patch that it is on.
 
     Parameters
@@ -92,31 +74,22 @@ def projected_chord(
     plotter = scene.empty()
     angles = [np.linspace(a, b, 80) for a, b in zip(low, high, strict=True)]
     patch = scene.surface(torus.point(*np.meshgrid(*angles, indexing="ij")))
-    plotter.add_mesh(patch, color=COLOURS["torus"], opacity=0.45, smooth_shading=True)
+    scene.put(plotter, patch, "torus", opacity=0.45, smooth_shading=True)
     path = torus.point(*project_chord(torus, p, q, 200).T)
-    plotter.add_mesh(scene.curve(path, 0.006), color=COLOURS["tangent sphere"])
+    scene.put(plotter, scene.curve(path, 0.006), "tangent sphere")
     dots = torus.point(*project_chord(torus, p, q, steps + 1).T)
     chord = dots[0] + np.linspace(0, 1, steps + 1)[:, None] * (dots[-1] - dots[0])
-    plotter.add_mesh(scene.curve(chord, 0.004), color=COLOURS["chord"])
+    scene.put(plotter, scene.curve(chord, 0.004), "chord")
     for m, n in zip(chord, dots, strict=True):
-        plotter.add_mesh(scene.curve([m, n], 0.002), color=COLOURS["chord"])
-        plotter.add_mesh(scene.ball(n, 0.013), color=COLOURS["tangent sphere"])
+        scene.put(plotter, scene.curve([m, n], 0.002), "chord")
+        scene.put(plotter, scene.ball(n, 0.013), "tangent sphere")
     if geodesic:
         way = geodesic_inverse(torus, p, q).points(200).point
-        plotter.add_mesh(scene.curve(way, 0.006), color=COLOURS["geodesic"])
+        scene.put(plotter, scene.curve(way, 0.006), "geodesic")
     return scene.look(plotter, FROM_THE_SIDE)
 
 
-@checked
-def projected_chord_picture(
-    torus: Torus,
-    p: JointPosition,
-    q: JointPosition,
-    *,
-    low: JointPosition,
-    high: JointPosition,
-    steps: Whole(10, 1000),
-):
+def projected_chord_picture(torus, p, q, *, low, high, steps):
     """Return a picture of that scene with letters at its ends and at the fifth of its points.
 
     Parameters

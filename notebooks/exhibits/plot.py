@@ -1,49 +1,31 @@
 """Plane drawings of the study's shapes, each on the Axes `ax` that it is given."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Patch, PathPatch
 from matplotlib.path import Path
 
-from kit.kinds import Chart, Lines, Pictures
 from kit.style import COLOURS
-from tunneller_lib.arguments import Point, checked, shown
-from tunneller_lib.surfaces import Egg, Section, Torus
 from tunneller_lib.surfaces.torus import FEET
 
 GRADES = [1e-9, 1, 10, 50]  # %, where a chart's next shade begins
 SHADES = ["white", "#f6d5a8", "#e69f00", "#b35806", "#5a2000"]
 
 
-@checked
-def equal(ax: Axes, xlabel: str, ylabel: str):
+def equal(ax, xlabel, ylabel):
     """Give both axes of a drawing one scale, and their labels `xlabel` and `ylabel`."""
     ax.set_aspect("equal")
     ax.set(xlabel=xlabel, ylabel=ylabel)
 
 
-@checked
-def draw_pictures(axes: np.ndarray, pictures: Pictures, titles: Lines):
-    """Put pictures (n, m, 3), such as those of scenes, on as many axes, each with its title.
-
-    Raises
-    ------
-    ValueError
-        If `axes` doesn't hold as many Axes as there are pictures and titles.
-    """
-    if not all(isinstance(ax, Axes) for ax in axes.flat):
-        raise ValueError(f"axes: must hold matplotlib's Axes; got {shown(axes)}.")
-    if not axes.size == len(pictures) == len(titles):
-        counts = axes.size, len(pictures), len(titles)
-        raise ValueError(f"axes, pictures, titles: must be as many of each; got {counts}.")
+def draw_pictures(axes, pictures, titles):
+    """Put pictures (n, m, 3), such as those of scenes, on as many axes, each with its title."""
     for ax, picture, title in zip(axes.flat, pictures, titles, strict=True):
         ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
         ax.set_title(title)
         ax.axis("off")
 
 
-@checked
-def draw_shares(ax: Axes, shares: Chart, columns: Lines, counts: Lines):
+def draw_shares(ax, shares, columns, counts):
     """Draw a chart of squares, the darker the greater a share: white is none.
 
     Parameters
@@ -60,17 +42,7 @@ def draw_shares(ax: Axes, shares: Chart, columns: Lines, counts: Lines):
     -------
     key : list of matplotlib.patches.Patch
         For a legend of the grades.
-
-    Raises
-    ------
-    ValueError
-        If the names aren't as many as columns, and the counts as rows and a head.
     """
-    if shares.shape != (len(counts) - 1, len(columns)):
-        raise ValueError(
-            f"shares: must have {len(counts) - 1} rows and {len(columns)} columns, as counts and "
-            f"columns say; got {shares.shape}."
-        )
     grade = np.digitize(shares, GRADES)
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
     for level in range(1, len(SHADES)):
@@ -88,8 +60,7 @@ def draw_shares(ax: Axes, shares: Chart, columns: Lines, counts: Lines):
     ]
 
 
-@checked
-def draw_section(ax: Axes, section: Section, **line: object):
+def draw_section(ax, section, **line):
     """Draw a section as seen by the machine, with y growing to the left.
 
     Parameters
@@ -99,22 +70,15 @@ def draw_section(ax: Axes, section: Section, **line: object):
         The closed curve, in m.
     **line
         Passed on to ``Axes.plot``; the tunnel's colour by default.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The curve.
     """
     y, z = section.point(np.linspace(0, section.perimeter, 721)).T
-    lines = ax.plot(y, z, **{"color": COLOURS["tunnel"], **line})
+    ax.plot(y, z, **{"color": COLOURS["tunnel"], **line})
     equal(ax, "y / m (left)", "z / m (up)")
     if not ax.xaxis_inverted():
         ax.invert_xaxis()
-    return lines
 
 
-@checked
-def draw_construction(ax: Axes, egg: Egg):
+def draw_construction(ax, egg):
     """Draw how the section is made (Fig. 4): the arcs' centres and radii, the rays to the blends.
 
     Parameters
@@ -122,13 +86,7 @@ def draw_construction(ax: Axes, egg: Egg):
     ax : matplotlib.axes.Axes
     egg : Egg
         The section, in m.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The rays, one pair for each arc.
     """
-    lines = []
     ends = egg.point(egg.blends)
     radii = ["$a$", "$3a$", "$a/2$", "$3a$"]  # of roof, right wall, invert, left wall
     shares = np.array([0.5, 0.25, 0.5, 0.75])  # of each arc to its radius, clear of the rays
@@ -136,16 +94,14 @@ def draw_construction(ax: Axes, egg: Egg):
     arcs = zip(egg.arcs, ends[:-1], ends[1:], places, radii, strict=True)
     for arc, start, stop, place, radius in arcs:
         centre = np.array([arc.y, arc.z])
-        lines += ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
+        ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
         ax.plot(*centre, "o", color=COLOURS["chord"], ms=3)
         inwards = (centre - place) / arc.radius
         ax.annotate(radius, place + 0.15 * egg.a * inwards, ha="center", va="center")
     ax.plot(*ends.T, "s", color=COLOURS["correct"], ms=4)
-    return lines
 
 
-@checked
-def draw_meridian(ax: Axes, torus: Torus):
+def draw_meridian(ax, torus):
     """Draw the two circles in which a meridian plane cuts the torus, rho against y.
 
     Parameters
@@ -153,27 +109,19 @@ def draw_meridian(ax: Axes, torus: Torus):
     ax : matplotlib.axes.Axes
     torus : Torus
         The surface, in m.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        The outer sheet, then the inner one where the tube crosses the axis.
     """
     node = np.arccos(max(-torus.r / torus.R, -1))
-    lines = []
     sheets = [("torus", -node, node), ("inner sheet", node, 2 * np.pi - node)]
     for sheet, low, high in sheets:
         phi = np.linspace(low, high, 361)
         rho, y, _ = torus.point(np.zeros_like(phi), phi).T
         for side in (1, -1):
-            lines += ax.plot(side * rho, y, color=COLOURS[sheet], lw=1.8, zorder=1)
+            ax.plot(side * rho, y, color=COLOURS[sheet], lw=1.8, zorder=1)
     ax.plot([torus.r, -torus.r], [0, 0], "+", color=COLOURS["chord"], ms=6)
     equal(ax, "distance from the axis / m", "y / m")
-    return lines
 
 
-@checked
-def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
+def draw_tangent_spheres(ax, torus, m):
     """Draw the four tangent spheres of one point, in its meridian plane.
 
     Parameters
@@ -183,22 +131,13 @@ def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
         The surface, in m.
     m : (3,) float
         The centre M, in m, with x > 0 and z = 0.
-
-    Returns
-    -------
-    circles : list of matplotlib.patches.Circle
-        In the order of `Torus.feet`; the working one has the tangent-sphere colour.
     """
-    if m[0] <= 0 or m[2]:
-        raise ValueError(f"m: must have x > 0 and z = 0; got {shown(m)}.")
     draw_meridian(ax, torus)
-    circles = []
     for index, foot in enumerate(torus.feet(m)):
         colour = COLOURS["tangent sphere"] if index == 0 else COLOURS["cutter"]
         radius = np.hypot(*(foot - m)[:2])
         width = 1.4 if index == 0 else 0.6
-        circles.append(Circle(m[:2], radius, fill=False, color=colour, lw=width))
-        ax.add_patch(circles[-1])
+        ax.add_patch(Circle(m[:2], radius, fill=False, color=colour, lw=width))
         ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
         signs = "({:+d}, {:+d})".format(*FEET[index])
         away = 14 * (foot - m)[:2] / (radius or 1.0)  # M may be its own foot
@@ -207,11 +146,9 @@ def draw_tangent_spheres(ax: Axes, torus: Torus, m: Point):
         ax.annotate(signs, foot[:2], away, fontsize=7, color=colour, bbox=box, **place)
     ax.plot(*m[:2], "o", color=COLOURS["chord"])
     ax.annotate("$M$", m[:2], (7, -5), textcoords="offset points", fontsize=8)
-    return circles
 
 
-@checked
-def draw_feet_along_axis(ax: Axes, torus: Torus, m: Point):
+def draw_feet_along_axis(ax, torus, m):
     """Draw the feet of one point as seen along the axis of revolution, x to the right and z up.
 
     Where the point lies in the plane of the equators, all of both equators solve the document's
@@ -224,11 +161,6 @@ def draw_feet_along_axis(ax: Axes, torus: Torus, m: Point):
         The surface, in m.
     m : (3,) float
         The centre M of the spheres, in m.
-
-    Returns
-    -------
-    feet : matplotlib.lines.Line2D
-        The four feet.
     """
     whole = m[1] == 0
     around = np.linspace(0, 2 * np.pi, 200)
@@ -238,11 +170,10 @@ def draw_feet_along_axis(ax: Axes, torus: Torus, m: Point):
         ax.plot(*circle, color=COLOURS[colour], lw=width)
     feet = torus.feet(m)
     ax.axline((0, 0), (m[0], m[2]), color=COLOURS["chord"], lw=0.6, ls="--")
-    [dots] = ax.plot(feet[:, 0], feet[:, 2], "o", color=COLOURS["tangent sphere"])
+    ax.plot(feet[:, 0], feet[:, 2], "o", color=COLOURS["tangent sphere"])
     ax.plot(m[0], m[2], "s", color=COLOURS["chord"])
     ax.annotate("M", (m[0], m[2]), (4, -11), textcoords="offset points")
     ax.annotate("axis", (0, 0), (3, -11), textcoords="offset points")
     ax.plot(0, 0, "+", color=COLOURS["chord"])
     ax.set(xlabel="x / m", aspect="equal", xlim=(-1.3, 1.3), ylim=(-1.3, 1.3))
     ax.set_title("$m_2 = 0$: both equators" if whole else "$m_2$ not zero: four feet")
-    return dots

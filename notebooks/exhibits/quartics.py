@@ -5,24 +5,10 @@ The library itself uses closed forms (`Torus.feet`) and brackets (`torus_line`) 
 
 import numpy as np
 
-from tunneller_lib.arguments import NotNegative, Points, Polynomials, checked
 from tunneller_lib.kernels.exact import dot
-from tunneller_lib.surfaces import Torus
-from tunneller_lib.surfaces.torus_line import check_differ
-
-FARTHEST = 1e30  # m, whose eighth power is a number
-MOST_ROOTS = 100
 
 
-def _check_reach(torus, *points):
-    """Raise ValueError where a torus or a point is too large for products of eight lengths."""
-    size = max(torus.r, torus.R, *(np.abs(p).max(initial=0.0) for p in points))
-    if size > FARTHEST:
-        raise ValueError(f"torus, points: must be at most {FARTHEST:g} m in size; got {size:g} m.")
-
-
-@checked
-def line_quartic(torus: Torus, a: Points, b: Points):
+def line_quartic(torus, a, b):
     """Return the coefficients of the quartic in t for a line a + t (b - a) (Eq. 5).
 
     Parameters
@@ -41,8 +27,7 @@ def line_quartic(torus: Torus, a: Points, b: Points):
     -----
     Corrected: T2 has 4 t3^2 (printed 2 t3^2) and T0 has t2^2 (printed t2).
     """
-    _check_reach(torus, a, b)
-    a, b = np.broadcast_arrays(a, b)
+    a, b = np.broadcast_arrays(np.asarray(a, dtype=float), b)
     u = b - a
     # With p = a + t u, |p|^2 - r^2 - R^2 is t4 t^2 + 2 t3 t + t2, and Eq. 4 says that its square
     # is 4 r^2 (R^2 - y^2).
@@ -52,30 +37,25 @@ def line_quartic(torus: Torus, a: Points, b: Points):
     ring = 4 * torus.r**2
     a2 = a[..., 1]
     u2 = u[..., 1]
-    return np.stack(
-        [
-            t4**2,
-            4 * t3 * t4,
-            ring * u2**2 + 2 * t2 * t4 + 4 * t3**2,
-            2 * ring * a2 * u2 + 4 * t2 * t3,
-            t2**2 - ring * (torus.R**2 - a2**2),
-        ],
-        axis=-1,
-    )
+    coefficients = [
+        t4**2,
+        4 * t3 * t4,
+        ring * u2**2 + 2 * t2 * t4 + 4 * t3**2,
+        2 * ring * a2 * u2 + 4 * t2 * t3,
+        t2**2 - ring * (torus.R**2 - a2**2),
+    ]
+    return np.stack(coefficients, axis=-1)
 
 
-@checked
-def meet_line(torus: Torus, a: Points, b: Points):
+def meet_line(torus, a, b):
     """Return where lines through a and b (..., 3) meet a torus, as `Torus.meet_line` does.
 
     By the eigenvalues of Eq. 5's companion matrix: (..., 4) ascending, NaN-padded.
     """
-    check_differ(a, b)
     return real_roots(line_quartic(torus, a, b))
 
 
-@checked
-def foot_quartic(torus: Torus, m: Points):
+def foot_quartic(torus, m):
     """Return the coefficients of the quartic in n1 of the tangent-sphere feet (Eqs 10 and 11).
 
     Parameters
@@ -97,8 +77,7 @@ def foot_quartic(torus: Torus, m: Points):
     (r^2 - R^2)^2 before its first bracket, no m3^2 behind it, and (r^2 - R^2) within its last.
     Written in s = m1^2 + m3^2, in which all three are polynomials.
     """
-    _check_reach(torus, m)
-    m1, m2, m3 = np.moveaxis(m, -1, 0)
+    m1, m2, m3 = np.moveaxis(np.asarray(m, dtype=float), -1, 0)
     rr = torus.r**2
     RR = torus.R**2
     s = m1**2 + m3**2
@@ -107,20 +86,17 @@ def foot_quartic(torus: Torus, m: Points):
     nu4 = (s - rr) ** 2 + 2 * (s + rr) * m22 + m22**2
     nu2 = (rr + RR) * (s - rr) ** 2 + (2 * rr + RR) * (s + rr) * m22 + rr * m22**2
     nu0 = ((rr - RR) * (s - rr)) ** 2 + 2 * rr * (rr - RR) * (s + rr) * m22 + (rr * m22) ** 2
-    return np.stack(
-        [
-            s**2 * nu4,
-            np.zeros_like(s),
-            -2 * m11 * s * nu2,
-            8 * rr * RR * s * m1**3 * m22,
-            m11**2 * nu0,
-        ],
-        axis=-1,
-    )
+    coefficients = [
+        s**2 * nu4,
+        np.zeros_like(s),
+        -2 * m11 * s * nu2,
+        8 * rr * RR * s * m1**3 * m22,
+        m11**2 * nu0,
+    ]
+    return np.stack(coefficients, axis=-1)
 
 
-@checked
-def real_roots(coefficients: Polynomials, *, threshold: NotNegative = 2.0**-26):
+def real_roots(coefficients, *, threshold=2.0**-26):
     """Return the real roots (..., n) of polynomials, ascending and NaN-padded.
 
     Parameters
@@ -137,11 +113,8 @@ def real_roots(coefficients: Polynomials, *, threshold: NotNegative = 2.0**-26):
     roots : (..., n) float
         Real parts of eigenvalues of the companion matrix.
     """
+    coefficients = np.asarray(coefficients, dtype=float)
     n = coefficients.shape[-1] - 1
-    if not 1 <= n <= MOST_ROOTS:
-        raise ValueError(
-            f"coefficients: must be of a degree from 1 to {MOST_ROOTS}; got degree {n}."
-        )
     with np.errstate(all="ignore"):
         monic = coefficients[..., 1:] / coefficients[..., :1]
     finite = np.all(np.isfinite(monic), axis=-1, keepdims=True)

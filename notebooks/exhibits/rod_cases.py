@@ -9,14 +9,13 @@ other processors, and hard lines are hard in their last bits.
 
 import numpy as np
 
-from tunneller_lib.arguments import Whole, checked
+from tunneller_lib.arguments import Whole
 
 Count = Whole(1, 1_000_000)
 TRIPLES = np.array([[16, 63], [33, 56], [25, 60], [39, 52], [0, 65]])  # x^2 + y^2 = 65^2
 
 
-@checked
-def whole_rotations(rng: np.random.Generator, n: Count, most: Whole(1, 1000) = 9):
+def whole_rotations(rng, n, most=9):
     """Return whole matrices (n, 3, 3) whose columns are perpendicular and of length N (n,).
 
     They are rotations, times N, of quaternions whose parts are whole and at most `most`.
@@ -54,16 +53,14 @@ def _some(rng, n):
     return u
 
 
-@checked
-def whole_rims(rng: np.random.Generator, n: Count):
+def whole_rims(rng, n):
     """Lines of any direction through points that are exactly on a rim."""
     a, b, radius, _, rim, _ = _whole_rods(rng, n)
     upper = rng.random(n)[:, None] < 0.5
     return _as_lines(a, b, radius, rim + np.where(upper, b - a, 0), _some(rng, n))
 
 
-@checked
-def far_rims(rng: np.random.Generator, n: Count):
+def far_rims(rng, n):
     """The same far from the origin, at any scale."""
     a, b, radius, p, u = whole_rims(rng, n)
     away = rng.integers(-(2**30), 2**30, (n, 3))
@@ -72,8 +69,7 @@ def far_rims(rng: np.random.Generator, n: Count):
     return a, b, radius * scale, p, u
 
 
-@checked
-def tangents(rng: np.random.Generator, n: Count):
+def tangents(rng, n):
     """Lines that touch the wall in one point."""
     a, b, radius, matrix, rim, normal = _whole_rods(rng, n)
     side = np.cross(matrix[..., 2], normal)
@@ -82,8 +78,7 @@ def tangents(rng: np.random.Generator, n: Count):
     return _as_lines(a, b, radius, rim + matrix[..., 2] * rng.integers(0, 2, n)[:, None], u)
 
 
-@checked
-def rulings(rng: np.random.Generator, n: Count):
+def rulings(rng, n):
     """Lines along the wall: in it, and beside it by what a float can tell."""
     a, b, radius, matrix, rim, _ = _whole_rods(rng, n)
     lines = list(_as_lines(a, b, radius, rim, matrix[..., 2] * rng.choice([-3, 1], n)[:, None]))
@@ -91,8 +86,7 @@ def rulings(rng: np.random.Generator, n: Count):
     return tuple(lines)
 
 
-@checked
-def end_planes(rng: np.random.Generator, n: Count):
+def end_planes(rng, n):
     """Lines in an end's plane, through a point of its rim."""
     a, b, radius, matrix, rim, _ = _whole_rods(rng, n)
     turn = rng.integers(-9, 10, (2, n, 1))
@@ -101,15 +95,13 @@ def end_planes(rng: np.random.Generator, n: Count):
     return _as_lines(a, b, radius, rim + np.where(rng.random(n)[:, None] < 0.5, b - a, 0), u)
 
 
-@checked
-def rim_tangents(rng: np.random.Generator, n: Count):
+def rim_tangents(rng, n):
     """Lines that touch a rim in one point, in the end's plane."""
     a, b, radius, matrix, rim, normal = _whole_rods(rng, n)
     return _as_lines(a, b, radius, rim, np.cross(matrix[..., 2], normal))
 
 
-@checked
-def along_an_axis(rng: np.random.Generator, n: Count):
+def along_an_axis(rng, n):
     """Rods along x, y or z, lines along another or the same, at whole distances."""
     reach = rng.integers(1, 9, n) * 65
     axes = rng.integers(0, 3, (2, n))
@@ -148,24 +140,21 @@ def _float_rods(rng, n):
     return a, a + v, radius, side * radius[:, None]
 
 
-@checked
-def float_rims(rng: np.random.Generator, n: Count):
+def float_rims(rng, n):
     """Lines through a rim as near as floats come to it, axes and directions of full mantissa."""
     a, b, radius, side = _float_rods(rng, n)
     p = np.where(rng.random(n)[:, None] < 0.5, a, b) + side
     return a, b, radius, p, rng.normal(size=(n, 3))
 
 
-@checked
-def vertical_lines(rng: np.random.Generator, n: Count):
+def vertical_lines(rng, n):
     """The document's setting: lines along z, through the upper rim of a leaning rod."""
     a, b, radius, side = _float_rods(rng, n)
     up = np.where((b - a)[:, 2:] > 0, b, a)
     return a, b, radius, up + side, np.broadcast_to([0.0, 0.0, 1.0], (n, 3)).copy()
 
 
-@checked
-def nearly_parallel(rng: np.random.Generator, n: Count):
+def nearly_parallel(rng, n):
     """Lines through a rim that lean against the axis by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
     lean = _sizes(rng, -16, -3, n)[:, None] * rng.normal(size=(n, 3))
@@ -173,8 +162,7 @@ def nearly_parallel(rng: np.random.Generator, n: Count):
     return a, b, radius, a + side, v + lean * _lengths(v)[:, None]
 
 
-@checked
-def nearly_vertical(rng: np.random.Generator, n: Count):
+def nearly_vertical(rng, n):
     """Lines along z through the rims of rods whose axes run 1e-14 to 1e-9 of the radius."""
     radius = _sizes(rng, -6, 6, n)
     towards = _on_circle(rng, n)
@@ -191,8 +179,7 @@ def nearly_vertical(rng: np.random.Generator, n: Count):
     return a, b, radius, p, np.broadcast_to([0.0, 0.0, 1.0], (n, 3)).copy()
 
 
-@checked
-def very_short(rng: np.random.Generator, n: Count):
+def very_short(rng, n):
     """Lines of any direction through the rims of rods 1e-16 to 1e-9 of their radius long."""
     radius = _sizes(rng, -6, 6, n)
     v = rng.normal(size=(n, 3))
@@ -204,8 +191,7 @@ def very_short(rng: np.random.Generator, n: Count):
     return a, a + v, radius, np.where(rng.random(n)[:, None] < 0.5, a, a + v) + side, u
 
 
-@checked
-def nearly_level(rng: np.random.Generator, n: Count):
+def nearly_level(rng, n):
     """Lines through a rim that lean against the end's plane by 1e-16 to 1e-3."""
     a, b, radius, side = _float_rods(rng, n)
     v = b - a
@@ -214,8 +200,7 @@ def nearly_level(rng: np.random.Generator, n: Count):
     return a, b, radius, b + side, across + lean
 
 
-@checked
-def from_far(rng: np.random.Generator, n: Count):
+def from_far(rng, n):
     """Lines through a rim, given by a point up to 1e9 sizes away."""
     a, b, radius, p, u = float_rims(rng, n)
     u /= _lengths(u)[:, None]
@@ -223,8 +208,7 @@ def from_far(rng: np.random.Generator, n: Count):
     return a, b, radius, p + u * (size * _sizes(rng, 0, 9, n))[:, None], u
 
 
-@checked
-def degenerate(rng: np.random.Generator, n: Count):
+def degenerate(rng, n):
     """Rods without length or radius, met by lines through their ends."""
     a, b, radius, p, u = whole_rims(rng, n)
     which = rng.integers(0, 3, n)
@@ -234,19 +218,7 @@ def degenerate(rng: np.random.Generator, n: Count):
 
 
 GENERATORS = (
-    whole_rims,
-    far_rims,
-    tangents,
-    rulings,
-    end_planes,
-    rim_tangents,
-    along_an_axis,
-    float_rims,
-    vertical_lines,
-    nearly_parallel,
-    nearly_vertical,
-    nearly_level,
-    very_short,
-    from_far,
+    whole_rims, far_rims, tangents, rulings, end_planes, rim_tangents, along_an_axis, float_rims,
+    vertical_lines, nearly_parallel, nearly_vertical, nearly_level, very_short, from_far,
     degenerate,
-)
+)  # fmt: skip

@@ -6,15 +6,10 @@ only root is taken to 2^-128, rounded so that a line that touches counts as meet
 
 import math
 from math import isqrt
-from typing import Annotated, Literal
 
 import numpy as np
 
-from tunneller_lib.arguments import Directions, Lengths, Points, Rule, checked, real, rule_of, shown
-from tunneller_lib.surfaces.rod import check_rods
-
 ROOT_BITS = 128
-MOST_LINES = 50_000  # a line takes some 20 microseconds
 
 
 def _whole_rows(rows):
@@ -40,15 +35,6 @@ def _dot(a, b):
 
 def _from(a, b):
     return b[0] - a[0], b[1] - a[1], b[2] - a[2]
-
-
-def _in_wall(vv, uv, qv, uu, qu, qq, radius2):
-    """Return the interval in the endless cylinder: ends as fractions (above, below), or None."""
-    # |q + t u|^2 less its square along v, at most radius^2; times vv, so that nothing is divided.
-    A = uu * vv - uv * uv
-    B = qu * vv - qv * uv
-    C = qq * vv - qv * qv - radius2 * vv
-    return _quadratic(A, B, C)
 
 
 def _quadratic(A, B, C):
@@ -96,7 +82,9 @@ def _flat(a, b, radius, margin, p, u):
     wide = radius + margin
     if vv == 0 or wide < 0:
         return None
-    wall = _in_wall(vv, uv, qv, _dot(u, u), _dot(q, u), _dot(q, q), wide * wide)
+    # |q + t u|^2 less its square along v, at most wide^2; times vv, so that nothing is divided.
+    B = _dot(q, u) * vv - qv * uv
+    wall = _quadratic(_dot(u, u) * vv - uv * uv, B, (_dot(q, q) - wide * wide) * vv - qv * qv)
     # A length of the axis that is right to 1e-18 moves the planes by the margin.
     more = margin * isqrt(vv << 128) // 2**64
     # Between the discs' planes 0 <= (q + t u) v <= vv, each moved by the margin.
@@ -106,26 +94,6 @@ def _flat(a, b, radius, margin, p, u):
         return wall if low <= 0 <= high else None
     planes = ((low, uv), (high, uv)) if uv > 0 else ((-high, -uv), (-low, -uv))
     return _common(wall, planes) if low <= high else None
-
-
-def _round(a, b, radius, margin, p, u):
-    """Return the exact interval in a capsule, the union of a rod and two balls."""
-    wide = radius + margin
-    if wide < 0:
-        return None
-    parts = [_flat(a, b, wide, 0, p, u)]
-    for centre in (a, b):
-        q = _from(centre, p)
-        parts.append(_quadratic(_dot(u, u), _dot(q, u), _dot(q, q) - wide * wide))
-    parts = [part for part in parts if part is not None]
-    if not parts:
-        return None
-    # The capsule is convex: its interval is the hull of its parts'.
-    low, high = parts[0]
-    for part in parts[1:]:
-        low = part[0] if _less(part[0], low) else low
-        high = part[1] if _less(high, part[1]) else high
-    return low, high
 
 
 def _number(fraction, power):
@@ -143,17 +111,7 @@ def _number(fraction, power):
         return np.inf if above > 0 else -np.inf
 
 
-@checked
-def exact_intervals(
-    a: Points,
-    b: Points,
-    radius: Lengths,
-    p: Points,
-    u: Directions,
-    *,
-    margin: Lengths = 0.0,
-    ends: Literal["flat", "round"] = "flat",
-):
+def exact_intervals(a, b, radius, p, u, *, margin=0.0):
     """Return where lines enter and leave rods, one rod a line: the floats nearest to the truth.
 
     Parameters
@@ -166,27 +124,15 @@ def exact_intervals(
         A point, in m, and the direction of each line.
     margin : (...) float
         Grows the rods, in radius and in length at both ends; shrinks them below zero. In m.
-    ends : {"flat", "round"}
-        As for `Rod`.
 
     Returns
     -------
     intervals : (2, ...) float
         `enter` and `leave`; ``inf`` and ``-inf`` for a line that misses.
-
-    Raises
-    ------
-    ValueError
-        If a radius is below zero, a size is outside the range that `Rod` allows, or there are more
-        than 50 000 lines.
     """
-    check_rods(a, b, radius)
-    inside = _flat if ends == "flat" else _round
-    margin = np.asarray(margin)
+    a, b, radius, p, u, margin = (np.asarray(x, dtype=float) for x in (a, b, radius, p, u, margin))
     shape = np.broadcast_shapes(*(x.shape[:-1] for x in (a, b, p, u)), radius.shape, margin.shape)
     count = math.prod(shape)
-    if count > MOST_LINES:
-        raise ValueError(f"p: must be of at most {MOST_LINES} lines in all; got {count}.")
     a, b, p, u = (np.broadcast_to(x, (*shape, 3)).reshape(count, 3) for x in (a, b, p, u))
     sizes = [np.broadcast_to(x, shape).reshape(count, 1) for x in (radius, margin)]
     # Lengths share a power of two; the direction has its own, which is undone at the end.
@@ -194,54 +140,25 @@ def exact_intervals(
     directions, unit = _whole_rows(u)
     out = np.empty((2, count))
     for i, (row, direction) in enumerate(zip(rows, directions, strict=True)):
-        found = inside(row[0:3], row[3:6], *row[9:], row[6:9], direction)
+        found = _flat(row[0:3], row[3:6], *row[9:], row[6:9], direction)
         power = unit[i] - shift[i]
         out[:, i] = (np.inf, -np.inf) if found is None else [_number(f, power) for f in found]
     return out.reshape(2, *shape)
 
 
-def _five(name, value):
-    """Return `value` as rods and lines (a, b, radius, p, u), as `exact_intervals` takes them."""
-    parts = _parts(name, value, ("a", "b", "radius", "p", "u"))
-    rules = [rule_of(kind) for kind in (Points, Points, Lengths, Points, Directions)]
-    return tuple(rule.check(*part) for rule, part in zip(rules, parts, strict=True))
-
-
-def _two(name, value):
-    """Return `value` as ends (enter, leave) of intervals, float arrays of any numbers."""
-    return tuple(real(*part) for part in _parts(name, value, ("enter", "leave")))
-
-
-def _parts(name, value, names):
-    """Return pairs of a name and a part, the value's, which must be a tuple or so of them."""
-    parts = list(value) if isinstance(value, (tuple, list)) else []
-    if isinstance(value, np.ndarray) and value.ndim:
-        parts = list(value)
-    if len(parts) != len(names):
-        raise ValueError(f"{name}: must be ({', '.join(names)}); got {shown(value)}.")
-    return zip((f"{name}, {part}" for part in names), parts, strict=True)
-
-
-Lines = Annotated[tuple, Rule("(a, b, radius, p, u)", _five)]
-Found = Annotated[tuple, Rule("(enter, leave)", _two)]
-
-
-@checked
-def rounding(found: Found, lines: Lines):
+def rounding(found, lines):
     """Return by how much an end may be off by the rounding of its own parameter, (...) float.
 
     Arguments found and lines as of `judge`; in lengths of the direction.
     """
     a, b, radius, _, u = lines
-    _check_fit(found, lines, ())
     speed = np.linalg.norm(u, axis=-1)
     size = (radius + np.linalg.norm(b - a, axis=-1)) / speed
     ends = [np.where(np.isfinite(end), np.abs(end), 0) for end in found]
     return 16 * np.finfo(float).eps * np.maximum(size, np.maximum(*ends))
 
 
-@checked
-def judge(found: Found, lines: Lines, margin: Lengths, *, ends: Literal["flat", "round"] = "flat"):
+def judge(found, lines, margin):
     """Return which of the intervals found for lines are missed, thin or thick.
 
     Parameters
@@ -252,8 +169,6 @@ def judge(found: Found, lines: Lines, margin: Lengths, *, ends: Literal["flat", 
         Rods and lines, as `exact_intervals` takes them.
     margin : (...) float
         What a method may be off, in m.
-    ends : {"flat", "round"}
-        As for `Rod`.
 
     Returns
     -------
@@ -262,10 +177,9 @@ def judge(found: Found, lines: Lines, margin: Lengths, *, ends: Literal["flat", 
         the line; the rod grown by the margin has less.
     """
     enter, leave = found
-    _check_fit(found, lines, margin.shape)
-    exact = exact_intervals(*lines, ends=ends)
-    least = exact_intervals(*lines, margin=-margin, ends=ends)
-    most = exact_intervals(*lines, margin=margin, ends=ends)
+    exact = exact_intervals(*lines)
+    least = exact_intervals(*lines, margin=-margin)
+    most = exact_intervals(*lines, margin=margin)
     slack = rounding(found, lines)
     empty = ~(enter <= leave)
     missed = (exact[0] <= exact[1]) & empty
@@ -274,15 +188,3 @@ def judge(found: Found, lines: Lines, margin: Lengths, *, ends: Literal["flat", 
         thin = meant & ((enter > least[0] + slack) | (leave < least[1] - slack))
         thick = ~empty & ~((enter >= most[0] - slack) & (leave <= most[1] + slack))
     return missed, thin, thick
-
-
-def _check_fit(found, lines, margin):
-    """Raise ValueError where intervals, lines and margins don't broadcast with each other."""
-    a, b, radius, p, u = lines
-    shapes = [end.shape for end in found]
-    shapes += [a.shape[:-1], b.shape[:-1], radius.shape, p.shape[:-1], u.shape[:-1], margin]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError:
-        came = ", ".join(map(str, shapes))
-        raise ValueError(f"found, lines: their axes must broadcast; got {came}.") from None

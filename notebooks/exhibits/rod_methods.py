@@ -8,23 +8,13 @@ order in lengths and leaves the range of floats for rods below 1e-50 m or above 
 
 import numpy as np
 
-from tunneller_lib.arguments import Directions, Lengths, NotNegative, Points, checked
 from tunneller_lib.kernels.exact import dot, norm
-from tunneller_lib.surfaces.rod import check_rods, meet_rods
+from tunneller_lib.surfaces.rod import meet_rods
 
 EPSILON = 0.00001  # as printed; once a share of the length, once a length
 
 
-@checked
-def crossings(
-    a: Points,
-    b: Points,
-    radius: Lengths,
-    point: Points,
-    direction: Directions,
-    *,
-    epsilon: NotNegative = 0.0,
-):
+def crossings(a, b, radius, point, direction, *, epsilon=0.0):
     """Return where lines cross the three surfaces, each on its own, and which crossings count.
 
     Parameters
@@ -45,7 +35,6 @@ def crossings(
     accepted : (4, ...) bool
         Whether the surface reaches that far.
     """
-    check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq = dot(v, v)
     vz = dot(along, v)
@@ -63,16 +52,7 @@ def crossings(
     return t, np.stack(np.broadcast_arrays(*accepted))
 
 
-@checked
-def three_surfaces(
-    a: Points,
-    b: Points,
-    radius: Lengths,
-    point: Points,
-    direction: Directions,
-    *,
-    epsilon: NotNegative = 0.0,
-):
+def three_surfaces(a, b, radius, point, direction, *, epsilon=0.0):
     """Return `enter` and `leave`, the least and the greatest of the `crossings` that count.
 
     "The cylinder considered as independent surfaces", with the parentheses that its zb lacks;
@@ -83,8 +63,7 @@ def three_surfaces(
     return enter[()], np.max(np.where(accepted, t, -np.inf), axis=0)[()]
 
 
-@checked
-def epsilon_fix(a: Points, b: Points, radius: Lengths, point: Points, direction: Directions):
+def epsilon_fix(a, b, radius, point, direction):
     """Return `enter` and `leave` with the document's "epsilon fix" of `three_surfaces`.
 
     Arguments a, b, radius, point and direction as there.
@@ -92,14 +71,12 @@ def epsilon_fix(a: Points, b: Points, radius: Lengths, point: Points, direction:
     return three_surfaces(a, b, radius, point, direction, epsilon=EPSILON)
 
 
-@checked
-def slab(a: Points, b: Points, radius: Lengths, point: Points, direction: Directions):
+def slab(a, b, radius, point, direction):
     """Return `enter` and `leave` as the interval of the endless cylinder within the two planes.
 
     "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius,
     point and direction as of `three_surfaces`.
     """
-    check_rods(a, b, radius)
     q, v, along, shift, speed = _setting(a, b, point, direction)
     vsq = dot(v, v)
     vz = dot(along, v)
@@ -131,11 +108,12 @@ METHODS = {
 
 def _setting(a, b, point, direction):
     """Return q across the line, v, the unit direction, where p was along it, and its speed."""
+    direction = np.asarray(direction, dtype=float)
     speed = norm(direction)
     along = direction / speed[..., None]
-    q = point - a
+    q = np.subtract(point, a)
     shift = dot(q, along)
-    return q - shift[..., None] * along, b - a, along, shift, speed
+    return q - shift[..., None] * along, np.subtract(b, a), along, shift, speed
 
 
 def _wall(q, v, vz, radius):

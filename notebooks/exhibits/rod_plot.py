@@ -1,19 +1,15 @@
 """Drawings on the Axes `ax` of rods: the shadow, crossings, a box above, a cut row of lines."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse, Rectangle
 
 from kit.style import COLOURS
-from tunneller_lib.arguments import Coordinate, Finite, Length, NotNegative, checked
-from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import Rod, meet_box
+from tunneller_lib.surfaces import meet_box
 
 from .plot import equal
 
 
-@checked
-def draw_shadow(ax: Axes, radius: Length, run: Finite, tilt: NotNegative):
+def draw_shadow(ax, radius, run, tilt):
     """Draw the shadow of a rod as lines along z see it: two ellipses and a rectangle.
 
     Parameters
@@ -23,25 +19,17 @@ def draw_shadow(ax: Axes, radius: Length, run: Finite, tilt: NotNegative):
         Of the rod, and of its axis as seen, in m.
     tilt : float
         Ratio of the ellipses' axes.
-
-    Returns
-    -------
-    patches : list of matplotlib.patches.Patch
-        Rectangle, ellipse of the lower end, ellipse of the upper one.
     """
     outline = {"fill": False, "edgecolor": COLOURS["torus"], "lw": 1.2}
-    patches = [Rectangle((0, -radius), run, 2 * radius, **outline)]
-    patches += [Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **outline) for m in (0, run)]
-    for patch in patches:
-        ax.add_patch(patch)
+    ax.add_patch(Rectangle((0, -radius), run, 2 * radius, **outline))
+    for m in (0, run):
+        ax.add_patch(Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **outline))
     ax.plot([0, run], [0, 0], ".-", color=COLOURS["torus"], lw=0.6)
     equal(ax, "m / m", "s / m")
     ax.autoscale_view()
-    return patches
 
 
-@checked
-def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, aside: Finite):
+def draw_crossings(ax, radius, run, tilt, aside):
     """Draw the shadow of a rod, and where lines at a distance s cross its two ellipses.
 
     Parameters
@@ -53,40 +41,24 @@ def draw_crossings(ax: Axes, radius: Length, run: Finite, tilt: NotNegative, asi
         Ratio of the ellipses' axes.
     aside : float
         The distance s, from -radius to radius, in m.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        One for each pair of surfaces by which lines with m there enter and leave, with these
-        words as label; the crossings.
-
-    Raises
-    ------
-    ValueError
-        If such lines pass beside the rod.
     """
-    if abs(aside) > radius:
-        raise ValueError(f"aside: must be at most the radius, {radius:g} m; got {aside:g} m.")
     draw_shadow(ax, radius, run, tilt)
     k = tilt * np.sqrt((radius - aside) * (radius + aside))
     four = np.array([-k, k, run - k, run + k])
-    lines = []
     for colour, ends, words in (
         ("tangent sphere", four[:2], "in by the lower disc"),
         ("correct", four[1:3], "in and out by the wall"),
         ("geodesic", four[2:], "out by the upper disc"),
     ):
         look = {"color": COLOURS[colour], "lw": 2.5, "solid_capstyle": "butt"}
-        lines += ax.plot(ends, [aside, aside], "-", label=words, **look)
-    lines += ax.plot(four, np.full(4, aside), "o", color=COLOURS["chord"], ms=4)
+        ax.plot(ends, [aside, aside], "-", label=words, **look)
+    ax.plot(four, np.full(4, aside), "o", color=COLOURS["chord"], ms=4)
     clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
     for m, name in zip(four, ("$-k$", "$k$", "$d-k$", "$d+k$"), strict=True):
         ax.annotate(name, (m, aside), (0, 6), textcoords="offset points", ha="center", bbox=clear)
-    return lines
 
 
-@checked
-def draw_rod_and_box(ax: Axes, rod: Rod, aside: Coordinate, width: Length, depth: Length):
+def draw_rod_and_box(ax, rod, aside, width, depth):
     """Draw between which heights upright lines, and a box about them, touch a rod.
 
     Parameters
@@ -97,11 +69,6 @@ def draw_rod_and_box(ax: Axes, rod: Rod, aside: Coordinate, width: Length, depth
         The y of the lines and of the box's middle, in m.
     width, depth : float
         Of the box, along x and y, in m.
-
-    Returns
-    -------
-    lines : list of matplotlib.lines.Line2D
-        Of the line, lower and upper, and of the box.
     """
     room = rod.radius + width
     x = np.linspace(min(rod.a[0], rod.b[0]) - room, max(rod.a[0], rod.b[0]) + room, 401)
@@ -109,20 +76,15 @@ def draw_rod_and_box(ax: Axes, rod: Rod, aside: Coordinate, width: Length, depth
     half = np.array([width, depth]) / 2
     thin = rod.meet_line(np.insert(place, 2, 0, axis=-1), (0, 0, 1))
     wide = meet_box(rod, place - half, place + half)
-    lines = []
-    for name, ends, colour, style in (
-        ("line", thin, "cutter", "--"),
-        ("box", wide, "correct", "-"),
-    ):
+    both = ("line", thin, "cutter", "--"), ("box", wide, "correct", "-")
+    for name, ends, colour, style in both:
         for heights, label in zip(ends, (None, name), strict=True):
             seen = np.where(np.isfinite(heights), heights, np.nan)
-            lines += ax.plot(x, seen, style, color=COLOURS[colour], label=label)
+            ax.plot(x, seen, style, color=COLOURS[colour], label=label)
     equal(ax, "x / m", "z / m")
-    return lines
 
 
-@checked
-def draw_cut_row(ax: Axes, grid: DexelGrid, capsule: Rod):
+def draw_cut_row(ax, grid, capsule):
     """Draw a row of a grid's upright lines, as bars, with the outline of a capsule there.
 
     Parameters
@@ -132,31 +94,13 @@ def draw_cut_row(ax: Axes, grid: DexelGrid, capsule: Rod):
         With lines along z.
     capsule : Rod
         With round ends, its axis in a plane y = const; the row next to it is drawn.
-
-    Returns
-    -------
-    bars : matplotlib.collections.LineCollection
-        What is left on the lines of the row.
-
-    Raises
-    ------
-    ValueError
-        If the grid has rays, or the capsule isn't such a one.
     """
-    if grid.lines.rays:
-        raise ValueError("grid: must have lines along z; got rays.")
-    if capsule.ends != "round" or capsule.a[1] != capsule.b[1]:
-        raise ValueError(
-            "capsule: must have round ends and its axis in a plane y = const; "
-            f"got {capsule.ends} ends from y = {capsule.a[1]:g} to {capsule.b[1]:g} m."
-        )
     row = np.argmin(np.abs(grid.lines.aside - capsule.a[1]))
     low, high = grid.low[..., row], grid.high[..., row]
     left = low < high
     x = np.broadcast_to(grid.lines.x, low.shape)
-    bars = ax.vlines(
-        x[left], low[left], high[left], color=COLOURS["tunnel"], lw=150 / len(grid.lines.x)
-    )
+    look = {"color": COLOURS["tunnel"], "lw": 150 / len(grid.lines.x)}
+    ax.vlines(x[left], low[left], high[left], **look)
     # The row's plane cuts the capsule in a thinner one: half circles about both ends.
     off = grid.lines.aside[row] - capsule.a[1]
     thinner = np.sqrt(max(capsule.radius**2 - off**2, 0.0))
@@ -166,4 +110,3 @@ def draw_cut_row(ax: Axes, grid: DexelGrid, capsule: Rod):
     outline = np.where((circle @ (b - a) < 0)[:, None], a, b) + thinner * circle
     ax.fill(*outline.T, fill=False, ec=COLOURS["cutter"], lw=1.2, zorder=3)
     equal(ax, "x / m", "z / m")
-    return bars

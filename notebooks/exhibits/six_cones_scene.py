@@ -5,13 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from kit import scene
-from kit.kinds import Grid
-from kit.style import COLOURS
-from tunneller_lib.arguments import HalfAngle, Points, checked
 from tunneller_lib.envelopes import adapted_frames, hyperosculating_cones
 from tunneller_lib.envelopes.fit import mean_frame
-from tunneller_lib.envelopes.functions import Centre, Function
-from tunneller_lib.envelopes.hyperosculate import Cones
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
@@ -25,8 +20,7 @@ from .envelope_plot import cone_colours
 ROUND = np.linspace(0, 2 * np.pi, 361)  # rad about an axis
 
 
-@checked
-def contact_scene(f: Function(2), place: Centre, half_angle: HalfAngle):
+def contact_scene(f, place, half_angle):
     """Return a scene of the surface about a contact with its generators and rods to all vertices.
 
     Parameters
@@ -47,30 +41,32 @@ def contact_scene(f: Function(2), place: Centre, half_angle: HalfAngle):
     sheet = surface_points(f, *np.meshgrid(place[0] + far, place[1] + far, indexing="ij"))
     cones = hyperosculating_cones(f, *place, half_angle=half_angle)
     size = np.ptp(sheet, axis=(0, 1)).max() / 2
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
+    plotter = scene.on_sheet(sheet)
     for k, colour in enumerate(cone_colours(cones)):
         rod = size / cones.distance[k] * (cones.vertex[k] - cones.contact[k]) + cones.contact[k]
         plotter.add_mesh(scene.curve([cones.contact[k], rod], size / 60), color=colour)
     for k in np.flatnonzero(cones.undecided):
-        leaf = scene.surface(_leaf(cones, k, size))
-        plotter.add_mesh(leaf, color=COLOURS["generator"], opacity=0.6)
+        scene.put(plotter, _leaf(cones, k, size), "generator", opacity=0.6)
     frame = adapted_frames(f, *np.array(place)[:, None], "isotropic").axes[0]
     return scene.look(plotter, [1, 1, 3] @ frame, frame[2])
 
 
 def _leaf(cones, k, size):
-    """Return the part of a cone near its contact, a grid of points."""
+    """Return the part of a cone near its contact."""
     distance = cones.distance[k]
-    lean = cones.axis[k], cones.half_angle
     far = min(np.pi, size / 2 / distance / np.sin(cones.half_angle)) * np.linspace(-1, 1, 81)
+    return _piece(cones, k, np.linspace(max(distance - size, 0), distance + size, 25), far)
+
+
+def _piece(cones, k, along, spread):
+    """Return a part of a cone: places along its rulings, turns about its axis from the contact."""
+    lean = cones.axis[k], cones.half_angle
     touched = plane_azimuth(*lean, cones.side[k] * cones.normal[k])
-    along = np.linspace(max(distance - size, 0), distance + size, 25)
-    return cones.vertex[k] + along[:, None, None] * cone_rulings(*lean, touched + far)
+    rulings = cone_rulings(*lean, touched + spread)
+    return scene.surface(cones.vertex[k] + along[:, None, None] * rulings)
 
 
-@checked
-def cones_at_contact_picture(sheet: Grid, cones: Cones):
+def cones_at_contact_picture(sheet, cones):
     """Return a picture of each cone on a surface, three a row, from the side of its tool.
 
     Parameters
@@ -86,25 +82,19 @@ def cones_at_contact_picture(sheet: Grid, cones: Cones):
     """
     size = np.ptp(sheet, axis=(0, 1)).max()
     spread = np.linspace(-0.9, 0.9, 181)  # rad round the axis, from the contact
-    surface = scene.surface(sheet)
     aslant = (0.9 * (sheet[-1, 0] - sheet[0, 0]) - 0.5 * (sheet[0, -1] - sheet[0, 0])) / size
     pictures = []
     for k, side in enumerate(cones.side):
-        touched = plane_azimuth(cones.axis[k], cones.half_angle, side * cones.normal[k])
-        rulings = cone_rulings(cones.axis[k], cones.half_angle, touched + spread)
         along = cones.distance[k] + 3 / 8 * size * np.linspace(-1, 1, 3)
-        piece = scene.surface(cones.vertex[k] + along[:, None, None] * rulings)
-        plotter = scene.empty()
-        plotter.add_mesh(surface, color=COLOURS["design surface"])
-        plotter.add_mesh(piece, color=COLOURS["cone"], opacity=0.6)
-        plotter.add_mesh(scene.ball(cones.contact[k], size / 45), color=COLOURS["error"])
+        plotter = scene.on_sheet(sheet)
+        scene.put(plotter, _piece(cones, k, along, spread), "cone", opacity=0.6)
+        scene.put(plotter, scene.ball(cones.contact[k], size / 45), "error")
         up = side * cones.normal[k]
         pictures.append(scene.shoot(plotter, direction=aslant + up, up=up, zoom=1.0))
-    return scene.rows(pictures, 3)
+    return scene.rows(pictures)
 
 
-@checked
-def six_rulings_picture(sheet: Grid, f: Function(2), place: Centre, half_angle: HalfAngle):
+def six_rulings_picture(sheet, f, place, half_angle):
     """Return pictures of all rulings at a contact, and of one of the generators there.
 
     Parameters
@@ -126,11 +116,9 @@ def six_rulings_picture(sheet: Grid, f: Function(2), place: Centre, half_angle: 
     best = np.flatnonzero(cones.undecided)[0]
     contact, normal = cones.contact[0], cones.normal[0]
     above = cones.side[best] * normal
-    plotter = scene.empty()
-    surface = scene.surface(sheet)
-    plotter.add_mesh(surface, color=COLOURS["design surface"], opacity=0.5)
+    plotter = scene.on_sheet(sheet, 0.5)
     ends = _rods(plotter, cones, np.ones(len(cones)))
-    plotter.add_mesh(scene.ball(contact + 0.03 * above, 0.06), color=COLOURS["error"])
+    scene.put(plotter, scene.ball(contact + 0.03 * above, 0.06), "error")
     right = np.cross([0.0, 0.0, 1.0], above)  # in the picture
     right = right / np.linalg.norm(right)
     aside = 1.2 * (ends - contact) @ np.transpose([right, np.cross(above, right)])
@@ -139,12 +127,12 @@ def six_rulings_picture(sheet: Grid, f: Function(2), place: Centre, half_angle: 
 
     [planes] = _arcs(cones, best, place, 0.2)
     touched = scene.curve(surface_points(f, *planes[:, :2].T), 0.025)
-    plotter = _on_sheet(surface, touched, cones, best, (0, 1.5, 1.0))
+    plotter = _on_sheet(sheet, touched, cones, best, (0, 1.5, 1.0))
     _rods(plotter, cones, np.minimum(cones.distance, 3))
     across = np.cross(normal, cones.axis[best])
     letters = {"r": (contact, (-0.9, 0.7)), "v": (cones.vertex[best], (0.2, -1.0))}
     whole = scene.shoot(plotter, direction=0.8 * across + above, letters=letters, width=5)
-    plotter = _on_sheet(surface, touched, cones, best, (0.6, 1.4, 0.6))
+    plotter = _on_sheet(sheet, touched, cones, best, (0.6, 1.4, 0.6))
     ahead = cones.axis[best] + 0.4 * normal
     del letters["v"]
     close = scene.shoot(plotter, direction=ahead, letters=letters, width=5)
@@ -156,8 +144,7 @@ def _rods(plotter, cones, lengths):
     ways = (cones.vertex - cones.contact) / cones.distance[:, None]
     ends = cones.contact + lengths[:, None] * ways
     for start, end, exact in zip(cones.contact, ends, cones.undecided, strict=True):
-        rod = scene.curve([start, end], 0.025)
-        plotter.add_mesh(rod, color=COLOURS["chord" if exact else "cone"])
+        scene.put(plotter, scene.curve([start, end], 0.025), "chord" if exact else "cone")
     return ends
 
 
@@ -173,19 +160,16 @@ def _wall(cone, near, far):
     return scene.surface(replace(cone.pose, near=near * reach, far=far * reach).mesh())
 
 
-def _on_sheet(surface, touched, cones, k, part):
+def _on_sheet(sheet, touched, cones, k, part):
     near, far, opacity = part
-    plotter = scene.empty()
-    plotter.add_mesh(surface, color=COLOURS["design surface"], opacity=opacity)
-    wall = _wall(cones[k], near, far)
-    plotter.add_mesh(wall, color=COLOURS["generator"], opacity=0.5)
-    plotter.add_mesh(touched, color=COLOURS["tangent sphere"])
-    plotter.add_mesh(scene.ball(cones.contact[k], 0.05), color=COLOURS["error"])
+    plotter = scene.on_sheet(sheet, opacity)
+    scene.put(plotter, _wall(cones[k], near, far), "generator", opacity=0.5)
+    scene.put(plotter, touched, "tangent sphere")
+    scene.put(plotter, scene.ball(cones.contact[k], 0.05), "error")
     return plotter
 
 
-@checked
-def noisy_cones_picture(sheet: Grid, contact: Points, n: Points, cones: Cones, noisy: Cones):
+def noisy_cones_picture(sheet, contact, n, cones, noisy):
     """Return pictures of noisy planes and of the cones at one place, found and exact.
 
     Parameters
@@ -207,28 +191,25 @@ def noisy_cones_picture(sheet: Grid, contact: Points, n: Points, cones: Cones, n
     plotter = scene.empty()
     near = points[np.hypot(*points[:, :2].T) < 0.5]
     look = {"render_points_as_spheres": True, "point_size": 6}
-    plotter.add_mesh(near, color=COLOURS["design surface"], **look)
+    scene.put(plotter, near, "design surface", **look)
     for arc in _arcs_seen(cones, top, here):
-        plotter.add_mesh(scene.curve(arc, 0.004), color=COLOURS["cone"])
+        scene.put(plotter, scene.curve(arc, 0.004), "cone")
     for arc in _arcs_seen(noisy, top, here):
         for i in range(0, len(arc) - 5, 10):
             part = scene.curve(arc[i : i + 5], 0.006)
-            plotter.add_mesh(part, color=COLOURS["tangent sphere"])
+            scene.put(plotter, part, "tangent sphere")
     model = scene.shoot(plotter, direction=(0.5, -1, 1.2), zoom=1.0)
 
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"], opacity=0.5)
+    plotter = scene.on_sheet(sheet, 0.5)
     _rods(plotter, cones, np.ones(len(cones)))
     for way in (noisy.vertex - here) / noisy.distance[:, None]:
         for start in np.arange(0.1, 1, 0.2):
             part = scene.curve(here + np.outer([start, start + 0.08], way), 0.035)
-            plotter.add_mesh(part, color=COLOURS["tangent sphere"])
+            scene.put(plotter, part, "tangent sphere")
     best = np.flatnonzero(cones.undecided)[0]
     same = int(np.argmax(np.abs(noisy.axis @ cones.axis[best])))
-    exact = _wall(cones[best], 0, 1.4)
-    plotter.add_mesh(exact, color=COLOURS["generator"], opacity=0.4)
-    found = _wall(noisy[same], 0, 1.4)
-    plotter.add_mesh(found, color=COLOURS["tangent sphere"], opacity=0.2)
+    scene.put(plotter, _wall(cones[best], 0, 1.4), "generator", opacity=0.4)
+    scene.put(plotter, _wall(noisy[same], 0, 1.4), "tangent sphere", opacity=0.2)
     across = np.cross(cones.normal[0], cones.axis[best])
     above = cones.side[best] * cones.normal[0]
     space = scene.shoot(plotter, direction=0.4 * across + above, zoom=1.0)
@@ -246,18 +227,14 @@ def _arcs_seen(cones, top, here):
     return found
 
 
-@checked
-def double_cones_picture(sheet: Grid, cones: Cones):
+def double_cones_picture(sheet, cones):
     """Return a picture of a `sheet` (n, m, 3) and of those cones at a contact that are multiple."""
     size = np.ptp(sheet, axis=(0, 1)).max()
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
+    plotter = scene.on_sheet(sheet)
     for k in np.flatnonzero(cones.multiplicity > 1):
-        leaf = scene.surface(_leaf(cones, k, 0.35 * size))
-        plotter.add_mesh(leaf, color=COLOURS["cone"], opacity=0.5)
+        scene.put(plotter, _leaf(cones, k, 0.35 * size), "cone", opacity=0.5)
         reach = 0.35 * size / cones.distance[k]
         ruling = np.outer([-reach, reach], cones.vertex[k] - cones.contact[k])
-        rod = scene.curve(cones.contact[k] + ruling, size / 150)
-        plotter.add_mesh(rod, color=COLOURS["chord"])
-    plotter.add_mesh(scene.ball(cones.contact[0], size / 50), color=COLOURS["error"])
+        scene.put(plotter, scene.curve(cones.contact[k] + ruling, size / 150), "chord")
+    scene.put(plotter, scene.ball(cones.contact[0], size / 50), "error")
     return scene.shoot(plotter, direction=(1.0, -0.35, 0.9), zoom=1.0)

@@ -5,20 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from kit import scene
-from kit.kinds import Series
-from kit.style import COLOURS
-from tunneller_lib.arguments import Corners, Finite, HalfAngle, Point, checked
 from tunneller_lib.envelopes import adapted_frames, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.adapted import frames_along
 from tunneller_lib.envelopes.conics import conic, osculating_conic
-from tunneller_lib.envelopes.functions import Centre, Function
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
 
 ROUND = np.linspace(0, 2 * np.pi, 361)  # rad about an axis
 
 
-@checked
-def tangent_planes_picture(surface: Function(2), line: Finite, places: Series, direction: Point):
+def tangent_planes_picture(surface, line, places, direction):
     """Return a picture of a surface of lines with pieces of its tangent planes along one of them.
 
     Parameters
@@ -40,21 +35,18 @@ def tangent_planes_picture(surface: Function(2), line: Finite, places: Series, d
     lines = np.linspace(-0.9, 1.1, 81)
     along = np.linspace(0.05, 1.3, 41)
     sheet = np.stack(surface(*np.meshgrid(lines, along, indexing="ij")), axis=-1)
-    plotter = scene.empty()
-    plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"], opacity=0.55)
+    plotter = scene.on_sheet(sheet, 0.55)
     for points in sheet[::10]:
-        plotter.add_mesh(scene.curve(points, 0.004), color=COLOURS["chord"])
+        scene.put(plotter, scene.curve(points, 0.004), "chord")
     chosen = np.stack(surface(np.full(20, line), np.linspace(0.05, 1.3, 20)), axis=-1)
-    plotter.add_mesh(scene.curve(chosen, 0.012), color=COLOURS["tangent sphere"])
+    scene.put(plotter, scene.curve(chosen, 0.012), "tangent sphere")
     frames = frames_along(surface, line, places)
     for middle, (ahead, across, _) in zip(frames.contact, frames.axes, strict=True):
-        mesh = scene.rectangle(middle, 0.3 * across, 0.12 * ahead)
-        plotter.add_mesh(mesh, color=COLOURS["plane"])
+        scene.put(plotter, scene.rectangle(middle, 0.3 * across, 0.12 * ahead), "plane")
     return scene.shoot(plotter, direction=direction)
 
 
-@checked
-def ring_on_graph_picture(f: Function(2), place: Centre, centre: Centre):
+def ring_on_graph_picture(f, place, centre):
     """Return a picture of a graph with a conic that osculates it, and the conic's top view below.
 
     Parameters
@@ -76,16 +68,13 @@ def ring_on_graph_picture(f: Function(2), place: Centre, centre: Centre):
     touch = (*place, z)
     foot = (*place, -0.3)
     middle = (*np.add(place, centre), -0.3)
-    plotter = scene.empty()
-    graph = scene.surface(np.stack([x, y, f(x, y)], axis=-1))
-    plotter.add_mesh(graph, color=COLOURS["design surface"], opacity=0.6)
-    plotter.add_mesh(scene.curve(circle, 0.01), color=COLOURS["cone"])
-    top = scene.curve(circle * [1, 1, 0] - [0, 0, 0.3], 0.01)
-    plotter.add_mesh(top, color=COLOURS["top view"])
-    plotter.add_mesh(scene.ball(touch, 0.022), color=COLOURS["error"])
+    plotter = scene.on_sheet(np.stack([x, y, f(x, y)], axis=-1), 0.6)
+    scene.put(plotter, scene.curve(circle, 0.01), "cone")
+    scene.put(plotter, scene.curve(circle * [1, 1, 0] - [0, 0, 0.3], 0.01), "top view")
+    scene.put(plotter, scene.ball(touch, 0.022), "error")
     for point in (foot, middle):
-        plotter.add_mesh(scene.ball(point, 0.022), color=COLOURS["chord"])
-    plotter.add_mesh(scene.curve([touch, foot], 0.004), color=COLOURS["chord"])
+        scene.put(plotter, scene.ball(point, 0.022), "chord")
+    scene.put(plotter, scene.curve([touch, foot], 0.004), "chord")
     letters = {
         "$(x,y,z)$": (touch, (-3.2, 0.6)),
         "$C^i_o$": (circle[120], (1.2, 0.6)),
@@ -96,8 +85,7 @@ def ring_on_graph_picture(f: Function(2), place: Centre, centre: Centre):
     return scene.shoot(plotter, **view, letters=letters, width=6)
 
 
-@checked
-def cones_along_curve_picture(f: Function(2), contacts: Corners, half_angle: HalfAngle):
+def cones_along_curve_picture(f, contacts, half_angle):
     """Return pictures of generators along a curve of contacts, in space and in the model.
 
     Parameters
@@ -126,22 +114,18 @@ def cones_along_curve_picture(f: Function(2), contacts: Corners, half_angle: Hal
 
 def _family_in_space(f, places, tools, family):
     contacts, x, y = places
-    plotter = scene.empty()
-    sheet = scene.surface(surface_points(f, x, y))
-    plotter.add_mesh(sheet, color=COLOURS["design surface"], opacity=0.8)
+    plotter = scene.on_sheet(surface_points(f, x, y), 0.8)
     curve = surface_points(f, *contacts.T)
-    plotter.add_mesh(scene.curve(curve, 0.02), color=COLOURS["generator"])
+    scene.put(plotter, scene.curve(curve, 0.02), "generator")
     for k in family:
         pose = replace(tools[k].pose, near=tools.distance[k] - 0.5, far=tools.distance[k] + 0.5)
-        wall = scene.surface(pose.mesh(m=181))
-        plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.4)
+        scene.put(plotter, scene.surface(pose.mesh(m=181)), "cone", opacity=0.4)
     steps = np.arange(15, 141, 11)  # of the contacts whose planes are drawn
     there = adapted_frames(f, *contacts[steps].T, "isotropic")
     ahead = np.gradient(curve, axis=0)[steps]
     ahead *= 0.08 / np.linalg.norm(ahead, axis=-1, keepdims=True)
     for middle, way, n in zip(there.contact, ahead, there.axes[:, 2], strict=True):
-        mesh = scene.rectangle(middle, 0.5 * way, 3 * np.cross(n, way))
-        plotter.add_mesh(mesh, color=COLOURS["error"])
+        scene.put(plotter, scene.rectangle(middle, 0.5 * way, 3 * np.cross(n, way)), "error")
     letters = {
         "$c(t)$": (curve[-1], (0.6, 0.8)),
         "$D(t)$": (there.contact[1], (0.4, -1.8)),
@@ -156,16 +140,14 @@ def _family_in_space(f, places, tools, family):
 
 def _family_in_model(f, places, tools, family):
     contacts, x, y = places
-    plotter = scene.empty()
-    graph = scene.surface(np.stack([x, y, f(x, y)], axis=-1))
-    plotter.add_mesh(graph, color=COLOURS["design surface"], opacity=0.6)
+    plotter = scene.on_sheet(np.stack([x, y, f(x, y)], axis=-1), 0.6)
     line = np.column_stack([contacts, f(*contacts.T)])
-    plotter.add_mesh(scene.curve(line, 0.008), color=COLOURS["generator"])
+    scene.put(plotter, scene.curve(line, 0.008), "generator")
     for k in family:
         circle = plane_to_point(*tools[k].planes(ROUND))
         near = np.abs(circle[:, :2] - [0.45, 0.55]).max(axis=1) < 0.5
         for arc in scene.kept_parts(circle[:-1], near[:-1]):
-            plotter.add_mesh(scene.curve(arc, 0.008), color=COLOURS["cone"])
+            scene.put(plotter, scene.curve(arc, 0.008), "cone")
     letters = {
         "$D^i(t)$": (line[-1], (0.3, 0.9)),
         r"$\Phi^i$": ((0.72, 0.95, f(0.72, 0.95)), (0.8, 0.2)),

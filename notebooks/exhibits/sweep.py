@@ -50,8 +50,6 @@ def compute_blocks(survey, blocks, folder, *, jobs=None):
     there = len(blocks) - len(missing)
     start = time.monotonic()
     say(f"{there} of {len(blocks)} blocks are there")
-    if not missing:
-        return list(files.values())
     count = jobs or len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
         try:

@@ -16,26 +16,17 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 
-from tunneller_lib.arguments import checked
-
-from .kinds import Pixels
 from .style import COLOURS, STYLE, TEXT_WIDTH
 
+ASLANT = 1.0, -1.5, 0.8  # towards the camera
+UP = 0.0, 0.0, 1.0
 MARGIN = 20  # px of white left around a picture
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
 BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
 
 
-def shoot(
-    plotter,
-    *,
-    direction=(1.0, -1.5, 0.8),
-    up=(0.0, 0.0, 1.0),
-    zoom=1.3,
-    letters=None,
-    width=TEXT_WIDTH,
-):
+def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEXT_WIDTH):
     """Return a picture of a scene, its white border cut off; in a live notebook show it to turn.
 
     Parameters
@@ -76,7 +67,7 @@ def shoot(
     return crop(pixels)
 
 
-def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
+def look(plotter, direction, up=UP, zoom=1.3):
     """Return a scene after its camera is set.
 
     Parameters
@@ -96,8 +87,7 @@ def look(plotter, direction, up=(0.0, 0.0, 1.0), zoom=1.3):
     return plotter
 
 
-@checked
-def crop(pixels: Pixels):
+def crop(pixels):
     """Return a picture without its white border, but for a small margin.
 
     Parameters

@@ -6,14 +6,11 @@ import re
 import tomllib
 from dataclasses import dataclass
 from html import escape
-from pathlib import Path
 
-from tunneller_lib.arguments import checked
-
-from .record import CHECKOUT, Record
+from .displays import RAISED
+from .record import CHECKOUT
 
 NOTEBOOKS = CHECKOUT / "notebooks"
-CONTENTS = "contents.toml"
 NEEDS = re.compile(r"\*\*You need\*\*\s+(.*?)\.(?:\s|$)", re.DOTALL)
 HEADS = "", "question", "what came out", "you need", "minutes"
 # Of prose and of code in sight that are read in a minute, as a reader who has calculus took for two
@@ -25,7 +22,6 @@ CHIP = (
     "position: absolute; padding: 0 0.3em; font-size: 0.85em; color: #222222; "
     "background: #FFFFFF; border: 1px solid #595959; border-radius: 3px"
 )
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -61,29 +57,19 @@ class Chapter:
         return f"[{self.number:02}]({self.file})"
 
 
-def read_chapters(folder=NOTEBOOKS):
-    """Return the chapters in order.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder with the notebooks and ``contents.toml``.
-
-    Raises
-    ------
-    ValueError
-        If a sentence asks for a number that its notebook doesn't record.
-    """
-    said = _contents(folder)["found"]
+def read_chapters():
+    """Return the chapters in order."""
+    said = _contents()["found"]
     made = []
-    for path in sorted(folder.glob("[0-9]*.ipynb")):
-        if number := int(path.stem[:2]):
-            cells = _cells(path)
-            opening = cells[0][1]
-            question = opening.split("\n")[0].lstrip("# ")
-            found = filled(path.stem, said[path.stem], folder.parent)
-            needs = " ".join(NEEDS.search(opening)[1].split())
-            made.append(Chapter(number, path.name, question, found, needs, _minutes(cells)))
+    _index, *paths = sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))
+    for path in paths:
+        cells = _cells(path)
+        opening = cells[0][1]
+        question = opening.split("\n")[0].lstrip("# ")
+        found = filled(path.stem, said[path.stem])
+        needs = " ".join(NEEDS.search(opening)[1].split())
+        number = int(path.stem[:2])
+        made.append(Chapter(number, path.name, question, found, needs, _minutes(cells)))
     return made
 
 
@@ -104,8 +90,7 @@ def _minutes(cells):
     return 5 * math.ceil((words / WORDS + lines / LINES) / 5)
 
 
-@checked
-def ending(record: Record, words: str = ""):
+def ending(record, words=""):
     """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
 
     Parameters
@@ -121,19 +106,19 @@ def ending(record: Record, words: str = ""):
     ending : IPython.display.Markdown
         The finding; links to the chapter before, the index and the next.
 
-    Raises
-    ------
-    ValueError
-        If the record is of none of the study's notebooks, or the words ask for a number that it
-        doesn't hold.
+    Examples
+    --------
+    >>> from kit import Record
+    >>> print(ending(Record("08_cone"), "It is so.").data)
+    It is so.
+    <BLANKLINE>
+    [00 index](00_index.ipynb) · [07 chord](07_chord.ipynb) · [09 geodesic](09_geodesic.ipynb)
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
-    if record.notebook not in names:
-        raise ValueError(f"record: must be of a notebook of the study; got {record.notebook!r}.")
     at = names.index(record.notebook)
     near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    sentence = words or _contents(NOTEBOOKS)["found"][record.notebook]
+    sentence = words or _contents()["found"][record.notebook]
     said = filled(record.notebook, sentence, record.root)
     return _markdown(f"{said}\n\n{links}")
 
@@ -149,21 +134,10 @@ def filled(stem, sentence, root=CHECKOUT):
         The sentence.
     root : pathlib.Path
         The folder in which the numbers lie under report/numbers.
-
-    Raises
-    ------
-    ValueError
-        If the notebook doesn't record a number of that name.
     """
     file = root / "report" / "numbers" / f"{stem}.json"
     numbers = json.loads(file.read_text())["numbers"] if file.exists() else {}  # an essay's
-
-    def told(match):
-        if match[1] not in numbers:
-            raise ValueError(f"{stem}: records no number {match[1]!r}.")
-        return printed(**numbers[match[1]])
-
-    return re.sub(r"\{([^{}]+)\}", told, sentence)
+    return re.sub(r"\{([^{}]+)\}", lambda name: printed(**numbers[name[1]]), sentence)
 
 
 def printed(text, unit, **more):
@@ -194,21 +168,15 @@ def printed(text, unit, **more):
     return ("at most " if "bound" in more else "") + digits + gap + shown.replace("deg", "°")
 
 
-@checked
-def contents_table(folder: Path = NOTEBOOKS):
-    """Return a table of the chapters, part by part, as Markdown.
-
-    The folder holds the notebooks and ``contents.toml``.
-    """
-    every = read_chapters(folder)
+def contents_table():
+    """Return a table of the chapters, part by part, as Markdown."""
+    every = read_chapters()
     lines = []
-    for part in _contents(folder)["part"]:
-        if inside := _chapters_of(part, every):
-            lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
-            lines += [
-                f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |" for c in inside
-            ]
-            lines.append("")
+    for part in _contents()["part"]:
+        lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
+        for c in _chapters_of(part, every):
+            lines.append(f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |")
+        lines.append("")
     return _markdown("\n".join(lines))
 
 
@@ -218,15 +186,11 @@ def _markdown(text):
     return Markdown(text)
 
 
-@checked
-def course_table(folder: Path = NOTEBOOKS):
-    """Return a table of the courses, each with its hours, goals and prerequisites, as Markdown.
-
-    The folder holds the notebooks and ``contents.toml``.
-    """
-    every = {chapter.number: chapter for chapter in read_chapters(folder)}
+def course_table():
+    """Return a table of the courses, each with its hours, goals and prerequisites, as Markdown."""
+    every = {chapter.number: chapter for chapter in read_chapters()}
     lines = ["| notebooks | hours | you can do afterwards | you need |", "|-|-|-|-|"]
-    for course in _contents(folder)["course"]:
+    for course in _contents()["course"]:
         way = [every[number] for number in course["chapters"]]
         links = ", ".join(chapter.link for chapter in way)
         hours = sum(chapter.minutes for chapter in way) / 60
@@ -234,16 +198,12 @@ def course_table(folder: Path = NOTEBOOKS):
     return _markdown("\n".join(lines))
 
 
-@checked
-def machine_map(folder: Path = NOTEBOOKS):
-    """Return the machine's picture with links to the chapters at its parts, as HTML.
-
-    The folder holds the notebooks and ``contents.toml``, which has the picture and the places.
-    """
+def machine_map():
+    """Return the machine's picture with links to the chapters at its parts, as HTML."""
     from IPython.display import HTML
 
-    every = {chapter.number: chapter for chapter in read_chapters(folder)}
-    machine = _contents(folder)["machine"]
+    every = {chapter.number: chapter for chapter in read_chapters()}
+    machine = _contents()["machine"]
     links = "".join(
         f'<a href="{every[int(number)].file}" title="{escape(every[int(number)].question)}" '
         f'style="{CHIP}; left: {across}%; top: {down}%">{number}</a>'
@@ -267,5 +227,5 @@ def _chapters_of(part, every):
     return [chapter for chapter in every if first <= chapter.number <= last]
 
 
-def _contents(folder):
-    return tomllib.loads((folder / CONTENTS).read_text())
+def _contents():
+    return tomllib.loads((NOTEBOOKS / "contents.toml").read_text())

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from tunneller_lib.arguments import Whole, checked, shown
+from tunneller_lib.arguments import shown
 
 MORE = 3  # decimals that are stored beyond those that are printed
 
@@ -28,14 +28,9 @@ def number(name, value):
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
-    if isinstance(value, bool | np.bool) or not isinstance(value, numbers.Real):
-        raise ValueError(f"{name}: must be one number; got {shown(value)}.")
-    try:
-        finite = math.isfinite(value)
-    except OverflowError:  # an integer of more than 308 digits
-        finite = False
-    if not finite:
-        raise ValueError(f"{name}: must be finite; got {shown(value)}.")
+    real = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not real or not math.isfinite(value):
+        raise ValueError(f"{name}: must be one finite number; got {shown(value)}.")
     return int(value) if isinstance(value, numbers.Integral) else float(value)
 
 
@@ -132,8 +127,7 @@ def cell(name, value, decimals):
     return f"{round(value, decimals) + 0.0:.{decimals}f}"  # adding 0.0 turns -0.0 into 0.0
 
 
-@checked
-def in_words(number: Whole(0, 10**9)):
+def in_words(number):
     """Return a whole number from zero to twelve as a word, a greater one in digits.
 
     Examples

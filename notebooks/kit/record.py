@@ -18,11 +18,10 @@ import PIL.Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.mathtext import MathTextParser
 
-from tunneller_lib.arguments import checked, shown
+from tunneller_lib.arguments import shown
 from tunneller_lib.job.atomic_write import replacement
 
 from .displays import RecordedTable, RecordedText
-from .kinds import Decimals, Line, Lines, Picture, Rows
 from .number_format import cell, decimals_of, exponent, number, significant, steady
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -67,15 +66,11 @@ class Record:
     arm against leg: less
     """
 
-    @checked
-    def __init__(self, notebook: Line):
-        self.notebook = _file_name("notebook", notebook)
+    def __init__(self, notebook):
+        self.notebook = _file_name(notebook)
         self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT / "build" / "lab"))
 
-    @checked
-    def __call__(
-        self, name: Line, value: object, unit: Line, *, digits: object = None, below: object = None
-    ):
+    def __call__(self, name, value, unit, *, digits=None, below=None):
         """Record a number.
 
         Parameters
@@ -118,8 +113,7 @@ class Record:
         self._merge("numbers", name, entry)
         return RecordedText(f"{name}: {text} {unit}".strip())
 
-    @checked
-    def order(self, name: Line, first: object, second: object):
+    def order(self, name, first, second):
         """Record which of two numbers is the lesser, so that words can be compared with it.
 
         Parameters
@@ -143,28 +137,24 @@ class Record:
         first = number(f"first of {name}", first)
         second = number(f"second of {name}", second)
         if math.isclose(first, second, rel_tol=CLOSE, abs_tol=0.0):
-            raise ValueError(
-                f"{name}: the two must differ by more than {CLOSE:g} of the greater; "
-                f"got {first} and {second}."
-            )
+            raise ValueError(f"{name}: must differ by {CLOSE:g} of either; got {first}, {second}.")
         order = "less" if first < second else "greater"
         self._merge("orders", name, {"order": order})
         return RecordedText(f"{name}: {order}")
 
-    @checked
-    def table(self, name: Line, columns: Lines, rows: Rows, *, decimals: Decimals = None):
+    def table(self, name, columns, rows, *, decimals=None):
         """Record a table.
 
         Parameters
         ----------
         name : str
             What the table is; the report asks for it by this name.
-        columns : sequence of str
+        columns : list of str
             Headings with units, such as ``"$l$ / m"``; Typst's markup is set as such.
-        rows : sequence of sequences
+        rows : list of lists
             Cells: numbers or text.
-        decimals : int or sequence of int, optional
-            Decimals printed, 0 to 15, for all columns or for each. Only floats need them.
+        decimals : list of int, optional
+            Decimals printed of each column. Only floats need them.
 
         Returns
         -------
@@ -177,20 +167,14 @@ class Record:
             If a row has another length than the headings, or a number isn't finite or has no
             decimals.
         """
-        if not isinstance(decimals, tuple):
-            decimals = (decimals,) * len(columns)
-        for row in [decimals, *rows]:
-            if len(row) != len(columns):
-                raise ValueError(
-                    f"{name}: needs one entry for each of {len(columns)} columns; got {len(row)}."
-                )
-        text = [[cell(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
-        cells = [[_stored(name, c, d) for c, d in zip(row, decimals, strict=True)] for row in rows]
+        decimals = decimals or [None] * len(columns)
+        each = [list(zip(columns, row, decimals, strict=True)) for row in rows]
+        text = [[cell(name, c, d) for _, c, d in row] for row in each]
+        cells = [[_stored(name, c, d) for _, c, d in row] for row in each]
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
         return RecordedTable(columns, text)
 
-    @checked
-    def figure(self, picture: Picture, name: Line, alt: str):
+    def figure(self, picture, name, alt):
         """Save a figure with its alternative text.
 
         Parameters
@@ -213,7 +197,7 @@ class Record:
         ValueError
             If there's no alternative text, or the name isn't fit for a file.
         """
-        _file_name("figure", name)
+        _file_name(name)
         if not alt.strip():
             raise ValueError(f"{name}: needs an alternative text.")
         if isinstance(picture, matplotlib.figure.Figure):
@@ -227,6 +211,8 @@ class Record:
         return preview(picture, alt)
 
     def _merge(self, kind, name, entry):
+        if not name.isprintable():
+            raise ValueError(f"name: must be of one line; got {shown(name)}.")
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
         content = json.loads(file.read_text()) if file.exists() else {}
         if shell := _shell():  # run from top to bottom, the inputs so far are the code cells
@@ -236,8 +222,7 @@ class Record:
         _replace(file, (text + "\n").encode())
 
 
-@checked
-def preview(picture: Picture, alt: str = ""):
+def preview(picture, alt=""):
     """Return a picture as a notebook shows it.
 
     Parameters
@@ -254,17 +239,17 @@ def preview(picture: Picture, alt: str = ""):
     """
     from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
 
-    small = _drawing_preview if isinstance(picture, matplotlib.figure.Figure) else _pixel_preview
-    return Image(small(picture), format="png", width=PREVIEW, alt=alt)
+    drawn = isinstance(picture, matplotlib.figure.Figure)
+    small = _drawing_preview(picture) if drawn else _png(_narrowed(picture, PREVIEW))
+    return Image(small, format="png", width=PREVIEW, alt=alt)
 
 
 def moved_preview(drawing, alt):
     """Return what `preview` does, sooner, though in more bytes: for one of many pictures."""
     from IPython.display import Image
 
-    content = io.BytesIO()
-    PIL.Image.fromarray(drawing_pixels(drawing)).save(content, **MOVED)
-    return Image(content.getvalue(), format=MOVED["format"], width=PREVIEW, alt=alt)
+    content = _encoded(drawing_pixels(drawing), **MOVED)
+    return Image(content, format=MOVED["format"], width=PREVIEW, alt=alt)
 
 
 def _shell():
@@ -282,11 +267,9 @@ def _stored(name, value, decimals):
     return steady(number(name, value), decimals or 0)
 
 
-def _file_name(argument, name):
+def _file_name(name):
     if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name):
-        raise ValueError(
-            f"{argument}: a name has lower-case letters, digits, - and _ only; got {shown(name)}."
-        )
+        raise ValueError(f"name: must have only a-z, 0-9, - and _; got {shown(name)}.")
     return name
 
 
@@ -330,13 +313,13 @@ def _canvas(figure):
 
 
 def _png(pixels):
+    return _encoded(pixels, format="png", optimize=True)
+
+
+def _encoded(pixels, **how):
     content = io.BytesIO()
-    PIL.Image.fromarray(pixels).save(content, format="png", optimize=True)
+    PIL.Image.fromarray(pixels).save(content, **how)
     return content.getvalue()
-
-
-def _pixel_preview(pixels):
-    return _png(_narrowed(pixels, PREVIEW))
 
 
 def _narrowed(pixels, width):

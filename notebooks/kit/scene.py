@@ -6,35 +6,14 @@ import os
 if "DISPLAY" not in os.environ:
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-from typing import Annotated
-
 import numpy as np
 import pyvista
 
-from tunneller_lib.arguments import Angle, Finite, Length, Point, Rule, Whole, checked, real
-from tunneller_lib.envelopes.isotropic import cone_rulings
-
 from . import gl
-from .camera import crop, look, shoot
-from .kinds import Curve, Flags, Grid, Pictures, sound_pictures
-
-__all__ = [
-    "arrow",
-    "ball",
-    "cone",
-    "crop",
-    "curve",
-    "empty",
-    "kept_parts",
-    "look",
-    "rectangle",
-    "rows",
-    "shoot",
-    "side_by_side",
-    "surface",
-]
-
-Scalars = Annotated[np.ndarray, Rule("(n,) float", real)]
+from .camera import crop as crop
+from .camera import look as look
+from .camera import shoot as shoot
+from .style import COLOURS
 
 # Lights as the camera sees them, x to the right and y up: one in front, two from above.
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
@@ -48,8 +27,7 @@ THEME.anti_aliasing = "ssaa"
 THEME.depth_peeling.enabled = False  # with Mesa's EGL it makes translucent sheets vanish
 
 
-@checked
-def empty(*, parallel: bool = True):
+def empty(*, parallel=True):
     """Return an empty scene: white, without a screen, its lights moving with the camera.
 
     Parameters
@@ -76,8 +54,19 @@ def empty(*, parallel: bool = True):
     return plotter
 
 
-@checked
-def surface(points: Grid, values: dict | None = None):
+def on_sheet(points, opacity=1.0):
+    """Return an empty scene but for a design surface, a grid of points (n, m, 3) in m."""
+    plotter = empty()
+    put(plotter, surface(points), "design surface", opacity=opacity)
+    return plotter
+
+
+def put(plotter, mesh, colour, **look):
+    """Add a mesh to a scene in one of the study's colours; `look` is for ``Plotter.add_mesh``."""
+    plotter.add_mesh(mesh, color=COLOURS[colour], **look)
+
+
+def surface(points, values=None):
     """Return a smooth mesh through a grid of points.
 
     Parameters
@@ -92,11 +81,6 @@ def surface(points: Grid, values: dict | None = None):
     mesh : pyvista.PolyData
         Its quadrilaterals, the grid's cells.
 
-    Raises
-    ------
-    ValueError
-        If the points are no such grid.
-
     Examples
     --------
     >>> import numpy as np
@@ -104,14 +88,13 @@ def surface(points: Grid, values: dict | None = None):
     >>> surface(np.stack([x, y, x * y], axis=-1)).n_cells
     6
     """
-    grid = pyvista.StructuredGrid(*np.moveaxis(points, -1, 0))
+    grid = pyvista.StructuredGrid(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
     for name, scalars in (values or {}).items():
         grid[name] = np.ravel(scalars, order="F")
     return grid.extract_surface(algorithm="geometry", pass_pointid=False, pass_cellid=False).clean()
 
 
-@checked
-def curve(points: Curve, radius: Length, values: Scalars | None = None):
+def curve(points, radius, values=None):
     """Return a tube along a curve, which unlike a line keeps its width at any resolution.
 
     Parameters
@@ -128,21 +111,19 @@ def curve(points: Curve, radius: Length, values: Scalars | None = None):
     mesh : pyvista.PolyData
         The tube.
     """
-    line = pyvista.lines_from_points(points)
+    line = pyvista.lines_from_points(np.asarray(points, dtype=float))
     if values is not None:
         line["values"] = values
     return line.tube(radius=radius, n_sides=12)
 
 
-@checked
-def rectangle(middle: Point, a: Point, b: Point):
+def rectangle(middle, a, b):
     """Return a mesh of a rectangle, its middle (3,) and half its sides a, b (3,), all in m."""
     middle, a, b = np.array([middle, a, b])
     return surface([[middle - a - b, middle - a + b], [middle + a - b, middle + a + b]])
 
 
-@checked
-def kept_parts(points: Curve, keep: Flags):
+def kept_parts(points, keep):
     """Return the parts of a closed curve's points (n, 3) where `keep` (n,) is True, as a list.
 
     Examples
@@ -153,8 +134,6 @@ def kept_parts(points: Curve, keep: Flags):
     >>> [part[:, 0].tolist() for part in kept_parts(points, keep)]
     [[4.0, 5.0], [7.0, 0.0, 1.0]]
     """
-    if len(keep) != len(points):
-        raise ValueError(f"keep: must be one for each of {len(points)} points; got {len(keep)}.")
     start = np.argmin(keep)  # so that no part is cut in two
     points = np.roll(points, -start, axis=0)
     keep = np.roll(keep, -start)
@@ -163,74 +142,40 @@ def kept_parts(points: Curve, keep: Flags):
     return [part for part in kept if len(part) > 1]
 
 
-@checked
-def ball(centre: Point, radius: Length):
+def ball(centre, radius):
     """Return a mesh of a sphere, its centre (3,) and radius in m."""
     return pyvista.Sphere(radius=radius, center=centre, theta_resolution=60, phi_resolution=60)
 
 
-@checked
-def cone(vertex: Point, axis: Point, half_angle: Angle, near: Finite, far: Finite):
-    """Return a mesh of a truncated cone's wall.
-
-    Parameters
-    ----------
-    vertex, axis : (3,) float
-        Vertex in m, and a vector along the axis into the cone.
-    half_angle : float
-        Between axis and rulings, in rad.
-    near, far : float
-        Where the rulings begin and end, as distances from the vertex, in m.
-
-    Returns
-    -------
-    mesh : pyvista.PolyData
-        The wall, without its ends.
-    """
-    rulings = cone_rulings(np.array(axis), half_angle, np.linspace(0, 2 * np.pi, 361))
-    return surface(np.asarray(vertex) + np.linspace(near, far, 25)[:, None, None] * rulings)
-
-
-@checked
-def arrow(start: Point, vector: Point, radius: Length):
+def arrow(start, vector, radius):
     """Return a mesh of an arrow from `start` along `vector`, its shaft's `radius` in m."""
     length = float(np.linalg.norm(vector))
-    if not length:
-        raise ValueError("vector: must not be zero; got (0, 0, 0).")
-    # Its sizes are shares of the length, by which it is scaled.
-    return pyvista.Arrow(
-        start=start,
-        direction=vector,
-        scale=length,
-        shaft_radius=radius / length,
-        tip_radius=2.5 * radius / length,
-        tip_length=min(0.4, 8 * radius / length),
-        shaft_resolution=24,
-        tip_resolution=24,
-    )
+    share = radius / length  # by the length all sizes are scaled
+    tip = {"tip_radius": 2.5 * share, "tip_length": min(0.4, 8 * share), "tip_resolution": 24}
+    shaft = {"shaft_radius": share, "shaft_resolution": 24}
+    return pyvista.Arrow(start=start, direction=vector, scale=length, **shaft, **tip)
 
 
 def side_by_side(*pictures):
     """Return pictures (n, m, 3) side by side on white, each in the middle of the height."""
-    height = max(len(picture) for picture in sound_pictures("pictures", pictures))
+    height = max(map(len, pictures))
     return np.concatenate([_padded(p, height, p.shape[1]) for p in pictures], axis=1)
 
 
-@checked
-def rows(pictures: Pictures, columns: Whole(1, 100)):
-    """Return pictures (n, m, 3) in rows of so many on white, each in the middle of its place.
+def rows(pictures):
+    """Return pictures (n, m, 3) in full rows of three on white, each in the middle of its place.
 
     Examples
     --------
     >>> import numpy as np
-    >>> sizes = [(4, 6), (2, 3), (4, 6), (1, 1)]
-    >>> rows([np.zeros((*size, 3), dtype=np.uint8) for size in sizes], columns=2).shape
-    (8, 12, 3)
+    >>> sizes = [(4, 6), (2, 3), (1, 1)]
+    >>> rows([np.zeros((*size, 3), dtype=np.uint8) for size in sizes]).shape
+    (4, 18, 3)
     """
     height, width = np.max([picture.shape[:2] for picture in pictures], axis=0)
     padded = [_padded(picture, height, width) for picture in pictures]
-    places = range(0, len(padded), columns)
-    return np.concatenate([np.concatenate(padded[i : i + columns], axis=1) for i in places])
+    places = range(0, len(padded), 3)
+    return np.concatenate([np.concatenate(padded[i : i + 3], axis=1) for i in places])
 
 
 def _padded(picture, height, width):

@@ -1,13 +1,7 @@
 """One look for all drawings: the report's width, its text size, a colour for each thing."""
 
-from typing import Annotated
-
 import matplotlib
 from matplotlib.figure import Figure
-
-from tunneller_lib.arguments import Rule, Whole, checked, shown
-
-from .kinds import Centimetres
 
 TEXT_WIDTH = 16.0  # cm, of the report
 
@@ -65,32 +59,7 @@ STYLE = {
 }
 
 
-def _colour(name, value):
-    if not isinstance(value, str) or value not in COLOURS:
-        raise ValueError(f"{name}: must be a name in COLOURS; got {shown(value)}.")
-    return value
-
-
-Colour = Annotated[str, Rule("str", _colour)]
-
-
-def check_colour_names(argument, names):
-    """Raise ValueError if a name is no colour's."""
-    for name in names:
-        if name not in COLOURS:
-            raise ValueError(f"{argument}: each name must be one in COLOURS; got {shown(name)}.")
-
-
-@checked
-def figure(
-    rows: Whole(1, 20) = 1,
-    cols: Whole(1, 20) = 1,
-    *,
-    height: Centimetres,
-    width: Centimetres = TEXT_WIDTH,
-    divisions: Whole(1, 20) | None = None,
-    **subplots: object,
-):
+def figure(rows=1, cols=1, *, height, width=TEXT_WIDTH, divisions=None, **subplots):
     """Return a new drawing at its printed size.
 
     Parameters
@@ -111,12 +80,6 @@ def figure(
         Not known to pyplot: it is shown where it is recorded, and nowhere else.
     axes : matplotlib.axes.Axes or array of them
         As matplotlib gives them.
-
-    Raises
-    ------
-    ValueError
-        If a number is none of those, a size isn't from 0.5 to 100 cm, or `rows`, `cols` or
-        `divisions` isn't a whole number from 1 to 20.
 
     Examples
     --------
