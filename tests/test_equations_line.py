@@ -189,8 +189,9 @@ def test_destination_on_a_ruling(judge):
         far = np.array([brentq(lambda s, d=d: egg.depth(*(s * d)) - inside, 0, 2) for d in aim])
         y, z = (far[:, None] * aim).T
         start = np.stack([0 * y, y, z - machine.height], axis=-1)
-        ts = machine.torus.meet_line(start, start + [1, 0, 0])
-        Q = start + np.nanmax(ts, axis=-1)[:, None] * [1, 0, 0]
+        along = np.array([1.0, 0.0, 0.0])
+        ts = machine.torus.meet_line(start, start + along)
+        Q = start + np.nanmax(ts, axis=-1)[:, None] * along
         assert np.isfinite(Q).all()
         _, y, z = circuit.in_tunnel(Q).T
         return machine.cutter_radius - egg.depth(y, z)

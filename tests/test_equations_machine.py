@@ -50,6 +50,24 @@ def test_list_of_references(judge):
     assert [number for number, count in times.items() if count == 2] == [13]
 
 
+def test_novel_scheme(judge):
+    judge("novel", missing="a date of the paper, and a search that is complete")
+    # Nothing is cited for the scheme itself: neither in the abstract nor in the conclusions, and
+    # in 3.3 geodesics only. What the text cites of its parts is the condition of the foot and the
+    # line of a plotter.
+    assert not {"abstract", "5", "appendix"} & CITED.keys()
+    assert numbers(CITED["3.3"]) == list(range(2, 8)) and numbers(CITED["3.3.1"]) == [8]
+    # Its parts are old: the foot of a point is where the distance is least.
+    torus, rng = MACHINE.torus, np.random.default_rng(19)
+    p, q = (torus.point(*rng.uniform(-0.6, 0.6, (2, 20))) for _ in range(2))
+    middle = (p + q) / 2
+    angles = torus.angles(torus.foot(middle))
+    least = np.linalg.norm(torus.point(*angles) - middle, axis=-1)
+    for step in np.radians([(0.01, 0), (-0.01, 0), (0, 0.01), (0, -0.01)]):
+        beside = torus.point(angles[0] + step[0], angles[1] + step[1])
+        assert np.all(np.linalg.norm(beside - middle, axis=-1) > least)
+
+
 def test_geodesic_isn_t_always_shortest(judge):
     # The outer equator is a geodesic. Along it neighbours meet again after pi/sqrt(K), where
     # K = 1/(R (r + R)): before the half turn, from where on it isn't the shortest way.
