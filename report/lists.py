@@ -14,7 +14,7 @@ VERDICT_LIST = ROOT / "report" / "verdicts.csv"
 README = ROOT / "README.md"
 MOVING = ROOT / "report" / "guide" / "machine.svg"
 
-USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+USE = re.compile(r'\b(num|count|than|tabular|fig|picture)\(\s*"([^"]+)",\s*"([^"]+)"')
 # How the README goes on after the number of claims with a verdict.
 VERDICTS = {
     "holds": "hold", "imprecise": "are imprecise", "corrected": "hold once they are corrected",
@@ -27,6 +27,7 @@ KINDS = {
     "than": "orders",
     "tabular": "tables",
     "fig": "figures",
+    "picture": "figures",
 }
 
 

@@ -340,3 +340,25 @@ def test_steps_of_equal_u(judge):
         M = np.array([0.5 + 0 * tan, 0.5 * tan, 0.5 * (tan + 1)]) / (tan + 0.5)
     foot = (np.hypot(M[0], M[1]) + M[2]) / 2**0.5 * np.exp(1j * np.angle(line))
     assert abs(unevenness(np.abs(np.diff(foot))) - found[0.25][0]) < 1e-9
+
+
+def test_perfect_approximation(judge):
+    # Each plane on the axis meets the chord's path once, and the geodesic once: along both the
+    # azimuth grows. So they have one point in it where they are one, and else two.
+    one = []
+    for values in ((1, 1, 0.5, 0.25), (3, 4, 1, 0.3), (1, 2, 1.5, 0.1)):
+        chord, share = ConeChord(*values), np.linspace(0, 1, 2001)
+        azimuth = chord.azimuth(share)
+        along = chord.chord_point(azimuth)
+        its_own = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+        rows = chord.table(share)
+        apart = rows[:, 3] - rows[:, 2]  # NN - LN, in each plane
+        ends = np.max(np.abs(apart[[0, -1]])) < 1e-12
+        one.append(bool(np.all(np.diff(azimuth) > 0) and np.all(np.diff(its_own) > 0) and ends))
+        crossings = np.sum(np.diff(np.sign(apart[5:-5])) != 0)
+        assert crossings <= 1 and np.max(np.abs(apart)) > 1e-4
+    judge("cone-perfect", len(one) == 3 and all(one))
+    # The nearer the two rulings, the nearer the approximation is to perfect: by a square.
+    worst = [np.max(np.abs(ConeChord(1, 1, 0.5, f_).table(np.linspace(0, 1, 201))[:, 4]))
+             for f_ in (0.02, 0.01)]  # fmt: skip
+    assert 3.8 < worst[0] / worst[1] < 4.2

@@ -418,3 +418,21 @@ def test_derivative_of_eq09(judge):
 def test_eq16_motion_of_the_centre(judge):
     du, dv = -v - g * VT, u + g * UT
     judge("cones-eq16", sp.expand((v + du) * UT - (u - dv) * VT) == 0)
+
+
+def test_vanishing_resultant_without_a_real_solution(judge):
+    # At x = y = 0, with tan = 1/2, Eq. 9 is u^2 + v^2 = 1. With these derivatives, others 0, a pair
+    # of solutions is complex and none is real.
+    jet = {F("xyy"): 1, F("xx"): -2, F("yyyy"): 1, F("xxyy"): sp.Rational(47, 36)}
+    rest = [s for s in EQ11.free_symbols | EQ12.free_symbols if s not in jet and s not in (u, v)]
+    three = [e.subs(jet).subs(dict.fromkeys(rest, 0)) for e in (EQ11, EQ12)]
+    three.append(EQ9.subs({x: 0, y: 0, tan: sp.Rational(1, 2)}))
+    U, V = sp.symbols("U V")
+    three = [sp.expand(e.subs({u: U, v: V})) for e in three]
+    common = {U: 2, V: sp.I * sp.sqrt(3)}
+    vanish = all(sp.expand(e.subs(common)) == 0 for e in three)
+    solutions = sp.solve([three[0], three[2]], [U, V], dict=True)
+    real = [s for s in solutions if all(value.is_real for value in s.values())]
+    assert len(real) == 4 and len(solutions) > len(real)
+    none_real = all(three[1].subs(s) != 0 for s in real)
+    judge("cones-resultant", vanish and none_real)

@@ -238,3 +238,20 @@ def test_contour_from_the_vertex_has_the_osculating_cones_circle(judge):
         ruling = np.array(surface(0.3 + step, t_here)) - vertex
         gaps.append(np.arccos(ruling @ axis / np.linalg.norm(ruling)) - angle)
     judge("cones-contour", 7 < gaps[1] / gaps[0] < 9)
+
+
+def test_limits_of_congruent_cones(judge):
+    # The vertex rho/sin(theta) back on the axis: the distance from the cone, inwards, at a place
+    # that stays, tends to rho less the distance from the axis.
+    theta, rho, far, along = sp.symbols("theta rho far along", positive=True)
+    from_vertex = along + rho / sp.sin(theta)
+    inside = from_vertex * sp.sin(theta) - far * sp.cos(theta)
+    limit = sp.limit(inside, theta, 0)
+    cylinder = sp.simplify(limit - (rho - far)) == 0
+    # Two congruent cones, of one angle, near cylinders of radii 1 and 2.
+    small = {theta: sp.Rational(1, 10**6), along: 3}
+    sizes = [sp.N((inside.subs(far, 0)).subs(small).subs(rho, size)) for size in (1, 2)]
+    judge(
+        "cones-not-congruent",
+        cylinder and all(abs(s - n) < 1e-5 for s, n in zip(sizes, (1, 2), strict=True)),
+    )

@@ -101,3 +101,20 @@ def test_remark3_at_each_point_of_example1(judge):
         one, other = (adapted_frames(surface, s, w, "space").axes[:, 2] for w in (here, 2 * here))
         touches.append(np.abs(np.sum(one * other, axis=-1)).min() > 1 - 1e-12)
     judge("cones-rem3", len(touches) == 11 and all(touches))
+
+
+def test_vanishing_second_derivative(judge):
+    # fxx = 0 leaves f = x a(y) + b(y); the equation makes a constant.
+    a, b = sp.Function("a")(y), sp.Function("b")(y)
+    form = x * a + b
+    assert form.diff(x, 2) == 0
+    K = sp.expand(form.diff(x, 2) * form.diff(y, 2) - form.diff(x, y) ** 2)
+    only_constant = zero(K + a.diff(y) ** 2)  # 0 just where a' is
+    slope = sp.Symbol("slope")
+    cylinder = form.subs(a, slope).doit()
+    # Along the direction (1, 0, slope) it is moved into itself, with one tangent plane.
+    step = sp.Symbol("step")
+    same = zero(cylinder.subs(x, x + step) - cylinder - slope * step)
+    constant = all(zero(cylinder.diff(c).diff(x)) for c in (x, y))
+    judge("cones-fxx-zero", only_constant and same and constant)
+    assert (x * y).diff(x, 2) == 0 and (x * y).diff(x, y) == 1

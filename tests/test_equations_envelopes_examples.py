@@ -311,6 +311,7 @@ def _ring():
 def test_example33_blades(judge):
     """On a substitute: cones from below and above, of which collisions leave some."""
     judge("cones-ex33", missing="the impeller's data")
+    judge("cones-fig11-collisions", missing="the impeller's other blades, and the drawings")
     s, w = (a.ravel() for a in np.meshgrid([0.2, 0.5, 0.8], [0.2, 0.5, 0.8]))
     ring, angle = _ring(), np.radians(10)
     cones = hyperosculating_cones(ring.coordinates, s, w, half_angle=angle, model="space")

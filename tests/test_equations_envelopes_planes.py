@@ -384,3 +384,20 @@ def _within_the_cone(graph, place, centre, around=None):
             deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
             depths.append(deep / step**4)
     return twelve * side, depths
+
+
+def test_tangent_plane_and_its_derivative_meet_in_a_ruling(judge):
+    # A cone about the z axis: its tangent planes by the angle around, and their derivatives.
+    angle, half, far = sp.symbols("angle half far", positive=True)
+    vertex = sp.Matrix(sp.symbols("vertex1:4", real=True))
+    normal_ = sp.Matrix([sp.cos(half) * sp.cos(angle), sp.cos(half) * sp.sin(angle), -sp.sin(half)])
+    ruling = sp.Matrix([sp.sin(half) * sp.cos(angle), sp.sin(half) * sp.sin(angle), sp.cos(half)])
+    place = vertex + far * ruling
+    height = -normal_.dot(vertex)
+    T = normal_.dot(place) + height
+    T_u = normal_.diff(angle).dot(place) + height.diff(angle)
+    both = sp.simplify(T) == 0 and sp.simplify(T_u) == 0
+    # Not parallel: their normals are at right angles, and neither vanishes.
+    apart = sp.simplify(normal_.dot(normal_.diff(angle))) == 0
+    size = sp.simplify(normal_.diff(angle).dot(normal_.diff(angle)) - sp.cos(half) ** 2) == 0
+    judge("cones-rulings", both and apart and size)

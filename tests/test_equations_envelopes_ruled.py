@@ -104,6 +104,25 @@ def test_solutions_that_jump(judge):
     judge("cones-jump", lines == {2: {(1, 1)}, -2: {(1, -1)}, 0: {(1, 1), (1, -1)}})
 
 
+def test_four_solutions_on_the_circle(judge):
+    # A solution is multiple where the form and the circle have one tangent. There the form's value
+    # and this determinant would vanish together; they do so only with fxx fyy - fxy^2 = 0.
+    circle = u**2 + v**2
+    determinant = sp.expand(QUADRATIC.diff(u) * v - QUADRATIC.diff(v) * u)
+    saddle = sp.expand(_a * _c - _b**2)
+    trace = _a + _c
+    identity = (
+        determinant**2 + 4 * saddle * circle**2 - 4 * QUADRATIC * (trace * circle - QUADRATIC)
+    )
+    simple = sp.expand(identity) == 0
+    four = []
+    for numbers in ((1, 0, -1), (0, 1, 0), (2, 3, 1), (-1, 2, 5)):
+        form = QUADRATIC.subs(dict(zip((_a, _b, _c), numbers, strict=True)))
+        solutions = sp.solve([form, circle - 1], [u, v])
+        four.append(len(set(solutions)) == 4 and all(s.is_real for pair in solutions for s in pair))
+    judge("cones-four-solutions", simple and all(four))
+
+
 def test_discriminant_of_the_asymptotic_directions(judge):
     printed = _a * _c - _b**2
     determinant = sp.hessian(QUADRATIC, (u, v)).det() / 4

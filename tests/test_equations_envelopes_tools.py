@@ -180,3 +180,23 @@ def test_cones_mill_a_hyperboloid(judge):
         for k in range(0, len(which), 9):
             distance = cone_distance(points, vertex[k], axis[k], angle, 0.0, 4.0)
             assert -1e-12 < distance.min() < 1e-3
+
+
+def test_ruled_strips_approximate(judge):
+    # Between curves x = k/n a strip's straight lines leave a graph by at most max |fxx|/(8 n^2).
+    grid = np.linspace(0, 1, 41)
+    well = []
+    for form in (x**2 + y**2, x**2 - y**2, sp.sin(3 * x) * sp.cos(2 * y) + x * y**2):
+        height = sp.lambdify((x, y), form, "numpy")
+        bound = np.max(
+            np.abs(sp.lambdify((x, y), form.diff(x, 2) + 0 * x, "numpy")(*np.meshgrid(grid, grid)))
+        )
+        errors = []
+        for n in (8, 16, 32):
+            low = np.arange(n)[:, None, None] / n
+            share = np.linspace(0, 1, 17)[:, None]
+            ruled_height = (1 - share) * height(low, grid) + share * height(low + 1 / n, grid)
+            errors.append(np.max(np.abs(ruled_height - height(low + share / n, grid))))
+            assert errors[-1] <= 1.02 * bound / (8 * n**2)
+        well.append(3.5 < errors[0] / errors[1] < 4.5 and 3.5 < errors[1] / errors[2] < 4.5)
+    judge("cones-ruled-approximation", len(well) == 3 and all(well))

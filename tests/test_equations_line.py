@@ -9,11 +9,13 @@ import itertools
 
 import numpy as np
 import sympy as sp
+from scipy.optimize import brentq
 
 from exhibits import quartics
 from exhibits.quartics import line_quartic
 from tests.symbols_tunneller import TORI, TORUS, R, at, close, draw, r, t, x, y, z, zero
-from tunneller_lib.surfaces import Torus
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 READS = ["report/ledger/*"]
 
@@ -171,3 +173,42 @@ def test_greatest_x_root(judge):
         apart = np.linalg.norm(back - lemon, axis=-1)
         assert len(lemon) > 5 and np.sum(apart > 1e-3 * torus.R) > 5
     judge("greatest-x", len(on_working_sheet) == 3 and all(on_working_sheet))
+
+
+def test_destination_on_a_ruling(judge):
+    # The ball about Q reaches beyond the wall by its radius less Q's distance from the wall; that
+    # should be the depth of cut, all round.
+    machine, egg = REFERENCE_MACHINE, Egg(0.5)
+    inset = machine.cutter_radius - machine.depth
+    circuit = cutting_circuit(machine, egg)
+    out = np.linspace(0, 2 * np.pi, 72, endpoint=False)
+    aim = np.stack([np.cos(out), np.sin(out)], axis=-1)
+
+    def reach(inside):
+        """Return how far beyond the wall the ball reaches about ends of rulings so far inside."""
+        far = np.array([brentq(lambda s, d=d: egg.depth(*(s * d)) - inside, 0, 2) for d in aim])
+        y, z = (far[:, None] * aim).T
+        start = np.stack([0 * y, y, z - machine.height], axis=-1)
+        along = np.array([1.0, 0.0, 0.0])
+        ts = machine.torus.meet_line(start, start + along)
+        Q = start + np.nanmax(ts, axis=-1)[:, None] * along
+        assert np.isfinite(Q).all()
+        _, y, z = circuit.in_tunnel(Q).T
+        return machine.cutter_radius - egg.depth(y, z)
+
+    printed, offset_reach = reach(0.0), reach(inset)
+    judge("ruling-of-wall", np.allclose(printed, machine.depth, atol=1e-9),
+          right=np.allclose(offset_reach, machine.depth, atol=1e-9))  # fmt: skip
+    assert np.allclose(printed, machine.cutter_radius, atol=1e-9)
+    # A second way, by hand at crown and floor, whose arcs have their centres at the heights 0 and
+    # -3a/2 and radii a and a/2; Q's x is the root of a square, and the ball's top is right above.
+    a, B, g = sp.Rational(1, 2), sp.Rational(1, 5), sp.Rational(1, 50)
+    ring, tube, z_c = sp.Rational(2, 25), sp.Rational(4, 5), sp.Rational(str(machine.height))
+    for centre, radius, side in ((0, a, 1), (-3 * a / 2, a / 2, -1)):
+        wall = centre + side * radius
+        for height, beyond in ((wall, B), (wall - side * (B - g), g)):
+            x2 = (ring + tube) ** 2 - (height - z_c) ** 2
+            assert x2 > 0 and zero(
+                TORUS.subs({r: ring, R: tube, x: sp.sqrt(x2), y: 0, z: height - z_c})
+            )
+            assert side * (height + side * B - wall) == beyond

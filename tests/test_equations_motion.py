@@ -47,7 +47,7 @@ from tunneller_lib.motion.tasks import (
     schedule,
 )
 from tunneller_lib.paths import project_chord
-from tunneller_lib.surfaces import REFERENCE_MACHINE
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["report/ledger/*", "report/listings.toml", "tests/references/controller_cycles.csv"]
 
@@ -120,6 +120,31 @@ def test_encoders_and_valves(judge):
     assert np.max(np.abs(track.error[600])) > 10 * count  # on their way they lag
     assert np.max(np.abs(track.error[-100:])) < count / 2
     assert not track.saturated.any()
+
+
+def test_direct_kinematics(judge):
+    # Loops that know no more than angles and encoders bring both joints to where they should be.
+    count = 2 * np.pi / 2**16
+    start, stop = (np.rint(np.radians(pose) / count).astype(int) for pose in ((-20, -15), (15, 20)))
+    move = rest_to_rest(start, stop, 600).T
+    wanted = count * np.vstack([move, np.repeat(move[-1:], 600, axis=0)])
+    track = follow(Integrator(0.5), [Loop(10.0, 0.005, count=count)] * 2, wanted)
+    arrives = np.max(np.abs(track.error[-100:])) < count / 2
+    # Where a path starts the angles alone don't say: it depends on the radii, as Eq. 1 has them.
+    starts = [Torus(*radii).point(*wanted[0]) for radii in ((0.08, 0.8), (0.2, 1.5))]
+    judge("direct-kinematics", cases={"the point P": not np.allclose(*starts, atol=0.1),
+                                      "the loops of the joints": not arrives})  # fmt: skip
+
+
+def test_increments_from_adjacent_points(judge):
+    torus = REFERENCE_MACHINE.torus
+    path = project_chord(torus, (-0.9, -0.5), (0.4, 0.6), 41)
+    x, y, z = torus.point(*path.T).T  # the points N
+    theta = np.arctan2(-z, x)
+    phi = np.arctan2(y, np.hypot(x, z) - torus.r)
+    increments = np.diff([theta, phi])
+    judge("increments", np.allclose(increments, np.diff(path.T), rtol=0, atol=1e-14))
+    np.testing.assert_allclose(increments.sum(axis=1), path[-1] - path[0], atol=1e-14)
 
 
 def away_from_line(gains, tick=0.001):
@@ -271,6 +296,20 @@ def test_dda_errors(judge):
     assert worst[2] > 10 and worst[2] > 10 * worst[1]
 
 
+def test_dda_without_a_product(judge):
+    # By sums alone, counted; without rounding it is the line itself.
+    same = []
+    for k, d, steps in [(Fraction(5, 2), 5, 10), (Fraction(-7, 3), 40, 99), (Fraction(1, 7), 0, 5)]:
+        value, values, sums = Fraction(d), [Fraction(d)], 0
+        for _ in range(steps):
+            value, sums = value + k, sums + 1
+            values.append(value)
+        same.append(values == [k * x + d for x in range(steps + 1)] and sums == steps)
+    judge("dda-product", len(same) == 3 and all(same))
+    dda = INTERPOLATORS["DDA, single precision"](5, 30, 10)
+    assert dda.tolist() == [floor(5 + Fraction(5, 2) * x + HALF) for x in range(11)]
+
+
 def test_scaled_fraction(judge):
     rounded = []
     for start, stop, ticks in [(5, 30, 10), (-7, 1000, 37), (0, 1, 999), (3, -400, 64)]:
@@ -364,15 +403,16 @@ def test_slope_above_one(judge):
     preparation, tick = text.split("\nELSIF ")
     once = [preparation.count(f"(nStop - nStart) {sign} ") for sign in ("/", "MOD")] == [1, 1]
     never = not any(operator in tick for operator in ("/", "MOD", "*"))
-    fractions = []
+    fraction, remainder = [], []
     for difference, ticks in [(25, 10), (7, 3), (1000, 37)]:
         slope = Fraction(difference, ticks)  # nx, and nxi is the quotient
         quotient = difference // ticks
-        assert slope > 1
-        fractions.append(slope - quotient == Fraction(difference % ticks, ticks))
-        assert difference % ticks == difference - quotient * ticks
-        assert difference % ticks != difference - quotient
-    judge("division-modulo", once and never and len(fractions) == 3 and all(fractions))
+        assert slope > 1 and difference % ticks == difference - quotient * ticks
+        fraction.append(slope - quotient == Fraction(difference % ticks, ticks))
+        remainder.append(difference - quotient == difference % ticks)
+    judge("division-modulo",
+          cases={"the listing's fraction": once and never and all(fraction),
+                 "the remainder of whole numbers": all(remainder)})  # fmt: skip
     block = FunctionBlock(text)
     assert line(block, 0, 1000, 37) == time_bresenham(0, 1000, 37).tolist()
 

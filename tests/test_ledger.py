@@ -21,7 +21,7 @@ FILES = sorted((ROOT / "report" / "ledger").glob("*.toml"))
 LEDGER = {id: row for file in FILES for id, row in tomllib.loads(file.read_text()).items()}
 VERDICTS = {"holds", "corrected", "refuted", "imprecise", "ambiguous", "not reproduced"}
 ORIGINS = {"author", "transcription", "undecidable"}
-SEVERITIES = {"result", "local", "cosmetic"}
+SEVERITIES = ["cosmetic", "digit", "local", "result"]  # the gravest last
 MENDED = [id for id, row in LEDGER.items() if row["verdict"] in {"corrected", "refuted"}]
 
 
@@ -77,10 +77,9 @@ def test_correction_is_proved_in_two_ways(id):
 def test_detail_belongs_to_a_row_that_is_as_wrong_as_the_worst_of_them(id):
     whole = LEDGER[id]["part_of"]
     parts = [row for row in LEDGER.values() if row.get("part_of") == whole]
-    order = ["cosmetic", "local", "result"]
     assert LEDGER[whole]["verdict"] == LEDGER[id]["verdict"]
     assert LEDGER[whole]["where"].split(", ")[0] == LEDGER[id]["where"].split(", ")[0]
-    assert LEDGER[whole]["severity"] == max((p["severity"] for p in parts), key=order.index)
+    assert LEDGER[whole]["severity"] == max((p["severity"] for p in parts), key=SEVERITIES.index)
 
 
 def test_slip_that_stands_twice_names_where_it_stands_first():
