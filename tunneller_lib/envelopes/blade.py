@@ -7,9 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Directions, HalfAngle, Length, Length0, Point, Points, Whole, checked
+from ..arguments import (
+    Angle,
+    Coordinate,
+    Directions,
+    HalfAngle,
+    Length,
+    Length0,
+    Point,
+    Points,
+    Whole,
+    checked,
+)
 from ..kernels.exact import dot, norm
-from .functions import Shift, Turn, Varying
+from .functions import Varying
 from .jet import Jet
 
 _SLENDER = 1e6  # times a hub's radius: no size of a blade is above it
@@ -47,10 +58,10 @@ class BladeRing:
     hub: Length
     height: Length
     chord: Length
-    stagger: Turn
-    twist: Turn
-    camber: Shift
-    bow: Shift
+    stagger: Angle
+    twist: Angle
+    camber: Coordinate
+    bow: Coordinate
     blades: Whole(2, 1000)
 
     def __post_init__(self):

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arguments import checked
+from ..arguments import Angle, checked
 from ..envelopes.families import moving_cone, turning
-from ..envelopes.functions import Turn
 from ..kernels.exact import dot
 from .patch import Patch
 from .tools import ConicalMill
@@ -18,7 +17,7 @@ ALONG = 0.005, 0.120  # m, from the vertices to the patch along the axes
 
 
 @checked
-def random_envelope(rng: np.random.Generator, *, opening: Turn = 0.0):
+def random_envelope(rng: np.random.Generator, *, opening: Angle = 0.0):
     """Return a patch that a cone envelops on a random motion, everywhere a saddle, and a mill.
 
     Parameters

@@ -1,22 +1,21 @@
 """From machine, section and tolerance to knots, setpoints, feed and set-values."""
 
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..arguments import (
+    LEAST,
+    MOST,
+    Angle,
+    Array,
     Length,
     Length0,
     NotNegative,
-    Rule,
+    Number,
     Whole,
     Wholes,
     checked,
-    coordinate,
-    positions,
-    size,
 )
 from ..paths.bounds import Way
 from ..paths.circuit import Circuit
@@ -39,18 +38,9 @@ GENTLY = 0.1
 MOST_TICKS = 5_000_000  # of all laps
 
 
-def _run_of_positions(name, value):
-    """Return `value` as a float array (n, 2) of joint positions."""
-    run = positions(name, value)
-    if run.ndim != 2:
-        raise ValueError(f"{name}: must have the shape (n, 2); got {run.shape}.")
-    return run
-
-
-Run = Annotated[ArrayLike, Rule("(n, 2) float", _run_of_positions, "rad")]
-Turn = Annotated[float, Rule("float", coordinate, "rad")]
+Run = Array("(n, 2) float", "rad", last="theta, phi")
 Ticks = Wholes("(...) int", 0, 2**40)
-Tick = Annotated[float, Rule("float", size, "s")]
+Tick = Number(LEAST, MOST, "s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +184,7 @@ def plan(
     tolerance: Length,
     step: Length = 5e-3,
     tick: Tick = 5e-3,
-    count: Turn = 2 * np.pi / 2**16,
+    count: Angle = 2 * np.pi / 2**16,
     rest: NotNegative = 1.0,
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
