@@ -104,7 +104,8 @@ def usual(annotation):
     rule = rule_of(annotation)
     for value in (USUAL.get(rule.says), True, "plus", 1, 2, 8):
         try:
-            return rule.check("it", value)
+            rule.check("it", value)
+            return value
         except ValueError:
             continue
     raise LookupError(f"no example for {annotation!r}")

@@ -62,8 +62,16 @@ def checked(made):
     Returns
     -------
     checked : callable or class
-        With the same signature. For inner loops, whose arguments are sound, the function itself
-        stays at hand as its attribute ``unchecked``.
+        With the same signature. The function itself is its attribute ``unchecked``, for proofs
+        that call it with symbols.
+
+    Notes
+    -----
+    The library's own code calls checked functions as everybody does. What that costs, some
+    microseconds a call and two passes over an array, only a loop over single numbers would feel.
+    Such a loop, and code whose numbers may be NaN, calls a plain function that the checked one
+    calls, too, as `Torus.foot` does with `Torus._foot`. Nested calls don't skip their checks: a
+    function that a user gave may be among the callers, and a list has to become an array.
 
     Examples
     --------
@@ -444,7 +452,13 @@ def _shape_rule(says, last=""):
         ]
         allowed.append((leading, ranges))
 
+    leading, ranges = allowed[0]
+    axes = len(ranges)
+    usual = tuple(low for low, high in ranges) if leading else None
+
     def check(name, array):
+        if array.shape[array.ndim - axes :] == usual:  # as nearly always: the short way
+            return
         for leading, ranges in allowed:
             own = array.shape[array.ndim - len(ranges) :] if leading else array.shape
             pairs = zip(own, ranges, strict=False)
@@ -544,6 +558,11 @@ def directions(name, value):
     return array
 
 
+def _direction(name, value):
+    """Return `value` as a tuple of three floats: one vector, as of `directions`."""
+    return rule_of(Point).check(name, directions(name, value))
+
+
 def sizes(name, value):
     """Raise ValueError where a length (...), in size, is neither zero nor from 1e-100 to 1e100."""
     rule_of(Radii).check(name, np.abs(value))
@@ -567,6 +586,7 @@ HalfAngle = Number(
 Duration = Number(TINY, unit="s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")
+Direction = Annotated[ArrayLike, Rule("(3,) float", _direction)]
 # Many, that broadcast:
 Corners = Array("(..., 2) float", "m", last="x, y")
 Polynomials = Array("(..., n + 1) float", loose=True)

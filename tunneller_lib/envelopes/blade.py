@@ -10,6 +10,7 @@ import numpy as np
 from ..arguments import (
     Angle,
     Coordinate,
+    Direction,
     Directions,
     HalfAngle,
     Length,
@@ -124,7 +125,7 @@ class BladeRing:
 def blade_distances(
     ring: BladeRing,
     vertex: Point,
-    axis: Directions,
+    axis: Direction,
     half_angle: HalfAngle,
     near: Length0,
     far: Length,
@@ -153,8 +154,6 @@ def blade_distances(
     distance : (3,) float
         In m, negative within the cone: to the first blade, the next and the last.
     """
-    if axis.ndim > 1:
-        raise ValueError(f"axis: must be one vector (3,); got {axis.shape}.")
     tool = vertex, axis, half_angle, near, far
     return np.array([cone_distance(ring.mesh(n, k), *tool).min() for k in (0, 1, -1)])
 

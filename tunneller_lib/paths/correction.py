@@ -4,6 +4,7 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..surfaces import Torus
+from ..surfaces.torus import angles_of
 from .bounds import Count, check_on_sheet, check_points
 from .chord_law import ChordLaw
 
@@ -74,4 +75,4 @@ def corrected_points(torus, p, q, u):
     # The chord lies below the surface, and what M moves by grows on the way up to its foot.
     shift = torus.r * law.gap(u) * np.cos(half) / np.cos(s)
     m = m - shift[..., None] * law.pole[..., None, :]
-    return np.stack(torus.angles(m), axis=-1)
+    return np.stack(angles_of(torus, m), axis=-1)

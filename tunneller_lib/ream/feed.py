@@ -14,8 +14,8 @@ Bound = Number(
     LEAST, np.inf,
     also=(f"be of at most {MOST:g}, or infinite", lambda bound: bound <= MOST or bound == np.inf),
 )  # fmt: skip
-Moves = Array("(m,) float", "m")
-Areas = Array("(m,) float")
+Moves = Array("(m,) float", "m", low=LEAST)
+Areas = Array("(m,) float", low=0.0)
 Ends = Array("(m + 1, 2) float", "rad", last="theta, phi")
 Slopes = Array("(m + 1, 2) float", "rad/m", last="theta, phi")
 Bends = Array("(m + 1, 2) float", last="theta, phi")
@@ -201,11 +201,6 @@ class Limits:
                 f"groove: must be ({m},), and pushed ({m + 1}, 2), as the moves; "
                 f"got {groove.shape} and {pushed.shape}."
             )
-        if np.any(lengths < LEAST):
-            raise ValueError(f"lengths: must be above zero; got {lengths.min():g}.")
-        if np.any(np.minimum(ground, groove) < 0):
-            least = np.minimum(ground, groove).min()
-            raise ValueError(f"ground: must not be below zero; got {least:g}.")
         with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
             if self.ground is not None:

@@ -4,19 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import (
-    LEAST,
-    MOST,
-    Angle,
-    Array,
-    Length,
-    Length0,
-    NotNegative,
-    Number,
-    Whole,
-    Wholes,
-    checked,
-)
+from ..arguments import LEAST, MOST, Array, Length, Length0, Number, Whole, Wholes, checked
 from ..paths.bounds import Way
 from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
@@ -184,8 +172,8 @@ def plan(
     tolerance: Length,
     step: Length = 5e-3,
     tick: Tick = 5e-3,
-    count: Angle = 2 * np.pi / 2**16,
-    rest: NotNegative = 1.0,
+    count: Number(1e-9, 0.1, "rad") = 2 * np.pi / 2**16,
+    rest: Number(0.0, LONGEST_REST, "s") = 1.0,
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
@@ -253,10 +241,6 @@ def plan(
     >>> len(lap.knots), round(lap.lap_time)
     (36, 31)
     """
-    if not 1e-9 <= count <= 0.1:
-        raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
-    if rest > LONGEST_REST:
-        raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
     knots = circuit.knots(tolerance, path=path)
     if len(knots) < 2:
         raise ValueError(

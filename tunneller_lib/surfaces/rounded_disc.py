@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
+from ..arguments import Direction, Directions, Length0, Point, Points, Radii, checked
 from ..kernels.elementwise import larger, ratio, some, square_root, where, within
 from ..kernels.exact import dot, norm
 from ..kernels.vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
@@ -86,14 +86,9 @@ class RoundedDisc:
     """
 
     centre: Point
-    axis: Point
+    axis: Direction
     radius: Length0
     corner: Length0
-
-    def __post_init__(self):
-        sizes("axis", np.abs(self.axis).max())
-        if not any(self.axis):
-            raise ValueError("axis: must not be zero; got (0, 0, 0).")
 
     @property
     def unit(self):
