@@ -336,7 +336,7 @@ def _is_number(value):
     return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
-def within(array, low, high):
+def none_outside(array, low, high):
     """Tell whether all numbers are from `low` to `high`: two passes that keep nothing."""
     if array.size <= FEW:
         return all([low <= number <= high for number in array.ravel().tolist()])
@@ -419,8 +419,8 @@ def Array(
     def check(name, value):
         array = real(name, value)
         shaped(name, array)
-        if not (loose or within(array, low, high)):
-            if not within(array, -GREATEST, GREATEST):
+        if not (loose or none_outside(array, low, high)):
+            if not none_outside(array, -GREATEST, GREATEST):
                 infinite = _first(array, ~np.isfinite(array))
                 raise ValueError(f"{name}: must hold finite numbers; got {infinite}.")
             if low >= 0 and high == MOST and np.any(array < 0):
@@ -433,7 +433,7 @@ def Array(
             raise ValueError(f"{name}: must {must}; got {shown(value)}.")
         return tuple(array.tolist()) if given else array
 
-    return Annotated[ArrayLike, Rule(says, check, unit)]
+    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit)]
 
 
 def _shape_rule(says, last=""):
@@ -496,7 +496,7 @@ def Wholes(says, low, high):
         shaped(name, array)
         return tuple(array.tolist()) if given else array
 
-    return Annotated[ArrayLike, Rule(says, check)]
+    return Annotated[tuple if given else ArrayLike, Rule(says, check)]
 
 
 def whole(name, value, low, high):
@@ -517,7 +517,7 @@ def whole(name, value, low, high):
 
 
 def Each(*kinds, some=False, or_one=False):
-    """Return the annotation of a list or tuple of instances of some classes.
+    """Return the annotation of a list or tuple of instances of `kinds`, some classes.
 
     It has one at least if `some` says so; with `or_one` an instance alone passes, too.
     """
@@ -543,7 +543,7 @@ def directions(name, value):
     """Return `value` as vectors (..., 3), none of them zero, all with squares that are numbers."""
     array = _vectors(name, value)
     if array.size == 3:
-        if within(array, -MOST, MOST) and max(map(abs, array.ravel().tolist())) >= LEAST:
+        if none_outside(array, -MOST, MOST) and max(map(abs, array.ravel().tolist())) >= LEAST:
             return array
     elif array.size:
         # The extremes of the squares tell of nearly all that come: one pass over the vectors.
@@ -586,7 +586,7 @@ HalfAngle = Number(
 Duration = Number(TINY, unit="s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")
-Direction = Annotated[ArrayLike, Rule("(3,) float", _direction)]
+Direction = Annotated[tuple, Rule("(3,) float", _direction)]
 # Many, that broadcast:
 Corners = Array("(..., 2) float", "m", last="x, y")
 Polynomials = Array("(..., n + 1) float", loose=True)

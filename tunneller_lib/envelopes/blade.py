@@ -140,8 +140,8 @@ def blade_distances(
         The blades.
     vertex : (3,) float
         In m.
-    axis : (..., 3) float
-        One vector along the axis into the cone.
+    axis : (3,) float
+        A vector along the axis into the cone.
     half_angle : float
         Between axis and rulings, in rad.
     near, far : float

@@ -30,7 +30,7 @@ def normal_over(x, y):
 
 
 def contact_over(x, y, f, fx, fy):
-    """Return the coordinates that `isotropic.contact_point` returns, of NaN, too."""
+    """Return what `isotropic.contact_point` returns of x, y, f, fx and fy, of NaN, too."""
     p = x * x + y * y + 1
     # Eqs 18 and 19 for r1 and r2, which says the same as the printed matrix.
     r3 = 2 * (x * fx + y * fy - f) / p

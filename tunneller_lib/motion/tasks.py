@@ -14,7 +14,7 @@ LONGEST = 2**40  # units of time
 MOST_RELEASES = 200_000  # of a run; then it takes about a second
 
 Time = Whole(1, LONGEST)
-Times = Wholes("(k + 1,) int", 1, LONGEST)
+Times = Wholes("(k,) int", 1, LONGEST)
 
 
 @dataclass(frozen=True)
@@ -267,6 +267,8 @@ def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
 
 def _segments(costs, ticks):
     """Return costs and ticks as lists, which must be of one length and not empty."""
+    if not len(costs):
+        raise ValueError("costs: must be a list, not empty; got none.")
     if len(costs) != len(ticks):
         raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
     return costs.tolist(), ticks.tolist()

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import Positions, checked, positions
 from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
-from ..surfaces.torus import angles_of, normal_at, point_at
+from ..surfaces.torus import torus_angles, torus_normal, torus_point
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
 from .quadrature import path_lengths
@@ -211,11 +211,11 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
 
 
 def _end_point(torus, end):
-    return point_at(torus, end[..., 0], end[..., 1])
+    return torus_point(torus, end[..., 0], end[..., 1])
 
 
 def _end_normal(torus, end):
-    return normal_at(end[..., 0], end[..., 1])
+    return torus_normal(end[..., 0], end[..., 1])
 
 
 def _chord(torus, p, q, t):
@@ -226,11 +226,11 @@ def _chord(torus, p, q, t):
 
 
 def _joint(torus, m):
-    return np.stack(angles_of(torus, m), axis=-1)
+    return np.stack(torus_angles(torus, m), axis=-1)
 
 
 def _normal(torus, m):
-    return normal_at(*angles_of(torus, m))
+    return torus_normal(*torus_angles(torus, m))
 
 
 def _depth(torus, m):

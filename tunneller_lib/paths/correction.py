@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..surfaces import Torus
-from ..surfaces.torus import angles_of
+from ..surfaces.torus import torus_angles
 from .bounds import Count, check_on_sheet, check_points
 from .chord_law import ChordLaw
 
@@ -75,4 +75,4 @@ def corrected_points(torus, p, q, u):
     # The chord lies below the surface, and what M moves by grows on the way up to its foot.
     shift = torus.r * law.gap(u) * np.cos(half) / np.cos(s)
     m = m - shift[..., None] * law.pole[..., None, :]
-    return np.stack(angles_of(torus, m), axis=-1)
+    return np.stack(torus_angles(torus, m), axis=-1)

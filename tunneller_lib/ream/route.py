@@ -13,10 +13,9 @@ from ..paths.circuit import Circuit
 SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
 ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
 
-
 Knots = Array(
-    "(n + 1,) float", "m",
-    also=("rise from 0", lambda knots: knots[0] == 0 and np.all(np.diff(knots) > 0)),
+    "(n,) float", "m",
+    also=("rise from 0", lambda knots: knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)),
 )  # fmt: skip
 
 

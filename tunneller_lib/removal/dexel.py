@@ -121,7 +121,7 @@ class DexelGrid:
         ----------
         start, stop : float
             Its ends, in m.
-        inner, outer : float or (m,) float
+        inner, outer : () or (m,) float
             Distances from the axis between which there is material, in m, one for each ray;
             inner <= outer, and nothing is there where they are equal.
         shape : (2,) int

@@ -60,7 +60,7 @@ class Torus:
         >>> Torus(r=0.1, R=0.9).point(0, 0)
         array([1., 0., 0.])
         """
-        return point_at(self, theta, phi)
+        return torus_point(self, theta, phi)
 
     @checked
     def angles(self, point: Points):
@@ -77,7 +77,7 @@ class Torus:
             In rad, both from -pi to pi. On the axis theta is 0, on the ring circle phi is 0.
             Near the axis of a spindle torus the foot may lie on the inner sheet, see `foot`.
         """
-        return angles_of(self, point)
+        return torus_angles(self, point)
 
     @checked
     def implicit(self, point: Points):
@@ -94,7 +94,7 @@ class Torus:
     @checked
     def normal(self, theta: Angles, phi: Angles):
         """Return the unit normals (..., 3), away from the centre of the tube circle (Eq. 7)."""
-        return normal_at(theta, phi)
+        return torus_normal(theta, phi)
 
     @checked
     def ring_point(self, theta: Angles):
@@ -115,7 +115,7 @@ class Torus:
         meridian, parallel : (..., 3) float
             Towards growing phi and towards growing theta; with `normal` they are at right angles.
         """
-        return tangents_at(theta, phi)
+        return torus_tangents(theta, phi)
 
     @checked
     def velocity(self, position: Positions, rate: Rates):
@@ -350,24 +350,24 @@ class Torus:
 # What the methods of the same names do, for paths that may have no answer: of NaN they make NaN.
 
 
-def point_at(torus, theta, phi):
+def torus_point(torus, theta, phi):
     """Return the point of a torus, in m, at joint angles, in rad."""
     rho = torus.r + torus.R * np.cos(phi)
     return _stack(rho * np.cos(theta), torus.R * np.sin(phi), 0.0 - rho * np.sin(theta))
 
 
-def angles_of(torus, point):
+def torus_angles(torus, point):
     """Return the joint angles, in rad, of points, in m."""
     x, y, z = np.moveaxis(point, -1, 0)
     return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, torus.r)[1])
 
 
-def normal_at(theta, phi):
+def torus_normal(theta, phi):
     """Return the unit normal of any torus at joint angles, in rad."""
     return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
 
 
-def tangents_at(theta, phi):
+def torus_tangents(theta, phi):
     """Return the unit tangents of any torus, of the meridian and of the parallel."""
     sin, cos = np.sin(theta), np.cos(theta)
     meridian = _stack(-np.sin(phi) * cos, np.cos(phi), np.sin(phi) * sin)
