@@ -337,7 +337,7 @@ def _is_number(value):
 
 
 def none_outside(array, low, high):
-    """Tell whether all numbers are from `low` to `high`: two passes that keep nothing."""
+    """Tell whether none of the numbers is outside `low` to `high`: two passes that keep nothing."""
     if array.size <= FEW:
         return all([low <= number <= high for number in array.ravel().tolist()])
     return bool(array.min() >= low and array.max() <= high)

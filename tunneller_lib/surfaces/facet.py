@@ -25,7 +25,10 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 Facets = Array(
-    "(..., k, 3) float", "m", also=("have a corner each", lambda facets: facets.shape[-2])
+    "(..., k, 3) float",
+    "m",
+    last="x, y, z",
+    also=("have a corner each", lambda facets: facets.shape[-2]),
 )
 
 
