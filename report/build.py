@@ -16,6 +16,7 @@ from contextlib import nullcontext
 
 from report.lists import (
     FIGURE_LIST,
+    MOVING,
     README,
     RECORD_LIST,
     VERDICT_LIST,
@@ -162,7 +163,10 @@ def write_report():
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
+    from report.site.front import moving_file
+
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
+    lists[MOVING] = moving_file()
     # The README is somebody's text with findings in it, which they may edit meanwhile.
     replace(README, with_findings(README.read_text(encoding="utf-8")).encode())
     contents = {PDFS[name]: pdf for name, pdf in made.items()}

@@ -1,10 +1,10 @@
-"""Lists beside the report: its figures, its records, its verdicts, and the README's findings."""
+"""Lists beside the report: its figures, its records, its verdicts, and what the README shows."""
 
 import csv
 import io
 import re
 import tomllib
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 from report.sources import ROOT, notebooks, records
 
@@ -12,8 +12,15 @@ FIGURE_LIST = ROOT / "figures" / "README.md"
 RECORD_LIST = ROOT / "report" / "records.csv"
 VERDICT_LIST = ROOT / "report" / "verdicts.csv"
 README = ROOT / "README.md"
+MOVING = ROOT / "report" / "guide" / "machine.svg"
 
 USE = re.compile(r'\b(num|count|than|tabular|fig)\(\s*"([^"]+)",\s*"([^"]+)"')
+# How the README goes on after the number of claims with a verdict.
+VERDICTS = {
+    "holds": "hold", "imprecise": "are imprecise", "corrected": "hold once they are corrected",
+    "refuted": "are wrong", "not reproduced": "couldn't be reproduced",
+    "ambiguous": "are ambiguous",
+}  # fmt: skip
 KINDS = {
     "num": "numbers",
     "count": "numbers",
@@ -66,16 +73,28 @@ def verdict_list():
 
 
 def with_findings(text):
-    """Return the README's text with its findings made anew; contents.toml lists them."""
-    from kit.chapters import read_chapters  # `make bench` has no IPython
+    """Return the README's text with the count of verdicts and what surprised us made anew."""
+    from kit.chapters import filled  # `make bench` has no IPython
 
     contents = tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text(encoding="utf-8"))
-    chapters = {chapter.number: chapter for chapter in read_chapters(ROOT / "notebooks")}
-    lines = ["| we asked | and found |", "| --- | --- |"]
-    for number in contents["readme"]:
-        chapter = chapters[number]
-        lines.append(f"| [{chapter.question}](notebooks/{chapter.file}) | {chapter.found} |")
-    return with_block(text, "found", "\n".join(lines))
+    lines = [
+        f"- {filled(stem, sentence)} [Chapter {stem[:2]}](notebooks/{stem}.ipynb)"
+        for stem, sentence in contents["surprises"].items()
+    ]
+    return with_block(with_block(text, "judged", judged()), "found", "\n".join(lines))
+
+
+def judged():
+    """Return a sentence on how many claims got which verdict."""
+    rows = csv.DictReader(io.StringIO(verdict_list()))
+    count = Counter(row["verdict"] for row in rows)
+    told = ", ".join(f"{count[word]} {said}" for word, said in VERDICTS.items())
+    if unsaid := count.keys() - VERDICTS.keys():
+        raise ValueError(f"VERDICTS: must say each verdict; got {sorted(unsaid)}.")
+    return (
+        f"**The verdicts.** Of {count.total()} claims {told}: "
+        "[all of them](report/verdicts.csv), each with its test."
+    )
 
 
 def with_block(text, name, block):

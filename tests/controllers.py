@@ -28,7 +28,7 @@ INPUTS = (
 )  # fmt: skip
 OUTPUTS = (
     "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
-    "nScale", "bApproach", "bTaken", "nAhead",
+    "nScale", "bTaken", "nAhead",
 )  # fmt: skip
 REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
 ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")
@@ -85,17 +85,16 @@ def c99_program(compiler, folder, controller, *options):
     (folder / "controller.h").write_text(c99_header(controller))
     text = f"{c99_text(controller)}\n{WIRED}\n"
     main = main_program(
-        "tunneller.{}".format, "begin()", "fb_setpoints(&setpoints, &shared)",
-        "fb_tunneller(&tunneller, &shared)",
+        "tunneller.{}".format, "", "fb_setpoints(&setpoints, &ring)",
+        "fb_tunneller(&tunneller, &ring)",
     )  # fmt: skip
     return build(compiler, folder, text + main, *options)
 
 
 WIRED = """
-static FB_Setpoints setpoints;
-static FB_Tunneller tunneller;
-static T_Shared shared;
-static void begin(void) { fb_setpoints_init(&setpoints); fb_tunneller_init(&tunneller); }
+static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
+static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
+static volatile T_Ring ring;
 """
 
 

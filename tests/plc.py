@@ -383,8 +383,7 @@ def main():
         "time scale, slopes or any other output does.",
         "",
         "In closed loop with the library's axes, from power-on to `bDone`. The library's "
-        "set-values are those at the instant that the sum of the time scales tells. Behind a step "
-        "the time scale begins at 0, so that a run of more laps may take a scan more:",
+        "set-values are those at the instant that the sum of the time scales tells:",
         *runs,
         "",
         f"With random inputs, both programs under sanitizers ({', '.join(SANITIZERS)}), the C99 "

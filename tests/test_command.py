@@ -15,13 +15,13 @@ from kit import figure
 from tunneller_lib.__main__ import main, missing, own_name, parser
 from tunneller_lib.job import WrongJob, read_job, results, wall_plot
 from tunneller_lib.job.atomic_write import check_writable
-from tunneller_lib.job.csv_reading import read_csv
+from tunneller_lib.job.csv_tables import read_csv
 from tunneller_lib.job.results import summary_text
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
 
-READS = ["notebooks/flank.toml", "notebooks/reference.toml"]
+READS = ["notebooks/reference.toml"]
 
 ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "notebooks" / "reference.toml"
@@ -622,20 +622,6 @@ def test_garbage_is_left_at_the_end_of_a_process_of_its_own_alone(capsys, monkey
     assert main(arguments) == 2 and left == [] and gc.get_threshold() == usual
     monkeypatch.setattr(sys, "argv", ["tunneller", *arguments])
     assert main() == 2 and left == [gc.freeze]
-
-
-@pytest.mark.parametrize(
-    ("command", "name", "other", "tables"),
-    [
-        ("cut", "flank.toml", "flank", "surface, mill, paths"),
-        ("flank", "reference.toml", "cut", "section, limits, plan, controller"),
-    ],
-)
-def test_job_of_the_other_kind_names_its_command(capsys, command, name, other, tables):
-    path = ROOT / "notebooks" / name
-    code, said, told = run(capsys, command, path)
-    assert (code, said) == (2, "")
-    assert told == f"wrong: {path}: is a job for `tunneller {other}`, by its tables {tables}.\n"
 
 
 def test_help_names_the_commands_and_the_exit_codes(capsys):

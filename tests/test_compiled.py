@@ -25,7 +25,7 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Reso
 from tunneller_lib.motion.arm import lift_inertia, weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse, geodesic_trace, inverse_problem
+from tunneller_lib.paths import direct_problem, geodesic_direct, geodesic_inverse, inverse_problem
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod, Torus, blocks
 
@@ -465,7 +465,7 @@ def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
     go(True, monkeypatch)
     monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", cores)
     monkeypatch.setattr(inverse_problem, "BLOCK", 100)
-    monkeypatch.setattr(geodesic_trace, "BLOCK", 100)
+    monkeypatch.setattr(direct_problem, "BLOCK", 100)
     monkeypatch.setattr(blocks, "COMPILED", 100)
     rng = np.random.default_rng(5)
     p, q = rng.uniform(-1, 1, (2, 730, 2))

@@ -33,7 +33,7 @@ from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 
-READS = ["notebooks/flank.toml"]
+READS = []
 
 EXAMPLES_AT = Path(__file__).parent / "examples"
 ROOMS = sorted(path.stem for path in EXAMPLES_AT.glob("[a-z]*.py"))
@@ -333,7 +333,6 @@ def test_level_arguments_are_answered_or_refused_in_a_sentence(call):
 ONCE_FOUND = {
     "envelopes.fit_surface": 783,
     "job.results.summarise": 245,
-    "milling.TiltingTable.values": 380,
     "motion.Hydraulics.loaded": 182,
     "ream.gain_margins": 730,
     "ream.route_through": 161,

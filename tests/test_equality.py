@@ -18,7 +18,7 @@ from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
 # By the examples.
-READS = ["notebooks/flank.toml"]
+READS = []
 
 
 def every_dataclass():

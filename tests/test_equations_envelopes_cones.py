@@ -59,6 +59,7 @@ def test_prop17_positive_curvature(judge):
         tool = cones.vertex[k], cones.axis[k], 0.3, 0.5 * cones.distance[k], 2 * cones.distance[k]
         enters.append(cone_distance(np.stack(ellipsoid(*near), axis=-1), *tool).min() < -1e-9)
     judge("cones-prop17", len(enters) >= 40 and all(enters))
+    assert not hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE).gouges.all()  # K < 0
 
 
 def test_eq17_to_eq20_prop18_surface_and_graph(judge):
@@ -75,6 +76,8 @@ def test_eq17_to_eq20_prop18_surface_and_graph(judge):
     same = np.allclose(r, printed, atol=1e-13)  # (20) as printed
     back = isotropic_derivatives(r, normal(a, b))
     assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
+    mirrored = isotropic_derivatives(-r, normal(a, b))  # as if the normals were turned over
+    assert np.abs(np.subtract(mirrored[2:], (value, fx, fy))).min() > 1e-3
     n = np.array(normal(a, b))  # (17) to (19) as printed
     printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
     there = np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
@@ -110,6 +113,8 @@ def test_eq22_prop19_vertex(judge):
         printed = np.array(printed.T, float)[0]
         assert np.allclose(printed, found, rtol=1e-9, atol=1e-9)
         returns.append(np.allclose(printed, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2))
+        tilted = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V] + 0.1)
+        assert np.linalg.norm(tilted - vertex) > 1e-3
     judge("cones-eq22", len(returns) == 20 and all(returns))
 
 
@@ -125,6 +130,7 @@ def test_prop20_side(judge):
         assert side == cones.side[k]
         as_said.append(side == np.sign(cones.axis[k] @ cones.normal[k]))  # where the cone lies
     judge("cones-prop20", len(as_said) >= 60 and all(as_said))
+    assert {*cones.side.tolist()} == {-1.0, 1.0}  # both sides occur
 
 
 def test_prop20_any_place(judge):

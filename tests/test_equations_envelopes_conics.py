@@ -131,6 +131,13 @@ def test_example10_conics_in_a_graph(judge):
     within = zero(Z - Y**2 / (X**2 + Y**2))
     circle = sp.expand(EQ9.subs({u: U, v: V}))
     judge("cones-ex10", within and zero(circle - (1 - tan**2 * (x**2 + y**2))))
+    # Over a circle that doesn't pass through the origin the osculating conic leaves the graph.
+    place, centre = np.array([0.5, 0.3]), np.array([-0.21, -0.12])
+    for middle, stays in ((-place / 2, True), (centre, False)):
+        z, *ab = osculating_conic(tuple(middle), example(*jet_variables(*place)))
+        points = conic((*place, z), tuple(middle), *ab, np.linspace(0.5, 2, 7))
+        gap = np.abs(points[:, 2] - example(*points[:, :2].T))
+        assert gap.max() < 1e-12 if stays else gap.min() > 1e-4
 
 
 def test_eq10_second_order(judge):
@@ -226,9 +233,14 @@ def test_corollary12_common_solution(judge):
         points = cone_points(np.array(vertex, dtype=float), sign * np.array(axes[0], float), ANGLE)
         centre = circle_centre(points) - (px, py)
         for equation in (EQ9, EQ11, EQ12):
-            left = at(equation, jet, x=px, y=py, tan=np.tan(ANGLE), u=centre[0], v=centre[1])
+            here = {"x": px, "y": py, "tan": np.tan(ANGLE), "u": centre[0], "v": centre[1]}
+            left, aside = (
+                at(equation, jet, **here | {"u": u0}) for u0 in (centre[0], 1.1 * centre[0])
+            )
             size = np.max(np.abs(list(values(jet).values()))) * (1 + np.hypot(*centre)) ** 4
             solved.append(abs(left) < 1e-9 * size)
+            assert abs(aside) > 1e-3  # a centre a tenth beside solves none
+        assert abs(at(eq14(UT, VT), jet, **here)) > 1e-3  # nor is the solution a double one
     judge("cones-cor12", len(solved) == 6 and all(solved))
 
 
@@ -274,13 +286,15 @@ def test_eq13_loses_a_root_at_infinity(judge):
 def test_theorem13_conics_of_fourth_order_stay_in_the_graph(judge):
     cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
     here = plane_to_point(cones.normal[0], -cones.normal[0] @ cones.contact[0])
-    gaps = []
-    for k in np.flatnonzero(np.abs(cones.order4) < 1e-9):
+    fourth, gaps, others = np.abs(cones.order4) < 1e-9, [], []
+    for k in range(len(cones)):
         points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE, 40)
         centre = circle_centre(points)
         turn = np.angle(((points[:, :2] - centre) @ [1, 1j]) / ((here[:2] - centre) @ [1, 1j]))
         arc = points[(np.abs(turn) < 1.5) & (np.hypot(*points[:, :2].T) > 1e-3)]
-        gaps.append(np.abs(arc[:, 2] - example(arc[:, 0], arc[:, 1])).max())
+        gap = np.abs(arc[:, 2] - example(arc[:, 0], arc[:, 1])).max()
+        (gaps if fourth[k] else others).append(gap)
+    assert len(others) == 4 and min(others) > 1e-5  # order 3 isn't enough
     stay = len(gaps) == 2 and np.max(gaps) < 1e-9
     # The proof's last step: derivative of (11) less (12) is 3 g times (14), by (16).
     moved = _moved_eq11(-v - g * VT, u + g * UT)

@@ -107,6 +107,7 @@ def test_corollary25_ruled_offsets(judge):
         solved.append(found.residual < 1e-10 and abs(abs(found.radius) - 0.1) < 1e-9)
     assert len(solved) == 9
     judge("cones-cor25", all(solved))
+    assert abs(at(EQ11, jet, **here | {"u": 1.1 * centre[0]})) > 1e-3  # another direction
     for name in RULED:
         assert recognise(ruled(name), *GRID, "cylinder", radius=0.0, model="space").residual < 1e-10
 
@@ -133,6 +134,8 @@ def test_prop26_channels_to_paraboloids(judge):
     a, b, _, fx, fy = isotropic_derivatives(found.contact.T, found.axes[:, 2].T)
     slopes = (radius + c[2]) * np.array([a, b]) - c[:2, None]
     judge("cones-prop26", planar and holds and np.allclose(slopes, [fx, fy], atol=1e-10))
+    larger = sphere_point(c, 1.01 * radius, *points[:, :2].T)
+    assert np.abs(larger - points[:, 2]).min() > 1e-4
 
 
 def test_eq25_prop27_tangent_planes_meet_over_the_centre(judge):
@@ -154,6 +157,7 @@ def test_eq26_corollary28_channels(judge):
     assert zero(EQ11 - 3 * EQ25 - cubic)
     jet, centre = _channel_conic(0.1)[2:4]
     solved = [abs(at(cubic, jet, u=centre[0], v=centre[1])) < 1e-8]
+    assert abs(at(cubic, jet, u=1.1 * centre[0], v=centre[1])) > 1e-3  # another direction
     for curve in CURVES.values():
         surface = pipe(curve, 0.3, 0.1)
         solved.append(recognise(surface, *GRID, "channel", model="space").residual < 1e-10)

@@ -53,7 +53,7 @@ from tunneller_lib.milling import (
     CylinderMill,
     Patch,
     cover,
-    cylinder_positions,
+    cylinder_chain,
     find_positions,
     strip_across,
 )
@@ -336,11 +336,11 @@ def test_outlook_positions_begin_paths(judge):
     cylinder = CylinderMill((mill.tip_radius + mill.top_radius) / 2, 30 * mm)
     wider = []
     for chain in covered.chains:
-        cone = strip_across(blade, mill, chain, chain.tip, chain.axis, reach=20 * mm)
+        cone = strip_across(blade, mill, chain, reach=20 * mm)
         for which in (1, -1):
-            way = cylinder_positions(blade, chain, cylinder, which=which)
-            other = strip_across(blade, cylinder, chain, *way, reach=20 * mm)
+            beside = cylinder_chain(blade, chain, cylinder, which=which)
+            other = strip_across(blade, cylinder, beside, reach=20 * mm)
             wider.append(np.median(cone.widths(10 * um)) > np.median(other.widths(10 * um)))
-    served = np.isin(np.arange(found.state.size), found.index[found.fits])
+    served = np.isin(np.arange(25), found.index[found.fits])
     judge("cones-outlook", cases={"where one fits": all(wider), "everywhere": served.all()})
     assert served.any()

@@ -120,17 +120,26 @@ def test_prop6_cones_to_special_conics(judge):
         so_it_is.append(np.ptp(radii) < 1e-9 * flat[0])  # over a circle
         so_it_is.append(abs(intrinsic_radius(points) - (np.pi / 2 - angle)) < 1e-9)
     judge("cones-prop6", len(so_it_is) == 9 and all(so_it_is))
+    waves = points + 0.01 * np.cos(np.arange(len(points)))[:, None] * [0, 0, 1]  # no cone's planes
+    assert np.linalg.svd(waves - waves.mean(axis=0), compute_uv=False)[2] > 1e-3
 
 
 def test_prop7_tangent_cones_are_conics_in_the_surface(judge):
     surface = moving_cone(MOTIONS["screw"], ANGLE)
-    s, w = np.linspace(0.2, 0.7, 9), np.full(9, 0.3)
-    found = adapted_frames(surface, s, w, "space")
-    n = found.axes[:, 2]
-    points = plane_to_point(n, -(n * found.contact).sum(-1))
-    flat = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    special = abs(intrinsic_radius(points) - (np.pi / 2 - ANGLE)) < 1e-9
-    judge("cones-prop7", flat[2] < 1e-10 * flat[0] and special)
+    flat, special = {}, {}
+    along, across = (
+        (np.linspace(0.2, 0.7, 9), np.full(9, 0.3)),
+        (np.full(9, 0.3), np.linspace(0, 1, 9)),
+    )
+    for name, line in (("along", along), ("across", across)):
+        found = adapted_frames(surface, *line, "space")
+        n = found.axes[:, 2]
+        points = plane_to_point(n, -(n * found.contact).sum(-1))
+        thick = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        flat[name] = thick[2] / thick[0]
+        special[name] = abs(intrinsic_radius(points) - (np.pi / 2 - ANGLE)) < 1e-9
+    judge("cones-prop7", flat["along"] < 1e-10 and special["along"])
+    assert flat["across"] > 1e-6  # lines across the characteristic are no cone's
 
 
 def nested(centres, radii):

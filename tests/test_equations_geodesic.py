@@ -5,14 +5,14 @@ import sympy as sp
 from scipy.optimize import fsolve
 
 from tests.long import many
-from tunneller_lib.kernels import compiled
+from tunneller_lib.kernels import compiled, elementwise
 from tunneller_lib.paths import (
     CHORD_PATHS,
     ChordLaw,
     competing_geodesics,
     geodesic_direct,
     geodesic_inverse,
-    geodesic_pair,
+    geodesic_root,
     path_length,
 )
 from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
@@ -141,13 +141,13 @@ def test_geodesic_in_real_time(judge, monkeypatch):
     # A handful of short sums, once for a whole path: no search of unknown length.
     rounds = []
 
-    def counted(torus, way, nodes, half, rows):
-        rounds.append(2 * half)
-        return summed(torus, way, nodes, half, rows)
+    def counted(torus, way, nodes, rows):
+        rounds.append(2 * nodes[1])
+        return summed(torus, way, nodes, rows)
 
-    summed = geodesic_pair._summed
+    summed = geodesic_root._summed
     monkeypatch.setattr(compiled, "ready", lambda kind=None: False)
-    monkeypatch.setattr(geodesic_pair, "_summed", counted)
+    monkeypatch.setitem(elementwise.PLAIN, "_summed", counted)
     number, lengths = [], []
     for p, q in zip(*pairs(300), strict=True):
         before = len(rounds)

@@ -15,9 +15,9 @@ from tests.shapes import log_uniform
 from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import (
     competing_geodesics,
-    geodesic_classes,
     geodesic_direct,
     geodesic_inverse,
+    geodesic_root,
     projected_length,
 )
 from tunneller_lib.paths.geodesic_root import integrate
@@ -809,13 +809,13 @@ def test_geodesic_functions_refuse_another_surface(torus):
 @pytest.mark.parametrize("u", [-0.15, 0.1, 0.4])
 def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
     # Newton's method would find the root with a wrong rate, too, by halving its bracket.
-    ends = geodesic_classes.ends_of(torus, np.array([0.5]), np.array([-0.3]))
+    ends = geodesic_root.ends_of(torus, np.array([0.5]), np.array([-0.3]))
     step = 1e-5
     angle = [
-        integrate(torus, geodesic_classes.outer(torus, ends, np.array([v])), 40)[0]
+        integrate(torus, geodesic_root.outer(torus, ends, np.array([v])), 40)[0]
         for v in (u - step, u + step)
     ]
-    _, rate, _ = integrate(torus, geodesic_classes.outer(torus, ends, np.array([u])), 40)
+    _, rate, _ = integrate(torus, geodesic_root.outer(torus, ends, np.array([u])), 40)
     assert (angle[1] - angle[0]) / (2 * step) == pytest.approx(rate, rel=1e-7)
 
 

@@ -177,24 +177,17 @@ def test_axis_that_does_not_fit_a_lag_is_refused(case, kind, noise):
             identify_axis(valve, measured, TICK, kind=kind)
 
 
-def test_valve_in_percent_and_times_in_milliseconds_are_refused():
+def test_valve_in_percent_is_refused():
     valve = openings(np.random.default_rng(13))
     speed, _ = exact_log(0.47, 0.02, valve)
     most = f"{100 * np.abs(valve).max():g}"
-    said = rf"^valve: must be shares from -1 to 1 of the full valve; got {most}\. If that is in %, "
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=rf"^valve: must be shares from -1 to 1 .*; got {most}\.$"):
         identify_axis(100 * valve, speed, TICK)
-    said = r"^tick: must be at most 0\.1 s; got 5\. If that is in ms, it is 0\.005 s\.$"
-    for call in (identify_axis, identify_loop):
-        with pytest.raises(ValueError, match=said):
-            call(valve, speed, 5.0)
     limit = np.repeat([0.0, 1.0, -1.0, 0.3], 200)
-    speed, _ = exact_log(0.47, 0.5, limit, tick=0.1)
-    found = identify_axis(limit, speed, 0.1)  # at both limits at once
-    assert found.gain.value == pytest.approx(0.47) and found.lag.value == pytest.approx(0.5)
-    for valve, tick in ((np.nextafter(1, 2) * limit, 0.1), (limit, np.nextafter(0.1, 1))):
-        with pytest.raises(ValueError, match=r"^(valve|tick): must be"):
-            identify_axis(valve, speed, tick)
+    speed, _ = exact_log(0.47, 0.5, limit)
+    assert identify_axis(limit, speed, TICK).gain.value == pytest.approx(0.47)
+    with pytest.raises(ValueError, match=r"^valve: must be shares"):
+        identify_axis(np.nextafter(1, 2) * limit, speed, TICK)
 
 
 @pytest.mark.parametrize("digits", [3, 4, 5])
@@ -335,5 +328,5 @@ def test_wrong_logs_are_refused():
         identify_axis(0 * ramp, ramp, TICK)
     with pytest.raises(ValueError, match=r"^setvalue: must move the axis"):
         identify_loop(0 * ramp, ramp, TICK)
-    with pytest.raises(ValueError, match=r"^actual: must be one column of 20 to 200000 rows"):
+    with pytest.raises(ValueError, match=r"^actual: must be one column of 20 rows or more"):
         identify_loop(ramp, ramp[:5], TICK)

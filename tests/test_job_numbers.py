@@ -12,7 +12,7 @@ from tunneller_lib.job.results import summarise
 from tunneller_lib.ream.cutting import simulate
 from tunneller_lib.removal import DexelGrid
 
-READS = ["notebooks/flank.toml", "notebooks/reference.toml"]
+READS = ["notebooks/reference.toml"]
 COARSE = _JOB.read_text(encoding="utf-8")
 REFERENCE = Path(__file__).parents[1] / "notebooks" / "reference.toml"
 IN_GROUND = """

@@ -10,7 +10,7 @@ from report.live import runtime
 from report.site.publish import NotToBeHad, publish
 from report.sources import ROOT
 
-READS = ["Makefile", "README.md", "report/live/runtime.toml"]
+READS = ["Makefile", "report/guide/pages.md", "report/live/runtime.toml"]
 
 
 @pytest.fixture
@@ -92,7 +92,7 @@ def test_wheel_in_the_place_of_the_release_is_named_with_what_it_is_for(monkeypa
 
 def test_wheel_of_the_list_is_named_where_the_build_is_described():
     name = runtime.read_list()["wheel"].partition("==")[0]
-    for path in ("Makefile", "README.md"):
+    for path in ("Makefile", "report/guide/pages.md"):
         (line,) = (one for one in (ROOT / path).read_text().splitlines() if "106 MB" in one)
         assert name in line
 

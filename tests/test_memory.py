@@ -5,24 +5,17 @@ import subprocess
 import sys
 import tracemalloc
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.examples.job import _JOB
-from tests.test_flank_job import BLADE, POINTS
 from tunneller_lib.__main__ import main
 from tunneller_lib.job import mesh, read_job, reader, results
-from tunneller_lib.job.csv_reading import read_csv
-from tunneller_lib.job.flank import MOST_POINTS_BYTES
-from tunneller_lib.job.logged import MOST_BYTES
-from tunneller_lib.job.tables import MOST_BYTES as MOST_IN_A_JOB
-from tunneller_lib.motion.identify import MOST_ROWS
+from tunneller_lib.job.tables import MOST_BYTES
 
-READS = ["notebooks/flank.toml"]
+READS = []
 
-FLANK = Path(__file__).resolve().parents[1] / "notebooks" / "flank.toml"
 TEXT = _JOB.read_text(encoding="utf-8")
 RAYS = "along = 4\naround = 12"
 
@@ -126,34 +119,9 @@ def test_wall_is_written_in_blocks_as_it_is_at_once(monkeypatch):
         assert len(list(mesh.stl_blocks(solid, "a"))) == 2 + -(-len(solid.faces) // block)
 
 
-LIMITS = {"cut": MOST_IN_A_JOB, "identify": MOST_BYTES, "flank": MOST_POINTS_BYTES}
-
-
-@pytest.mark.parametrize("command", LIMITS)
-def test_endless_file_is_refused_before_it_is_read(tmp_path, capsys, command):
+def test_endless_file_is_refused_before_it_is_read(tmp_path, capsys):
     if not os.path.exists("/dev/zero"):
         pytest.skip("there is no file without an end here")
-    given = {"cut": ["/dev/zero"], "identify": ["/dev/zero"]}.get(command)
-    if given is None:
-        text = FLANK.read_text(encoding="utf-8").replace(f'kind = "blade"{BLADE}', POINTS)
-        (tmp_path / "flank.toml").write_text(text, encoding="utf-8")
-        given = [str(tmp_path / "flank.toml"), "--points", "/dev/zero"]
-    out = [] if command == "identify" else ["--out", str(tmp_path / "out")]
-    assert main([command, *given, *out]) == 2
+    assert main(["cut", "/dev/zero", "--out", str(tmp_path / "out")]) == 2
     told = capsys.readouterr().err
-    assert told.startswith("wrong: /dev/zero: is larger than a ")
-    assert told.endswith(f" may be, {LIMITS[command]} bytes.\n") and told.count("\n") == 1
-
-
-def test_long_table_is_refused_before_it_is_taken_apart(tmp_path, capsys):
-    row = "0.5,0.1,0.2\n"
-    (tmp_path / "log.csv").write_text(f"time_s,valve,speed_rad_s\n{500_000 * row}")
-    with traced() as most:
-        assert main(["identify", str(tmp_path / "log.csv")]) == 2
-        assert most() < 3e7
-    told = capsys.readouterr().err
-    assert told.endswith(f"log.csv: must have at most {2 * MOST_ROWS} lines; got 500001.\n")
-    with pytest.raises(ValueError, match=r"^text: must have at most 2 lines; got 3\.$"):
-        read_csv("a\n1\n2\n", most=2)
-    _, columns = read_csv("a\n1\n2\n", most=3)
-    assert columns["a"].tolist() == [1, 2]
+    assert told == f"wrong: /dev/zero: is larger than a job may be, {MOST_BYTES} bytes.\n"

@@ -1,30 +1,30 @@
-"""Flank milling with cones: surfaces by knots, positions, chains, and what they leave."""
+"""Conical mills on surfaces: knots, positions, chains, and what they leave."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_lsq_spline
 
-from tests.long import many
+from tests.test_strips import first
 from tunneller_lib.envelopes.blade import BladeRing, cone_distance
 from tunneller_lib.envelopes.families import moving_cone, turning
-from tunneller_lib.envelopes.jet import EXPONENTS, jet_variables
+from tunneller_lib.envelopes.jet import jet_variables
 from tunneller_lib.milling import (
     BallMill,
     ConicalMill,
     CylinderMill,
+    Nurbs,
     Patch,
-    ball_positions,
-    cylinder_positions,
+    ball_chain,
+    cylinder_chain,
     find_positions,
-    fit_nurbs,
-    moved,
     strip_across,
-    sweep_error,
-    trace_chains,
+    strips,
 )
-from tunneller_lib.milling.nurbs import Nurbs
+from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
+from tunneller_lib.milling.positions import _between
+from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import Frustum
@@ -56,7 +56,7 @@ def quarter(radius):
 
 
 def enveloped():
-    """Return the envelope of a known motion of a cone: the motion, and the surface with a grid."""
+    """Return a known motion of a cone, and its envelope as a function of two variables."""
 
     def vertex(v):
         return [0.03 * v, 0.01 * v * v, 0.01 * v]
@@ -65,10 +65,7 @@ def enveloped():
         return [0.03 + 0 * v, 0.02 * v, 0.01 + 0 * v]
 
     motion = turning(vertex, velocity, 1.0, rate=0.7, start=1.0)
-    u = np.linspace(3.7, 5.2, 60)
-    v = np.linspace(0, 1, 60)
-    surface = moving_cone(motion, HALF_ANGLE)
-    return motion, u, v, np.stack(surface(*np.meshgrid(u, v, indexing="ij")), axis=-1)
+    return motion, moving_cone(motion, HALF_ANGLE)
 
 
 def angle_between(a, b):
@@ -104,16 +101,20 @@ def test_jets_follow_what_is_put_for_the_variables():
     np.testing.assert_allclose([c.derivative(1, 0)[0] for c in turned], slope, atol=1e-8)
 
 
-def test_a_fit_has_the_derivatives_of_what_it_fits():
+def test_the_blade_as_one_face_has_the_blade_s_positions():
     s = np.linspace(0, 1, 80)
+    knots = np.r_[[0] * 7, np.linspace(0, 1, 18), [1] * 7]
     grid = np.stack(RING.coordinates(*np.meshgrid(s, s, indexing="ij")), axis=-1)
-    fit, error = fit_nurbs(grid, s, s, count=24, degree=7)
-    assert error < 1e-14
-    at = jet_variables(*np.random.default_rng(2).uniform(0.1, 0.9, (2, 20)))
-    for ours, theirs in zip(fit.coordinates(*at), RING.coordinates(*at), strict=True):
-        for place, exponents in enumerate(EXPONENTS):
-            bound = 1e-14 * 30 ** sum(exponents)
-            assert np.abs(ours.c[place] - theirs.c[place]).max() < bound
+    rows = make_lsq_spline(s, grid, knots, 7).c
+    control = make_lsq_spline(s, rows.swapaxes(0, 1), knots, 7).c.swapaxes(0, 1)
+    face = Patch(Nurbs(control, knots, knots).coordinates, (0, 1), (0, 1))
+    at = BLADE.parameters(3, margin=0.1)
+    ours, theirs = (
+        find_positions(one, MILL, *at, tolerance=TOLERANCE, n=41) for one in (face, BLADE)
+    )
+    np.testing.assert_array_equal(ours.reason, theirs.reason)
+    np.testing.assert_allclose(ours.axis, theirs.axis, atol=1e-5)
+    assert ours.fits.any()
 
 
 def test_surfaces_by_knots_that_are_none_are_refused():
@@ -152,42 +153,10 @@ def test_the_distance_to_a_mill_is_that_to_its_cone():
     assert np.any(ours < 0)
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_beyond_its_faces_a_point_is_no_farther_than_its_distance_and_within_as_deep(scale):
-    rng = np.random.default_rng(29)
-    height, radius = scale * rng.uniform([[-0.1], [0.0]], [[0.4], [0.2]], (2, 20_000))
-    sizes = (scale * x for x in (0.01, 0.12, 0.03, 0.05, 0.08, 0.1))
-    cone = ConicalMill(0.3, *sizes)
-    cylinder = CylinderMill(scale * 0.02, scale * 0.1)
-    ball = BallMill(scale * 0.05)
-    for distance, faces in [
-        *((one.cutting, one.cutting_faces) for one in (cone, cylinder, ball)),
-        (cone.holder, cone.holder_faces),
-    ]:
-        whole = distance(height, radius)
-        bound = faces(height, radius)
-        within = whole < 0
-        assert within.any() and np.array_equal(within, bound < 0)
-        np.testing.assert_allclose(bound[within], whole[within], rtol=0, atol=1e-15 * scale)
-        assert np.all(bound <= whole + 1e-15 * scale)
-
-
 def test_the_holder_is_a_cylinder_above_the_mill():
     height = np.array([0.03, 0.041, 0.06, 0.06, 0.09])
     radius = np.array([0.0, 0.0, 0.011, 0.015, 0.0])
     np.testing.assert_allclose(MILL.holder(height, radius), [0.01, -0.001, -0.001, 0.003, 0.01])
-
-
-def test_a_spindle_is_a_cylinder_above_the_holder():
-    mill = replace(MILL, spindle_radius=50 * MM, spindle_length=100 * MM)
-    height = np.array([0.06, 0.09, 0.19, 0.1])
-    radius = np.array([0.011, 0.0, 0.0, 0.055])
-    np.testing.assert_allclose(mill.holder(height, radius), [-0.001, -0.01, 0.01, 0.005])
-    assert (MILL.height, MILL.widest) == pytest.approx((0.08, MILL.top_radius))
-    assert (mill.height, mill.widest) == pytest.approx((0.18, 0.05))
-    for size in ({"spindle_radius": 0.05}, {"spindle_length": 0.1}):
-        with pytest.raises(ValueError, match=r"^spindle_radius, spindle_length: must both"):
-            replace(MILL, **size)
 
 
 @pytest.fixture(scope="module")
@@ -217,6 +186,18 @@ def test_depths_are_those_of_a_finer_mesh(on_blade):
         least = cone_distance(mesh, vertex, found.axis[k], MILL.half_angle, near, far).min()
         # What lies between the points of a finer mesh may be a little deeper.
         assert -1e-9 <= found.enters[k] - max(-least, 0) <= 1e-6
+
+
+def test_the_deepest_point_is_looked_for_to_a_27th_of_a_cell_of_the_mesh():
+    plane = Patch(lambda s, t: [s, t, 0 * s], (0, 1), (0, 1))
+    tip = np.append(np.random.default_rng(8).uniform(0.1, 0.9, (500, 2)), np.zeros((500, 1)), 1)
+    up = np.tile([0.0, 0.0, 1.0], (500, 1))
+    cell = 0.1
+    s, t = (cell * np.rint(part / cell) for part in tip.T[:2])
+    away = _between(plane, lambda height, radius: radius, tip, up, s, t, 11)
+    assert away.max() <= np.sqrt(0.5) * cell / 27 * (1 + 1e-9)
+    # The mean distance from the nearest point of a square grid is 0.38 of its step.
+    assert away.mean() == pytest.approx(0.38 * cell / 27, rel=0.1)
 
 
 def test_reasons_say_what_the_depths_say(on_blade):
@@ -250,76 +231,78 @@ def test_a_thick_holder_and_a_neighbour_are_reasons(on_blade):
 def test_where_a_surface_is_no_saddle_no_position_fits():
     ball = Patch(lambda s, t: [s, t, 10 * (s * s + t * t)], (-0.01, 0.01), (-0.01, 0.01))
     found = find_positions(ball, MILL, *ball.parameters(5, margin=0.1), tolerance=0)
-    assert np.all(found.state[found.state == "regular"] == "regular")
-    assert set(found.state.ravel().tolist()) <= {"convex", "spherical"}
     assert not found.fits.any()
 
 
 def test_chains_go_across_the_characteristic_in_equal_steps():
     patch = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
     mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
-    starts = find_positions(patch, mill, 0.005, 0.002, tolerance=1e-4)
-    chains = trace_chains(patch, mill, starts, step=5e-4, tolerance=1e-4)
-    assert len(chains) == starts.fits.sum() > 0
+    look = {"tolerance": 1e-4}
+    found = find_positions(patch, mill, 0.005, 0.002, **look)
+    rows = np.flatnonzero(found.fits)
+    assert len(rows) > 0
+    chains = [trace_chain(patch, mill, found, int(k), step=5e-4, **look) for k in rows]
     for chain in chains:
         chord = np.diff(chain.contact, axis=0)
         length = np.linalg.norm(chord, axis=-1)
         np.testing.assert_allclose(length, 5e-4, rtol=2e-3)
         middle = chain.across[1:] + chain.across[:-1]
         assert np.abs(np.sum(chord * middle, axis=-1) / length).max() < 0.02
-        assert set(chain.ends) <= {
-            "the patch ends", "no cone continues", "the next one doesn't fit", "long enough",
-            "the mill would gouge on its way",
-        }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def recovered():
-    motion, u, v, grid = enveloped()
-    fit, error = fit_nurbs(grid, u, v, count=14)
-    patch = Patch(fit.coordinates, *fit.domain, -1)
+    motion, surface = enveloped()
+    patch = Patch(surface, (3.7, 5.2), (0, 1), -1)
     mill = ConicalMill(HALF_ANGLE, 2 * MM, 70 * MM, 5 * MM, 50 * MM)
     found = find_positions(patch, mill, *patch.parameters(5, margin=0.1), tolerance=1e-6)
-    return motion, error, patch, mill, found
+    return motion, patch, mill, found
 
 
-def test_starts_of_another_mill_are_refused(on_blade):
+def test_positions_of_another_mill_and_rows_beyond_are_refused(on_blade):
     _, found = on_blade
+    look = {"step": 1 * MM, "tolerance": TOLERANCE}
     other = replace(MILL, half_angle=0.1, tip_radius=0.1)
-    with pytest.raises(ValueError, match="starts: must be positions of this mill on this patch"):
-        trace_chains(BLADE, other, found, step=1 * MM, tolerance=TOLERANCE)
+    with pytest.raises(ValueError, match="found: must be positions of this mill on this patch"):
+        trace_chain(BLADE, other, found, int(np.flatnonzero(found.fits)[0]), **look)
+    with pytest.raises(ValueError, match=rf"^row: must be below {len(found)}, the positions fou"):
+        trace_chain(BLADE, MILL, found, len(found), **look)
 
 
 def axis_of(motion, v):
     return np.stack(np.broadcast_arrays(*motion(v)[2][0]), axis=-1)
 
 
-def test_the_motion_of_a_cone_is_recovered_from_a_fit_to_its_envelope(recovered):
-    motion, error, _, _, found = recovered
-    assert error < 0.1e-6
+def test_the_motion_of_a_cone_is_recovered_from_its_envelope(recovered):
+    motion, _, _, found = recovered
     off = angle_between(found.axis, axis_of(motion, found.t))
     every = [off[(found.index == i) & found.fits].min(initial=180) for i in range(25)]
-    assert max(every) < 0.05
+    assert max(every) < 1e-5
 
 
-def test_the_chain_of_recovered_cones_sweeps_the_surface_within_the_error_of_its_fit(recovered):
-    motion, error, patch, mill, found = recovered
+def test_the_chain_of_recovered_cones_sweeps_the_surface(recovered):
+    motion, patch, mill, found = recovered
     off = angle_between(found.axis, axis_of(motion, found.t))
-    start = np.flatnonzero((found.index == 12) & found.fits & (off < 0.05))
-    alone = np.where(np.arange(len(found)) == start[0], "fits", "not asked")
-    [chain] = trace_chains(patch, mill, replace(found, reason=alone), step=1 * MM, tolerance=1e-6)
-    assert angle_between(chain.axis, axis_of(motion, chain.t)).max() < 0.05
-    strip = strip_across(patch, mill, chain, chain.tip, chain.axis, reach=20 * MM)
-    assert strip.widths(error).min() > 5 * MM
-    assert strip.widths(1e-6).min() > 13 * MM  # the whole patch
+    row = int(np.flatnonzero((found.index == 12) & found.fits & (off < 1e-5))[0])
+    chain = trace_chain(patch, mill, found, row, step=1 * MM, tolerance=1e-6)
+    assert angle_between(chain.axis, axis_of(motion, chain.t)).max() < 1e-5
+    strip = strip_across(patch, mill, chain, reach=20 * MM)
+    assert strip.widths(1e-8).min() > 13 * MM  # the whole patch
+
+
+def along(tip, axis):
+    """Return a chain of which only tips and axes (k, 3) are looked at."""
+    return Chain(*tip.T[:2], tip, axis, tip, axis, axis)
 
 
 def test_the_sweep_of_a_known_motion_is_its_envelope():
-    motion, _, v, grid = enveloped()
+    motion, surface = enveloped()
+    v = np.linspace(0, 1, 60)
+    grid = np.stack(surface(*np.meshgrid(np.linspace(3.7, 5.2, 60), v, indexing="ij")), axis=-1)
     mill = ConicalMill(HALF_ANGLE, 2 * MM, 70 * MM, 5 * MM, 50 * MM)
     vertex = np.stack(np.broadcast_arrays(*motion(v)[0]), axis=-1)
     axis = axis_of(motion, v)
-    error = sweep_error(grid[:, 5:-5], mill, vertex + mill.below * axis, axis)
+    error = sweep_error(grid[:, 5:-5], mill, along(vertex + mill.below * axis, axis))
     assert np.abs(error).max() < 1e-9
 
 
@@ -328,7 +311,7 @@ def test_a_ball_along_a_line_leaves_what_pythagoras_says():
     up = np.broadcast_to((0.0, 0.0, 1.0), line.shape)
     y = np.linspace(-2e-3, 2e-3, 21)
     points = np.stack([np.full(21, 0.047), y, np.zeros(21)], axis=-1)
-    error = sweep_error(points, BallMill(5 * MM), line, up)
+    error = sweep_error(points, BallMill(5 * MM), along(line, up))
     np.testing.assert_allclose(error, np.hypot(y, 5 * MM) - 5 * MM, atol=1e-9)
 
 
@@ -337,65 +320,75 @@ def test_motions_pass_through_their_positions():
     tip = np.cumsum(rng.uniform(0, 1e-3, (7, 3)), axis=0)
     axis = np.array([0.0, 0.0, 1.0]) + 0.1 * rng.normal(size=(7, 3))
     axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
-    at, along = moved(tip, axis, between=4)
+    at, up = motion_through(tip, axis)(np.linspace(0, 6, 25))
     np.testing.assert_allclose(at[::4], tip, atol=1e-15)
-    np.testing.assert_allclose(along[::4], axis, atol=1e-14)
-    np.testing.assert_allclose(np.linalg.norm(along, axis=-1), 1)
+    np.testing.assert_allclose(up[::4], axis, atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(up, axis=-1), 1)
+
+
+def test_a_sweep_is_looked_at_closer_about_the_nearest_of_eight_places_a_step(chain, monkeypatch):
+    monkeypatch.setattr(strips, "CLOSER", 0)
+    points = BLADE.mesh(9).reshape(-1, 3)
+    last = len(chain) - 1
+    places = motion_through(chain.tip, chain.axis)(np.linspace(0, last, 8 * last + 1))
+    nearest = MILL.cutting(*seen_from(points, *places)).min(axis=0)
+    np.testing.assert_allclose(sweep_error(points, MILL, chain), nearest, atol=1e-15)
+
+
+def test_a_sweep_needs_four_positions_that_differ(chain):
+    with pytest.raises(ValueError, match=r"^chain: must have 4 positions or more; got 3\.$"):
+        sweep_error((0.0, 0.0, 0.0), MILL, first(chain, 3))
+    assert abs(sweep_error(chain.contact[1], MILL, first(chain, 4))) < 1e-9
+    still = replace(chain, tip=0 * chain.tip, axis=0 * chain.axis + (0, 0, 1))
+    with pytest.raises(ValueError, match=r"^chain: each position must differ from the next; got"):
+        sweep_error((0.0, 0.0, 0.0), MILL, still)
 
 
 @pytest.fixture(scope="module")
 def chain(on_blade):
     others, found = on_blade
-    one = np.flatnonzero(found.fits)[10]
-    alone = np.where(np.arange(len(found)) == one, found.reason, "not asked")
-    [chain] = trace_chains(
-        BLADE, MILL, replace(found, reason=alone), step=1 * MM, tolerance=TOLERANCE, others=others
-    )
-    return chain
+    row = int(np.flatnonzero(found.fits)[10])
+    return trace_chain(BLADE, MILL, found, row, step=1 * MM, tolerance=TOLERANCE, others=others)
 
 
 def test_ball_and_cylinder_touch_where_the_chain_does(chain):
-    ball = BallMill(5 * MM)
-    tip, axis = ball_positions(chain, ball)
-    seen = seen_from(chain.contact[:, None], tip, axis)
-    assert np.abs(ball.cutting(*seen)).max() < 1e-15
-    cylinder = CylinderMill(5 * MM, 40 * MM)
-    tip, axis = cylinder_positions(BLADE, chain, cylinder)
-    seen = seen_from(chain.contact[:, None], tip, axis)
-    assert np.abs(cylinder.cutting(*seen)).max() < 1e-15
-    assert np.abs(np.sum(axis * chain.normal, axis=-1)).max() < 1e-12
+    ball, cylinder = BallMill(5 * MM), CylinderMill(5 * MM, 40 * MM)
+    beside = cylinder_chain(BLADE, chain, cylinder)
+    for mill, one in ((ball, ball_chain(chain, ball)), (cylinder, beside)):
+        seen = seen_from(chain.contact[:, None], one.tip, one.axis)
+        assert np.abs(mill.cutting(*seen)).max() < 1e-15
+    assert np.abs(np.sum(beside.axis * chain.normal, axis=-1)).max() < 1e-12
 
 
 def test_a_cylinder_is_as_close_as_it_can_be_without_gouging(chain):
     """The gap, by distances to nearby points, vanishes to second order in one direction alone."""
     cylinder = CylinderMill(5 * MM, 40 * MM)
-    tip, axis = cylinder_positions(BLADE, chain, cylinder)
     k = len(chain) // 2
+    beside = cylinder_chain(BLADE, chain, cylinder)
+    tip, axis = beside.tip[k], beside.axis[k]
     turn = np.linspace(0, np.pi, 181)
     step = 0.2 * MM
-    from tunneller_lib.milling.chains import conjugate_frame
-
-    _, inverse = conjugate_frame(BLADE, chain.s[k : k + 1], chain.t[k : k + 1], axis[k : k + 1])
-    tangent = np.cross(chain.normal[k], axis[k])
-    ways = np.cos(turn)[:, None] * axis[k] + np.sin(turn)[:, None] * tangent
-    rates = step * ways @ inverse[0].T
+    _, inverse = conjugate_frame(BLADE, chain.s[k], chain.t[k], axis)
+    tangent = np.cross(chain.normal[k], axis)
+    ways = np.cos(turn)[:, None] * axis + np.sin(turn)[:, None] * tangent
+    rates = step * ways @ inverse.T
     gaps = []
     for sign in (1, -1):
         points = BLADE.points(chain.s[k] + sign * rates[:, 0], chain.t[k] + sign * rates[:, 1])
-        gaps.append(cylinder.cutting(*seen_from(points, tip[k : k + 1], axis[k : k + 1]))[0])
+        gaps.append(cylinder.cutting(*seen_from(points, tip[None], axis[None]))[0])
     second = sum(gaps) / step**2  # the gap's second derivative, by a difference, in 1/m
     assert -0.5 < second.min() < 0.5 and second.max() > 50
 
 
 def test_a_cylinder_that_is_too_thick_is_refused(chain):
     with pytest.raises(ValueError, match="mill: must be thin enough"):
-        cylinder_positions(BLADE, chain, CylinderMill(5.0, 1.0))
+        cylinder_chain(BLADE, chain, CylinderMill(5.0, 1.0))
 
 
 def test_strips_of_cones_are_wider_than_those_of_balls(chain):
     ball = BallMill(MILL.top_radius)
-    wide = strip_across(BLADE, MILL, chain, chain.tip, chain.axis, reach=12 * MM)
-    narrow = strip_across(BLADE, ball, chain, *ball_positions(chain, ball), reach=12 * MM)
+    wide = strip_across(BLADE, MILL, chain, reach=12 * MM)
+    narrow = strip_across(BLADE, ball, ball_chain(chain, ball), reach=12 * MM)
     assert np.median(wide.widths(1e-5)) > 3 * np.median(narrow.widths(1e-5))
 
 
@@ -403,9 +396,11 @@ def test_dexels_leave_what_the_sweep_says():
     """Frusta cut from a block along z leave, above a graph, its error over the slope."""
     patch = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
     mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
-    starts = find_positions(patch, mill, 0.003, 0.001, tolerance=1e-4)
-    [chain, *_] = trace_chains(patch, mill, starts, step=5e-4, tolerance=1e-4)
-    tip, axis = moved(chain.tip, chain.axis, between=20)
+    found = find_positions(patch, mill, 0.003, 0.001, tolerance=1e-4)
+    row = int(np.flatnonzero(found.fits)[0])
+    chain = trace_chain(patch, mill, found, row, step=5e-4, tolerance=1e-4)
+    last = len(chain) - 1
+    tip, axis = motion_through(chain.tip, chain.axis)(np.linspace(0, last, 20 * last + 1))
     middle = chain.contact[len(chain) // 2]
     half = np.array([1.5, 1.5, 5]) * MM
     low = middle - half
@@ -418,20 +413,6 @@ def test_dexels_leave_what_the_sweep_says():
     top = np.where(below, grid.high, -np.inf).max(axis=0)
     wanted = patch.points(x, y)
     left = (top - wanted[..., 2]) / np.sqrt(1 + 900 * (x * x + y * y))
-    error = sweep_error(wanted, mill, chain.tip, chain.axis, between=20)
+    error = sweep_error(wanted, mill, chain)
     assert np.abs(error).max() < 50e-6
     assert np.abs(left - error).max() < 0.2e-6
-
-
-def test_a_thousand_positions_are_checked_in_half_a_minute():
-    share = many(100, 1000) / 1000
-    s, t = np.random.default_rng(7).uniform(0.05, 0.95, (2, int(1000 * share)))
-    s, t = np.repeat(s, 2), np.repeat(t, 2)
-    start = time.process_time()
-    found = find_positions(
-        BLADE, MILL, s, t, tolerance=TOLERANCE, others=RING.mesh(61, 1).reshape(-1, 3)
-    )
-    taken = time.process_time() - start
-    checked = np.isfinite(found.enters).sum()
-    assert checked > 400 * share
-    assert taken / checked < 30 / 1000

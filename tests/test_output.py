@@ -14,7 +14,7 @@ from tunneller_lib.__main__ import main
 from tunneller_lib.job.atomic_write import list_files, output
 from tunneller_lib.job.tables import stamp_of
 
-READS = ["notebooks/flank.toml"]
+READS = []
 
 ROOT = Path(__file__).resolve().parents[1]
 LATER = _JOB.read_text(encoding="utf-8").replace("gain = 10", "gain = 9")

@@ -126,7 +126,7 @@ def value_of(variable):
     if local(inner) == "simpleValue":
         return inner.get("value")
     rows = [value[0].get("value") for value in inner]
-    return f"[ {', '.join(rows)}]"
+    return f"[{', '.join(rows)}]"
 
 
 def test_text_is_one_paragraph_in_each_st_and_documentation_and_nowhere_else(texts):
@@ -169,9 +169,11 @@ def test_types_are_elementary_or_declared_before(texts):
     root, _ = texts
     (types,) = root.iter(f"{PLC}types")
     assert [local(one) for one in types] == ["dataTypes", "pous"]
-    (ring,) = root.iter(f"{PLC}dataType")
-    assert re.fullmatch(r"ARRAY \[0\.\.\d+\] OF DINT", kind_of(ring[0]))
-    known = {"BOOL", "DINT", "LREAL", ring.get("name")}
+    known = {"BOOL", "DINT", "LREAL"}
+    for structure in root.iter(f"{PLC}dataType"):
+        for kind in map(kind_of, structure.iter(f"{PLC}type")):
+            assert re.sub(r"^ARRAY \[0\.\.\d+\] OF ", "", kind) in known, kind
+        known.add(structure.get("name"))
     for pou in root.iter(f"{PLC}pou"):
         for kind in map(kind_of, pou.iter(f"{PLC}type")):
             assert re.sub(r"^ARRAY \[0\.\.\d+\] OF ", "", kind) in known, kind
@@ -179,11 +181,18 @@ def test_types_are_elementary_or_declared_before(texts):
             known.add(pou.get("name"))
     # Instances are derived types, not elements of a name that no scheme has.
     instances = {"FB_Line", "FB_Loop", "FB_Setpoints", "FB_Tunneller"}
-    assert {one.get("name") for one in root.iter(f"{PLC}derived")} == instances | {"T_Ring"}
+    structures = {"T_Setpoint", "T_Ring"}
+    assert {one.get("name") for one in root.iter(f"{PLC}derived")} == instances | structures
 
 
 def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
     root, text = texts
+    for structure in root.iter(f"{PLC}dataType"):
+        head = f"\n    {structure.get('name')} : STRUCT\n"
+        rows = text[text.index(head) + len(head) :].partition("    END_STRUCT;\n")[0]
+        assert [("VAR", one.get("name"), kind_of(one[0]), value_of(one))
+                for one in structure.iter(f"{PLC}variable")] == (
+            declared(f"VAR\n{rows}END_VAR"))  # fmt: skip
     pous = {pou.get("name"): pou for pou in root.iter(f"{PLC}pou")}
     found = list(units(text))
     assert [name for name, *_ in found] == list(pous) and len(found) == 6
@@ -321,8 +330,8 @@ def test_names_are_short_free_and_unique_within_a_block_whatever_their_case(text
     own = [one.get("name") for kind in ("pou", "dataType", "configuration", "resource", "task",
            "pouInstance") for one in root.iter(f"{PLC}{kind}")]  # fmt: skip
     blocks = [own]
-    for pou in root.iter(f"{PLC}pou"):
-        blocks.append([one.get("name") for one in pou.iter(f"{PLC}variable")])
+    for one in (*root.iter(f"{PLC}pou"), *root.iter(f"{PLC}dataType")):
+        blocks.append([row.get("name") for row in one.iter(f"{PLC}variable")])
     (shared,) = root.iter(f"{PLC}globalVars")
     blocks.append([one.get("name") for one in shared])
     for names in blocks:

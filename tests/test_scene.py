@@ -9,7 +9,6 @@ import pytest
 from exhibits import (
     blade_scene,
     cone_scene,
-    flank_scene,
     machine_scene,
     path_scene,
     six_cones_scene,
@@ -150,7 +149,7 @@ def test_scenes_are_turned_only_where_somebody_can(monkeypatch, kernel, backend,
 
 @pytest.mark.parametrize(
     "module",
-    [blade_scene, camera, cone_scene, flank_scene, machine_scene, path_scene, scene,
+    [blade_scene, camera, cone_scene, machine_scene, path_scene, scene,
      six_cones_scene, surface_scene, torus_scene, tunnel_scene],
 )  # fmt: skip
 def test_every_argument_of_what_draws_in_space_says_what_it_may_be(module):

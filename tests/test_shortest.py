@@ -8,9 +8,8 @@ import pytest
 from mpmath import mp, mpf
 
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_classes import ends_of, inner, outer, second, steepest
-from tunneller_lib.paths.geodesic_root import integrate
-from tunneller_lib.paths.geodesic_trace import half_swing
+from tunneller_lib.paths.direct_problem import half_swing
+from tunneller_lib.paths.geodesic_root import ends_of, inner, integrate, outer, second, steepest
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE, HORN, NARROW, RING = REFERENCE_MACHINE.torus, Torus(1, 1), Torus(1.05, 1), Torus(3, 1)

@@ -48,7 +48,6 @@ def test_progress_is_a_line_that_no_terminal_obeys(capsys):
 @pytest.mark.parametrize("arguments", [
     ("cut", f"{OBEYED}.toml"),
     ("cut", REFERENCE, "--out", f"{REFERENCE}/{OBEYED}"),
-    ("identify", f"{OBEYED}.csv"),
     (OBEYED,),
 ])  # fmt: skip
 def test_a_name_that_a_terminal_would_obey_is_spelled_out(capsys, arguments):

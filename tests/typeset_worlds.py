@@ -36,7 +36,7 @@ from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
-from tunneller_lib.paths.geodesic_trace import half_swing
+from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.ream.wall import pass_distance
 from tunneller_lib.removal.volume import bowl, groove_area, half_lens, removed_volume, ring
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Rod, Torus

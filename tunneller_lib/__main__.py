@@ -146,31 +146,6 @@ def parser():
     cut.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
     cut.add_argument("--json", action="store_true", help=JSON)
 
-    flank = command("flank", run_flank, "positions and paths of a conical mill on a surface")
-    flank.add_argument("job", type=Path, help="the TOML file; notebooks/flank.toml is one")
-    flank.add_argument(
-        "--points",
-        type=Path,
-        metavar="FILE",
-        help="measured: CSV with x_m, y_m, z_m and unit normals nx, ny, nz, or triangles as STL",
-    )
-    flank.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
-    flank.add_argument("--json", action="store_true", help=JSON)
-    log = command("identify", run_identify, "gain, lag and delay of an axis or a loop from a log")
-    log.description += "; a log of a loop must begin at rest, for at least 10 rows"
-    log.add_argument(
-        "log",
-        type=Path,
-        help="CSV: time_s, and valve with speed_rad_s or position_rad, or set_rad with actual_rad",
-    )
-    log.add_argument(
-        "--feedforward",
-        type=float,
-        default=0.0,
-        metavar="SHARE",
-        help="of the slope that a loop adds, 0 by default",
-    )
-    log.add_argument("--json", action="store_true", help=JSON)
     return whole
 
 
@@ -272,55 +247,6 @@ def draw_wall(job, cut, path, say):
         wall_plot.write_unrolled(path, cut, limit=job.limit, stamp=job.stamp),
         wall_plot.write_laps(laps, cut, tolerance=job.plan["tolerance"], stamp=job.stamp),
     ]
-
-
-def run_flank(options):
-    """Find positions of a mill, chain them, and write them and what they leave."""
-    from .job import say
-    from .job.atomic_write import list_files, output
-    from .job.flank import read_flank
-    from .job.flank_files import flank_text, summarise_flank, write_flank
-
-    folder = options.out or Path("build") / own_name(options.job)
-    with output(folder) as new:
-        job = read_flank(options.job, options.points)
-        with said_of_file(options.points, "text", "content"):
-            job.patch  # noqa: B018 - measured points are read for it
-        result = job.solved(say)
-        numbers = summarise_flank(job, result)
-        if not options.json:
-            tell(flank_text(numbers) + "\n")
-        files = write_flank(job, result, new, say)
-        files.append(list_files(new, job.stamp))
-    for warning in numbers["warnings"]:
-        say(f"warning: {warning}")
-    return {**numbers, "files": [str(folder / file.name) for file in files]}
-
-
-def run_identify(options):
-    """Say what a log tells."""
-    from .job.logged import identified_text, identify_log, read_log
-
-    text = read_log(options.log)
-    with said_of_file(options.log, "text"):
-        numbers = identify_log(text, feedforward=options.feedforward)
-    if not options.json:
-        tell(identified_text(numbers))
-    return numbers if options.json else None
-
-
-@contextmanager
-def said_of_file(path, *arguments):
-    """Begin a refusal of one of these arguments, which a file's content is, with its name."""
-    from .job import WrongJob
-
-    try:
-        yield
-    except ValueError as error:
-        argument, _, what = str(error).partition(": ")
-        if argument not in arguments:
-            raise
-        raise WrongJob(f"{path}: {what}") from None
 
 
 if __name__ == "__main__":

@@ -6,9 +6,8 @@ from matplotlib.axes import Axes
 from kit.kinds import Map, check_same_shape
 from kit.style import COLOURS
 from tunneller_lib.arguments import Angle, HalfAngle, Positive, checked
-from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones, jet_variables
+from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import frames_along
-from tunneller_lib.envelopes.conics import conic, osculating_conic
 from tunneller_lib.envelopes.functions import Centre, Function
 from tunneller_lib.envelopes.hyperosculate import Cones
 from tunneller_lib.envelopes.isotropic import plane_to_point
@@ -194,40 +193,3 @@ def draw_gap_map(ax: Axes, e: Map, w: Map, gap: Map, edge: Positive, limit: Posi
     ax.plot(0, 0, ".", color=COLOURS["chord"])
     ax.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge))
     return shades
-
-
-@checked
-def draw_ring_gap(above: Axes, beside: Axes, f: Function(2), place: Centre, centre: Centre):
-    """Draw the conic over a circle that osculates a graph, from above, and its gap to the graph.
-
-    Parameters
-    ----------
-    above, beside : matplotlib.axes.Axes
-        The circle over the graph's level lines, which are not drawn at the origin; conic less
-        graph against the angle about the circle's centre.
-    f : callable
-        Of x and y, in m.
-    place : (2,) float
-        Where the conic touches.
-    centre : (2,) float
-        From there to the circle's centre.
-    """
-    reach = np.linspace(-1, 1, 121)
-    z, a, b = osculating_conic(centre, f(*jet_variables(*place)))
-    curve = conic((*place, z), centre, a, b, reach)
-    away, turn = np.meshgrid(np.linspace(0.06, 1.3, 12), np.linspace(0, 2 * np.pi, 73))
-    x, y = away * np.cos(turn), away * np.sin(turn)
-    above.contour(x, y, f(x, y), 9, colors=COLOURS["torus"], linewidths=0.5)
-    across = np.array([-place[1], place[0]]) / np.hypot(*place) / 2
-    ends = np.array(place) / 2 + np.array([[-1], [1]]) * across
-    above.plot(*ends.T, "--", color=COLOURS["chord"], lw=0.8)
-    above.plot(*curve[:, :2].T, color=COLOURS["top view"])
-    above.plot(0, 0, "+", color=COLOURS["chord"], ms=8)
-    above.plot(*place, "o", color=COLOURS["error"])
-    above.plot(*np.add(place, centre), "o", color=COLOURS["top view"])
-    above.set(xlim=(-0.26, 0.9), ylim=(-0.36, 0.8), aspect="equal", xlabel="x", ylabel="y")
-    gap = 1000 * (curve[:, 2] - f(*curve[:, :2].T))  # mm
-    most = np.abs(gap).max()
-    beside.plot(np.degrees(reach), gap, color=COLOURS["cone"])
-    beside.set(xlabel="angle about the centre / deg", ylabel="conic less graph / mm")
-    beside.set(title=f"up to {most:.2f} mm", ylim=(-max(1, most), max(1, most)))

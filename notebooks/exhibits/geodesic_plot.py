@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from kit.style import COLOURS
 from tunneller_lib.arguments import Finite, checked
 from tunneller_lib.paths import competing_geodesics, geodesic_direct
-from tunneller_lib.paths.geodesic_trace import half_swing
+from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.surfaces import Torus
 
 from .path_plot import JointPosition, Tori

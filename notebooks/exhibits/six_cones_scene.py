@@ -253,11 +253,9 @@ def double_cones_picture(sheet: Grid, cones: Cones):
     plotter = scene.empty()
     plotter.add_mesh(scene.surface(sheet), color=COLOURS["design surface"])
     for k in np.flatnonzero(cones.multiplicity > 1):
-        distance = cones.distance[k]
-        reach = 0.35 * size / distance
-        ends = max(1 - reach, 0) * distance, (1 + reach) * distance
-        wall = scene.cone(cones.vertex[k], cones.axis[k], cones.half_angle, *ends)
-        plotter.add_mesh(wall, color=COLOURS["cone"], opacity=0.35)
+        leaf = scene.surface(_leaf(cones, k, 0.35 * size))
+        plotter.add_mesh(leaf, color=COLOURS["cone"], opacity=0.5)
+        reach = 0.35 * size / cones.distance[k]
         ruling = np.outer([-reach, reach], cones.vertex[k] - cones.contact[k])
         rod = scene.curve(cones.contact[k] + ruling, size / 150)
         plotter.add_mesh(rod, color=COLOURS["chord"])

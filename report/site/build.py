@@ -15,7 +15,7 @@ from report.site import policy
 from report.site.chapter import Chapter, page_name, title
 from report.site.front import front_page
 from report.site.library import Reference, modules, room
-from report.site.markup import attribute, plain
+from report.site.markup import attribute, markdown, plain
 from report.site.paper import GROWTH, captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
@@ -42,7 +42,9 @@ PLACES = [
     ("Report", "report.html"),
     ("Supplement", "supplement.html"),
     ("Library", "library/index.html"),
+    ("Guide", "guide/command.html"),
 ]
+GUIDE = ROOT / "report" / "guide"
 
 
 class Site:
@@ -102,6 +104,7 @@ def build(folder, chosen=None, live=None):
     add_chapters(site, chosen, captions(supplement[1]))
     add_proofs(site)
     add_library(site)
+    add_guide(site)
     if live:
         live.add(site)
     site.write("search-index.js", script(site.found))
@@ -280,6 +283,30 @@ def add_library(site):
         site.page(
             module.page, module.short, reference.body(module), kind="library", here=home,
             contents=contents, contents_name=room(module) or "Library",
+        )  # fmt: skip
+
+
+def add_guide(site):
+    """Write the pages on how to use the checkout, the command and the library."""
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(GUIDE.glob("*.md"))}
+    titles = {path: text.partition("\n")[0].lstrip("# ") for path, text in texts.items()}
+
+    def led(url):
+        if url.startswith("https://"):
+            return url
+        if url in [path.name for path in texts]:
+            return url.replace(".md", ".html")
+        file = (GUIDE / url).resolve().relative_to(ROOT)
+        site.write(f"checkout/{file}", (ROOT / file).read_bytes())
+        return f"../checkout/{file}"
+
+    for path, text in texts.items():
+        contents = [
+            entry(titles[other], f"{other.stem}.html", here=other == path) for other in texts
+        ]
+        site.page(
+            f"guide/{path.stem}.html", titles[path], markdown(text, led), kind="guide",
+            here="guide/command.html", contents=contents, contents_name="Guide",
         )  # fmt: skip
 
 

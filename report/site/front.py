@@ -21,6 +21,7 @@ SENTENCE = (
 )
 SECONDS = 16  # for the circuit
 PLACES = 64  # at which the moving machine is drawn
+COURSE = 4  # of so many points of the section one has a line along the tunnel
 RINGS = np.arange(-0.4, 1.3, 0.4)  # m along the tunnel, where its section is drawn
 # Directions of the picture's right and of its up, seen from behind, from the right and from above.
 TURN, TILT = np.radians([-62.0, 20.0])
@@ -54,7 +55,9 @@ def moving_machine():
     every = np.concatenate([*rings, arms.reshape(-1, 2)])
     margin = SCALE * machine.cutter_radius / 2
     low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
-    parts = [f'<polygon class="tunnel" points="{as_points(ring)}"/>' for ring in rings]
+    bricks = zip(rings[0][::COURSE], rings[-1][::COURSE], strict=True)
+    parts = [f'<polyline class="tunnel brick" points="{as_points(pair)}"/>' for pair in bricks]
+    parts += [f'<polygon class="tunnel" points="{as_points(ring)}"/>' for ring in rings]
     parts.append(f'<polyline class="circuit" points="{as_points(balls)}"/>')
     parts.append(
         f'<polyline class="arm" points="{as_points(arms[0])}">'
@@ -72,6 +75,21 @@ def moving_machine():
         f'<svg id="moving" role="img" aria-label="{said}" viewBox="{box}">'
         + "".join(parts) + "</svg>"
     )  # fmt: skip
+
+
+def moving_file():
+    """Return the same drawing as a file of its own, with its colours for light and dark pages."""
+    style = (
+        "<style>* { fill: none; stroke: #777; stroke-width: 2 } .circuit { stroke: #c08fb0 } "
+        ".brick { stroke-width: 0.7; stroke: #aaa } "
+        ".arm { stroke: #d9a400; stroke-width: 10; stroke-linejoin: round } "
+        ".cutter { fill: #777 }</style>"
+    )
+    head, box, rest = moving_machine().partition('viewBox="')
+    width, height = map(float, rest.partition('"')[0].split()[2:])
+    size = f'width="{width:.0f}" height="{height:.0f}" '
+    drawing = f'{head}xmlns="http://www.w3.org/2000/svg" {size}{box}{rest}'
+    return drawing.replace(">", f">{style}", 1) + "\n"
 
 
 def section_points(machine, section):

@@ -129,6 +129,6 @@ def pytest_sessionfinish(session):
     """Keep the rows that were noted."""
     if noted := session.config.stash.get(NOTED, None):
         times.keep(noted)
-        text = times.README.read_text(encoding="utf-8")
-        times.README.write_text(times.with_table(text), encoding="utf-8")
+        text = times.PAGE.read_text(encoding="utf-8")
+        times.PAGE.write_text(times.with_table(text), encoding="utf-8")
         growth.write()

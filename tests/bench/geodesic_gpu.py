@@ -3,7 +3,7 @@
 python -m tests.bench.geodesic_gpu > tests/bench/gpu.md
 
 Wants `pip install "numba-cuda[cu12]"` beside the library, and no GPU: one thread is to answer one
-pair, as one round of `geodesic_pair.find` does.
+pair, as one round of `inverse_problem.find` does.
 """
 
 import collections
@@ -18,11 +18,11 @@ from types import SimpleNamespace
 
 import numba.cuda.cudadrv.nvvm as nvvm
 import numba.cuda.dispatcher as dispatcher
-from numba import cuda, float64, int64, types, uint8
+from numba import cuda, float64, int64, types
 
 from tunneller_lib.kernels import compiled
 from tunneller_lib.kernels.elementwise import NUMBERS, divided
-from tunneller_lib.paths import geodesic_pair
+from tunneller_lib.paths import geodesic_root, inverse_problem
 from tunneller_lib.paths.geodesic_root import NODES
 
 KIND = 9, 0  # of the processor: that of an H100
@@ -34,10 +34,10 @@ HEAD = """# Geodesics on a graphics processor, on paper
 `python -m tests.bench.geodesic_gpu` on {}, numba {}, numba-cuda {}.
 No such processor was at hand: this is what the compiler says, and no time was measured.
 
-The functions that answer one pair (`paths/geodesic_pair.py`) compile unchanged into a kernel of one
-thread a pair, for compute capability {}. Its products, sums, quotients and roots are rounded one by
-one, as ours are, so that the bits should be the same. Arrays on such a processor wouldn't do as
-well: each pair takes rounds of its own, and all would wait for the slowest.
+The functions that answer one pair (`paths/inverse_problem.py`) compile unchanged into a kernel of
+one thread a pair, for compute capability {}. Its products, sums, quotients and roots are rounded
+one by one, as ours are, so that the bits should be the same. Arrays on such a processor wouldn't do
+as well: each pair takes rounds of its own, and all would wait for the slowest.
 
 | | |
 | --- | --- |"""
@@ -48,39 +48,32 @@ dispatcher.get_current_device = lambda: SimpleNamespace(compute_capability=KIND)
 
 
 def for_device():
-    """Return `geodesic_pair`'s functions of one pair as functions for the device, by name."""
-    parts = {**NUMBERS, "ratio": divided}
-    known = {}
-    names = "normal_form", "_shortest", "azimuths", "certificate"
+    """Return `inverse_problem.answer` as a function for the device."""
 
     def made(copy):
         return cuda.jit(copy, device=True)
 
-    return [
-        made(compiled._copied(getattr(geodesic_pair, name), parts, made, known)) for name in names
-    ]
+    return made(compiled._copied(inverse_problem.answer, {**NUMBERS, "ratio": divided}, made, {}))
 
 
-normal_form, shortest, azimuths, certificate = for_device()
+answer = for_device()
 
 
-def kernel(torus, ends, few, many, counts, answers, codes):
-    """Do what `geodesic_pair.find` does, a pair a thread."""
+def kernel(torus, ends, few, many, counts, answers):
+    """Do what `inverse_problem.find` does, a pair a thread."""
     i = cuda.grid(1)
     if i < ends.shape[0]:
         rows = cuda.local.array((3, NODES_PADDED), float64)
-        pair = normal_form(torus, ends[i, 0], ends[i, 1], ends[i, 2])
-        way = shortest(torus, pair, few, many, counts, rows)
-        answers[0, i] = way.length
-        answers[1, i], answers[2, i], answers[3, i] = azimuths(torus, pair, way)
-        codes[0, i] = way.kind
-        codes[1, i] = certificate(torus, pair, way.kind)
+        turn, phi1, phi2 = ends[i, 0], ends[i, 1], ends[i, 2]
+        found = answer(torus, turn, phi1, phi2, (few, counts[0]), (many, counts[1]), rows)
+        for k in range(6):
+            answers[k, i] = found[k]
 
 
 def main():
-    table, row = float64[:, ::1], types.NamedTuple((float64, float64), geodesic_pair.Radii)
+    table, row = float64[:, ::1], types.NamedTuple((float64, float64), geodesic_root.Radii)
     counts = types.UniTuple(int64, 2)
-    signature = types.void(row, table, table, table, counts, table, uint8[:, ::1])
+    signature = types.void(row, table, table, table, counts, table)
     text, _ = cuda.compile(kernel, signature, cc=KIND, device=False, abi="numba")
     steps = collections.Counter(re.findall(r"\b(add|sub|mul|div|fma|sqrt)\.(?:rn\.)?f64", text))
     with tempfile.TemporaryDirectory() as folder:
@@ -92,7 +85,7 @@ def main():
     registers = int(re.search(r"Used (\d+) registers", said)[1])
     spilled = int(re.search(r"(\d+) bytes spill stores", said)[1])
     threads = REGISTERS // registers // 32 * 32
-    moved = 3 * 8 + 4 * 8 + 2  # bytes: ends in, numbers and codes out
+    moved = 3 * 8 + 6 * 8  # bytes: ends in, numbers and codes out
     least = f"{moved / LINK * 1e9:.1f} ns"
     rows = {
         "steps in doubles in the program": ", ".join(

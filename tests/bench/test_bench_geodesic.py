@@ -15,10 +15,9 @@ from scipy.integrate import solve_bvp
 from tests.bench.conftest import best_times
 from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.geodesic_orbit import panel_rule
-from tunneller_lib.paths.geodesic_pair import padded
+from tunneller_lib.paths.direct_problem import KIND, panel_rule
 from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
-from tunneller_lib.paths.geodesic_trace import KIND
+from tunneller_lib.paths.inverse_problem import padded
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE, RING = REFERENCE_MACHINE.torus, Torus(3, 1)

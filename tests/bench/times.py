@@ -1,17 +1,19 @@
-"""The table of times that `make bench` writes: how its rows are kept, and the README's form of it.
+"""The table of times that `make bench` writes: how its rows are kept, and the page on times.
 
 Each benchmark that calls the fixture `note` gives a row to times.csv, beside those of other
 benchmarks and in the place of its own older one. `python -m tests.bench.times` writes the table of
-the README anew; the supplement reads the file itself.
+the page anew; the supplement reads the file itself.
 """
 
 import csv
 import io
 from pathlib import Path
 
-from report.lists import README, with_block
+from report.lists import with_block
+from report.sources import ROOT
 
 TABLE = Path(__file__).with_name("times.csv")
+PAGE = ROOT / "report" / "guide" / "times.md"
 # What was done, to how many at once, and by each in processor time: s here, of the best peer and of
 # the bound in C, empty where there is none; what both sides agree in; when and on what it ran.
 COLUMNS = (
@@ -55,7 +57,7 @@ def _digits(size):
 
 
 def markdown(rows):
-    """Return the table for the README: of each work the row with the most at once."""
+    """Return the table for the page: of each work the row with the most at once."""
     most = {row["work"]: row for row in sorted(rows, key=lambda row: int(row["n"]))}
     lines = [["work", "at once", "here", "best peer", "C"], ["---", "--:", "--:", "---", "--:"]]
     for row in sorted(most.values(), key=lambda row: row["work"]):
@@ -67,7 +69,7 @@ def markdown(rows):
 
 
 def with_table(text):
-    """Return the README's text with the table between its marks made anew."""
+    """Return the page's text with the table between its marks made anew."""
     rows = read()
     ran = sorted({(row["date"], row["processor"]) for row in rows})
     where = "; ".join(f"{date} on {processor}" for date, processor in ran)
@@ -77,4 +79,4 @@ def with_table(text):
 
 
 if __name__ == "__main__":
-    README.write_text(with_table(README.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -13,7 +13,7 @@ from chromium import wait
 
 from report.live.build import LIVE
 
-RUNS = ["02_torus", "07_chord", "09_geodesic", "24_follow", "33_dexel", "57_statements"]
+RUNS = ["02_torus", "07_chord", "09_geodesic", "24_follow", "33_dexel", "54_recognise"]
 BOX = "document.querySelector('[data-program]')"
 PICTURE = f"{BOX}.parentElement.querySelector('figure img')"
 MOVE = """(() => {{

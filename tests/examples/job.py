@@ -8,9 +8,6 @@ import numpy as np
 
 from tunneller_lib.job import mesh, read_job
 from tunneller_lib.job.controller import Program, program
-from tunneller_lib.job.flank import FlankJob, FlankResult, read_flank
-from tunneller_lib.job.flank_files import summarise_flank
-from tunneller_lib.job.logged import identify_log
 from tunneller_lib.job.reader import Job
 from tunneller_lib.job.results import summarise
 from tunneller_lib.paths.circuit import Circuit
@@ -67,16 +64,6 @@ around = 12
 _LISTED = Path(_FOLDER.name, "listed")
 _LISTED.mkdir()
 
-_FLANK = Path(_FOLDER.name, "flank.toml")
-_text = Path(__file__).parents[2].joinpath("notebooks", "flank.toml").read_text(encoding="utf-8")
-for old, new in {
-    "points = 9": "points = 3",
-    "strips = 12": "strips = 1",
-    "mesh = 121": "mesh = 20",
-}.items():
-    _text = _text.replace(old, new)
-_FLANK.write_text(_text, encoding="utf-8")
-
 
 @cache
 def _job():
@@ -88,24 +75,12 @@ def _cut():
     return _job().simulated()
 
 
-@cache
-def _flanked():
-    job = read_flank(_FLANK)
-    return {"job": job, "result": job.solved(lambda text: None)}
-
-
-def _solved():
-    return _flanked()["result"]
-
-
 _MESH = mesh.Mesh(np.eye(3), np.array([[0, 1, 2]]), {"left": np.arange(3.0)})
 
 INSTANCES = {
     Circuit: lambda: _job().planned.circuit,
     Cut: _cut,
     DexelGrid: lambda: _cut().wall,
-    FlankJob: lambda: _flanked()["job"],
-    FlankResult: _solved,
     Job: _job,
     mesh.Mesh: lambda: mesh.wall_solid(_cut().wall),
     Path: _NEW,
@@ -126,33 +101,17 @@ def _results():
     }
 
 
-_log = "time_s,valve,speed_rad_s\n" + "".join(
-    f"{0.005 * n:g},{0.3 * (n // 20 % 2)},{0.15 * (n // 21 % 2)}\n" for n in range(120)
-)
-
 CALLS = {
-    "flank.FlankJob.solved": {"say": lambda text: None},
-    "identified_text": lambda: {"numbers": identify_log(_log)},
-    "identify_log": {"text": _log},
-    "csv_reading.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
+    "csv_tables.read_csv": {"text": "# tick_s = 0.005\ntick,theta\n0,1\n1,2\n"},
     "drawing.dxf": {"curves": {"WALL": Egg(0.5)}},
-    "flank_files.flank_text": lambda: {"numbers": summarise_flank(**_flanked())},
-    "mesh.ply": {"mesh": _MESH, "name": "left"},
-    "mesh.read_stl": {"content": mesh.stl(_MESH)},
     "mesh.stl_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
     "mesh.vtp_blocks": {"mesh": _MESH, "stamp": "tunneller_lib"},
     "mesh.wall_solid": lambda: {"wall": _cut().wall},
     "mesh.wall_surface": lambda: {"wall": _cut().wall, "circuit": _job().planned.circuit},
     "atomic_write.list_files": {"folder": _LISTED, "stamp": "tunneller_lib"},
-    "atomic_write.write": {"content": "text"},
-    "flank.read_flank": {"path": _FLANK},
     "read_job": {"path": _JOB},
     "say": {"text": "done"},
-    "flank_files.summarise_flank": _flanked,
     "results.summarise": lambda: {"job": _job(), "cut": _cut()},
     "results.summary_text": lambda: {"numbers": _results()["numbers"]},
     "results.write_all": _results,
-    "flank_files.write_flank": lambda: (
-        _flanked() | {"folder": Path(_FOLDER.name, "flank"), "say": lambda text: None}
-    ),
 }

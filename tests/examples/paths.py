@@ -3,7 +3,8 @@
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, ConeChord, geodesic_inverse
 from tunneller_lib.paths.chord_paths import ChordPath
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.paths.geodesic import Geodesic, GeodesicPoints
+from tunneller_lib.paths.direct_problem import GeodesicPoints
+from tunneller_lib.paths.inverse_problem import Geodesic
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 _GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])

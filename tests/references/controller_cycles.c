@@ -157,15 +157,13 @@ static void all(void)
 #endif
 
 #ifdef CONTROLLER
-static FB_Setpoints setpoints;
-static FB_Tunneller c;
-static T_Shared shared;
-PART slow(void) { fb_setpoints(&setpoints, &shared); }
-PART scan(void) { fb_tunneller(&c, &shared); }
+static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
+static FB_Tunneller c = FB_TUNNELLER_BEGIN;
+static volatile T_Ring ring;
+PART slow(void) { fb_setpoints(&setpoints, &ring); }
+PART scan(void) { fb_tunneller(&c, &ring); }
 static void all(void)
 {
-    fb_setpoints_init(&setpoints);
-    fb_tunneller_init(&c);
     c.nActualTheta = nFirstTheta / nParts;
     c.nActualPhi = nFirstPhi / nParts;
     c.bEnable = true;
@@ -173,17 +171,16 @@ static void all(void)
     c.bStart = true;
     scan();
     slow();  /* the entry */
-    while (setpoints.nStage == 1) {
-        int32_t place = shared.ringTail;
+    while (setpoints.nRow < nMoves) {
         measured(SLOW, slow);
-        said(shared.ringTheta[place]);
-        said(shared.ringPhi[place]);
+        said(setpoints.point.nTheta);
+        said(setpoints.point.nPhi);
     }
     slow();  /* the exit */
     while (c.nState == 2) {
         c.nActualTheta = c.nSetTheta;
         c.nActualPhi = c.nSetPhi;
-        if (c.bApproach) scan();
+        if (!c.bTaken) scan();
         else measured(SCAN, scan);
     }
     said(c.bDone);

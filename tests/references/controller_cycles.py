@@ -27,8 +27,14 @@ from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import time_bresenham
-from tunneller_lib.motion.export import line_c99, read_blocks, with_constants
-from tunneller_lib.motion.slow_task import waypoints_c99
+from tunneller_lib.motion.export import (
+    C_HEAD,
+    c99_code,
+    c99_types,
+    line_c99,
+    read_blocks,
+    with_constants,
+)
 from tunneller_lib.paths import corrected_chord, cutting_circuit, geodesic_inverse, project_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
@@ -36,6 +42,7 @@ HERE = Path(__file__).parent
 TABLE = Path(__file__).with_suffix(".csv")
 SOURCE = Path(__file__).with_suffix(".c")
 GEODESIC = HERE / "geodesic.c"
+WAYPOINTS_TEXT = HERE / "waypoints.st"
 COLUMNS = ["processor", "part", "unit", "calls", "least", "median", "most"]
 MOVES, ROWS, SMALL_RING, POINTS = 60, 8, 12, 9
 PARTS = {
@@ -98,6 +105,21 @@ def subjects():
     yield "ways", ways_c99(), switches, check_said_ways
 
 
+def waypoints_text(points):
+    """Return waypoints of a corrected chord as a function block in Structured Text.
+
+    A call with the sizes of the torus, r as ring and R as tube, and the ends' joint positions, in m
+    and rad, fills theta and phi, in rad, for so many points, both ends included.
+    """
+    return WAYPOINTS_TEXT.read_text(encoding="utf-8").replace("@LAST", str(points - 1))
+
+
+def waypoints_c99(points):
+    """Return the same block in C99."""
+    blocks = read_blocks(waypoints_text(points))
+    return "\n".join([C_HEAD, c99_types(blocks), c99_code(blocks)])
+
+
 def lap():
     """Return the ends (n, 2, 2) of the reference lap's segments."""
     circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -135,20 +157,27 @@ def few_rows(whole, plan):
     middle = int(np.flatnonzero(corner > knot)[0])
     rows = slice(middle - ROWS // 2, middle + ROWS // 2)
     knots = slice(int(knot[rows].min()), int(knot[rows].max()) + 2)
+    ticks, places = len(constants["aTicks"]), len(constants["aKnotX"])
     for name, values in constants.items():
-        if isinstance(values, list):
-            constants[name] = values[rows if len(values) == len(knot) else knots]
+        if isinstance(values, list) and len(values) in (len(knot), ticks):
+            constants[name] = values[rows]
+        elif isinstance(values, list) and len(values) == places:
+            constants[name] = values[knots]
     for name in ("aKnot", "aCorner"):
         constants[name] = [one - knots.start for one in constants[name]]
     ends = plan.setpoints[rows.start : rows.stop + 1] / constants["rPart"]
     ends = np.rint(ends).astype(int)
     for name, (first, last) in zip(("Theta", "Phi"), ends[[0, -1]].T.tolist(), strict=True):
         constants |= {f"nFirst{name}": first, f"aStraight{name}": [first, last]}
-        constants[f"rStart{name}"] = first * constants["rPart"]
-    constants |= {"aStraightTicks": [10, 10], "nRing": SMALL_RING, "nAtOnce": 1, "nMoves": ROWS,
-                  "nEntry": 1, "nLeave": 1}  # fmt: skip
+    constants["aStart"] = [float(one) for one in plan.setpoints[rows.start]]
+    constants["aTicks"] += [10, 10]
+    for name in ("aFree", "aUp", "aDown"):
+        constants[name] += [constants["nFull"]] * 2
+    constants |= {"nRing": SMALL_RING, "nAtOnce": 1, "nMoves": ROWS, "nExit": ROWS + 1,
+                  "nRows": ROWS + 2}  # fmt: skip
     text = re.sub(r"VAR CONSTANT\n.*?END_VAR\n", "", whole.text, flags=re.S)
-    text = text.replace(f"[0..{whole.ring - 1}] OF DINT", f"[0..{SMALL_RING - 1}] OF DINT")
+    text = text.replace(f"[0..{whole.ring - 1}]", f"[0..{SMALL_RING - 1}]")
+    text = text.replace(f"nRow : DINT := {ticks}", f"nRow : DINT := {ROWS + 2}")
     few = replace(whole, text=with_constants(text, constants), ring=SMALL_RING)
     return few, ends, constants["nParts"]
 

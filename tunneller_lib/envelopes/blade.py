@@ -113,13 +113,6 @@ class BladeRing:
         x, y, z = self.coordinates(s, t)
         return np.stack([c * x - d * y, d * x + c * y, z], axis=-1)
 
-    @checked
-    def drum(self, n: Whole(2, 500)):
-        """Return a grid (n, 2, 3) of both ends of lines of the hub, as long as a chord, in m."""
-        round_it = np.linspace(0, 2 * np.pi, n)
-        angle, z = np.meshgrid(round_it, np.array([-0.5, 0.5]) * self.chord, indexing="ij")
-        return np.stack([self.hub * np.cos(angle), self.hub * np.sin(angle), z], axis=-1)
-
 
 @checked
 def blade_distances(

@@ -3,20 +3,16 @@
 Needs numpy and scipy alone. Pictures and scenes of a cut are `reporting`'s.
 """
 
-from . import atomic_write, csv_reading, csv_tables, drawing, mesh, results
+from . import atomic_write, csv_tables, drawing, mesh, results
 from .progress import say
 from .reader import read_job
 from .tables import WrongJob
 
-# `flank` is imported where it is asked for: a cut needs none of the rooms beneath it.
 __all__ = [
     "WrongJob",
     "atomic_write",
-    "csv_reading",
     "csv_tables",
     "drawing",
-    "flank",
-    "flank_files",
     "mesh",
     "read_job",
     "results",

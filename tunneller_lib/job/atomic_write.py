@@ -1,4 +1,4 @@
-"""Files that nobody finds half-written."""
+"""Write a file, or a run's folder of files, whole or not at all."""
 
 import errno
 import hashlib
@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
-from ..arguments import checked, shown
+from ..arguments import checked
 from .progress import say
 from .tables import brief
 
@@ -18,7 +18,6 @@ except ImportError:  # Windows, and pages: nobody else writes there
     fcntl = None
 
 MANIFEST = "manifest.txt"
-HEAD = 4096  # bytes of a file, among which is what it is of
 LITTER = {MANIFEST, ".DS_Store", "Thumbs.db"}  # which systems leave where somebody looks
 
 
@@ -41,23 +40,6 @@ def check_writable(path: Path):
         raise NotADirectoryError(errno.ENOTDIR, why, str(path))
     if not os.access(there, os.W_OK | os.X_OK):
         raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
-
-
-@checked
-def write(path: Path, content: str | bytes):
-    """Write a text or bytes, whole or not at all; return the path where it is now.
-
-    A text is written in UTF-8, and ends its lines as it says, on every system.
-    """
-    if isinstance(content, str):
-        try:
-            content = content.encode("utf-8")
-        except UnicodeEncodeError:
-            what = shown(content)
-            raise ValueError(f"content: must be a text that UTF-8 has; got {what}.") from None
-    with replacement(path) as new:
-        new.write_bytes(content)
-    return path
 
 
 @checked
@@ -97,16 +79,18 @@ def list_files(folder: Path, stamp: str):
     """
     lines = [f"# {stamp}; sha256 of each file:"]
     lines += [f"{_digest(file)}  {file.name}" for file in sorted(folder.iterdir())]
-    return write(folder / MANIFEST, "\n".join([*lines, ""]))
+    path = folder / MANIFEST
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8", newline="\n")
+    return path
 
 
 @checked
 @contextmanager
 def output(path: Path):
-    """Give a new path, whose folder or file takes the place of what an earlier run left at `path`.
+    """Give a new path, whose folder takes the place of what an earlier run left at `path`.
 
     What is there must be an earlier run's: a folder of files as its manifest lists them, see
-    `list_files`, or a file that names this library in its head.
+    `list_files`.
 
     Raises
     ------
@@ -186,15 +170,7 @@ def _tidy(work, place):
     if (work / "old").exists() and not place.exists():
         os.rename(work / "old", place)
     for name in ("old", "new"):
-        _remove(work / name)
-
-
-def _remove(path):
-    """Remove a folder or a file, if it is there."""
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+        shutil.rmtree(work / name, ignore_errors=True)
 
 
 def _put_aside(place, path):
@@ -209,9 +185,8 @@ def _other(place):
     """Return what is there that isn't an earlier run's as it was left; nothing if all is."""
     if not place.exists():
         return ""
-    if place.is_file():
-        with place.open("rb") as file:
-            return "" if b"tunneller_lib " in file.read(HEAD) else "is a file that no run has left"
+    if not place.is_dir():
+        return "is no folder"
     if os.path.ismount(place) or os.path.samefile(place, os.curdir):
         return "is a folder that is mounted, or the one where you are"
     listed = _listed(place)

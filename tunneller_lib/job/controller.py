@@ -1,14 +1,12 @@
 """The motion generator of section 4.4 with its two loops, as an engineer loads it into a PLC.
 
-The blocks are in controller.st and loop.st. Here are a job's numbers: tables and constants, and the
-proof that with them the slow task is in time and nothing leaves 32 bits.
+The blocks are in controller.st, static_inverse.st and line.st. Here are a job's numbers: tables and
+constants, and the proof that with them the slow task is in time and nothing leaves 32 bits.
 """
 
 import math
 import re
-import textwrap
-from bisect import bisect_left
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 
 import numpy as np
@@ -16,6 +14,7 @@ import numpy as np
 from ..arguments import checked
 from ..motion import follow
 from ..motion.export import line_text, operations, read_blocks, with_constants
+from ..ream.cutting import whole_run
 from ..ream.moves import MOST, levers
 from ..ream.planning import Plan
 from .reader import Job
@@ -28,12 +27,7 @@ OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
-AXES = "Theta", "Phi"
-SHIFT = """        (* Of a corrected chord M lies beside the chord. *)
-        rX := rX + aShift[nRow] * aAsideX[nKnot];
-        rY := rY + aShift[nRow] * aAsideY[nKnot];
-        rZ := rZ + aShift[nRow] * aAsideZ[nKnot];
-"""
+PLAIN = "rValve := (aGain[nAxis] * (rSet - rAt) + aForward[nAxis] * rSlope) / aSpeed[nAxis];\n"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +46,6 @@ class Program:
         Ticks from one call of the slow task to the next.
     at_once : int
         Setpoints that such a call prepares at most.
-    operations : int
-        That it takes at most.
-    stopping : int
-        Ticks of known moves ahead below which the time scale falls.
     trip : float
         Following error at the cutter that shuts the valves, in m.
     """
@@ -65,8 +55,6 @@ class Program:
     tick: float
     slow: int
     at_once: int
-    operations: int
-    stopping: int
     trip: float
 
 
@@ -92,54 +80,63 @@ def program(plan: Plan, job: Job):
         If a loop has an integral, or the controller can't keep what the plan asks of it; the
         sentence names the key of the job and a value that it can keep.
     """
-    plants, loops = job.axes
-    if any(loop.integral for loop in loops):
+    if any(loop.integral for loop in job.axes[1]):
         raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
     trip = _trip(plan, job)
     parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
-    whole = _whole_run(plan, parts)
-    _check_counts(plan, parts, whole)
-    stopping = _stopping(plan, whole[1], _ramps(plan, parts, *whole))
-    ring, slow, at_once = _throughput(plan, whole[1], stopping)
+    ends, ticks = _whole_run(plan, parts)
+    _check_counts(plan, parts, ends, ticks)
+    stopping = _stopping(plan, ticks, _ramps(plan, parts, ends, ticks))
+    ring, slow, at_once = _throughput(plan, ticks, stopping)
     # To the start position: from where a trip isn't yet and a set-value off by another may be, at
     # half of the feed at most, and with room to stop.
+    machine = plan.circuit.machine
     way = 2 * np.sqrt(2) * trip
     approach = max(2 * stopping, math.ceil(2 * way / (plan.limits.feed * plan.tick)))
-    farthest = np.abs(whole[0]).max() / parts + way / (plan.circuit.machine.R * plan.count)
+    farthest = np.abs(ends).max() / parts + way / (machine.R * plan.count)
     while max(approach, farthest) * parts > MOST:
         parts //= 2
-    whole = _whole_run(plan, parts)
-    rows = chord_rows(plan)
-    machine = plan.circuit.machine
-    first = plan.entry.setpoints[0]
-    within = trip / _arms(machine)  # rad of each joint
+    ends, _ = _whole_run(plan, parts)
+    free, up, down = _ramps(plan, parts, ends, ticks).T
+    # Moves of a lap first, then those of the entry and of the exit.
+    entry, lap = len(plan.entry.ticks), len(plan.ticks)
+    order = np.r_[entry : entry + lap, :entry, entry + lap : len(ticks)]
+    free[[0, entry]] = FULL  # from rest as planned, also behind a step
     change = plan.limits.acceleration * plan.tick**2
     constants = {
         "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
-        "rStopping": FULL / stopping, "nMoves": len(plan.ticks), "nEntry": len(plan.entry.ticks),
-        "nLeave": len(plan.leave.ticks), "nLaps": plan.laps, "nApproach": approach,
+        "rStopping": FULL / stopping, "nMoves": lap, "nExit": lap + entry, "nRows": len(ticks),
+        "nLaps": plan.laps, "nApproach": approach,
         "nFreeApproach": min(int(FULL * change * approach / way), FULL),
-        "nFirstTheta": int(whole[0][0, 0]), "nFirstPhi": int(whole[0][0, 1]),
+        "nFirstTheta": int(ends[0, 0]), "nFirstPhi": int(ends[0, 1]),
         "rCount": plan.count, "rPart": plan.count / parts,
-        "rEncoder": float(loops[0].count or plan.count),
-        "rTick": plan.tick, "rChange": change, "rRingRadius": float(machine.r),
-        "rTubeRadius": float(machine.R),
+        "rEncoder": float(job.axes[1][0].count or plan.count), "rTick": plan.tick,
+        "rRingRadius": float(machine.r), "aStart": plan.entry.setpoints[0].tolist(),
+        "aTrip": (trip / _arms(machine)).tolist(),  # rad of each joint
+        "aTicks": ticks[order].tolist(), "aFree": free[order].tolist(), "aUp": up[order].tolist(),
+        "aDown": down[order].tolist(), "aStraightTheta": ends[1:, 0][order[lap:]].tolist(),
+        "aStraightPhi": ends[1:, 1][order[lap:]].tolist(),
     }  # fmt: skip
-    for i, name in enumerate(AXES):
-        constants |= {f"rStart{name}": float(first[i]), f"rTrip{name}": float(within[i])}
-        constants |= {f"{key}{name}": value for key, value in _axis(plants[i], loops[i]).items()}
-    text = _text(plan, plants, ring, slow, TRIP=f"{1e3 * trip:.2g}", STOPPING=stopping,
-                 ATONCE=at_once, COST="@COST")  # fmt: skip
+    theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
+    constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
+    text = _text(plan, "aSpeed" in theta)
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
-    cost = sum(operations(setpoints, nAtOnce=at_once))
-    _check_operations(job, cost, slow)
-    straight = [np.concatenate(pair).tolist() for pair in zip(
-        _straight(plan.entry, parts), _straight(plan.leave, parts), strict=True)]  # fmt: skip
-    names = "aStraightTicks", "aStraightTheta", "aStraightPhi"
-    text = with_constants(
-        text.replace("@COST", str(cost)), constants | rows | dict(zip(names, straight, strict=True))
-    )
-    return Program(text, ring, plan.tick, slow, at_once, cost, stopping, trip)
+    cost = at_once * operations(setpoints)
+    allowed = job.controller.get("operations", OPERATIONS)
+    needs = cost / (slow * plan.tick)
+    if needs > allowed:
+        raise ValueError(
+            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
+            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
+        )
+    tick = round(1e9 * plan.tick)  # ns
+    words = {
+        "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "RING": ring,
+        "LAST": ring - 1, "ROWS": len(ticks), "TRIP": f"{1e3 * trip:.2g}", "STOPPING": stopping,
+        "ATONCE": at_once, "COST": cost, "EVERY": _interval(tick), "SELDOM": _interval(slow * tick),
+    }  # fmt: skip
+    text = re.sub(r"@([A-Z]+)", lambda found: str(words[found[1]]), text)
+    return Program(with_constants(text, constants), ring, plan.tick, slow, at_once, trip)
 
 
 def chord_rows(plan):
@@ -152,13 +149,7 @@ def chord_rows(plan):
     torus = plan.circuit.machine.torus
     way = plan.route
     along = plan.reached[np.concatenate([[0], np.cumsum(plan.ticks)])][1:]
-    knot = np.clip(np.searchsorted(way.ends, along, side="right") - 1, 0, len(way.ends) - 2)
-    knot[along >= way.ends[-1]] = len(way.ends) - 2
-    u = (along - way.ends[knot]) / np.diff(way.ends)[knot]
-    corner = np.where(u < 0.5, knot, knot + 1)
-    half = way.halves[corner]
-    x = np.abs(along - way.ends[corner]) / np.where(half > 0, half, 1)
-    weight = np.where((half > 0) & (x < 1), half * (3 / 16 + 3 * x**2 / 8 - x**4 / 16 - x / 2), 0.0)
+    knot, corner, weight = way.rounding(along)
     foot = plan.setpoints[1:] - way.kinks[corner] * weight[:, None]
     at = plan.circuit.position(way.places)
     at[-1] = at[0]
@@ -173,19 +164,12 @@ def chord_rows(plan):
     frame = np.stack([chords[knot], aside[knot], -torus.normal(*foot.T)], axis=-1)
     share, shift, _ = np.linalg.solve(frame, off[..., None])[..., 0].T
     rows = {
-        "aTicks": plan.ticks, "aKnot": knot, "aShare": share, "aWeight": weight, "aCorner": corner,
+        "aKnot": knot, "aShare": share, "aWeight": weight, "aCorner": corner,
         "aKnotX": points[:, 0], "aKnotY": points[:, 1], "aKnotZ": points[:, 2],
-        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1],
+        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1], "aShift": shift,
+        "aAsideX": aside[:, 0], "aAsideY": aside[:, 1], "aAsideZ": aside[:, 2],
     }  # fmt: skip
-    if plan.path == "corrected chord":
-        rows |= {"aShift": shift, **{f"aAside{x}": aside[:, i] for i, x in enumerate("XYZ")}}
     return {name: values.tolist() for name, values in rows.items()}
-
-
-def _straight(moves, parts):
-    """Return ticks and ends in parts of a count, three arrays, of an entry or exit."""
-    ends = np.rint(parts / moves.count * moves.setpoints).astype(np.int64)
-    return moves.ticks, *ends[1:].T
 
 
 def _whole_run(plan, parts):
@@ -196,9 +180,8 @@ def _whole_run(plan, parts):
     return ends, np.concatenate([run.ticks for run in runs])
 
 
-def _check_counts(plan, parts, whole):
+def _check_counts(plan, parts, ends, ticks):
     """Raise ValueError where numbers of a run would leave 32 bits."""
-    ends, ticks = whole
     fastest = float((np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max())
     if fastest > LONGEST - 1:
         raise ValueError(
@@ -216,7 +199,9 @@ def _check_counts(plan, parts, whole):
 def _ramps(plan, parts, ends, ticks):
     """Return by how much the time scale may change (m, 3) in a scan: free, up and down.
 
-    As the slow task finds them: free amid each move, up and down at its begin, at full scale.
+    Free amid each move, up and down at its begin, at full scale. The scale s may become s + d where
+    rates V become W, if d W + s (W - V) is within the acceleration: at s = 1 that is a quadratic
+    equation, at s = 0 a quotient, and between them the fast task takes what is between.
     """
     torus = plan.circuit.machine.torus
     angles = plan.count / parts * ends
@@ -235,8 +220,7 @@ def _ramps(plan, parts, ends, ticks):
     if found[0].min() < 1:
         raise ValueError(
             f"[plan] tick: the acceleration changes the feed by too little in {plan.tick:g} s; "
-            f"{1.1 * plan.tick * FULL / (FULL * most / np.sqrt(square.max())) / FULL:.2g} s would "
-            "do."
+            f"{1.1 * plan.tick * np.sqrt(square.max()) / most / FULL:.2g} s would do."
         )
     return found.T
 
@@ -244,71 +228,56 @@ def _ramps(plan, parts, ends, ticks):
 def _stopping(plan, ticks, ramps):
     """Return of how many ticks the known moves must be, in which the time scale falls to rest.
 
-    Tried from the begin of moves all along the run, at full scale, with no further setpoint: the
-    scale is led to the root of what is left, as the fast task does, and its last changes must be
-    those of a scan. A quarter more is for runs that begin amid a move.
+    As many as from the fastest move at the constant acceleration, or more. A quarter more is for
+    runs that begin amid a move.
     """
-    stopping = int(_braked(ticks, ramps).max()) + 2
+    stopping = FULL // (2 * int(ramps[:, 0].min())) + 2
     while stopping <= FULL:
-        enough = np.all(_braked(ticks, ramps, stopping) <= 0)
-        stopping = int(1.25 * stopping) + 1
-        if enough:
-            return min(stopping, FULL)
+        if _rests(ticks, ramps, stopping):
+            return min(int(1.25 * stopping) + 1, FULL)
+        stopping = int(1.1 * stopping) + 1
     raise ValueError(
         f"[plan] tick: to stop takes more than {FULL} ticks of {plan.tick:g} s; "
         f"{plan.tick * stopping / FULL * 1.5:.2g} s would do."
     )
 
 
-def _braked(ticks, ramps, known=None):
-    """Return how many ticks (n,) the run goes on from the begin of some moves until it rests.
+def _rests(ticks, ramps, known):
+    """Return whether a run comes to rest in so many known ticks, its changes those of a scan.
 
-    Where so many ticks are `known`, return by how much more than a scan may the scale changes at
-    their end.
+    Tried from the begin of moves all along, at full scale, with no further setpoint: the scale is
+    led to the root of what is left, as the fast task does.
     """
     last = len(ticks) - 1
     row = np.arange(0, last + 1, 1 + last // TRIED)
-    found = np.zeros(len(row), dtype=np.int64)
     left = ticks[row]
-    scale = np.full(len(row), FULL)
-    fraction, gone = np.zeros((2, len(row)), dtype=np.int64)
     begun = np.ones(len(row), dtype=bool)
-    runs = np.arange(len(row))  # those that go on; the others are left out
-    while len(runs):
-        free = ramps[row, 0]
-        after = np.minimum(row + 1, last)
+    scale = np.full(len(row), FULL)
+    gone = np.zeros(len(row), dtype=np.int64)  # ticks times FULL
+    while len(row):
+        free, after = ramps[row, 0], np.minimum(row + 1, last)
         near = (left == 1) & (row < last)
-        most = []
-        for kind in (1, 2):  # up, down
-            bound = np.where(begun, _between(ramps[row], kind, scale), free)
-            other = np.minimum(ramps[after, 0], _between(ramps[after], kind, scale))
-            most.append(np.where(near, np.minimum(bound, other), bound))
-        wanted = 0
-        before = scale
-        if known is not None:
-            room = np.maximum((known - gone) * FULL - fraction, 0)
-            wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
-        scale = np.maximum(np.minimum(wanted, scale + most[0]), scale - most[1])
-        fraction = fraction + scale
-        crossed = fraction >= FULL
-        fraction[crossed] -= FULL
-        gone = gone + crossed
-        left = left - crossed
-        over = left == 0
-        rests = (scale == 0) | (over & (row == last))  # the end of all is planned at rest
-        found[runs] = gone + 1
-        if known is not None:
-            rests |= gone >= known
-            moved = np.minimum(scale, room)  # then it stands
-            jump = np.maximum(before - moved, moved) - free
-            found[runs] = np.where(gone >= known, jump, 0)
-        row = np.where(over, after, row)
-        left = np.where(over, ticks[row], left)
-        begun = over
-        runs, row, left, scale, fraction, gone, begun = (
-            values[~rests] for values in (runs, row, left, scale, fraction, gone, begun)
+        up, down = (
+            np.minimum(np.where(begun, _between(ramps[row], kind, scale), free),
+                       np.where(near, _between(ramps[after], kind, scale), FULL))
+            for kind in (1, 2)
+        )  # fmt: skip
+        room = np.maximum(known * FULL - gone, 0)
+        wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
+        before, scale = scale, np.maximum(np.minimum(wanted, scale + up), scale - down)
+        moved = np.minimum(scale, room)  # where nothing is left it stands
+        if np.any((gone + scale >= known * FULL) & (np.maximum(before - moved, moved) > free)):
+            return False
+        left = left - ((gone + scale) // FULL - gone // FULL)
+        gone = gone + scale
+        begun = left == 0
+        rests = (scale == 0) | (begun & (row == last)) | (gone >= known * FULL)
+        row = np.where(begun, after, row)
+        left = np.where(begun, ticks[row], left)
+        row, left, begun, scale, gone = (
+            values[~rests] for values in (row, left, begun, scale, gone)
         )
-    return found
+    return True
 
 
 def _between(ramps, kind, scale):
@@ -333,30 +302,22 @@ def _throughput(plan, ticks, stopping):
             f"[plan] tick: {needed.max()} setpoints must be ahead, and the controller has "
             f"{RINGS[-1]} places; {2 * plan.tick * needed.max() / RINGS[-1]:.2g} s would do."
         )
-    enough = range(1, ring)  # more setpoints a call are never too few
-    return ring, slow, enough[bisect_left(
-        enough, True, key=lambda many: _in_time(ends, ring, slow, many, stopping))]  # fmt: skip
-
-
-def _in_time(ends, ring, slow, at_once, stopping):
-    """Return whether so many setpoints a call keep the stopping ticks known all along."""
-    # At a call the fast task has begun the moves whose begin is past; a full ring is one short.
+    # At each call: the setpoints that a full ring has, and those that must be known till the call
+    # behind the next, since a run begins anywhere between two.
     calls = np.arange(0, ends[-1] + slow, slow)
-    begun = np.searchsorted(ends, calls, side="right") + 1
-    ready = min(ring - 1, len(ends))
-    for now, taken in zip(calls.tolist(), begun.tolist(), strict=True):
-        ready = min(max(ready, taken) + at_once, taken + ring - 1, len(ends))
-        if ready < len(ends) and ends[ready - 1] - now - slow < stopping:
-            return False
-    return True
+    most = np.minimum(np.searchsorted(ends, calls, side="right") + ring, len(ends))
+    least = np.minimum(np.searchsorted(ends, calls + 2 * slow + stopping) + 1, len(ends))
+    for at_once in range(1, ring):  # as many as ring are always enough
+        ready = at_once * (calls // slow)
+        if np.all(ready + np.minimum.accumulate(most - ready) >= least):
+            break
+    return ring, slow, at_once
 
 
 def _trip(plan, job):
     """Return the following error that shuts the valves, in m at the cutter."""
     plants, loops = job.axes
-    runs = plan.entry, plan, plan.leave
-    setvalues = np.concatenate([plan.entry.setvalues[:1], *(run.setvalues[1:] for run in runs)])
-    slopes = np.concatenate([run.slopes for run in runs])
+    setvalues, slopes = whole_run(replace(plan, laps=1))
     track = follow(plants, loops, setvalues, slopes=slopes)
     # As the controller has it: theta's by the longest arm.
     off = np.abs(track.setvalue - track.position) * _arms(plan.circuit.machine)
@@ -375,66 +336,30 @@ def _arms(machine):
     return np.array([machine.r + machine.R, machine.R])
 
 
-def _check_operations(job, cost, slow):
-    """Raise ValueError if the slow task takes more operations than the job allows."""
-    allowed = job.controller.get("operations", OPERATIONS)
-    needs = cost / (slow * job.planned.tick)
-    if needs > allowed:
-        raise ValueError(
-            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
-            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
-        )
-
-
 def _axis(plant, loop):
     """Return the constants of an axis' loop and static inverse by their names."""
     axis = plant.hydraulics
-    found = {"rGain": float(loop.gain), "rForward": float(loop.feedforward)}
+    found = {"aGain": loop.gain, "aForward": loop.feedforward}
     if axis is None:
-        return found | {"rSpeed": float(plant.gain)}
+        return found | {"aSpeed": plant.gain}
     link = axis.linkage
     whole, ring = link.areas
     plus, minus = (whole, ring) if link.sense > 0 else (ring, whole)
     return found | {
-        "rSense": float(link.sense), "rMounting": float(link.mounting),
-        "rApart": float(link.a - link.b), "rTwice": 2 * math.sqrt(link.a * link.b),
-        "rProduct": float(link.a * link.b), "rAreaPlus": float(plus), "rAreaMinus": float(minus),
-        "rPair": float(link.pair), "rGravity": float(axis.gravity),
-        "rDamping": float(axis.damping), "rSupply": float(axis.supply), "rTank": float(axis.tank),
-        "rFlow": float(axis.flow),
+        "aSense": link.sense, "aMounting": link.mounting, "aApart": (link.a - link.b) ** 2,
+        "aTwice": 2 * math.sqrt(link.a * link.b), "aProduct": link.a * link.b,
+        "aAreaPlus": plus, "aAreaMinus": minus, "aPair": link.pair, "aGravity": axis.gravity,
+        "aDamping": axis.damping, "aSupply": axis.supply, "aTank": axis.tank, "aFlow": axis.flow,
     }  # fmt: skip
 
 
-def _text(plan, plants, ring, slow, **words):
-    """Return the contract and the blocks in Structured Text, their constants left out."""
-    package = files(__package__)
-    kind = "plain" if plants[0].hydraulics is None else "oil"
-    text, loop = (package.joinpath(f"{name}.st").read_text(encoding="utf-8")
-                  for name in ("controller", f"loop_{kind}"))  # fmt: skip
-    (block,) = read_blocks(loop)
-    own = [row.name for row in block.rows("VAR_INPUT")[3:]]
-    calls = []
-    for name in AXES:
-        given = {"rSet": f"rCount * DINT_TO_LREAL(nSet{name})", "rAt": f"rAt{name}",
-                 "rSlope": f"rSlope{name} * DINT_TO_LREAL(nScale) / DINT_TO_LREAL(nFull)",
-                 **{key: key + name for key in own}}  # fmt: skip
-        listed = ", ".join(f"{key} := {value}" for key, value in given.items())
-        calls += textwrap.wrap(f"loop{name}({listed});", 92, initial_indent=4 * " ",
-                               subsequent_indent=8 * " ", break_on_hyphens=False)  # fmt: skip
-        calls.append(f"    rValve{name} := loop{name}.rValve;")
-    tick = round(1e9 * plan.tick)  # ns
-    pieces = {"LINE": line_text(), "LOOP": loop, "LOOPS": "\n".join(calls) + "\n",
-              "SHIFT": SHIFT if plan.path == "corrected chord" else ""}  # fmt: skip
-    text = re.sub(r"@([A-Z]+)\n", lambda found: pieces.get(found[1], found[0]), text)
-    words = {"ARRAY": f"ARRAY [0..{ring - 1}] OF DINT", "RING": ring,
-             "FAST": f"{1e3 * plan.tick:g}ms", "SLOW": f"{1e3 * slow * plan.tick:g}ms",
-             "EVERY": _interval(tick), "SELDOM": _interval(slow * tick), **words}  # fmt: skip
-    # In the picture, where blanks follow, the width is kept.
-    return re.sub(
-        r"@([A-Z]+)( {2,})?",
-        lambda found: str(words[found[1]]).ljust(len(found[0]) if found[2] else 0),
-        text,
-    )
+def _text(plan, plain):
+    """Return the contract and the blocks in Structured Text, the job's numbers left out."""
+    text, valve = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
+                   for name in ("controller", "static_inverse"))  # fmt: skip
+    if plan.path != "corrected chord":  # M is on the chord
+        text = re.sub(r".*aShift.*\n", "", text)
+    return text.replace("@LINE\n", line_text()).replace("@VALVE\n", PLAIN if plain else valve)
 
 
 def _interval(time):

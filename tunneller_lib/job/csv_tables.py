@@ -5,7 +5,7 @@ In metres, radians and whole counts; the head of each says which.
 
 import numpy as np
 
-from ..arguments import checked
+from ..arguments import checked, shown
 from ..ream.planning import Plan
 
 JOINTS = "theta", "phi"
@@ -49,6 +49,44 @@ def setvalues_csv(plan: Plan):
     return _described(
         plan, "set-values of a lap: theta and phi in counts", _columns(names, left, values)
     )
+
+
+@checked
+def read_csv(text: str):
+    """Return what a table of this module says, a `text`: its head's numbers and its columns.
+
+    Both are dicts by name; a column is an array of whole numbers, or else of floats.
+
+    Raises
+    ------
+    ValueError
+        If it isn't such a table, as where a row has another length than the heading.
+
+    Examples
+    --------
+    >>> read_csv("# a few rows\\n# tick_s = 0.005\\ntick,theta\\n0,1\\n1,2\\n")[1]["theta"]
+    array([1, 2])
+    """
+    lines = text.splitlines()
+    about = [line[2:].split(" = ") for line in lines if line.startswith("# ") and " = " in line]
+    try:
+        names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
+        columns = zip(names, *rows, strict=True)
+        return (
+            {name: float(value) for name, value in about},
+            {name: _numbers(cells) for name, *cells in columns},
+        )
+    except ValueError:
+        raise ValueError(f"text: must be a table as of `knots_csv`; got {shown(text)}.") from None
+
+
+def _numbers(cells):
+    """Return the texts of a column as whole numbers, or else as floats."""
+    cells = np.array(cells, dtype=str)
+    try:
+        return cells.astype(np.int64)
+    except (ValueError, OverflowError):
+        return cells.astype(float)
 
 
 def _texts(*columns):

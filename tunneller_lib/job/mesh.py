@@ -1,16 +1,13 @@
-"""Meshes for others: STL in millimetres, which carries no unit, PLY and VTP in metres."""
+"""Meshes for others: STL in millimetres, which carries no unit, and VTP in metres."""
 
 import base64
-import re
 from dataclasses import dataclass, field
 from html import escape
 from itertools import chain
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import MOST, Positive, Rule, checked, shown
-from ..kernels.exact import dot, norm
+from ..arguments import checked
 from ..paths.circuit import Circuit
 from ..ream.wall import overbreak, standing
 from ..removal import DexelGrid
@@ -19,8 +16,6 @@ MM = 1000.0
 SCALAR = "over-break / mm"
 BLOCK = 2**16  # numbers or faces that are written at once
 STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-PLY_POINT = np.dtype([("place", "<f8", 3), ("value", "<f8"), ("colour", "u1", 3)])
-PLY_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,117 +146,6 @@ def _stl_faces(corners):
 def _blocks(rows):
     """Yield the rows of an array in blocks."""
     return (rows[first : first + BLOCK] for first in range(0, len(rows), BLOCK))
-
-
-def _content(name, value):
-    """Return `value`, which must be bytes."""
-    if not isinstance(value, bytes):
-        raise ValueError(f"{name}: must be bytes; got {shown(value)}.")
-    return value
-
-
-@checked
-def read_stl(content: Annotated[bytes, Rule("bytes", _content)]):
-    """Return the `Mesh` in m of an STL file, binary or text, whose lengths are in mm.
-
-    Corners at the same place, to the bit, are one point.
-
-    Raises
-    ------
-    ValueError
-        If the content is no STL, or has a corner that isn't finite.
-    """
-    # Binary files may begin with "solid", too: their length tells.
-    count = int.from_bytes(content[80:84], "little")
-    if len(content) == 84 + STL.itemsize * count and count:
-        corners = np.frombuffer(content, STL, count, 84)["corners"].astype(float).reshape(-1, 3)
-    else:
-        number = rb"\s+([-+.\deE]+)"
-        found = re.findall(rb"\bvertex" + 3 * number, content)
-        if not content.lstrip().startswith(b"solid") or not found or len(found) % 3:
-            raise ValueError("content: must be an STL file of triangles; got something else.")
-        try:
-            corners = np.array([[float(c) for c in one] for one in found])
-        except ValueError:
-            raise ValueError(
-                "content: must be an STL file; got a vertex without numbers."
-            ) from None
-    if not np.all(np.abs(corners) <= MOST):
-        raise ValueError("content: must have finite corners; got one that isn't.")
-    points, faces = np.unique(corners, axis=0, return_inverse=True)
-    return Mesh(points / MM, faces.reshape(-1, 3))
-
-
-@checked
-def vertex_normals(mesh: Mesh):
-    """Return unit normals (n, 3) of a Mesh of triangles at its points, weighted by their angles.
-
-    Zero where no triangle, or only such without an area, has a point.
-    """
-    if mesh.faces.shape[1] != 3:
-        raise ValueError(f"mesh: must be of triangles; got {mesh.faces.shape[1]} corners a face.")
-    corners = mesh.points[mesh.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = norm(normal)[:, None]
-    normal = np.divide(normal, size, out=np.zeros_like(normal), where=size > 0)
-    mean = np.zeros_like(mesh.points)
-    for k in range(3):
-        one, two = (corners[:, (k + i) % 3] - corners[:, k] for i in (1, 2))
-        angle = np.arctan2(norm(np.cross(one, two)), dot(one, two))
-        np.add.at(mean, mesh.faces[:, k], angle[:, None] * normal)
-    size = norm(mean)[:, None]
-    return np.divide(mean, size, out=np.zeros_like(mean), where=size > 0)
-
-
-@checked
-def ply(mesh: Mesh, name: str, limit: Positive):
-    """Return a Mesh as binary PLY, in m, with one of its values as a property and as colour.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Of triangles.
-    name : str
-        Of the value.
-    limit : float
-        From which on the colour is full: red above zero, blue below; at zero it is white.
-    """
-    if mesh.faces.shape[1] != 3 or name not in mesh.values:
-        raise ValueError(
-            f"mesh: must be of triangles and have the value {shown(name)}; got "
-            f"{mesh.faces.shape[1]} corners a face and {', '.join(mesh.values) or 'no value'}."
-        )
-    value = mesh.values[name]
-    share = np.clip(value / limit, -1, 1)
-    pale = np.round(255 * (1 - np.abs(share))).astype(np.uint8)
-    full = np.full(len(pale), 255, np.uint8)
-    corners = np.zeros(len(value), PLY_POINT)
-    corners["place"] = mesh.points
-    corners["value"] = value
-    corners["colour"] = np.where(
-        (share >= 0)[:, None],
-        np.stack([full, pale, pale], axis=-1),
-        np.stack([pale, pale, full], axis=-1),
-    )
-    faces = np.zeros(len(mesh.faces), PLY_FACE)
-    faces["count"] = 3
-    faces["corners"] = mesh.faces
-    head = f"""ply
-format binary_little_endian 1.0
-comment lengths in m; value is {name}
-element vertex {len(corners)}
-property double x
-property double y
-property double z
-property double value
-property uchar red
-property uchar green
-property uchar blue
-element face {len(faces)}
-property list uchar int vertex_indices
-end_header
-"""
-    return head.encode() + corners.tobytes() + faces.tobytes()
 
 
 @checked

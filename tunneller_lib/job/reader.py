@@ -23,14 +23,12 @@ from ..removal import Ground
 from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 from .tables import (
-    CUT,
-    FLANK,
+    NEEDED,
     TEXT,
     WHOLE,
     Size,
     WrongJob,
     brief,
-    check_kind,
     check_leaves,
     hint,
     one_of,
@@ -367,14 +365,13 @@ def read_job(path: str | Path):
     """
     tables, stamp = parsed_toml(path)
     check_leaves(tables)
-    check_kind(path, tables, CUT, FLANK, "tunneller flank")
     known = [one.name for one in fields(Job) if one.name != "stamp"]
     for name, table in tables.items():
         if name not in known:
             raise WrongJob(f"[{brief(name)}]: is no table of a job{hint(name, known)}.")
         if not isinstance(table, dict):
             raise WrongJob(f"{name}: must be a table, [{name}]; got {shown(table)}.")
-    for name in ("machine", *CUT):
+    for name in NEEDED:
         if name not in tables:
             raise WrongJob(f"[{name}]: is missing.")
     given = {name: tables.get(name, {}) for name in known}

@@ -37,8 +37,7 @@ OTHERS = {
     "J/m^3": {"MJ/m^3": 1e6, "kWh/m^3": 3.6e6},
     "1": {"%": 1e-2},
 }
-# Tables that a job must have and that the other kind hasn't.
-CUT, FLANK = ("section", "limits", "plan", "controller"), ("surface", "mill", "paths")
+NEEDED = "machine", "section", "limits", "plan", "controller"  # tables that a job must have
 # The time that TOML's keys of many dots take grows with the square of their number.
 MOST_BYTES, MOST_IN_A_LINE = 100_000, 4_000
 NAMED = 20  # letters of a job's name, so that all fits a header of 80 bytes
@@ -48,7 +47,7 @@ IN_RADIANS = re.compile(r"-?\bpi(?:/2)?\b|-?\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b")
 
 
 class WrongJob(ValueError):
-    """A job, or a log, that can't be read: no file, no TOML, names that aren't known or missing.
+    """A job that can't be read: no file, no TOML, names that aren't known or missing.
 
     A value that is refused is another ValueError. Each message says where and why.
     """
@@ -74,32 +73,6 @@ class Table(dict):
     degrees = frozenset()
 
 
-def content_of(path, what, most):
-    """Return the bytes of a file, or raise WrongJob; of more than `most`, which `what` may have.
-
-    No more than these are read, for a file may be endless.
-    """
-    name = _name_of(path)
-    try:
-        with open(path, "rb") as file:
-            content = file.read(most + 1)
-    except OSError as error:
-        raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
-    except ValueError:  # of a zero byte, or of half a pair of UTF-16
-        raise WrongJob(f"{name}: can't be read; it isn't the name of a file.") from None
-    if len(content) > most:
-        raise WrongJob(f"{name}: is larger than {what} may be, {most} bytes.")
-    return content
-
-
-def text_of(path, content):
-    """Return the text that the content of a file is, or raise WrongJob."""
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise WrongJob(f"{_name_of(path)}: is no text in UTF-8.") from None
-
-
 def _name_of(path):
     """Return what a message calls a file."""
     return brief(str(path)) or "the file without a name"
@@ -108,8 +81,19 @@ def _name_of(path):
 def parsed_toml(path):
     """Return what a file says in TOML, and its stamp, as of `stamp_of`; or raise WrongJob."""
     name = _name_of(path)
-    content = content_of(path, "a job", MOST_BYTES)
-    text = text_of(path, content)
+    try:
+        with open(path, "rb") as file:
+            content = file.read(MOST_BYTES + 1)  # a file may be endless
+    except OSError as error:
+        raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
+    except ValueError:  # of a zero byte, or of half a pair of UTF-16
+        raise WrongJob(f"{name}: can't be read; it isn't the name of a file.") from None
+    if len(content) > MOST_BYTES:
+        raise WrongJob(f"{name}: is larger than a job may be, {MOST_BYTES} bytes.")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise WrongJob(f"{name}: is no text in UTF-8.") from None
     if max(map(len, text.split("\n"))) > MOST_IN_A_LINE:
         raise WrongJob(f"{name}: has a line of more than {MOST_IN_A_LINE} characters.")
     try:
@@ -284,18 +268,6 @@ def _degrees(number):
     """Return the text of a match of `IN_RADIANS` in degrees."""
     text = number[0].replace("pi/2", "90").replace("pi", "180")
     return text if text != number[0] else f"{np.degrees(float(text)):.5g}"
-
-
-def check_kind(path, tables, own, others, command):
-    """Refuse a job at `path` that has none of its `own` tables but some that `command` reads.
-
-    `others` names those. A job with tables of both kinds is refused where they are read.
-    """
-    found = [name for name in others if name in tables]
-    if found and not set(own) & set(tables):
-        raise WrongJob(
-            f"{brief(str(path))}: is a job for `{command}`, by its tables {', '.join(found)}."
-        )
 
 
 def one_of(where, word, words):

@@ -247,6 +247,8 @@ def _copied(function, parts, made, known):
             if called not in known:
                 known[called] = made(_copied(called, parts, made, known))
             names[name] = known[called]
+        elif name in parts:  # one that is written in C
+            names[name] = called
     return FunctionType(
         function.__code__, names, function.__name__, function.__defaults__, function.__closure__
     )

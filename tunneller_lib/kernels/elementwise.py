@@ -124,7 +124,7 @@ def two_to_bits(shifted):
     return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 
-# What `compiled.call` puts in their place.
+# What `compiled.call` puts in their place,
 NUMBERS = {
     "where": chosen,
     "smaller": lesser,
@@ -134,4 +134,13 @@ NUMBERS = {
     "some": holds,
     "power_above": power_in_bits,
     "two_to": two_to_bits,
+}
+# and `compiled.call_plain` may, where a root of what is below zero raises ValueError.
+PLAIN = {
+    "where": chosen,
+    "smaller": lesser,
+    "larger": greater,
+    "square_root": math.sqrt,
+    "ratio": quotient,
+    "some": holds,
 }

@@ -10,20 +10,11 @@ from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
 from ..kernels.exact import dot, norm
-from .five_axes import TiltingTable, cradle_depth, stretch
-from .motion import moved
-from .obstacles import Around
 from .patch import Patch
-from .positions import Positions, depths_of
+from .positions import Cloud, Positions, depths_of
 from .tools import ConicalMill
 
 MOST_TURN = np.cos(np.radians(15))  # of the axis from one position to the next
-PATCH_ENDS = "the patch ends"
-NO_CONE = "no cone continues"
-NO_FIT = "the next one doesn't fit"
-ON_THE_WAY = "the mill would gouge on its way"
-NO_AXES = "the machine's axes end"
-IN_CRADLE = "the cradle is in the way"
 BETWEEN = 4  # places from one position to the next at which that is looked at
 
 
@@ -36,18 +27,12 @@ class Chain:
     s, t : (k,) float
         Parameters of the contact.
     contact, normal : (k, 3) float
-        Where the mill touches, or amid where it does twice, in m, and the unit normal that points
-        to its side.
+        Where the mill touches, in m, and the unit normal that points to its side.
     tip, axis : (k, 3) float
         The middle of the mill's lower end, in m, and the unit vector from there to the spindle.
     across : (k, 3) float
         Unit tangent of the characteristic at the contact, which the chain crosses at a right
         angle.
-    ends : tuple of two str
-        Why it ends at its first and at its last position: "the patch ends", "no cone continues",
-        "the next one doesn't fit", "the mill would gouge on its way", "the machine's axes end",
-        "the cradle is in the way", "no pair of contacts fits" of cones that touch twice, or "long
-        enough".
     """
 
     s: np.ndarray
@@ -57,7 +42,6 @@ class Chain:
     tip: np.ndarray
     axis: np.ndarray
     across: np.ndarray
-    ends: tuple
 
     def __len__(self):
         return len(self.tip)
@@ -78,33 +62,32 @@ Chains = Annotated[list, Rule("list of Chain", _chains)]
 
 
 @checked
-def trace_chains(
+def trace_chain(
     patch: Patch,
     mill: ConicalMill,
-    starts: Positions,
+    found: Positions,
+    row: Whole(0, 10**7),
     *,
     step: Length,
     tolerance: Length0,
-    others: Around | None = None,
-    machine: TiltingTable | None = None,
+    others: Cloud | None = None,
     most: Whole(2, 1000) = 100,
     n: Whole(2, 500) = 121,
 ):
-    """Return the chain through each of some positions that fit.
+    """Return the chain through one of some positions.
 
     Parameters
     ----------
     patch, mill
         As for `find_positions`.
-    starts : Positions
-        Those rows that fit are begun from, both ways.
+    found : Positions
+        Of this mill on this patch.
+    row : int
+        Which of them, from which the chain goes both ways.
     step : float
         From contact to contact, in m.
     tolerance, others
         As for `find_positions`: where a position doesn't fit the chain ends.
-    machine : TiltingTable, optional
-        A chain ends where an axis of the machine does, or would turn too far in a step, or the
-        mill would enter the cradle; it may have no position then.
     most : int
         Positions to either side of the start.
     n : int
@@ -112,13 +95,13 @@ def trace_chains(
 
     Returns
     -------
-    chains : list of Chain
-        One a row of `starts` that fits.
+    chain : Chain
+        Of the positions that fit, the start among them.
 
     Raises
     ------
     ValueError
-        If a start is no position of this mill on this patch.
+        If there is no such row, or it is no position of this mill on this patch.
 
     Notes
     -----
@@ -132,166 +115,117 @@ def trace_chains(
     >>> from tunneller_lib.milling import find_positions
     >>> patch = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
     >>> mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
-    >>> starts = find_positions(patch, mill, 0.005, 0.002, tolerance=1e-4)
-    >>> chains = trace_chains(patch, mill, starts, step=1e-3, tolerance=1e-4)
-    >>> len(chains)
-    2
+    >>> found = find_positions(patch, mill, 0.005, 0.002, tolerance=1e-4)
+    >>> row = int(np.flatnonzero(found.fits)[0])
+    >>> len(trace_chain(patch, mill, found, row, step=1e-3, tolerance=1e-4))
+    20
     """
-    rows = np.flatnonzero(starts.fits)
-    if not len(rows):
-        return []
-    # Both ways of all at once: most of a step's time is that of calls, not of places.
-    begin = [np.tile(part[rows], 2) for part in (starts.s, starts.t)]
-    steps = np.repeat([step, -step], len(rows))
-    ways = _trace(patch, mill, *begin, np.tile(starts.axis[rows], (2, 1)), steps, most)
-    chains = []
-    for forth, back in zip(ways[: len(rows)], ways[len(rows) :], strict=True):
-        rows_back, end_back = back
-        rows_forth, end_forth = forth
-        if not rows_forth:
-            raise ValueError("starts: must be positions of this mill on this patch; got others.")
-        parts = [np.array(column) for column in zip(*rows_back[:0:-1], *rows_forth, strict=True)]
-        ends = end_back, end_forth
-        about = tolerance, others, machine, n
-        chains.append(fitting(patch, mill, parts, len(rows_back) - 1, ends, *about))
-    return chains
+    if row >= len(found):
+        raise ValueError(f"row: must be below {len(found)}, the positions found; got {row}.")
+    start = found.s[row], found.t[row], found.axis[row]
+    back = _trace(patch, mill, *start, -step, most)
+    forth = _trace(patch, mill, *start, step, most)
+    if not forth:
+        raise ValueError("found: must be positions of this mill on this patch; got others.")
+    parts = [np.array(column) for column in zip(*back[:0:-1], *forth, strict=True)]
+    return _fitting(patch, mill, parts, len(back) - 1, tolerance, others, n)
 
 
-def fitting(patch, mill, parts, start, ends, tolerance, others, machine, n):
+def _fitting(patch, mill, parts, start, tolerance, others, n):
     """Return the `Chain` of the positions next to each other, about the start, that fit.
 
-    Parameters
-    ----------
-    patch, mill
-        As for `find_positions`.
-    parts : list of (k, ..) float
-        Fields of a `Chain` but its ends.
-    start : int
-        Which position it should hold.
-    ends : tuple of two str
-        Why it ends where all fit.
-    tolerance, others, machine, n
-        As for `find_positions`.
+    `parts` are the fields of a `Chain`; the other arguments are those of `trace_chain`.
     """
+
+    def gouges(tip, axis):
+        own, holder, other = depths_of(patch, mill, tip, axis, others, n)
+        return np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0))
+
     tip, axis = parts[4:6]
-    own, holder, other = depths_of(patch, mill, tip, axis, others, n)
-    wrong = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0))
+    wrong = gouges(tip, axis)
     first = int(wrong[wrong < start].max(initial=-1)) + 1
     last = int(wrong[wrong > start].min(initial=len(tip)))
-    ends = [NO_FIT if first else ends[0], NO_FIT if last < len(tip) else ends[1]]
-    if machine is not None:
-        here = stretch(machine, tip[first:last], axis[first:last], start - first)
-        reached = first + here[0], first + here[1]
-        ends = [
-            NO_AXES if a != b else end
-            for a, b, end in zip((first, last), reached, ends, strict=True)
-        ]
-        first, last = reached
     # Where the axis turns fast, as where two cones fall together, the way between two positions
     # that fit may gouge. What is cut off changes the smooth way through the rest: it's tried anew.
     while last - first >= 4:
-        way = moved(tip[first:last], axis[first:last], between=BETWEEN)
-        own, holder, other = depths_of(patch, mill, *way, others, n)
-        blocked = np.zeros(len(own), dtype=bool)
-        if machine is not None and machine.cradle is not None:
-            blocked = cradle_depth(machine, mill, machine.values(*way, mill)) > 0
-        bad = np.flatnonzero((own > tolerance) | (holder > 0) | (other > 0) | blocked)
-        if not len(bad):
+        count = last - first - 1
+        places = np.linspace(0, count, BETWEEN * count + 1)
+        way = motion_through(tip[first:last], axis[first:last])(places)
+        wrong = first + places[gouges(*way)]
+        if not len(wrong):
             break
-        wrong = first + bad / BETWEEN
-        why = np.where(blocked[bad], IN_CRADLE, ON_THE_WAY).tolist()
-        before = np.flatnonzero(wrong <= start)
-        after = np.flatnonzero(wrong > start)
-        if len(before):
-            first = int(np.floor(wrong[before[-1]])) + 1
-            ends[0] = why[before[-1]]
-        if len(after):
-            last = int(np.ceil(wrong[after[0]]))
-            ends[1] = why[after[0]]
-    return Chain(*(part[first:last] for part in parts), tuple(ends))
+        first = int(np.floor(wrong[wrong <= start].max(initial=first - 1))) + 1
+        last = int(np.ceil(wrong[wrong > start].min(initial=last)))
+    return Chain(*(part[first:last] for part in parts))
+
+
+def motion_through(tip, axis):
+    """Return the smooth motion through four positions or more, tip and axis (k, 3), as a function.
+
+    Its argument (m,) counts positions from 0 to k - 1, in fractions between them; it returns tip
+    and axis (m, 3). These are cubic splines over the way of the tip and of the point one mean way
+    of the tip higher; axes are unit vectors.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if len(tip) < 4:
+        raise ValueError(f"chain: must have 4 positions or more; got {len(tip)}.")
+    chord = norm(np.diff(tip, axis=0))
+    length = chord + chord.mean() * norm(np.diff(axis, axis=0))
+    knots = np.append(0.0, np.cumsum(length))
+    if not np.all(np.diff(knots) > 0):
+        raise ValueError("chain: each position must differ from the next; got equal ones.")
+    index = np.arange(len(tip))
+    both = CubicSpline(knots, np.hstack([tip, axis]))
+
+    def motion(where):
+        tips, axes = np.hsplit(both(np.interp(where, index, knots)), 2)
+        return tips, axes / norm(axes)[:, None]
+
+    return motion
 
 
 def _trace(patch, mill, s, t, axis, step, most):
-    """Return for each start the rows of a `Chain`, from there on, and why they end.
-
-    The arrays (k,) and (k, 3) are written to; steps are in m, negative to go back.
-    """
-    found = [[] for _ in s]
-    ends = np.full(len(s), "long enough", dtype="<U24")
-    heading = np.full((len(s), 3), np.nan)
-    active = np.arange(len(s))
-    for _ in range(most + 1):
-        at = s[active], t[active], axis[active], heading[active]
-        here = _taken(patch, mill, *at, step[active])
-        for row, k in zip(here.row, here.good, strict=True):
-            found[active[k]].append(row)
-        ends[active[~here.ok]] = NO_CONE
-        active = active[here.ok]
-        if not len(active):
+    """Return the rows of a `Chain` from a start on; steps below zero go back."""
+    rows, heading = [], None
+    while _within(patch, s, t) and len(rows) <= most:
+        here = _taken(patch, mill, s, t, axis, heading, step)
+        if here is None:
             break
-        middle = s[active] + here.rate[0] / 2, t[active] + here.rate[1] / 2
-        inside = _within(patch, *middle)
-        ends[active[~inside]] = PATCH_ENDS
-        active = active[inside]
-        between = _taken(
-            patch,
-            mill,
-            middle[0][inside],
-            middle[1][inside],
-            here.axis[inside],
-            here.heading[inside],
-            step[active],
-        )
-        ends[active[~between.ok]] = NO_CONE
-        active = active[between.ok]
-        after = s[active] + between.rate[0], t[active] + between.rate[1]
-        inside = _within(patch, *after)
-        ends[active[~inside]] = PATCH_ENDS
-        active = active[inside]
-        s[active], t[active] = (part[inside] for part in after)
-        axis[active] = between.axis[inside]
-        heading[active] = between.heading[inside]
-    return list(zip(found, ends.tolist(), strict=True))
-
-
-@dataclass(eq=False)
-class _Here:
-    """Of points that are asked, whether one has a cone, and of those that do all that follows."""
-
-    ok: np.ndarray
-    good: np.ndarray
-    row: list
-    rate: np.ndarray
-    axis: np.ndarray
-    heading: np.ndarray
+        row, rate, axis, heading = here
+        rows.append(row)
+        middle = s + rate[0] / 2, t + rate[1] / 2
+        between = _within(patch, *middle) and _taken(patch, mill, *middle, axis, heading, step)
+        if not between:
+            break
+        _, rate, axis, heading = between
+        s, t = s + rate[0], t + rate[1]
+    return rows
 
 
 def _taken(patch, mill, s, t, axis, heading, step):
-    """Return a `_Here` of points (k,), after axes and headings (k, 3), with steps (k,)."""
+    """Return at a point a row of a `Chain`, the rates of s and t, axis and heading; None without.
+
+    The cone is the one whose axis is nearest to the `axis` before.
+    """
     cones = hyperosculating_cones.unchecked(
         patch.surface, s, t, half_angle=mill.half_angle, model="space"
     )
     near, far = mill.rulings
     usable = (cones.side == patch.side) & (cones.distance >= near) & (cones.distance <= far)
-    turn = np.where(usable, dot(cones.axis, axis[cones.index]), -1.0)
-    chosen = np.full(len(s), -1)
-    order = np.argsort(turn)  # the best of each point is written last
-    chosen[cones.index[order]] = order
-    ok = (chosen >= 0) & (turn[chosen] >= MOST_TURN) if len(turn) else np.zeros(len(s), bool)
-    good = np.flatnonzero(ok)
-    k = chosen[good]
-    contact = cones.contact[k]
+    turn = np.where(usable, dot(cones.axis, axis), -1.0)
+    if turn.max(initial=-1.0) < MOST_TURN:
+        return None
+    k = int(turn.argmax())
+    contact, axis = cones.contact[k], cones.axis[k]
     normal = patch.side * cones.normal[k]
-    ruling = (contact - cones.vertex[k]) / cones.distance[k][:, None]
-    way, inverse = conjugate_frame(patch, s[good], t[good], ruling)
+    way, inverse = conjugate_frame(patch, s, t, (contact - cones.vertex[k]) / cones.distance[k])
     across = np.cross(normal, way)
     # The first heading's sign is free; afterwards it is that of the step before.
-    ahead = np.where(np.isnan(heading[good, 0]), step[good], dot(way, np.nan_to_num(heading[good])))
-    way = np.where(ahead < 0, -1.0, 1.0)[:, None] * way
-    rate = np.abs(step[good]) * np.einsum("nij,nj->in", inverse, way)
-    tip = cones.vertex[k] + mill.below * cones.axis[k]
-    parts = s[good], t[good], contact, normal, tip, cones.axis[k], across
-    return _Here(ok, good, list(zip(*parts, strict=True)), rate, cones.axis[k], way)
+    if (step if heading is None else dot(way, heading)) < 0:
+        way = -way
+    tip = cones.vertex[k] + mill.below * axis
+    return (s, t, contact, normal, tip, axis, across), abs(step) * inverse @ way, axis, way
 
 
 def conjugate_frame(patch, s, t, ruling):
@@ -301,35 +235,29 @@ def conjugate_frame(patch, s, t, ruling):
     ----------
     patch : Patch
         The surface.
-    s, t : (k,) float
-        Points.
-    ruling : (k, 3) float
-        Unit tangents there, along the rulings of cones.
+    s, t : float
+        A point.
+    ruling : (3,) float
+        Unit tangent there, along the ruling of a cone.
 
     Returns
     -------
-    way : (k, 3) float
-        Unit tangents, at right angles to the directions that are conjugate to the rulings: the way
-        in which the normal turns along them.
-    inverse : (k, 2, 3) float
+    way : (3,) float
+        Unit tangent, at a right angle to the direction that is conjugate to the ruling: the way in
+        which the normal turns along it.
+    inverse : (2, 3) float
         By which a tangent vector, in m, is multiplied to give changes of s and t.
     """
     variables = jet_variables.unchecked(s, t)
     taylor = np.stack([as_jet(c, variables[0]).c for c in patch.surface(*variables)], axis=-1)
-    by_s, by_t = taylor[1], taylor[2]
-    first = _form(dot(by_s, by_s), dot(by_s, by_t), dot(by_t, by_t))
-    second = (dot(c, np.cross(by_s, by_t)) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))
-    inverse = np.linalg.pinv(first) @ np.stack([by_s, by_t], axis=1)
-    turn = np.einsum("nij,njk,nk->ni", _form(*second), inverse, ruling)
-    way = -np.einsum("nij,ni->nj", inverse, turn)
-    return way / norm(way)[:, None], inverse
-
-
-def _form(ss, st, tt):
-    """Return a quadratic form's matrices (k, 2, 2)."""
-    return np.stack([np.stack([ss, st], axis=-1), np.stack([st, tt], axis=-1)], axis=-1)
+    tangents = taylor[1:3]
+    normal = np.cross(*tangents)
+    ss, st, tt = (dot(c, normal) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))
+    inverse = np.linalg.pinv(tangents @ tangents.T) @ tangents
+    way = -inverse.T @ (np.array([[ss, st], [st, tt]]) @ inverse @ ruling)
+    return way / norm(way), inverse
 
 
 def _within(patch, s, t):
-    """Tell whether parameters (k,) are within a patch."""
-    return (s >= patch.s[0]) & (s <= patch.s[1]) & (t >= patch.t[0]) & (t <= patch.t[1])
+    """Tell whether parameters are within a patch."""
+    return patch.s[0] <= s <= patch.s[1] and patch.t[0] <= t <= patch.t[1]

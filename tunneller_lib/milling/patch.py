@@ -6,10 +6,7 @@ from typing import Annotated
 import numpy as np
 
 from ..arguments import NotNegative, Reals, Rule, Sign, Whole, bounded_array, checked, shown
-from ..envelopes import adapted_frames
-from ..envelopes.adapted import tangent_graph
 from ..envelopes.functions import Function
-from ..envelopes.jet import derivative
 
 
 def _range(name, value):
@@ -42,8 +39,8 @@ class Patch:
     Examples
     --------
     >>> patch = Patch(lambda s, t: [s, t, s * t], (-1, 1), (-1, 1))
-    >>> patch.mesh(3).shape, patch.saddle(0, 0)
-    ((3, 3, 3), array(True))
+    >>> patch.mesh(3).shape
+    (3, 3, 3)
     """
 
     surface: Function(2)
@@ -87,13 +84,3 @@ class Patch:
     def mesh(self, n: Whole(2, 500) = 121):
         """Return a grid (n, n, 3) of points, in m."""
         return self.points(*self.parameters(n))
-
-    @checked
-    def saddle(self, s: Reals, t: Reals):
-        """Return whether the surface is a saddle (...) at parameters: K < 0, smooth and defined."""
-        s, t = np.broadcast_arrays(s, t)
-        frames = adapted_frames.unchecked(self.surface, s, t, "space")
-        with np.errstate(all="ignore"):
-            g = tangent_graph(frames, slice(None))
-            K = derivative(g, 2, 0) * derivative(g, 0, 2) - derivative(g, 1, 1) ** 2
-        return (frames.smooth & (K < 0)).reshape(s.shape)

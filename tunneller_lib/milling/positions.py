@@ -1,14 +1,13 @@
 """Positions of a conical mill in third-order contact with a patch, and why others are refused."""
 
-from collections import Counter
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arguments import Length0, Reals, Whole, checked
+from ..arguments import Length0, Reals, Rule, Whole, checked, near_points
 from ..envelopes import hyperosculating_cones
-from .five_axes import TiltingTable
-from .obstacles import Around
 from .patch import Patch
 from .tools import ConicalMill, seen_from
 
@@ -17,17 +16,14 @@ CLOSER = 3  # windows, one in another, in which the deepest point is looked for 
 AROUND = 7  # points each way in a window, of which the first is two cells wide
 ROUNDS = 20  # at most, in which it goes on
 
-FITS = "fits"
-OTHER_SIDE = "on the other side"
-OFF_CUTTING = "off the cutting part"
-GOUGES = "gouges at its contact"
-ENTERS = "enters the surface elsewhere"
-HOLDER = "holder enters the surface"
-OTHERS = "enters a neighbour"
-BEYOND = "beyond the machine's axes"
-CRADLE = "enters the machine's cradle"
 
-_STATES = {"convex": "convex (K > 0)", "spherical": "umbilic (both curvatures alike)"}
+def _cloud(name, value):
+    """Return `value` as points (n, 3)."""
+    return near_points(name, value).reshape(-1, 3)
+
+
+# What arguments may be, in this room.
+Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +46,11 @@ class Positions:
         How deep mill and holder enter the patch, in m: by how much its deepest point is within;
         infinite where that isn't asked, for a position on the other side or off the cutting part.
     others_enter : (k,) float
-        How deep mill or holder enter a neighbour, in m, likewise, be it a blade, the hub, a clamp
-        or the machine's table: to a hundredth, or a hundred-thousandth of the mill's height.
+        How deep the deepest of the other points is in mill or holder, in m, likewise.
     reason : (k,) str
         "fits", or the first that speaks against it: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
-        "enters a neighbour", "beyond the machine's axes", "enters the machine's cradle".
-    state : (...) str
-        What each point is: as of `Cones`, and "convex" where the surface is no saddle, so that
-        every cone in third-order contact gouges.
+        "enters a neighbour".
     """
 
     index: np.ndarray
@@ -73,7 +65,6 @@ class Positions:
     holder_enters: np.ndarray
     others_enter: np.ndarray
     reason: np.ndarray
-    state: np.ndarray
 
     def __len__(self):
         return len(self.tip)
@@ -81,7 +72,7 @@ class Positions:
     @property
     def fits(self):
         """Return which rows (k,) fit."""
-        return self.reason == FITS
+        return self.reason == "fits"
 
 
 @checked
@@ -92,8 +83,7 @@ def find_positions(
     t: Reals,
     *,
     tolerance: Length0,
-    others: Around | None = None,
-    machine: TiltingTable | None = None,
+    others: Cloud | None = None,
     n: Whole(2, 500) = 121,
 ):
     """Return all positions of a conical mill in third-order contact with a patch at points.
@@ -108,11 +98,9 @@ def find_positions(
         Parameters of the points.
     tolerance : float
         How deep the mill may enter the patch, in m. The holder may not.
-    others : (n, 3) or (n, m, 3) float, or a list of such arrays, optional
-        What mill and holder must stay off, in m: points, or grids of points of surfaces, bilinear
-        between them, as of neighbouring blades, a hub, clamps or the machine's table.
-    machine : TiltingTable, optional
-        Whose axes must reach a position, with the mill off its cradle.
+    others : (n, 3) float, optional
+        Points that mill and holder must stay off, in m, as of neighbouring blades and a hub. What
+        is between them isn't looked at, so their grids must be fine.
     n : int
         The patch is looked at on a mesh n by n, and between its points near the deepest.
 
@@ -132,15 +120,13 @@ def find_positions(
     >>> patch = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
     >>> mill = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
     >>> found = find_positions(patch, mill, 0.001, [0.0, 0.002], tolerance=1e-5)
-    >>> len(found), found.state.tolist()
-    (8, ['regular', 'regular'])
+    >>> len(found), int(found.fits.sum())
+    (8, 4)
     """
     s, t = np.broadcast_arrays(s, t)
     cones = hyperosculating_cones.unchecked(
         patch.surface, s, t, half_angle=mill.half_angle, model="space"
     )
-    saddle = patch.saddle(s, t)
-    state = np.where((cones.state == "regular") & ~saddle, "convex", cones.state.astype("<U9"))
     near, far = mill.rulings
     side = cones.side == patch.side
     on = (cones.distance >= near) & (cones.distance <= far)
@@ -150,35 +136,21 @@ def find_positions(
     depths[:, asked] = depths_of(patch, mill, tip[asked], cones.axis[asked], others, n)
     own, holder, other = depths
     # From the last reason to the first.
-    reason = np.full(len(cones), FITS, dtype="<U28")
-    if machine is not None and len(cones):
-        reason[~machine.reaches(tip, cones.axis, mill)] = CRADLE
-        reason[~machine.reaches(tip, cones.axis)] = BEYOND
-    reason[other > 0] = OTHERS
-    reason[holder > 0] = HOLDER
-    reason[own > tolerance] = ENTERS
-    reason[(own > tolerance) & cones.gouges] = GOUGES
-    reason[~on] = OFF_CUTTING
-    reason[~side] = OTHER_SIDE
-    return Positions(
-        cones.index,
-        s.ravel()[cones.index],
-        t.ravel()[cones.index],
-        cones.contact,
-        patch.side * cones.normal,
-        tip,
-        cones.axis,
-        cones.distance,
-        own,
-        holder,
-        other,
-        reason,
-        state,
-    )
+    reason = np.full(len(cones), "fits", dtype="<U28")
+    reason[other > 0] = "enters a neighbour"
+    reason[holder > 0] = "holder enters the surface"
+    reason[own > tolerance] = "enters the surface elsewhere"
+    reason[(own > tolerance) & cones.gouges] = "gouges at its contact"
+    reason[~on] = "off the cutting part"
+    reason[~side] = "on the other side"
+    at = cones.index
+    normal = patch.side * cones.normal
+    contact = s.ravel()[at], t.ravel()[at], cones.contact, normal
+    return Positions(at, *contact, tip, cones.axis, cones.distance, own, holder, other, reason)
 
 
 def depths_of(patch, mill, tip, axis, others, n):
-    """Return how deep mills enter a patch, their holders do, and both enter what is beside it.
+    """Return how deep mills enter a patch, their holders do, and other points lie in both.
 
     Parameters
     ----------
@@ -188,8 +160,8 @@ def depths_of(patch, mill, tip, axis, others, n):
         The same for all.
     tip, axis : (k, 3) float
         Of the positions.
-    others : Obstacles or None
-        What is beside it.
+    others : (n, 3) float or None
+        Points beside it.
     n : int
         Of the patch's mesh.
 
@@ -201,18 +173,21 @@ def depths_of(patch, mill, tip, axis, others, n):
     depths = np.zeros((3, len(tip)))
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
-    if others is not None:
-        depths[2] = others.deepest(mill, tip, axis)
-    size = max(1, BLOCK // len(mesh))
+    beside = np.empty((0, 3)) if others is None else others
+    parts = mill.cutting, mill.holder
+    size = max(1, BLOCK // (len(mesh) + len(beside)))
     for first in range(0, len(tip), size):
         rows = slice(first, first + size)
         at = tip[rows], axis[rows]
         seen = seen_from(mesh, *at)
-        for part, function in enumerate((mill.cutting_faces, mill.holder_faces)):
+        for part, function in enumerate(parts):
             distance = function(*seen)
             nearest = distance.argmin(axis=1)
             least = _between(patch, function, *at, s[nearest], t[nearest], n)
             depths[part, rows] = -np.minimum(least, distance.min(axis=1))
+        if len(beside):
+            seen = seen_from(beside, *at)
+            depths[2, rows] = -np.min([function(*seen).min(axis=1) for function in parts], axis=0)
     return np.maximum(depths, 0.0)
 
 
@@ -244,14 +219,3 @@ def _between(patch, distance, tip, axis, s, t, n):
         if not len(row):
             break
     return least
-
-
-def counted_states(state):
-    """Return as words how many points there are of each `state`, which a name stands for."""
-    counts = Counter(state.ravel().tolist())
-    return ", ".join(f"{count} {_STATES.get(name, name)}" for name, count in counts.items())
-
-
-def reasons_of(found):
-    """Return how many positions a list of `Positions` has by reasons, the most first, as a dict."""
-    return dict(Counter(why for here in found for why in here.reason.tolist()).most_common())

@@ -3,21 +3,20 @@
 A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
 to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
 from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
-of the tool, in m, negative within. How far points are beyond a part's faces is the same within;
-outside it is above zero and at most the distance, and takes a tenth of the time.
+of the tool, in m, negative within.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import HalfAngle, Length, Length0, Lengths, checked
+from ..arguments import HalfAngle, Length, Lengths, checked
 
 
 @dataclass(frozen=True)
 @checked
 class ConicalMill:
-    """A truncated cone that widens upwards, above it a holder, and above that a spindle.
+    """A truncated cone that widens upwards, and a holder above it.
 
     Parameters
     ----------
@@ -29,9 +28,6 @@ class ConicalMill:
         Of the cutting part, along the axis, in m.
     holder_radius, holder_length : float
         Of the cylinder that holds it, in m.
-    spindle_radius, spindle_length : float
-        Of the cylinder above that, the spindle's housing, in m; it counts as part of the holder.
-        There is none by default.
     """
 
     half_angle: HalfAngle
@@ -39,15 +35,6 @@ class ConicalMill:
     length: Length
     holder_radius: Length
     holder_length: Length
-    spindle_radius: Length0 = 0.0
-    spindle_length: Length0 = 0.0
-
-    def __post_init__(self):
-        if (self.spindle_radius > 0) != (self.spindle_length > 0):
-            raise ValueError(
-                "spindle_radius, spindle_length: must both be above zero, or neither; "
-                f"got {self.spindle_radius:g} and {self.spindle_length:g} m."
-            )
 
     @property
     def top_radius(self):
@@ -68,42 +55,13 @@ class ConicalMill:
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
         """Return how far points are from the cutting part, in m, negative within."""
-        return _stub(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
+        return _stub(height, radius, self.tip_radius, self.length, self.top_radius)
 
     @checked
     def holder(self, height: Lengths, radius: Lengths):
         """Return how far points are from the holder, in m, negative within."""
-        return self._held(_stub, height, radius)
-
-    @checked
-    def cutting_faces(self, height: Lengths, radius: Lengths):
-        """Return how far points are beyond faces of the cutting part, in m, negative within."""
-        return _faces(height, radius, 0.0, self.tip_radius, self.length, self.top_radius)
-
-    @checked
-    def holder_faces(self, height: Lengths, radius: Lengths):
-        """Return how far points are beyond faces of the holder, in m, negative within."""
-        return self._held(_faces, height, radius)
-
-    def _held(self, distance, height, radius):
-        """Return distances from the holder, by a function of a truncated cone."""
-        top = self.length + self.holder_length
         wide = self.holder_radius
-        holder = distance(height, radius, self.length, wide, top, wide)
-        if not self.spindle_length:
-            return holder
-        wide = self.spindle_radius
-        return np.minimum(holder, distance(height, radius, top, wide, self.height, wide))
-
-    @property
-    def height(self):
-        """Return how far all of it reaches above the tip, in m."""
-        return self.length + self.holder_length + self.spindle_length
-
-    @property
-    def widest(self):
-        """Return the greatest radius of all of it, in m."""
-        return max(self.top_radius, self.holder_radius, self.spindle_radius)
+        return _stub(height - self.length, radius, wide, self.holder_length, wide)
 
 
 @dataclass(frozen=True)
@@ -123,12 +81,7 @@ class CylinderMill:
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
         """Return how far points are from the cutting part, in m, negative within."""
-        return _stub(height, radius, 0.0, self.radius, self.length, self.radius)
-
-    @checked
-    def cutting_faces(self, height: Lengths, radius: Lengths):
-        """Return how far points are beyond faces of the cutting part, in m, negative within."""
-        return _faces(height, radius, 0.0, self.radius, self.length, self.radius)
+        return _stub(height, radius, self.radius, self.length, self.radius)
 
 
 @dataclass(frozen=True)
@@ -149,43 +102,27 @@ class BallMill:
         """Return how far points are from the ball, in m, negative within; the tip is its lowest."""
         return np.hypot(height - self.radius, radius) - self.radius
 
-    @checked
-    def cutting_faces(self, height: Lengths, radius: Lengths):
-        """Return what `cutting` does: a ball has one face."""
-        return self.cutting(height, radius)
 
-
-def _stub(height, radius, low, first, high, last):
-    """Return the distance (...) to a truncated cone between two heights, with radii there.
+def _stub(height, radius, first, length, last):
+    """Return the distance (...) to a truncated cone of a length, with radii at its ends.
 
     In the half plane of the axis the wall is a segment, the ends are levels. Roots of sums of
     squares are within roundings of `hypot`, which takes several times as long.
     """
-    length = np.hypot(high - low, last - first)
-    c = (high - low) / length
-    s = (last - first) / length
-    up = height - low
+    ruling = np.hypot(length, last - first)
+    c = length / ruling
+    s = (last - first) / ruling
     off = radius - first
-    side = off * c - up * s
-    along = up * c + off * s
-    over = np.maximum(np.maximum(-along, along - length), 0.0)
+    side = off * c - height * s
+    along = height * c + off * s
+    over = np.maximum(np.maximum(-along, along - ruling), 0.0)
     square = side * side + over * over
-    down = height - high
-    for level, wide in ((up, off), (down, radius - last)):
+    for level, wide in ((height, off), (height - length, radius - last)):
         beyond = np.maximum(wide, 0.0)
         square = np.minimum(square, level * level + beyond * beyond)
-    inside = (side < 0) & (up > 0) & (down < 0)
+    inside = (side < 0) & (height > 0) & (height < length)
     nearest = np.sqrt(square)
     return np.where(inside, -nearest, nearest)[()]
-
-
-def _faces(height, radius, low, first, high, last):
-    """Return how far (...) points are beyond the farthest of wall and ends of a truncated cone."""
-    length = np.hypot(high - low, last - first)
-    c = (high - low) / length
-    s = (last - first) / length
-    wall = (radius - first) * c - (height - low) * s
-    return np.maximum(wall, np.maximum(height - high, low - height))
 
 
 def seen_from(points, tip, axis):
@@ -203,16 +140,7 @@ def seen_from(points, tip, axis):
     height, radius : (k, n) float
         In m.
     """
-    if points.ndim == 3:
-        away = points - tip[:, None]
-        height = np.einsum("knc,kc->kn", away, axis)
-        square = np.einsum("knc,knc->kn", away, away)
-    else:
-        # As products of matrices; about the points' middle the coordinates are as small as can be.
-        middle = points.mean(axis=0)
-        points = points - middle
-        tip = tip - middle
-        height = axis @ points.T - np.einsum("kc,kc->k", axis, tip)[:, None]
-        square = np.einsum("nc,nc->n", points, points) - 2 * (tip @ points.T)
-        square += np.einsum("kc,kc->k", tip, tip)[:, None]
+    away = points - tip[:, None]
+    height = np.einsum("knc,kc->kn", away, axis)
+    square = np.einsum("knc,knc->kn", away, away)
     return height, np.sqrt(np.maximum(square - height * height, 0.0))

@@ -1,6 +1,6 @@
 """Motion: set-values in whole counts, the hydraulic axes and their loops, tasks, exports."""
 
-from . import sizing, slow_task, stability, tasks
+from . import sizing, stability, tasks
 from .both_joints import Push
 from .interpolate import polyline, polyline_slopes, rounding_spectrum, tick_counts, time_bresenham
 from .oil import Compressible, Rigid
@@ -22,7 +22,6 @@ __all__ = [
     "reference_axes",
     "rounding_spectrum",
     "sizing",
-    "slow_task",
     "stability",
     "tasks",
     "tick_counts",

@@ -8,19 +8,16 @@ import re
 from importlib.resources import files
 from typing import NamedTuple
 
-import numpy as np
-
 from ..arguments import Whole, checked
 
 KINDS = {"BOOL": "bool", "DINT": "int32_t", "LREAL": "double"}
-# Structured Text against C: first what is a whole line, then words.
-LINES = [
-    (r"IF (.*) THEN", r"if (\1) {"), (r"ELSIF (.*) THEN", r"} else if (\1) {"),
-    (r"ELSE", "} else {"), (r"END_(IF|FOR|WHILE);", "}"), (r"WHILE (.*) DO", r"while (\1) {"),
-    (r"FOR (\w+) := (.*) TO (.*) BY -1 DO", r"for (\1 := \2; \1 >= \3; --\1) {"),
-    (r"FOR (\w+) := (.*) TO (.*) DO", r"for (\1 := \2; \1 <= \3; ++\1) {"),
-]  # fmt: skip
+# Structured Text against C: what is a whole line, and words.
 WORDS = [
+    (r"^IF (.*) THEN$", r"if (\1) {"), (r"^ELSIF (.*) THEN$", r"} else if (\1) {"),
+    (r"^ELSE$", "} else {"), (r"^END_(IF|FOR|WHILE);$", "}"),
+    (r"^WHILE (.*) DO$", r"while (\1) {"),
+    (r"^FOR (\S+) := (.*) TO (.*) BY -1 DO$", r"for (\1 := \2; \1 >= \3; --\1) {"),
+    (r"^FOR (\S+) := (.*) TO (.*) DO$", r"for (\1 := \2; \1 <= \3; ++\1) {"),
     (r"<>", "!="), (r"(?<![<>:!=])=(?!=)", "=="), (r":=", "="), (r"\bAND\b", "&&"),
     (r"\bOR\b", "||"), (r"\bNOT ", "!"), (r"\bTRUE\b", "true"), (r"\bFALSE\b", "false"),
     (r"\bMOD\b", "%"), (r"\bDINT_TO_LREAL\(", "(double)("), (r"\bTRUNC\(", "(int32_t)("),
@@ -34,10 +31,11 @@ C_MACROS = """
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 """
+STRUCT = r"(\w+) : STRUCT\n(.*?) +END_STRUCT"
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
 ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
-# Operations, simple ones with signs; a sign of a number is a part of it.
-COUNTED = r" [-+*] |(?<=[\s(])-(?=[A-Za-z(])", r" / | MOD ", r"\b(?:SQRT|SIN|COS|ATAN2?)\("
+# Operations; a sign of a number is a part of it.
+COUNTED = r"\s[-+*/]\s|(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
 class Row(NamedTuple):
@@ -58,12 +56,12 @@ class Row(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A function block or a program in Structured Text.
+    """A function block, a program or a structure in Structured Text.
 
     Parameters
     ----------
     kind, name : str
-        "FUNCTION_BLOCK" or "PROGRAM".
+        "FUNCTION_BLOCK", "PROGRAM" or "STRUCT".
     sections : list of (str, list of Row)
         Such as ("VAR_INPUT", rows).
     body : list of str
@@ -90,17 +88,14 @@ def read_rows(text):
 
 
 def read_blocks(text):
-    """Return the `Block` list of a text."""
-    return [
-        Block(
-            kind,
-            name,
-            [(section, read_rows(rows)) for section, rows in re.findall(
-                r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)],
-            body.splitlines(),
-        )
-        for kind, name, variables, body in re.findall(BLOCK, text, re.S)
-    ]  # fmt: skip
+    """Return the `Block` list of a text, its structures first."""
+    found = re.findall(STRUCT, text, re.S)
+    blocks = [Block("STRUCT", name, [("VAR", read_rows(rows))], []) for name, rows in found]
+    for kind, name, variables, body in re.findall(BLOCK, text, re.S):
+        sections = re.findall(r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)
+        rows = [(section, read_rows(rows)) for section, rows in sections]
+        blocks.append(Block(kind, name, rows, body.splitlines()))
+    return blocks
 
 
 def with_constants(text, constants):
@@ -134,77 +129,30 @@ def _number(value):
     if isinstance(value, list):
         texts = list(map(_number, value))
         rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
-        return "[\n        " + ",\n        ".join(rows) + "]"
+        return "[" + ",\n        ".join(rows) + "]"
     text = repr(value)
     # A point is needed before an exponent: 5e-05 is none of Structured Text.
     return re.sub(r"^(-?\d+)e", r"\1.0e", text)
 
 
-class Operations(NamedTuple):
-    """How many operations a call takes.
+def operations(block):
+    """Return how many operations a round of a `Block` takes at most, each statement done once.
 
-    Parameters
-    ----------
-    simple, divisions, functions : int
-        Sums, products and changes of sign; quotients and remainders; roots, sines and the like.
+    Neither indices nor comparisons count.
     """
-
-    simple: int
-    divisions: int
-    functions: int
-
-
-def operations(block, **sizes):
-    """Return the `Operations` of a call of a `Block` at most.
-
-    Loops go as often as their bounds say, in which names stand for the `sizes`. Of branches the
-    dearest counts, of conditions every one. Neither indices nor comparisons count.
-    """
-    levels = [[np.zeros(3, dtype=int)]]  # of each nesting the branches so far, the last is open
-    times = []
-    body = re.sub(r"\(\*.*?\*\)", "", "\n".join(block.body), flags=re.S)
-    for line in _statements(body.splitlines()):
-        text = line.strip()
-        plain = re.sub(r"\[[^][]*\]", "", text)
-        cost = [len(re.findall(kind, plain)) for kind in COUNTED]
-        if text.startswith(("FOR ", "WHILE ")):
-            bounds = re.search(r":= (.*) TO (.*?)(?: BY -1)? DO|< (\w+)(?: AND .*)? DO", text)
-            first, last = bounds.groups()[:2] if bounds[1] else ("1", bounds[3])
-            times.append(1 + abs(_bound(last, sizes) - _bound(first, sizes)))
-            levels.append([np.zeros(3, dtype=int)])
-        elif text.startswith("IF "):
-            levels[-1][-1] += cost
-            levels.append([np.zeros(3, dtype=int)])
-        elif text.startswith(("ELSIF ", "ELSE")):
-            levels[-2][-1] += cost
-            levels[-1].append(np.zeros(3, dtype=int))
-        elif text.startswith("END_"):
-            branches = levels.pop()
-            many = times.pop() if text in ("END_FOR;", "END_WHILE;") else 1
-            levels[-1][-1] += many * max(branches, key=np.sum)
-        else:
-            levels[-1][-1] += cost
-    return Operations(*levels[0][0].tolist())
-
-
-def _bound(text, sizes):
-    """Return the whole number that a bound of a loop is."""
-    first, _, less = text.partition(" - ")
-    return int(sizes.get(first, first)) - int(less or 0)
+    text = re.sub(r"\(\*.*?\*\)|\[[^][]*\]", "", "\n".join(block.body), flags=re.S)
+    return len(re.findall(COUNTED, text))
 
 
 def c99_types(blocks):
-    """Return the structures of a list of `Block` in C99, and what is called."""
+    """Return the structures of a list of `Block` in C99, how they begin, and what is called."""
     texts = []
     for block in blocks:
         rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
-        fields = "".join(
-            f"    {_declared(row)};{f' /* {row.comment} */' if row.comment else ''}\n"
-            for row in rows
-        )
-        texts.append(f"typedef struct {{\n{fields}}} {block.name};\n{_head(block)};\n")
-        if any(row.begin for row in rows):
-            texts.append(f"void {_call(block.name)}_init({block.name} *c);\n")
+        texts += ["typedef struct {", *map(_field, rows), f"}} {block.name};"]
+        if begun := [f".{row.name} = {row.begin.lower()}" for row in rows if row.begin]:
+            texts.append(f"#define {block.name.upper()}_BEGIN {{{', '.join(begun)}}}")
+        texts += [f"{_head(block)};", ""] if block.body else [""]
     return "\n".join(texts)
 
 
@@ -216,32 +164,27 @@ def c99_code(blocks):
         for row in constants.values()
     ]
     for block in blocks:
-        begun = [row for row in block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR") if row.begin]
-        if begun:
-            given = [f"    c->{row.name} = {row.begin.lower()};" for row in begun]
-            zero = [f"    static const {block.name} zero;", "    *c = zero;"]
-            init = f"void {_call(block.name)}_init({block.name} *c)"
-            texts += ["", init, "{", *zero, *given, "}"]
-        texts += ["", _head(block), "{", *_c_lines(block), "}"]
+        if block.body:
+            texts += ["", _head(block), "{", *_c_lines(block), "}"]
     return "\n".join(texts) + "\n"
+
+
+def _field(row):
+    """Return a `Row` as a line of a structure in C."""
+    return f"    {_declared(row)};{f' /* {row.comment} */' if row.comment else ''}"
 
 
 def _declared(row):
     """Return the declaration of a `Row` in C."""
-    array = re.fullmatch(r"ARRAY \[0\.\.(\d+)\] OF (\w+)", row.kind)
-    if array:
-        return f"{KINDS[array[2]]} {row.name}[{int(array[1]) + 1}]"
-    return f"{KINDS.get(row.kind, row.kind)} {row.name}"
-
-
-def _call(name):
-    """Return the name of the function that is a call of a block."""
-    return name.lower()
+    array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", row.kind).groups()
+    size = f"[{int(last) + 1}]" if array else ""
+    return f"{KINDS.get(kind, kind)} {row.name}{size}"
 
 
 def _head(block):
-    shared = ", T_Shared *shared" if block.rows("VAR_EXTERNAL") else ""
-    return f"void {_call(block.name)}({block.name} *c{shared})"
+    """Return the head of the function that is a call of a block; other tasks write externals."""
+    shared = (f", volatile {row.kind} *{row.name}" for row in block.rows("VAR_EXTERNAL"))
+    return f"void {block.name.lower()}({block.name} *c{''.join(shared)})"
 
 
 def _statements(lines):
@@ -259,15 +202,12 @@ def _statements(lines):
 
 def _c_lines(block):
     """Yield the statements of a block in C."""
-    fields = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
-    own = re.compile(r"(?<![.\w])(" + "|".join(row.name for row in fields) + r")\b")
-    shared = re.compile(r"\b(" + "|".join(row.name for row in block.rows("VAR_EXTERNAL")) + r")\b")
-    kinds = {row.name: row.kind for row in fields}
+    kinds = {row.name: row.kind for row in block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")}
+    words = [(rf"(?<![.\w])({'|'.join(kinds)})\b", r"c->\1"), *WORDS]
+    words += [(rf"\b{row.name}\.", f"{row.name}->") for row in block.rows("VAR_EXTERNAL")]
 
     def written(text):
-        text = own.sub(r"c->\1", text)
-        text = shared.sub(r"shared->\1", text) if block.rows("VAR_EXTERNAL") else text
-        for pattern, to in WORDS:
+        for pattern, to in words:
             text = re.sub(pattern, to, text)
         return text
 
@@ -281,12 +221,8 @@ def _c_lines(block):
             for given in called[2].split(", "):
                 name, value = given.split(" := ")
                 yield f"{pad}c->{called[1]}.{name} = {written(value)};"
-            yield f"{pad}{_call(kinds[called[1]])}(&c->{called[1]});"
+            yield f"{pad}{kinds[called[1]].lower()}(&c->{called[1]});"
         else:
-            for pattern, to in LINES:
-                if re.fullmatch(pattern, text):
-                    text = re.sub(pattern, to, text)
-                    break
             yield pad + written(text)
 
 

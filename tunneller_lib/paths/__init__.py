@@ -5,7 +5,7 @@ from .chord_paths import CHORD_PATHS, SHORT_CHORD_PATHS, path_length
 from .circuit import cutting_circuit
 from .cone_chord import ConeChord
 from .correction import corrected_chord
-from .geodesic import geodesic_direct
+from .direct_problem import geodesic_direct
 from .inverse_problem import competing_geodesics, geodesic_inverse
 from .projection import project_chord, projected_length
 

@@ -1,5 +1,6 @@
 """What may be asked of a path: how many points, at which shares of the way, between which ends."""
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ Row = Array("(n,) float")
 
 def check_points(n, shape):
     """Raise ValueError where n points of each of as many paths as `shape` holds are too many."""
-    paths = int(np.prod(shape))
+    paths = math.prod(shape)
     if n * paths > MOST_POINTS:
         raise ValueError(
             f"n: must ask for at most {MOST_POINTS} points of all paths together; "

@@ -1,18 +1,36 @@
-"""The geodesic of a class between two given ends: a quadrature and Newton's method.
+"""The classes of geodesics on a torus: the turned angle of each, and its root.
 
-What is between the loops is element by element, so that arrays, plain numbers and compiled loops
-(`geodesic_pair`) give the same bits.
+A geodesic runs from phi = a >= 0 to phi = b, |b| <= a. Clairaut's c = rho sin(azimuth) is constant
+along it, so that with rho = r + R cos(phi)
+
+    d(theta) / d(phi) = R c / (rho sqrt(rho^2 - c^2)),   d(s) / d(phi) = R rho / sqrt(rho^2 - c^2).
+
+The root vanishes at a turning point, where rho = c, and a quadrature in phi would fail there. In
+both classes sin(phi/2) or cos(phi/2) is a multiple of cos(t), by which it goes: with
+D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
+
+    angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
+    length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
+
+No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by roots and quotients.
+All is element by element, for floats, arrays or compiled loops. A `torus` is whatever has r and R.
 """
 
+import math
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.elementwise import larger, ratio, smaller, square_root, where
+from ..kernels.elementwise import larger, ratio, smaller, some, square_root, where
 from ..kernels.repeatable import area_sine, growth, sine_cosine
-from .geodesic_classes import STEEP, Ends, in_legs, outer, peaked, room, steepest, wide
 from .quadrature import gauss_rule
+
+STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
+STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
+NARROW = 0.32  # of R: what is nearer to the axis there than that needs a leg of its own
+CLOSE = 1e-5  # rad
+PI_REST = 1.2246467991473532e-16  # what pi is more than the double next to it
 
 NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
 NODES = 96
@@ -26,27 +44,509 @@ STEP = 1e-8  # relative; what a last step of this size leaves is of the order of
 ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
 
 
-class Root(NamedTuple):
-    """Geodesics of a class, (n,) each.
+class Radii(NamedTuple):
+    """r and R of a torus as plain numbers, in any unit."""
 
-    `turned` is the turned angle in rad, `length` in m, `c` Clairaut's constant in m; `cos_a` and
-    `cos_b` are the cosines of the azimuths at a and b.
+    r: float
+    R: float
+
+
+class Ends(NamedTuple):
+    """What the ends are to their geodesics.
+
+    Parameters
+    ----------
+    sine_a, cosine_a, sine_b, cosine_b, sine, cosine : (...) float
+        Of a/2, of b/2 and of half their difference.
+    apart : (...) float
+        sin^2(a/2) - sin^2(b/2).
+    rho_a, rho_b : (...) float
+        Distances from the torus' axis, in m.
+    meridian, room : (...) float
+        What the unknown x of `outer` may be at most: -`meridian` stands for the meridian, `room`
+        for the way that winds towards the inner equator of a ring or runs into a node.
     """
 
-    turned: np.ndarray
-    length: np.ndarray
+    sine_a: np.ndarray
+    cosine_a: np.ndarray
+    sine_b: np.ndarray
+    cosine_b: np.ndarray
+    sine: np.ndarray
+    cosine: np.ndarray
+    apart: np.ndarray
+    rho_a: np.ndarray
+    rho_b: np.ndarray
+    meridian: np.ndarray
+    room: np.ndarray
+
+
+class Integrand(NamedTuple):
+    """What one value of the unknown stands for: the constants and limits of both integrals.
+
+    Parameters
+    ----------
+    c : (...) float
+        Clairaut's constant, in m.
+    shape : (A, B, E)
+        The other constants.
+    rates : (dc, dA, dB, dE)
+        What all four change by with the unknown.
+    first : (sine, cosine)
+        Of the lower limit of t, which is from -pi/2 to pi/2.
+    span : (sine, cosine)
+        Of how far the upper limit is from the lower.
+    last : (sine, cosine)
+        Of the upper limit, which is below pi.
+    motion : (dfirst, dlast)
+        What both limits change by with the unknown.
+    cosines : (cos_a, cos_b)
+        Of the azimuths at both ends.
+    """
+
     c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
+    shape: tuple
+    rates: tuple
+    first: tuple
+    span: tuple
+    last: tuple
+    motion: tuple
+    cosines: tuple
 
 
-class Stretch(NamedTuple):
-    """tan(t/4) = half (G - 1/G), where G grows from `first` to `last` as exp(width share)."""
+def ends_of(torus, a, b):
+    """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
+    return ends_at(torus, a, b, half_angles(torus, a, b))
 
-    half: np.ndarray
-    first: np.ndarray
-    last: np.ndarray
-    width: np.ndarray
+
+def half_angles(torus, a, b):
+    """Return the sines and cosines of a/2 and b/2, and rho at a and at b, in m."""
+    sine_a, cosine_a = sine_cosine(a / 2)
+    sine_b, cosine_b = sine_cosine(b / 2)
+    return sine_a, cosine_a, sine_b, cosine_b, rho(torus, a, cosine_a), rho(torus, b, cosine_b)
+
+
+def ends_at(torus, a, b, halves):
+    """Return the `Ends` on a torus of geodesics from phi = a to b, whose `halves` are known."""
+    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = halves
+    sine, cosine = sine_cosine((a - b) / 2)
+    middle, _ = sine_cosine((a + b) / 2)
+    # A product has the difference of the squares to its last digits, near ends or not.
+    apart = middle * sine
+    meridian = square_root(rho_a / (2 * torus.R))
+    # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
+    # spindle it is the meridian, through the node (c = 0).
+    room = cosine_a if torus.r >= torus.R else meridian
+    return Ends(
+        sine_a, cosine_a, sine_b, cosine_b, sine, cosine, apart, rho_a, rho_b, meridian, room
+    )
+
+
+def rho(torus, phi, cosine):
+    """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet."""
+    far = distance(torus, phi, cosine)
+    return where(phi == math.pi, 0.0, far) if torus.r == torus.R else far
+
+
+def distance(torus, phi, cosine):
+    """Return rho at phi, in rad, from -pi to pi; the cosine of phi / 2 is given, too."""
+    _, level = sine_cosine(phi)
+    # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
+    inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)
+    return where(level < -0.5, inside, torus.r + torus.R * level)
+
+
+def wide(torus):
+    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
+    return torus.r > 0.9 * torus.R
+
+
+def steepest(torus, ends):
+    """Return the unknown of `outer` that stands for the meridian."""
+    return -where(wide(torus), STEEPEST, 1.0) * ends.meridian
+
+
+def outer(torus, ends, u):
+    """Return the geodesics that descend to b, at once (u < 0) or after rising above a (u > 0).
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    ends : Ends
+        The ends.
+    u : (...) float
+        The unknown, from `steepest`, the meridian, upwards.
+
+    Returns
+    -------
+    integrand : Integrand
+        That of each u.
+
+    Notes
+    -----
+    sin(phi/2) = k cos(t), with t = 0 at the turning point. Let x = -k sin(t) at a, which is
+    negative where the turning point is behind, and W = k sin(t) at b. Then k^2 = sin^2(a/2) + x^2,
+    rho_a - c = 2R x^2 and rho_b - c = 2R W^2: nothing cancels where x is small, and all follows
+    from x.
+    """
+    r, R = torus.r, torus.R
+    sa, ca, sb, cb, sine, cosine, apart, rho_a, rho_b, L, X = ends
+    x, gap, dx = u, X - u, 1.0
+    e = gap * (X + x)  # X^2 - x^2
+    # On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle
+    # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
+    # there is no such end, and x = u joins without a bend.
+    rising = u > 0
+    if some(rising):
+        farthest = _farthest(torus)
+        twice = 2 * u / X
+        grown = growth(where(rising, smaller(twice, farthest), 0.0))
+        x = where(rising, X * (grown / (2 + grown)), x)
+        # X - x without cancellation where u is great.
+        gap = where(rising, 2 * X / (2 + grown), gap)
+        e = gap * (X + x)
+        dx = where(rising, e / (X * X), 1.0)
+        if r <= R:  # there the class ends by the node, and nothing turns farther
+            dx = where(twice > farthest, 0.0, dx)
+    c, rest, k2, k, W = _swing(torus, ends, x, e)
+    # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels there,
+    # and by the node of a horn the least c turns far: u counts x + L by its logarithm.
+    if wide(torus):
+        steep = u < -STEEP * L
+        if some(steep):
+            unit = (1 - STEEP) * L
+            left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
+            x = where(steep, left - L, x)
+            dx = where(steep, left / unit, dx)
+            c = where(steep, 2 * R * (left * (2 * L - left)), c)
+            rest = where(steep, (c - (r - R)) / (2 * R), rest)
+            W = where(steep, square_root(larger(apart + x * x, 0.0)), W)
+            k2 = where(steep, sa * sa + x * x, k2)
+            k = square_root(k2)
+    # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
+    # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
+    lower, upper = x * sb, W * sa
+    sum_ = upper - lower
+    small = apart * k2 / where(sum_ > 0, sum_, 1.0)
+    dk2 = 2 * x * dx
+    shape = abs(rest), k2, 0.0
+    rates = -2 * R * dk2, -dk2, dk2, 0.0
+    first = -x / k, sa / k
+    span = where(lower < 0, small, upper + lower) / k2, (sa * sb - W * x) / k2
+    last = W / k, sb / k
+    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
+    free = rest < 0
+    if some(free):
+        # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
+        # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
+        shape = abs(rest), where(free, 1.0, k2), where(free, -rest, 0.0)
+        rates = rates[0], where(free, dk2, -dk2), where(free, 0.0, dk2), where(free, dk2, 0.0)
+        first = where(free, ca, first[0]), where(free, sa, first[1])
+        span = where(free, sine, span[0]), where(free, cosine, span[1])
+        last = where(free, cb, last[0]), where(free, sb, last[1])
+        motion = where(free, 0.0, motion[0]), where(free, 0.0, motion[1])
+    cos_a = x * square_root(2 * R * (rho_a + c)) / rho_a
+    cos_b = -W * square_root(2 * R * (rho_b + c)) / rho_b
+    return Integrand(c, shape, rates, first, span, last, motion, (cos_a, cos_b))
+
+
+def peaked(torus, ends, b, angle):
+    """Return where a way of `outer` may need three legs, lest its quadrature miss a peak.
+
+    `torus`, `ends` and b are those of `outer`. A way needs them where it nears a node, or an inner
+    equator, at its end at b, too, or passes by a node so closely as only ways do that turn by an
+    `angle` next to what half a swing turns there.
+    """
+    near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
+    low = (b < 0) & (near < NARROW * torus.R)
+    return low | (half_swing_by_the_node(torus) - angle < CLOSE)
+
+
+def half_swing_by_the_node(torus):
+    """Return the turned angle of half a swing that just misses the node, in rad."""
+    if torus.r >= torus.R:
+        return math.inf
+    return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
+
+
+def in_legs(way):
+    """Return a way of `outer` in three legs, that begin or end where the integrands have peaks.
+
+    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
+    is mirrored, for the integrands repeat backwards. What a way doesn't have is of no length.
+    """
+    (sine, cosine), (sine_b, cosine_b) = way.first, way.last
+    dfirst, dlast = way.motion
+    rising = sine < 0
+    below = cosine_b < 0
+    begin = larger(sine, 0.0), where(rising, 1.0, cosine)
+    up = where(rising, -sine, 0.0), where(rising, cosine, 1.0)
+    across = where(rising, sine_b, way.span[0])
+    along = where(rising, cosine_b, way.span[1])
+    down = where(below, begin[1], across), where(below, begin[0], along)
+    mirrored = where(below, sine_b, 1.0), where(below, -cosine_b, 0.0)
+    return (
+        _leg(way, begin, up, 0.0, -dfirst),
+        _leg(way, begin, down, 0.0, where(below, 0.0, dlast)),
+        _leg(way, mirrored, (mirrored[1], mirrored[0]), where(below, -dlast, 0.0), 0.0),
+    )
+
+
+def _leg(way, first, span, dfirst, dlast):
+    """Return a part of a way between other limits, the upper of which nobody asks for."""
+    motion = dfirst, dlast
+    return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
+
+
+def second(torus, ends, u, sense=1):
+    """Return the geodesics that turn on the other side of the outer equator and rise to b.
+
+    They come to the parallel b a second time, after descending at once (u < 0) or after rising
+    above a (u > 0).
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    ends : Ends
+        The ends.
+    u : (n,) float
+        The unknown, any number: far from zero, c nears 0, or r - R on a ring.
+    sense : {1, -1}
+        -1 if it is the negative of the unknown that is given.
+
+    Returns
+    -------
+    legs : list of Integrand
+        That of each u, in three legs, none with more than one turning point, where the integrands
+        have their peaks.
+
+    Notes
+    -----
+    As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
+    sin(b/2) = k cos(t_b). The integrands repeat after pi, and backwards from any multiple of pi/2:
+    each leg is mirrored to where t is in [-pi/2, pi/2], and ends at pi/2.
+    """
+    R = torus.R
+    sa, sb, X = ends.sine_a, ends.sine_b, ends.room
+    grown = growth(smaller(2 * abs(u) / X, _farthest(torus)))
+    x = sense * np.copysign(X * (grown / (2 + grown)), u)
+    gap = 2 * X / (2 + grown)  # X - |x|
+    e = gap * (2 * X - gap)  # X^2 - x^2
+    c, rest, k2, k, W = _swing(torus, ends, x, e)
+    dx = sense * e / (X * X)
+    dk2 = 2 * x * dx
+    dfirst = -sa * dx / k2
+    dlast = ratio(sb * x * dx, W * k2)
+    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
+    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    shape = rest, k2, 0.0
+    rates = -2 * R * dk2, -dk2, dk2, 0.0
+    # Down to the outer equator, on to its next crossing or to b, and up from there.
+    over = sb > 0
+    legs = []
+    for sine, cosine, speed in (
+        (-x / k, sa / k, dfirst),
+        (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
+        (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
+    ):
+        first, span = (sine, cosine), (cosine, sine)  # what is missing to a right angle
+        cosines = cos_a, cos_b
+        legs.append(Integrand(c, shape, rates, first, span, (1.0, 0.0), (speed, 0.0), cosines))
+    return legs
+
+
+def inner(torus, ends, u):
+    """Return the geodesics that rise from a over phi = pi to b + 2 pi, on a ring torus.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface, a ring.
+    ends : Ends
+        The ends.
+    u : (...) float
+        The unknown, from 0, the meridian, upwards.
+
+    Returns
+    -------
+    integrand : Integrand
+        That of each u.
+
+    Notes
+    -----
+    They have no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
+    equator, on which they turn the farther the nearer they come, again as a logarithm.
+    """
+    R = torus.R
+    narrow = torus.r - R
+    grown = growth(smaller(2 * u, 600.0))
+    slow = 1 / (2 + grown)  # half of 1 - tanh(u)
+    c = narrow * (grown * slow)
+    kappa2 = narrow / R * slow  # (r - R - c) / 2R, whose difference would cancel
+    dc = 4 * narrow * slow * (1 - slow)
+    dkappa2 = -2 * kappa2 * (1 - slow)
+    sa, ca, sb, cb = ends.sine_a, ends.cosine_a, ends.sine_b, ends.cosine_b
+    # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
+    cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
+    cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
+    shape = kappa2, 1.0, kappa2
+    rates = dc, dkappa2, 0.0, dkappa2
+    span = sa * cb - ca * sb, -ends.cosine
+    return Integrand(c, shape, rates, (-ca, sa), span, (cb, -sb), (0.0, 0.0), (cos_a, cos_b))
+
+
+def _farthest(torus):
+    """Return the greatest u / X, twice."""
+    # There the geodesic runs into the node, with a turn too sharp for the quadrature if it were
+    # followed farther, or turns many times.
+    return 600.0 if torus.r > torus.R else 60.0
+
+
+def _swing(torus, ends, x, e):
+    """Return c, 1 - k^2, k^2, k, and W of `outer` from x and X^2 - x^2."""
+    r, R = torus.r, torus.R
+    x2 = x * x
+    k2 = ends.sine_a * ends.sine_a + x2
+    W = square_root(larger(ends.apart + x2, 0.0))
+    c = 2 * R * e + (r - R if r > R else 0.0)
+    rest = e + (0.0 if r >= R else (R - r) / (2 * R))
+    return c, rest, k2, square_root(k2), W
+
+
+# ---- both integrals --------------------------------------------------------
+
+
+def add_nodes(torus, way, nodes, rows):
+    """Write down what nodes at shares of the way from both of its ends add to each integral.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    way : Integrand
+        Constants and limits, numbers or (n,) each.
+    nodes : (2, k) float
+        Shares and weights, numbers or a column each.
+    rows : (3, k) float
+        Filled with parts of the turned angle, of its rate by the unknown, and of the length.
+    """
+    c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
+    first, last, half, width = _stretched(torus, way)
+    twice, half_c = 2 * torus.R, c / 2
+    shares, weights = nodes[0], nodes[1]
+    turned, rate, length = rows[0], rows[1], rows[2]
+    for k in range(len(shares)):
+        grown = 1 + growth(width * shares[k])
+        shrunk = 1 / grown
+        step = 4 * (weights[k] * (width * half))
+        turned_by = rate_by = length_by = 0.0
+        for above, below in (first * grown, shrunk / first), (last * shrunk, grown / last):
+            v = half * (above - below)
+            v2 = v * v
+            flat = 1 / (1 + v2)
+            sine = 4 * v * (1 - v2) * (flat * flat)
+            sin2 = sine * sine
+            swing, dswing = B * sin2, dB * sin2
+            rho = c + twice * (E + swing)
+            both = rho + c
+            D = A + swing
+            under = both * D
+            # One quotient has those by rho, both and D.
+            all_ = 1 / (rho * under)
+            by_rho = all_ * under
+            density = square_root(twice * (all_ * rho)) * (step * (above + below) * flat)
+            # The rate of c / (rho sqrt((rho + c) D)) by the unknown, twice, from its logarithm.
+            drho = dc + twice * (dE + dswing)
+            twice_rate = (
+                2 * drho * by_rho
+                + (drho + dc) * (all_ * (rho * D))
+                + (dA + dswing) * (all_ * (rho * both))
+            )
+            turned_by = turned_by + c * by_rho * density
+            rate_by = rate_by + (dc - half_c * twice_rate) * by_rho * density
+            length_by = length_by + rho * density
+        turned[k] = turned_by
+        rate[k] = rate_by
+        length[k] = length_by
+
+
+def _stretched(torus, way):
+    """Return by which substitution the integrals of a way are taken.
+
+    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
+    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
+    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
+    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
+    """
+    c, (A, B, E), (sine, cosine), (across, along) = way.c, way.shape, way.first, way.span
+    tangent = sine / (1 + cosine)  # of half of the lower limit
+    first = tangent / (1 + square_root(1 + tangent * tangent))
+    # Half of the span, by the root of what doesn't cancel.
+    short = along > 0
+    long_side = square_root((1 + abs(along)) / 2)
+    short_side = across / (2 * long_side)
+    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
+    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
+    last = first + width
+    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
+    narrow = larger(smaller(A, E + c / (2 * torus.R)), 0.0) / B
+    narrow = smaller(narrow, 1e100)
+    half = square_root(narrow) / (1 + square_root(1 + narrow))
+    peak = half / (1 + square_root((1 - half) * (1 + half)))
+    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
+    past = larger(first, 0.0)
+    a0 = larger(square_root(peak * peak + past * past), 1e-30)
+    x = first / a0
+    z = last / a0
+    root_x = square_root(1 + x * x)
+    root_z = square_root(1 + z * z)
+    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
+    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
+    right = x > 0
+    shared = where(right, z * root_x + x * root_z, 1.0)
+    apart = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
+    lead = where(right, x + root_x, 1 / (root_x - x))
+    return lead, z + root_z, a0 / 2, area_sine(apart)
+
+
+def moving(torus, way):
+    """Return what the motion of the limits adds to the rate of the turned angle."""
+    (sine, cosine), (across, along) = way.first, way.span
+    upper = sine * along + cosine * across
+    first = _density(torus, way, sine * sine)
+    last = _density(torus, way, upper * upper)
+    return way.motion[1] * last - way.motion[0] * first
+
+
+def _density(torus, way, sin2):
+    """Return the rate of the turned angle by t."""
+    c, (A, B, E) = way.c, way.shape
+    rho = c + 2 * torus.R * (E + B * sin2)
+    return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
+
+
+def folded(rows, count):
+    """Return the sums of so many values of each of three rows, which change.
+
+    The order is kept: halves are added to each other as long as they are even.
+    """
+    turned, rate, length = rows[0], rows[1], rows[2]
+    while count % 2 == 0:
+        count = count // 2
+        for k in range(count):
+            turned[k] += turned[count + k]
+            rate[k] += rate[count + k]
+            length[k] += length[count + k]
+    turned_sum, rate_sum, length_sum = turned[0], rate[0], length[0]
+    for k in range(1, count):
+        turned_sum = turned_sum + turned[k]
+        rate_sum = rate_sum + rate[k]
+        length_sum = length_sum + length[k]
+    return turned_sum, rate_sum, length_sum
+
+
+# ---- the root ----------------------------------------------------------------
 
 
 @cache
@@ -62,6 +562,67 @@ def rule(count):
 def on_working_sheet(torus, a, angle):
     """Return where few nodes do, found by doubling them until nothing changed."""
     return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
+
+
+def search(torus, ends, angle, begin, outside, hard, nodes, rows):
+    """Return the way of `outer`, or else of `inner`, that turns by an angle, of plain numbers.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    ends : Ends
+        The ends.
+    angle : float
+        The turned angle, in rad.
+    begin : (u, scale, low)
+        As by `start`.
+    outside, hard : bool
+        Whether it is of `outer`, and one that takes three legs.
+    nodes : (shares and weights, count)
+        A quadrature's, of which so many count.
+    rows : (3, m) float
+        Room for what nodes add.
+
+    Returns
+    -------
+    settled : bool
+        Whether Newton's method came to an end.
+    length, c, cos_a, cos_b : float
+        Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
+    """
+    u, scale, low = begin
+    high = math.inf
+    before = 0.0
+    total = math.nan
+    done = False
+    for _ in range(ROUNDS):
+        way = outer(torus, ends, u) if outside else inner(torus, ends, u)
+        if done:  # this call of the class was for the azimuths at the last unknown alone
+            return True, total, way.c, way.cosines[0], way.cosines[1]
+        if hard:
+            turned = rate = length = 0.0
+            for leg in in_legs(way):
+                parts = _summed(torus, leg, nodes, rows)
+                turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
+        else:
+            turned, rate, length = _summed(torus, way, nodes, rows)
+        miss = angle - turned
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        # For a given angle the length is stationary in c: what u lacked hardly matters.
+        total = length + way.c * miss
+        reached = turned + where(step == 0, 0.0, rate * step)
+        if done and not abs(reached - angle) <= AGREES:
+            break  # the class ends before it turns so far
+    return False, math.nan, math.nan, math.nan, math.nan
+
+
+def _summed(torus, way, nodes, rows):
+    """Return what `integrate` does, by the nodes of a rule, of which so many count."""
+    shares, count = nodes
+    add_nodes(torus, way, shares, rows)
+    turned, rate, length = folded(rows, count)
+    return turned, rate + moving(torus, way), length
 
 
 @np.errstate(divide="ignore", invalid="ignore")
@@ -85,9 +646,10 @@ def solve(family, torus, ends, a, b, angle, low=None):
 
     Returns
     -------
-    root : Root
-        With the turned angle that was reached, to be compared with the given one; NaN where
-        Newton's method doesn't settle.
+    found : (5, n) float
+        The turned angle that was reached, in rad, to be compared with the given one; length and
+        Clairaut's constant, in m; the cosines of the azimuths at a and b. NaN where Newton's
+        method doesn't settle.
     """
     found = np.full((5, a.size), np.nan)
     if low is not None:
@@ -109,7 +671,7 @@ def solve(family, torus, ends, a, b, angle, low=None):
             block = index[first : first + BLOCK]
             some = (Ends(*(value[block] for value in ends)), angle[block])
             found[:, block] = _newton(form, torus, *some, *(v[block] for v in begin), count)
-    return Root(*found)
+    return found
 
 
 def integrate(torus, way, count):
@@ -132,124 +694,16 @@ def integrate(torus, way, count):
     if isinstance(way, list):
         turned, rate, length = zip(*(integrate(torus, leg, count) for leg in way), strict=True)
         return sum(turned), sum(rate), sum(length)
-    shares, weights = (row[:, None] for row in rule(count))
-    sums = two_nodes(torus, way, stretched(torus, way), shares, weights)
-    turned, rate, length = (folded(values, count // 2) for values in sums)
+    columns = [[row[:, None]] for row in rule(count)]
+    rows = [[None], [None], [None]]
+    add_nodes(torus, way, columns, rows)
+    turned, rate, length = folded([values for (values,) in rows], count // 2)
     return turned, rate + moving(torus, way), length
 
 
 def _outer_in_legs(torus, ends, u):
     """Return `outer` as a list of legs."""
     return list(in_legs(outer(torus, ends, u)))
-
-
-def stretched(torus, way):
-    """Return by which substitution the integrals of a way are taken.
-
-    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
-    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
-    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
-    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
-    """
-    first = _tangent_of_half(way.sine / (1 + way.cosine))
-    # Half of the span, by the root of what doesn't cancel.
-    short = way.along > 0
-    long_side = square_root((1 + abs(way.along)) / 2)
-    short_side = way.across / (2 * long_side)
-    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
-    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
-    last = first + width
-    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
-    narrow = larger(smaller(way.A, way.E + way.c / (2 * torus.R)), 0.0) / way.B
-    narrow = smaller(narrow, 1e100)
-    half = square_root(narrow) / (1 + square_root(1 + narrow))
-    peak = half / (1 + square_root((1 - half) * (1 + half)))
-    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
-    past = larger(first, 0.0)
-    a0 = larger(square_root(peak * peak + past * past), 1e-30)
-    x = first / a0
-    z = last / a0
-    root_x = square_root(1 + x * x)
-    root_z = square_root(1 + z * z)
-    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
-    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
-    right = x > 0
-    shared = where(right, z * root_x + x * root_z, 1.0)
-    sine = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
-    lead = where(right, x + root_x, 1 / (root_x - x))
-    return Stretch(a0 / 2, lead, z + root_z, area_sine(sine))
-
-
-def two_nodes(torus, way, stretch, share, weight):
-    """Return what the nodes at a share of the way from its ends add to each integral.
-
-    On a `torus`, by the `stretch` of the way; both have the same `weight`.
-    """
-    grown = 1 + growth(stretch.width * share)
-    shrunk = 1 / grown
-    step = weight * (stretch.width * stretch.half)
-    one = _node(torus, way, stretch.half, step, stretch.first * grown, shrunk / stretch.first)
-    other = _node(torus, way, stretch.half, step, stretch.last * shrunk, grown / stretch.last)
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
-
-
-def _node(torus, way, half, step, grown, shrunk):
-    """Return what a node adds to the turned angle, its rate by the unknown, and the length."""
-    v = half * (grown - shrunk)
-    dv = step * (grown + shrunk)
-    v2 = v * v
-    below = 1 / (1 + v2)
-    sine = 4 * v * (1 - v2) * (below * below)
-    sin2 = sine * sine
-    twice = 2 * torus.R
-    rho = way.c + twice * (way.E + way.B * sin2)
-    both = rho + way.c
-    D = way.A + way.B * sin2
-    under = both * D
-    # One quotient has those by rho, both and D.
-    all_ = 1 / (rho * under)
-    by_rho = all_ * under
-    density = square_root(twice * (all_ * rho)) * (4 * dv * below)
-    # The rate of c / (rho sqrt((rho + c) D)) by the unknown, from its logarithm.
-    drho = way.dc + twice * (way.dE + way.dB * sin2)
-    dD = way.dA + way.dB * sin2
-    spread = (
-        drho * by_rho + (drho + way.dc) / 2 * (all_ * (rho * D)) + dD / 2 * (all_ * (rho * both))
-    )
-    turned = way.c * by_rho * density
-    rate = (way.dc - way.c * spread) * by_rho * density
-    return turned, rate, rho * density
-
-
-def moving(torus, way):
-    """Return what the motion of the limits adds to the rate of the turned angle."""
-    sine = way.sine * way.along + way.cosine * way.across
-    first = _density(torus, way, way.sine * way.sine)
-    last = _density(torus, way, sine * sine)
-    return way.dlast * last - way.dfirst * first
-
-
-def _density(torus, way, sin2):
-    """Return the rate of the turned angle by t."""
-    rho = way.c + 2 * torus.R * (way.E + way.B * sin2)
-    return way.c / rho * square_root(2 * torus.R / ((rho + way.c) * (way.A + way.B * sin2)))
-
-
-def folded(values, count):
-    """Return the sum of so many values, or rows of them, which change, in an order that is kept."""
-    while count % 2 == 0:
-        count = count // 2
-        for k in range(count):
-            values[k] += values[count + k]
-    total = values[0]
-    for k in range(1, count):
-        total = total + values[k]
-    return total
-
-
-def _tangent_of_half(tangent):
-    """Return the tangent of half of an angle from its own."""
-    return tangent / (1 + square_root(1 + tangent * tangent))
 
 
 def newton(u, miss, rate, scale, low, high, before):
@@ -279,7 +733,7 @@ def newton(u, miss, rate, scale, low, high, before):
 
 
 def _newton(family, torus, ends, angle, u, scale, low, count):
-    """Return the rows of a `Root`, each sought from u and within a bracket."""
+    """Return what `solve` does of geodesics alike, each sought from u and within a bracket."""
     high = np.full_like(u, np.inf)
     before = np.zeros_like(u)
     left = np.arange(u.size)
@@ -296,7 +750,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
             # For a given angle the length is stationary in c: what u lacked hardly matters.
             reached = turned + where(step == 0, 0.0, rate * step)  # with a level start no rate
             total = length + now.c * miss
-            found[:, left[done]] = reached[done], total[done], end.c, end.cos_a, end.cos_b
+            found[:, left[done]] = reached[done], total[done], end.c, *end.cosines
             if np.all(done):
                 return found
         # The others go on without those that are done.
@@ -311,7 +765,7 @@ def _newton(family, torus, ends, angle, u, scale, low, count):
     end = way[-1] if isinstance(way, list) else way
     near = np.abs(turned - angle) * max(torus.r / torus.R, 1) <= AGREES
     turned = np.where(near, turned, np.nan)
-    found[:, left] = turned, length + end.c * (angle - turned), end.c, end.cos_a, end.cos_b
+    found[:, left] = turned, length + end.c * (angle - turned), end.c, *end.cosines
     return found
 
 
@@ -336,14 +790,16 @@ def start(torus, ends, a, b, angle):
     sine = up / size
     # x of that azimuth: rho_a - c = 2R x^2 with c = rho_a cos(tilt), 1 - cos as sin^2 / (1 + cos).
     x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
-    X = room(torus, ends)
+    X = ends.room
     # From x to u, kept off both ends of the class.
     share = smaller(larger(x / X, 0.0), 0.95)
-    risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
-    guess = where(x > 0, risen, 0.99 * x)
+    guess = 0.99 * x
+    if some(x > 0):
+        risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
+        guess = where(x > 0, risen, guess)
     # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
     if wide(torus):
-        L = square_root(rho_a / (2 * R))
+        L = ends.meridian
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
         times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
         far = 2 * area_sine((times - 1 / times) / 2)

@@ -1,50 +1,58 @@
 """The inverse problem: the shortest geodesic between two positions on a torus, and its rivals.
 
 Clairaut's first integral turns it into one equation for each class of geodesics; the direct
-problem, which integrates the equations themselves, checks it.
+problem, which follows a geodesic from its start, checks it. Ends come in a normal form; `answer` is
+the whole way from two ends to numbers, for plain numbers and compiled loops; arrays take the same
+steps for all pairs at once. Kinds and certificates are codes, places in `KINDS` and `CERTIFICATES`.
 """
 
-from functools import partial
+import math
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Positions, checked
+from ..arguments import Positions, checked, none_outside
 from ..kernels import compiled
-from ..kernels.elementwise import NUMBERS, divided
+from ..kernels.compiled import loop
+from ..kernels.elementwise import NUMBERS, PLAIN, divided, larger, ratio, some, square_root, where
+from ..kernels.exact import two_sum
+from ..kernels.repeatable import arctangent, reduced
 from ..surfaces import Torus
-from .bounds import check_ratio
-from .geodesic import Geodesic
-from .geodesic_classes import Ends, ends_of, half_swing_by_the_node, inner, outer, second
-from .geodesic_pair import (
-    INNER,
-    MERIDIAN,
-    NONE,
-    OPEN,
-    OUTER,
-    POINT,
-    EndPair,
-    Way,
-    azimuths,
-    certificate,
-    conjugate_turn,
-    find,
-    level,
-    normal_form,
-    padded,
-    radii,
-    through,
-    turn_and_ends,
-)
+from .bounds import Count, check_ratio
+from .direct_problem import followed
 from .geodesic_root import (
     AGREES,
     NODES,
     NODES_OF_RING,
     NODES_OF_WORKING_SHEET,
+    PI_REST,
+    Ends,
+    Radii,
+    ends_at,
+    half_angles,
+    half_swing_by_the_node,
+    inner,
     integrate,
+    on_working_sheet,
+    outer,
+    peaked,
     rule,
+    search,
+    second,
     solve,
+    start,
 )
 
+KINDS = np.array(["none", "point", "meridian", "outer", "inner"])
+CERTIFICATES = np.array(["", "meridian", "only", "first"])
+NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
+OPEN = len(KINDS)  # plain numbers leave the pair to arrays
+
+LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
+NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
+LARGE = 2.0**500  # times it, what is below NEAR keeps its digits, however small it is
 WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
@@ -55,7 +63,92 @@ BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
 # s for a pair, on the working sheet and on a ring.
 BY_ARRAYS = 8e-6, 35e-6
-ONE_BY_ONE = 2e-4, 7e-4
+ONE_BY_ONE = 1e-4, 4e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Geodesic:
+    """Shortest geodesics between pairs of points: made by `geodesic_inverse`.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    p, q : (..., 2) float
+        Joint positions (theta, phi) of the ends, in rad.
+    length : (...) float
+        In m; NaN where there is no answer.
+    azimuth1, azimuth2 : (...) float
+        Directions at p and q, in rad; NaN where the ends coincide or there is no answer.
+    clairaut : (...) float
+        rho sin(azimuth), in m, the same all along.
+    kind_code, certificate_code : (...) uint8
+        What `kind` and `certificate` say in words.
+    """
+
+    torus: Torus
+    p: np.ndarray
+    q: np.ndarray
+    length: np.ndarray
+    azimuth1: np.ndarray
+    azimuth2: np.ndarray
+    clairaut: np.ndarray
+    kind_code: np.ndarray
+    certificate_code: np.ndarray
+
+    @property
+    def kind(self):
+        """Return kinds as (...) str.
+
+        "meridian", "outer", "inner" (over the inner equator of a ring torus, or through the node
+        of a horn), "point" (the ends coincide), or "none" where an end isn't on the working sheet.
+        """
+        return KINDS[self.kind_code]
+
+    @property
+    def certificate(self):
+        """Return why each is the shortest, as (...) str: see `geodesic_inverse`.
+
+        "meridian", "only" or "first"; empty where there is no answer, and of rivals.
+        """
+        return CERTIFICATES[self.certificate_code]
+
+    @property
+    def converged(self):
+        """Return where there is an answer, whose turned angle is met to 1e-9 rad, as (...) bool."""
+        return self.kind_code != NONE
+
+    @property
+    def certified(self):
+        """Return where it is proved that nothing is shorter, as (...) bool."""
+        return self.certificate_code != 0
+
+    @checked
+    def points(self, n: Count):
+        """Return points of each geodesic, equally spaced in arc.
+
+        Parameters
+        ----------
+        n : int
+            Number of points, both ends included, from 2 to a million, and at most 5 million of
+            all geodesics together.
+
+        Returns
+        -------
+        points : GeodesicPoints
+            As by `geodesic_direct`; NaN where there is no answer. On a ring that is nearly a horn,
+            or very wide, geodesics by the inner equator part so fast that the last point lies
+            beside q: by 3e-7 m on Torus(1 + 1e-7, 1), by 0.01 m on r = 100 R. The length holds.
+        """
+        azimuth = np.where(self.kind_code == POINT, 0.0, self.azimuth1)
+        way = followed(self.torus, self.p, azimuth, self.length, n, self.clairaut)
+        if self.torus.r == self.torus.R:
+            # Through the node of a horn, where the meridians of both ends meet.
+            turn, phi, _ = turn_and_ends(self.p, self.q).T.reshape(3, *self.p.shape[:-1], 1)
+            passed = way.s > self.torus.R * (np.pi - abs(phi))
+            through = (self.kind_code == INNER)[..., None] & passed
+            way.position[..., 0] += np.where(through, turn, 0.0)
+        return way
 
 
 @checked
@@ -120,21 +213,22 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     (nan, 'none')
     """
     check_ratio(torus)
-    p, q = np.broadcast_arrays(p, q)
+    if p.shape != q.shape:
+        p, q = np.broadcast_arrays(p, q)
     shape = p.shape[:-1]
     ends = turn_and_ends(p, q)
     size, unit = radii(torus)
-    answers = np.empty((4, len(ends)))
-    codes = np.empty((2, len(ends)), np.uint8)
+    answers = np.empty((6, len(ends)))
     each = ONE_BY_ONE if len(ends) <= FEW else BY_ARRAYS
     compiled.expect(each[size.r > size.R] * len(ends), "geodesics")
 
-    def answer(block):
-        answers[:, block], codes[:, block] = _shortest(size, ends[block])
+    def fill(block):
+        answers[:, block] = _answers(size, ends[block])
 
-    compiled.each_block(answer, len(ends), BLOCK, "geodesics")
-    answers[::3] *= unit  # length and Clairaut's constant
-    return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in (*answers, *codes)))
+    compiled.each_block(fill, len(ends), BLOCK, "geodesics")
+    answers[0:4:3] *= unit  # length and Clairaut's constant
+    fields = *answers[:4], *answers[4:].astype(np.uint8)
+    return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in fields))
 
 
 @checked
@@ -180,10 +274,10 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     least = _least_second(size, pair)
     long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
     # Both at once, which takes a pair hardly longer than one.
-    both = EndPair(*map(np.append, pair, long_way))
+    both = EndPair(*(np.concatenate(two, axis=-1) for two in zip(pair, long_way, strict=True)))
     later = _second_arrivals(size, both, np.tile(least, 2))
     classes = _near_side(size, both), *later, _inside(size, both)
-    found = [(*_finished(size, both, one), one.kind) for one in classes]
+    found = [(one.length, *azimuths(both, one), one.kind) for one in classes]
     *answers, kinds = (
         np.concatenate(np.split(np.stack(field), 2, axis=1)) for field in zip(*found, strict=True)
     )
@@ -197,47 +291,290 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     return Geodesic(torus, *(np.broadcast_to(end, (*shape, 2)) for end in (p, q)), *fields)
 
 
-def _shortest(size, ends):
-    """Return length, azimuths and c (4, n), and codes (2, n), of `turn_and_ends` (n, 3)."""
+# ---- ends, and ways that need no search --------------------------------------
+
+
+class EndPair(NamedTuple):
+    """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
+
+    What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
+    tells where the ends were exchanged. `on_sheet` tells where both are on the working sheet,
+    `halves` are the `half_angles` of both.
+    """
+
+    a: np.ndarray
+    b: np.ndarray
+    angle: np.ndarray
+    mirror: np.ndarray
+    side: np.ndarray
+    swap: np.ndarray
+    on_sheet: np.ndarray
+    halves: tuple
+
+
+class Way(NamedTuple):
+    """A geodesic between ends in normal form.
+
+    Parameters
+    ----------
+    kind : (...) int
+        Its code.
+    length, c : (...) float
+        Its length and Clairaut's constant, in m.
+    cos_a, cos_b : (...) float
+        Cosines of its azimuths.
+    """
+
+    kind: np.ndarray
+    length: np.ndarray
+    c: np.ndarray
+    cos_a: np.ndarray
+    cos_b: np.ndarray
+
+
+def radii(torus):
+    """Return the `Radii` of a torus, and their unit in m."""
+    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
+    return Radii(float(torus.r / unit), float(torus.R / unit)), unit
+
+
+def turn_and_ends(p, q):
+    """Return the turns from p to q (..., 2), and phi of both (n, 3), in rad, from -pi to pi."""
+    p, q = p.reshape(-1, 2), q.reshape(-1, 2)
+    found = np.empty((len(p), 3))
+    found[:, 0] = q[:, 0] - p[:, 0]
+    found[:, 1] = p[:, 1]
+    found[:, 2] = q[:, 1]
+    if not none_outside(found, -math.pi, math.pi):
+        # What the difference of far angles loses may be more than pi.
+        turn, rest = two_sum(q[:, 0], -p[:, 0])
+        found[:, 0] = reduced(turn) + reduced(rest)
+        found = reduced(found)
+    return found
+
+
+def normal_form(torus, turn, phi1, phi2):
+    """Return ends on a torus, phi1 and phi2, and the turn between, as an `EndPair`.
+
+    All are in rad, from -pi to pi.
+    """
+    angle = abs(turn)
+    # The end farther from the outer equator comes first, mirrored to phi >= 0.
+    swap = abs(phi2) > abs(phi1)
+    a = where(swap, phi2, phi1)
+    b = where(swap, phi1, phi2)
+    mirror = where(a < 0, -1.0, 1.0)
+    a = a * mirror
+    b = b * mirror
+    # So near the outer equator, for their turn, ends are on it to the last digit of the way between
+    # them and of its azimuths, and products of their sines would vanish.
+    flat = torus.R * a < LEVEL * ((torus.r + torus.R) * angle)
+    a = where(flat, 0.0, a)
+    b = where(flat, 0.0, b)
+    halves = half_angles(torus, a, b)
+    # At a node itself there is no tangent plane: it isn't on the sheet.
+    rho_a, _ = halves[4:]
+    on_sheet = rho_a > 0
+    return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet, halves)
+
+
+def level(torus, pair):
+    """Return as a `Way` what needs no search: a meridian, the outer equator, ends all but one."""
+    a, b, angle = pair.a, pair.b, pair.angle
+    # On one meridian c = 0, the end of the class, which a search would only near.
+    meridian = pair.on_sheet & (angle == 0)
+    # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
+    # sin(phi/2) vanishes all along and leaves no quadrature.
+    equator = (angle > 0) & (a == 0) & (angle <= conjugate_turn(torus))
+    span = torus.r + torus.R
+    kind = where(equator, OUTER, where(meridian, where(a == b, POINT, MERIDIAN), NONE))
+    length = where(equator, span * angle, where(meridian, torus.R * (a - b), math.nan))
+    c = where(equator, span, where(meridian, 0.0, math.nan))
+    cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
+    near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
+    if some(near):
+        rho_a, _ = pair.halves[4:]
+        across = where(near, rho_a * (LARGE * angle), 1.0)
+        down = where(near, torus.R * (LARGE * (a - b)), 0.0)
+        most = larger(across, down)  # over it, squares are neither too small nor too large
+        part, rest = ratio(across, most), ratio(down, most)
+        size = most * square_root(part * part + rest * rest)
+        kind = where(near, OUTER, kind)
+        length = where(near, size / LARGE, length)
+        c = where(near, rho_a * ratio(across, size), c)
+        cosine = where(near, -ratio(down, size), cosine)
+    return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
+
+
+def through(torus, pair):
+    """Return the way along two meridians, over phi = pi, the node of a horn."""
+    # Twice pi less a and -b, to the last digit.
+    span = ((math.pi - pair.a) + (math.pi + pair.b)) + 2 * PI_REST
+    return Way(INNER, torus.R * span, 0.0, 1.0, 1.0)
+
+
+def conjugate_turn(torus):
+    """Return the turn to the first conjugate point on the outer equator, the least half swing."""
+    return math.pi * math.sqrt(torus.R / (torus.r + torus.R))
+
+
+def azimuths(pair, way):
+    """Return the azimuths at the ends as they were given, and c."""
+    # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
+    # and of the sine twice, since the turn is reckoned from the other end, too.
+    back = pair.mirror * where(pair.swap, -1.0, 1.0)
+    c = pair.side * way.c
+    rho_a, rho_b = pair.halves[4:]
+    first = arctangent(ratio(c, rho_a), back * way.cos_a)
+    last = arctangent(ratio(c, rho_b), back * way.cos_b)
+    undirected = way.kind <= POINT
+    first = where(undirected, math.nan, first)
+    last = where(undirected, math.nan, last)
+    return where(pair.swap, last, first), where(pair.swap, first, last), c
+
+
+def certificate(torus, pair, kind):
+    """Return the code of why a way of some kind is the shortest."""
+    # Within half of the shortest swing there is no second arrival.
+    only = (pair.angle <= conjugate_turn(torus)) & (pair.angle < math.pi)
+    found = where((kind == MERIDIAN) | (kind == POINT), 1, where(only, 2, 3))
+    return where(kind == NONE, 0, found)
+
+
+# ---- the shortest way ---------------------------------------------------------
+
+
+@cache
+def padded(count):
+    """Return shares and weights of a `rule`, some of no weight, eight at a time."""
+    shares, weights = rule(count)
+    rest = -len(shares) % 8
+    return np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+
+
+@cache
+def listed(count):
+    """Return the same of a `rule` as it is, as lists for plain Python."""
+    return [row.tolist() for row in rule(count)]
+
+
+@loop(inlined=("growth", "two_to_bits", "add_nodes"))
+def find(torus, ends, few, many, rows, answers):
+    """Write down the `answer` to each of some pairs of ends.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    ends : (n, 3) float
+        The turn between the ends and phi of both, in rad, from -pi to pi.
+    few, many : tuple
+        Quadratures, `padded` or `listed`, and how many of their nodes count: for the working sheet
+        and elsewhere.
+    rows : (3, m) float
+        Room for what nodes add, m at least as many as there are.
+    answers : (6, n) float
+        Filled with what `answer` returns.
+    """
+    for i in range(len(ends)):
+        found = answer(torus, ends[i][0], ends[i][1], ends[i][2], few, many, rows)
+        for k in range(6):
+            answers[k][i] = found[k]
+
+
+def answer(torus, turn, phi1, phi2, few, many, rows):
+    """Return the shortest way between two ends as numbers.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    turn, phi1, phi2 : float
+        The turn between the ends and phi of both, in rad, from -pi to pi.
+    few, many, rows
+        As of `find`.
+
+    Returns
+    -------
+    length, azimuth1, azimuth2, clairaut : float
+        In m and rad.
+    kind, certificate : float
+        Their codes; the kind is `OPEN` where arrays have to answer.
+    """
+    pair = normal_form(torus, turn, phi1, phi2)
+    way = _shortest(torus, pair, few, many, rows)
+    first, last, c = azimuths(pair, way)
+    kind = way.kind + 0.0
+    return way.length, first, last, c, kind, certificate(torus, pair, way.kind) + 0.0
+
+
+def _shortest(torus, pair, few, many, rows):
+    """Return the shortest `Way`; its kind is `OPEN` where that takes more than this."""
+    a, b, angle = pair.a, pair.b, pair.angle
+    way = level(torus, pair)
+    if not pair.on_sheet:
+        return way
+    # Arrays look at the other way along a meridian, and at the inner equator.
+    if torus.r >= torus.R and (angle == 0 or (a == math.pi and abs(b) == math.pi)):
+        return Way(OPEN, *way[1:])
+    if way.kind != NONE:
+        return way
+    ends = ends_at(torus, a, b, pair.halves)
+    sheet = on_working_sheet(torus, a, angle)
+    nodes = few if sheet else many
+    begin = start(torus, ends, a, b, angle)
+    hard = not sheet and peaked(torus, ends, b, angle)
+    found = search(torus, ends, angle, begin, True, hard, nodes, rows)
+    way = Way(OUTER if found[0] else OPEN, *found[1:])
+    # Over the inner equator only between opposite halves: else the outside is shorter.
+    if b < 0 and way.kind != OPEN:
+        if torus.r > torus.R:
+            found = search(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, rows)
+            if not found[0] or found[1] < way.length:
+                return Way(INNER if found[0] else OPEN, *found[1:])
+        elif torus.r == torus.R:
+            other = through(torus, pair)
+            if other.length < way.length:
+                return other
+    return way
+
+
+def _answers(size, ends):
+    """Return what `answer` does, (6, n), of `turn_and_ends` (n, 3)."""
     ready = compiled.ready("geodesics")
     if not ready and len(ends) > FEW:
-        return _shortest_by_arrays(size, ends)
-    answers = np.empty((4, len(ends)))
-    codes = np.empty((2, len(ends)), np.uint8)
+        return _answers_by_arrays(size, ends)
     many = NODES_OF_RING if size.r > size.R else NODES
-    rules = padded(NODES_OF_WORKING_SHEET), padded(many)
-    counts = NODES_OF_WORKING_SHEET // 2, many // 2
-    rows = np.empty((3, max(one.shape[1] for one in rules)))
-    arguments = size, ends, *rules, counts, rows, answers, codes
+    form = padded if ready else listed
+    few, many = ((form(count), count // 2) for count in (NODES_OF_WORKING_SHEET, many))
+    answers = np.empty((6, len(ends)))
     if ready:
-        compiled.call(find, *arguments, **{**NUMBERS, "ratio": divided})
+        rows = np.empty((3, many[0].shape[1]))
+        compiled.call(find, size, ends, few, many, rows, answers, **{**NUMBERS, "ratio": divided})
     else:
+        rows = [[0.0] * many[1] for _ in range(3)]
         try:
-            compiled.call_plain(find, *arguments)
-        except ZeroDivisionError:  # a product of numbers below 1e-150, which arrays divide by
-            return _shortest_by_arrays(size, ends)
-    open_ = np.flatnonzero(codes[0] == OPEN)
-    if open_.size:
-        answers[:, open_], codes[:, open_] = _shortest_by_arrays(size, ends[open_])
-    return answers, codes
+            compiled.call_plain(find, size, ends, few, many, rows, answers, **PLAIN)
+        except (ZeroDivisionError, ValueError):
+            # A product of numbers below 1e-150, which arrays divide by, or a root of what rounding
+            # left below zero, which is NaN there.
+            return _answers_by_arrays(size, ends)
+    open_ = [i for i, kind in enumerate(answers[4].tolist()) if kind == OPEN]
+    if open_:
+        answers[:, open_] = _answers_by_arrays(size, ends[open_])
+    return answers
 
 
-def _shortest_by_arrays(size, ends):
+def _answers_by_arrays(size, ends):
     """Return the same."""
     pair = normal_form(size, *ends.T)
     outside = _near_side(size, pair)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     inside = _inside(size, pair, pair.b < 0)
     nearer = inside.length < np.where(outside.kind == NONE, np.inf, outside.length)
-    shortest = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
-    codes = shortest.kind, certificate(size, pair, shortest.kind)
-    return _finished(size, pair, shortest), codes
-
-
-def _finished(size, pair, way):
-    """Return length, azimuths and c of ways between the ends as they were given."""
-    first, last, c = azimuths(size, pair, way)
-    return way.length, first, last, c
+    way = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
+    first, last, c = azimuths(pair, way)
+    return way.length, first, last, c, way.kind, certificate(size, pair, way.kind)
 
 
 def _settle(ways, where, kind, *values):
@@ -277,7 +614,7 @@ def _least_second(torus, pair):
     """Return the unknown of `second` with which the turned angle is least, and that angle."""
     index = np.flatnonzero(pair.on_sheet)
     a = pair.a[index]
-    ends = ends_of(torus, a, pair.b[index])
+    ends = ends_at(torus, a, pair.b[index], [value[index] for value in pair.halves])
     unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
     bracket = np.stack([-FARTHEST * unit, -NEAREST * unit])
@@ -339,9 +676,9 @@ def _search(torus, family, pair, possible, ways, low=None):
     """Write down the ways of a class that reach their turned angle."""
     index = np.flatnonzero(possible)
     a, b, angle = (array[index] for array in pair[:3])
-    ends = ends_of(torus, a, b)
+    ends = ends_at(torus, a, b, [value[index] for value in pair.halves])
     found = solve(family, torus, ends, a, b, angle, None if low is None else low[index])
-    reached = np.abs(found.turned - angle) <= AGREES
+    reached = np.abs(found[0] - angle) <= AGREES
     index = index[reached]
     ways.kind[index] = INNER if family is inner else OUTER
     for array, value in zip(ways[1:], found[1:], strict=True):
@@ -350,7 +687,7 @@ def _search(torus, family, pair, possible, ways, low=None):
         index = np.flatnonzero(possible)[~reached]
         a, b, angle = (array[index] for array in pair[:3])
         far = WOUND * (np.cos(a / 2) if family is outer else np.ones_like(a))
-        ends = ends_of(torus, a, b)
+        ends = ends_at(torus, a, b, half_angles(torus, a, b))
         wound = integrate(torus, family(torus, ends, far), NODES)[0] < angle
         _wind(torus, pair, family, index[wound], ways)
 

@@ -189,7 +189,7 @@ def simulate(
         raise ValueError("cost: needs tasks, and they need it; got only one of both.")
     if tasks is not None:
         _check_tasks(plan, tasks, cost)
-    setvalues, slopes = _whole(plan)
+    setvalues, slopes = whole_run(plan)
     first = int(plan.entry.ticks.sum())
     last = first + plan.laps * int(plan.ticks.sum())
     face = None
@@ -237,7 +237,7 @@ def simulate(
     )
 
 
-def _whole(plan):
+def whole_run(plan):
     """Return set-values (n + 1, 2) and slopes (n, 2) from the entry to the exit."""
     # The cutter rests at the lap's begin, so that runs one after the other share a tick there.
     runs = [plan.entry, *[plan] * plan.laps, plan.leave]
@@ -272,7 +272,7 @@ def expected_seconds(
         For running the axes and for cutting the wall: as long as a few of its ticks take, here
         and now, times their number.
     """
-    setvalues, slopes = _whole(plan)
+    setvalues, slopes = whole_run(plan)
     expect_run(plant, plan.tick, len(slopes))
     expect(MOVE * len(slopes), "grid")
     # Imports, and compiles, what the run will need.

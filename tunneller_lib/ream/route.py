@@ -72,20 +72,28 @@ class Route:
         half width h, with c(x) = 3/16 + 3 x^2/8 - x^4/16, which meets |x| / 2 at x = 1 and -1 up to
         its second derivative. The corner is missed by 3/16 |J| h.
         """
-        k = self._segment(length)
+        k, corner, bump = self.rounding(length, order=order)
         lengths = np.diff(self.ends)
         u = (length - self.ends[k]) / lengths[k]
         pieces = self.splines.shape[1]
         i = np.clip(np.floor(u * pieces), 0, pieces - 1).astype(int)
         found = _power(self.splines[:, i, k], (u - i / pieces)[..., None], order)
         found = found / (lengths[k] ** order)[..., None]
+        return found + self.kinks[corner] * bump[..., None]
+
+    def rounding(self, length, *, order=0):
+        """Return the way between knots, the corner, and the factor of its kink at each length.
+
+        With that factor the kink is added to a sharp way, or to a derivative of some `order` of it.
+        """
+        k = np.clip(np.searchsorted(self.ends, length, side="right") - 1, 0, len(self.ends) - 2)
+        u = (length - self.ends[k]) / np.diff(self.ends)[k]
         first = u < 0.5
         corner = np.where(first, k, k + 1)
         h = self.halves[corner]
         x = (length - self.ends[corner]) / np.where(h > 0, h, 1)
         bump = np.where((h > 0) & (np.abs(x) < 1), _bump(x, np.where(first, 1.0, -1.0), order), 0)
-        scale = np.where(h > 0, h, 1) ** (1.0 - order)
-        return found + self.kinks[corner] * (bump * scale)[..., None]
+        return k, corner, bump * np.where(h > 0, h, 1) ** (1.0 - order)
 
     @checked
     def place(self, length: Lengths):
@@ -96,10 +104,6 @@ class Route:
     def length_at(self, place: Lengths):
         """Return the lengths of way (...), in m, at arc lengths along the offset section."""
         return np.interp(place, self.places, self.ends)
-
-    def _segment(self, length):
-        """Return the number (...) of the way between knots on which a length lies."""
-        return np.clip(np.searchsorted(self.ends, length, side="right") - 1, 0, len(self.ends) - 2)
 
 
 def path_points(torus, path):

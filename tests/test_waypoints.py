@@ -1,17 +1,22 @@
-"""The exported slow task, run: its waypoints are the library's corrected chord."""
+"""Waypoints in Structured Text for a controller that gets its knots as it goes, run.
 
+They are the library's corrected chord. Their cost is measured by references/controller_cycles.py.
+"""
+
+import csv
 import ctypes
-import operator
 
 import numpy as np
 import pytest
 
-from tests import structured_text
+from tests.references.controller_cycles import waypoints_c99, waypoints_text
+from tests.references.waypoint_operations import COLUMNS, TABLE, rows
 from tests.structured_text import FunctionBlock, check_names
 from tests.test_export import built, check_indents, compilers
-from tunneller_lib.motion.slow_task import waypoint_operations, waypoints_c99, waypoints_text
 from tunneller_lib.paths import corrected_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE
+
+READS = ["tests/references/waypoints.st", "tests/references/waypoint_operations.csv"]
 
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
@@ -91,36 +96,11 @@ def test_c_of_fewest_and_most_waypoints_compiles(tmp_path, compiler, points):
     built(compiler, tmp_path, waypoints_c99(points))
 
 
-def test_operations_are_at_most_six_times_the_chord_s():
-    count = waypoint_operations(32)
-    assert sum(count) <= 6 * CHORD
-    assert sum(count) == 1761 and count.divisions == 103 and count.functions == 144
-
-
-def test_operations_are_those_of_a_run(monkeypatch):
-    """Counted again while the Structured Text runs, on numbers that are no indices."""
-    done = []
-
-    def counting(kind, operate):
-        def counted(*numbers):
-            if isinstance(numbers[0], float):
-                done.append(kind)
-            return operate(*numbers)
-
-        return counted
-
-    kinds = {"+": "simple", "*": "simple", "/": "divisions"}
-    kinds |= dict.fromkeys(("SQRT", "SIN", "COS", "ATAN2"), "functions")
-    for table in (structured_text.OPERATORS, structured_text.FUNCTIONS):
-        for key in table.keys() & (kinds.keys() | {"-"}):
-            monkeypatch.setitem(table, key, counting(kinds.get(key, "simple"), table[key]))
-    assert structured_text.FUNCTIONS["-"] is not operator.neg
-    p, q = np.array([[0.1, 0.2]]), np.array([[0.7, -0.3]])
-    for points in (3, 9):
-        done.clear()
-        in_structured_text(points, p, q)
-        counted = waypoint_operations(points)
-        assert {kind: done.count(kind) for kind in counted._fields} == counted._asdict()
+def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
+    counted = list(rows())
+    with TABLE.open(newline="") as file:
+        assert list(csv.reader(file)) == [COLUMNS, *(list(map(str, row)) for row in counted)]
+    assert counted[-1] == [32, 1514, 103, 144] and sum(counted[-1][1:]) <= 6 * CHORD
 
 
 def test_names_are_short_and_free():
@@ -131,10 +111,3 @@ def test_texts_are_indented_as_they_are_nested():
     check_indents(waypoints_c99(9), r"\{$", r"\}")
     block = waypoints_text(9).split("FB_Waypoints\n")[1].removesuffix("END_FUNCTION_BLOCK\n")
     check_indents(block, r"^(VAR|ELSE$)|(THEN|DO)$", r"END_|ELSE")
-
-
-@pytest.mark.parametrize("call", [waypoints_text, waypoints_c99, waypoint_operations])
-def test_numbers_of_waypoints_are_from_3_to_1000(call):
-    for points in (2, 1001, 3.5):
-        with pytest.raises(ValueError, match=r"^points: must be one whole number from 3 to 1000"):
-            call(points)

@@ -1,0 +1,807 @@
+"""The direct problem: geodesics of a torus from given starts, directions and lengths.
+
+Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut's
+c = rho sin(azimuth), rho = r + R cos(phi), is constant, and with it arc length s and turned angle
+are integrals over one variable t (`geodesic_root`). Their integrands depend on sin^2(t) alone:
+they repeat after half a swing between turning points, or after one round of a ring's tube, and
+backwards after half of that. So both integrals are wanted from t = 0 to pi/2 only, where
+t = width sinh(y) spreads their peak: panels of equal width in y have a series each, over x from -1
+to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length takes
+as long as a short one. Lengths are in tube radii below `followed`, rho = r + cos(phi).
+
+`follow_each` is the loop over geodesics for plain numbers and `compiled.call`; arrays take the same
+steps for all of them at once, with the same bits.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
+from ..kernels import compiled
+from ..kernels.compiled import loop
+from ..kernels.elementwise import (
+    NUMBERS,
+    PLAIN,
+    divided,
+    larger,
+    ratio,
+    smaller,
+    some,
+    square_root,
+    where,
+    within,
+)
+from ..kernels.exact import dot
+from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, sine_cosine
+from ..surfaces import Torus
+from ..surfaces.torus import torus_normal, torus_point, torus_tangents
+from .bounds import Count, check_points, check_ratio
+from .geodesic_root import PI_REST, Radii, distance, rho
+
+ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
+STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
+TERMS = 24  # of the series of a panel
+PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
+STEP = 1e-8  # of x: what is left after such a step is of its square
+NARROWEST = 1e-30  # of a peak: where c is next to r - R to more digits than it has
+WIDEST = 3.0
+MOST_PANELS = 60  # for the narrowest peak, about which pi/2 is 70 wide in y
+
+ROUNDS = 30  # Newton's method takes about four
+BLOCK = 8192  # points at a time: they need the same room however many there are
+EACH, POINT = 7e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
+SOON = 2e-3  # s, about what arrays take at least
+FASTER = 10  # so many times as fast as plain Python are arrays where they are large
+KIND = "points of geodesics"  # of work, for `compiled`
+LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
+ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
+
+
+def _rows_of_positions(name, value):
+    array = positions(name, value)
+    if array.ndim < 2:
+        raise ValueError(f"{name}: must be lists (..., m, 2) of positions; got {array.shape}.")
+    return array
+
+
+Ways = Annotated[ArrayLike, Rule("(..., m, 2) float", _rows_of_positions, "rad")]
+
+
+@dataclass(frozen=True, eq=False)
+class GeodesicPoints:
+    """Points along geodesics, from first to last: made by `geodesic_direct`.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    s : (..., n) float
+        Arc lengths from the start, in m.
+    position : (..., n, 2) float
+        Joint positions (theta, phi), in rad; theta isn't reduced to one turn.
+    azimuth : (..., n) float
+        Directions, in rad.
+    """
+
+    torus: Torus
+    s: np.ndarray
+    position: np.ndarray
+    azimuth: np.ndarray
+
+    @property
+    def point(self):
+        """Return the points (..., n, 3), in m."""
+        return torus_point(self.torus, *self._angles)  # which may be NaN
+
+    @property
+    def tangent(self):
+        """Return the unit tangents (..., n, 3)."""
+        meridian, parallel = torus_tangents(*self._angles)
+        cos = np.cos(self.azimuth)[..., None]
+        sin = np.sin(self.azimuth)[..., None]
+        return cos * meridian + sin * parallel
+
+    @property
+    def _angles(self):
+        return self.position[..., 0], self.position[..., 1]
+
+    @checked
+    def deviation(self, position: Ways):
+        """Return how far joint positions lie beside the geodesic.
+
+        Parameters
+        ----------
+        position : (..., m, 2) float
+            Joint positions (theta, phi), in rad; the leading axes broadcast with the geodesics'.
+
+        Returns
+        -------
+        deviation : (..., m) float
+            In m, from the nearest of the points, at right angles to the tangent and within the
+            tangent plane, positive to the left of the way as seen from outside.
+
+        Raises
+        ------
+        ValueError
+            If the leading axes don't broadcast with the geodesics'.
+        """
+        own = self.s.shape[:-1]
+        try:
+            leading = np.broadcast_shapes(position.shape[:-2], own)
+        except ValueError:
+            raise ValueError(
+                f"position: its leading axes must broadcast with those of the geodesics, {own}; "
+                f"got {position.shape[:-2]}."
+            ) from None
+        theta, phi = np.moveaxis(position, -1, 0)
+        point = torus_point(self.torus, theta, phi)
+        # Of |P - N|^2 the square of P is the same for all N; a product of matrices does the rest.
+        on_way = self.point
+        square = dot(on_way, on_way)[..., None, :] - 2 * point @ np.swapaxes(on_way, -1, -2)
+        near = np.argmin(square, axis=-1)[..., None]
+        normal = torus_normal(*self._angles)
+        across = np.cross(normal, self.tangent)
+        on_way = np.broadcast_to(on_way, (*leading, *on_way.shape[-2:]))
+        across = np.broadcast_to(across, on_way.shape)
+        gap = point - np.take_along_axis(on_way, near, axis=-2)
+        return dot(gap, np.take_along_axis(across, near, axis=-2))
+
+
+@checked
+def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths, n: Count = 2):
+    """Return geodesics of given start, direction and length.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    p : (..., 2) float
+        Joint positions (theta, phi) of the starts, in rad.
+    azimuth : (...) float
+        Directions, in rad; they broadcast with p.
+    length : (...) float
+        In m; a negative one goes backwards.
+    n : int
+        Number of points, equally spaced in arc, both ends included, from 2 to a million, and at
+        most 5 million of all geodesics together.
+
+    Returns
+    -------
+    points : GeodesicPoints
+        The last one is the end. NaN where a start isn't on the working sheet. A meridian, to the
+        last digit of its azimuth, is followed through a node onto the inner sheet; any other
+        geodesic turns before the node.
+
+    Raises
+    ------
+    ValueError
+        If r / R isn't from 1e-100 to 1e100, or n isn't a whole number of at least 2.
+
+    Notes
+    -----
+    theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length.
+    Clairaut's constant turns them into quadratures (the module), which repeat after half a
+    swing or a round of the tube: a geodesic of any length takes as long as a short one. Angles are
+    right to some roundings, and to one of length / sqrt(R (r + R)), for what a last digit of the
+    start moves grows along the way; near the inner equator of a ring, where neighbours part, that
+    is exp(length / sqrt(R (r - R))) times as much.
+
+    Examples
+    --------
+    >>> way = geodesic_direct(Torus(0.1, 0.9), (0, -0.3), 0.0, 0.63)
+    >>> way.position[-1].round(12)
+    array([0. , 0.4])
+    """
+    return followed(torus, p, azimuth, length, n)
+
+
+def followed(torus, p, azimuth, length, n, clairaut=None):
+    """Return points of geodesics as `geodesic_direct` does.
+
+    Parameters
+    ----------
+    torus, p, azimuth, length, n
+        As of `geodesic_direct`.
+    clairaut : (...) float, optional
+        rho times the sine of the azimuth, in m. It tells ways that a node parts from the meridian,
+        however near they are to it.
+    """
+    theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
+    check_ratio(torus)
+    check_points(n, theta.shape)
+    s = length[..., None] * _shares(n)
+    given = np.empty((6, theta.size))
+    given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
+    given[3:5] = reduced(given[1:3])
+    given[5] = math.nan
+    if clairaut is not None:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            _, half_cosine = sine_cosine(given[3] / 2)
+            given[5] = np.ravel(clairaut) / rho(torus, given[3], half_cosine)
+    position, azimuth = trace(torus, given, s.reshape(-1, n))
+    return GeodesicPoints(torus, s, position.reshape(*s.shape, 2), azimuth.reshape(s.shape))
+
+
+@lru_cache(4)
+def _shares(n):
+    """Return n shares of a way, equally spaced, which may not be written to."""
+    shares = np.linspace(0, 1, n)
+    shares.flags.writeable = False
+    return shares
+
+
+@checked
+def half_swing(torus: Torus, clairaut: Lengths):
+    """Return what geodesics turn, and how long they are, from one turning point to the next.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface, r / R from 1e-100 to 1e100.
+    clairaut : (...) float
+        rho at the turning points, in m, above zero and above r - R, and at most r + R.
+
+    Returns
+    -------
+    turned, length : (...) float
+        In rad and m.
+
+    Raises
+    ------
+    ValueError
+        If such a geodesic doesn't swing, or r / R is out of proportion.
+
+    Notes
+    -----
+    The turned angle, which the report calls T(c), falls as c grows, from infinity, or from
+    pi / sqrt(1 - (r / R)^2) on a spindle, to pi / sqrt(1 + r / R) on the outer equator.
+
+    Examples
+    --------
+    >>> turned, length = half_swing(Torus(3, 1), 4)
+    >>> round(float(turned / np.pi), 12), round(float(length / np.pi), 12)
+    (0.5, 2.0)
+    """
+    check_ratio(torus)
+    narrow = max(torus.r - torus.R, 0)
+    wide = torus.r + torus.R
+    if np.any((clairaut <= narrow) | (clairaut > wide)):
+        raise ValueError(
+            f"clairaut: must be above {narrow:g} m and at most r + R = {wide:g} m, or nothing "
+            f"swings; got {clairaut.min():g} to {clairaut.max():g} m."
+        )
+    sine = clairaut.ravel() / wide
+    cosine = np.sqrt((1 - sine) * (1 + sine))
+    r = torus.r / torus.R
+    phi = np.zeros_like(sine)
+    orbit, _ = _orbits(r, phi, _placed(r, phi), sine, cosine)
+    half = np.empty((2, sine.size))
+    for same in _alike(orbit):
+        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:2, -1]
+    length, turned = 2 * half.reshape(2, *clairaut.shape)
+    return turned, torus.R * length
+
+
+# ---- orbits ------------------------------------------------------------------
+
+
+class Orbit(NamedTuple):
+    """What stays the same along a geodesic: rho = c + 2 (E + B sin^2(t)).
+
+    D = A + B sin^2(t) is cos^2(phi/2) between turning points, the peak at t = 0 is about `width`
+    wide, `free` says who goes round the tube. There are so many `panels`, a float, `step` wide.
+    """
+
+    c: np.ndarray
+    A: np.ndarray
+    B: np.ndarray
+    E: np.ndarray
+    width: np.ndarray
+    free: np.ndarray
+    panels: np.ndarray
+    step: np.ndarray
+
+
+class Start(NamedTuple):
+    """Where a geodesic begins on its orbit.
+
+    Parameters
+    ----------
+    phi : (...) float
+        From -pi to pi, in rad.
+    rising : (...) float
+        1 where phi grows at first, else -1.
+    t : (...) float
+        From -pi/2 to pi/2, so many whole rounds of pi off.
+    begun : (...) float
+        These rounds.
+    """
+
+    phi: np.ndarray
+    rising: np.ndarray
+    t: np.ndarray
+    begun: np.ndarray
+
+
+@cache
+def panel_rule():
+    """Return nodes as shares of a panel (TERMS,), and what series values there make of an integral.
+
+    The nodes are those of Chebyshev's polynomials; (TERMS, TERMS + 1) numbers make the integral
+    from the panel's begin as a sum of such.
+    """
+    # At cos(a), a = (k + 1/2) pi / TERMS, a value adds 2 cos(j a) / TERMS to term j, whose integral
+    # adds, over 2j, to the next one, and takes from the one before.
+    k = np.arange(TERMS)[:, None]
+    j = np.arange(1, TERMS + 1)
+    turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
+    sines, cosines = sine_cosine(turns * (math.pi / (2 * TERMS)))
+    series = 2 / TERMS * sines * sines[:, :1] / j
+    series[:, -1] /= 2  # there is no term behind the last
+    begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
+    return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
+
+
+def headed(r, phi, azimuth, steep):
+    """Return how a geodesic sets out from phi by an azimuth, both in rad, from -pi to pi.
+
+    Parameters
+    ----------
+    r : float
+        r / R of the torus.
+    phi, azimuth : (...) float
+        Those of the start.
+    steep : (...) float
+        What Clairaut's constant tells of the azimuth's sine, or NaN where nobody knows it.
+
+    Returns
+    -------
+    sine, cosine : (...) float
+        Of the azimuth; the sine is zero along a meridian.
+    on_sheet : (...) bool
+        Whether the start is on the working sheet.
+    placed : tuple
+        Sine and cosine of half of phi, and the distance from the axis.
+    """
+    sine, cosine = sine_cosine(azimuth)
+    level = where(abs(sine) <= ALONG_MERIDIAN, 0.0, sine)
+    sine = where(steep == steep, where(abs(sine) <= STEEP, steep, sine), level)
+    placed = _placed(r, phi)
+    return sine, cosine, placed[2] > 0, placed
+
+
+def _placed(r, phi):
+    """Return sine and cosine of half of phi, and the distance from the axis."""
+    half_sine, half_cosine = sine_cosine(phi / 2)
+    return half_sine, half_cosine, distance(Radii(r, 1.0), phi, half_cosine)
+
+
+def orbit_of(r, phi, placed, sine, cosine):
+    """Return the `Orbit` of a geodesic, and its `Start`.
+
+    It begins at phi, from -pi to pi, in rad, where r + cos(phi) is above zero and the rest is
+    `placed` as by `headed`, by an azimuth of this sine, above zero, and cosine.
+    """
+    half_sine, half_cosine, rho = placed
+    c = rho * sine
+    slope = cosine * square_root(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
+    k2 = half_sine * half_sine + slope * slope
+    # 1 - k^2: on a ring the difference of two numbers that are small where it is; else a sum.
+    rest = half_cosine * half_cosine - slope * slope if r > 1 else (1 - r + c) / 2
+    free = rest < 0
+    A = larger(abs(rest), NARROWEST * NARROWEST)
+    B = where(free, 1.0, k2)
+    E = where(free, A, 0.0)
+    width = within(square_root(ratio(smaller(A, E + c / 2), B)), NARROWEST, WIDEST)
+    reach = area_sine(math.pi / 2 / width)
+    panels = whole_part(reach / PANEL + 0.5)
+    orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
+    # Between turning points sin(phi/2) = k cos(t). Round the tube phi falls as pi - 2t, or grows
+    # as its negative.
+    upward = rising(cosine)
+    falling = -upward * phi
+    # Next to where a round begins t is small, and it is no difference of pi and another angle.
+    beyond = where(falling < 0, -1.0, 1.0)
+    round_tube = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
+    opposed = half_sine < 0
+    swing = arctangent(where(opposed, slope, -slope), abs(half_sine))
+    half = where(opposed, where(slope > 0, -1.0, 1.0), 0.0)
+    begun = where(free, (1 - beyond) / 2, half)
+    return orbit, Start(phi, upward, where(free, round_tube, swing), begun)
+
+
+def rising(cosine):
+    """Return 1 where phi grows at first, by the cosine of the azimuth, else -1."""
+    return where(cosine < 0, -1.0, 1.0)
+
+
+def whole_part(x):
+    """Return the whole number, a float, that is nearest."""
+    return where(abs(x) < 2.0**51, (x + WHOLE) - WHOLE, x)  # there are no others farther out
+
+
+def rates(orbit, y):
+    """Return by how much the arc length and the turned angle grow with x at y of a panel."""
+    c, A, B, E, width, _, _, step = orbit
+    grown = growth(y)
+    shrunk = grown / (1 + grown)
+    sine, _ = sine_cosine(width * ((grown + shrunk) / 2))
+    dt = width * (1 + (grown - shrunk) / 2) * (step / 2)
+    sin2 = sine * sine
+    rho = c + 2 * (E + B * sin2)
+    density = square_root(2 / ((rho + c) * (A + B * sin2))) * dt
+    return rho * density, c / rho * density
+
+
+def panel_place(orbit, t):
+    """Return how many panels t, from 0 to pi/2, is from t = 0."""
+    return area_sine(t / orbit.width) / orbit.step
+
+
+def series_sum(x, terms):
+    """Return the sum of Chebyshev's polynomials of x, from -1 to 1, times `terms`."""
+    twice = 2 * x
+    b = 0 * x
+    before = 0 * x
+    for k in range(TERMS, 0, -1):
+        b, before = (terms[k] - before) + twice * b, b
+    return (terms[0] - before) + x * b
+
+
+def solved(wanted, whole, terms):
+    """Return x where the sum of a series is the `wanted` part of the `whole`, its sum at x = 1."""
+    x = 2 * wanted / whole - 1
+    left = x == x
+    for _ in range(ROUNDS):
+        moved, onward = nearer(x, wanted, terms)
+        x = where(left, moved, x)
+        left = left & onward
+        if not some(left):
+            break
+    return x
+
+
+def nearer(x, wanted, terms):
+    """Return the next x of Newton's method for a `wanted` sum of a series, and if more are due."""
+    twice = 2 * x
+    b = 0 * x
+    before = 0 * x
+    db = 0 * x  # their derivatives
+    dbefore = 0 * x
+    for k in range(TERMS, 0, -1):
+        db, dbefore = (2 * b - dbefore) + twice * db, db
+        b, before = (terms[k] - before) + twice * b, b
+    missing = wanted - ((terms[0] - before) + x * b)
+    moved = within(x + missing / ((b - dbefore) + x * db), -1.0, 1.0)
+    return moved, abs(moved - x) > STEP
+
+
+def point_at(orbit, start, swings, y, sign):
+    """Return phi and the azimuth, in rad, of a point on an `orbit` with this `start`.
+
+    It is so many `swings`, a whole number, from t = 0, and then at y, on the side of this `sign`.
+    """
+    grown = growth(y)
+    t = sign * orbit.width * ((grown + grown / (1 + grown)) / 2)
+    sine, cosine = sine_cosine(t)
+    sin2 = sine * sine
+    rho = orbit.c + 2 * (orbit.E + orbit.B * sin2)
+    D = orbit.A + orbit.B * sin2
+    # Half a swing on, phi and the cosine of the azimuth are mirrored.
+    side = 1 - 2 * (swings % 2.0)
+    across = side * square_root(orbit.B)
+    between = 2 * arctangent(across * cosine, square_root(D))
+    round_tube = start.phi + 2 * start.rising * (t - start.t + math.pi * (swings - start.begun))
+    # rho^2 - c^2 is (rho - c)(rho + c), and rho - c that of the swing, which doesn't cancel.
+    slope = square_root(2 * (rho + orbit.c)) / rho
+    onward = where(orbit.free, start.rising * square_root(orbit.E + sin2), -across * sine)
+    azimuth = arctangent(orbit.c / rho, slope * onward)
+    return where(orbit.free, round_tube, between), azimuth
+
+
+def begun_at(orbit, start, count, edges, series):
+    """Return what a geodesic has behind it where it begins, for `point_on`.
+
+    Parameters
+    ----------
+    orbit, start : Orbit, Start
+        As by `orbit_of`.
+    count, edges, series
+        As filled in by `_tabulate`.
+
+    Returns
+    -------
+    before, turned : (...) float
+        Arc length and turned angle from t = 0.
+    left : (...) float
+        What is left of the turned angle to the next crossing of the outer equator.
+    crossing : (...) float
+        Which crossing that is, in swings, where what is left has more digits; else NaN.
+    """
+    y = panel_place(orbit, abs(start.t))
+    panel = 0
+    for k in range(1, count):
+        panel = panel + (y >= k)
+    x = 2 * (y - panel) - 1
+    sign = where(start.t < 0, -1.0, 1.0)
+    length = series_sum(x, series[0][panel])
+    gained = series_sum(x, series[1][panel])
+    before = sign * (edges[0][panel] + length)
+    turned = sign * (edges[1][panel] + gained)
+    left = sign * (edges[2][panel] - gained)
+    late = abs(turned) > LATE * edges[1][count]
+    return before, turned, left, where(late, sign / 2, math.nan)
+
+
+def point_on(orbit, start, begun, s, count, edges, series):
+    """Return what theta gained, phi and the azimuth, in rad, of the point at s on an orbit.
+
+    Parameters
+    ----------
+    orbit, start : Orbit, Start
+        As by `orbit_of`.
+    begun : tuple
+        As by `begun_at`.
+    s : (...) float
+        Arc length from the start.
+    count, edges, series
+        As filled in by `_tabulate`.
+    """
+    before, turned, left, crossing = begun
+    whole = 2 * edges[0][count]  # of half a swing, or of a round
+    rest = s + before
+    swings = whole_part(rest / whole)
+    rest = rest - swings * whole
+    sign = where(rest < 0, -1.0, 1.0)
+    size = smaller(abs(rest), edges[0][count])
+    panel = 0
+    for k in range(1, count):
+        panel = panel + (edges[0][k] <= size)
+    low = edges[0][panel]
+    x = solved(size - low, edges[0][panel + 1] - low, series[0][panel])
+    gained = series_sum(x, series[1][panel])
+    beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
+    # Where both are great and nearly the same, as by the node of a horn, what is left of them
+    # to the outer equator isn't.
+    nearby = left - sign * (edges[2][panel] - gained)
+    beyond = where(swings + sign / 2 == crossing, nearby, beyond)
+    y = orbit.step * (panel + (1 + x) / 2)
+    place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
+    return beyond, place, azimuth
+
+
+# ---- loops over geodesics ------------------------------------------------------
+
+
+def trace(torus, given, s):
+    """Return points of geodesics.
+
+    Parameters
+    ----------
+    torus : Torus
+        The surface.
+    given : (6, n) float
+        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; the sines of
+        the azimuths where Clairaut's constant tells them. What isn't finite has no answer.
+    s : (n, p) float
+        Arc lengths from the starts, in m.
+
+    Returns
+    -------
+    position, azimuth : (n, p, 2) and (n, p) float
+        In rad, counted on from those given; NaN where there is no answer.
+    """
+    position = np.empty((*s.shape, 2))
+    azimuth = np.empty(s.shape)
+    plain = EACH * len(s) + POINT * s.size
+    compiled.expect(plain if plain < SOON else plain / FASTER, KIND)
+    ready = compiled.ready(KIND)
+    follow = _compiled if ready else _plainly if plain < SOON else _by_arrays
+
+    def fill(block):
+        follow(torus, given[:, block], s[block], position[block], azimuth[block])
+
+    compiled.each_block(fill, len(s), max(BLOCK // s.shape[1], 1), KIND)
+    return position, azimuth
+
+
+def _compiled(torus, given, s, position, azimuth):
+    """Fill in points of geodesics by the compiled loop."""
+    # Copies, which may be written to and are of one order: one compiled form serves all.
+    arguments = torus.r / torus.R, torus.R, np.array(given, order="C"), np.array(s, order="C")
+    room = [np.empty(shape) for shape in ROOM]
+    compiled.call(follow_each, *arguments, *panel_rule(), *room, position, azimuth, **PARTS)
+
+
+def _plainly(torus, given, s, position, azimuth):
+    """Fill in points of geodesics by the loop as it stands."""
+    shares = panel_rule()[0].tolist()
+    edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
+    room = None, edges, [[None] * MOST_PANELS for _ in range(2)]
+    arguments = torus.r / torus.R, torus.R, given, s, shares, None, *room, position, azimuth
+    compiled.call_plain(follow_each, *arguments, **PLAIN)
+
+
+# What becomes part of its caller, compiled, so that several nodes and terms go at once.
+INLINED = "growth", "two_to_bits", "rates", "series_sum", "nearer", "_tabulate", "_in_loops"
+
+
+@loop(inlined=INLINED)
+def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
+    """Write down points of geodesics.
+
+    Parameters
+    ----------
+    r, R : float
+        r / R of the torus, and R in m.
+    given, s
+        As of `trace`.
+    shares, integral
+        The `panel_rule`.
+    values, edges, series
+        Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
+        begin and what is left of the second, and what they gain from there, as series.
+    position, azimuths
+        Filled with what `trace` returns.
+    """
+    for i in range(len(s)):
+        theta, phi, azimuth = given[0][i], given[1][i], given[2][i]
+        near, whither = given[3][i], given[4][i]
+        ways = s[i]
+        sine, cosine, on_sheet, placed = headed(r, near, whither, given[5][i])
+        last = whither + ways[len(ways) - 1] / R
+        sound = on_sheet and last - last == 0  # neither infinite nor not a number
+        leaving = sound and sine != 0
+        side = where(sine < 0, -1.0, 1.0)
+        count = 0
+        if leaving:
+            orbit, start = orbit_of(r, near, placed, side * sine, cosine)
+            count = int(orbit.panels)
+            _tabulate(orbit, count, shares, integral, values, edges, series)
+            begun = begun_at(orbit, start, count, edges, series)
+        for k in range(len(ways)):
+            if not sound:
+                found = math.nan, math.nan, math.nan
+            elif ways[k] == 0:  # the start itself, to its last digit
+                found = theta, phi, azimuth
+            else:
+                # Along a meridian phi grows or falls with the arc; there is no swing to look up.
+                turned, place, direction = 0.0, near + rising(cosine) * (ways[k] / R), whither
+                if leaving:
+                    turned, place, direction = point_on(
+                        orbit, start, begun, ways[k] / R, count, edges, series
+                    )
+                    turned = side * turned
+                    direction = side * direction
+                # Whole turns were taken off, and are put back.
+                found = turned + theta, place + (phi - near), direction + (azimuth - whither)
+            position[i][k][0] = found[0]
+            position[i][k][1] = found[1]
+            azimuths[i][k] = found[2]
+
+
+def _tabulate(orbit, count, shares, integral, values, edges, series):
+    """Fill in what both integrals are where panels begin and end, and their series."""
+    edges[0][0] = edges[1][0] = 0.0
+    for panel in range(count):
+        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
+        edges[0][panel + 1] = edges[0][panel] + length
+        edges[1][panel + 1] = edges[1][panel] + turned
+        edges[2][panel] = turned
+    edges[2][count] = 0.0
+    for panel in range(count - 1, -1, -1):
+        edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
+
+
+def _add_panel(orbit, panel, shares, integral, values, series):
+    """Fill in both series of a panel, and return their sums at its end.
+
+    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
+    isn't the last.
+    """
+    _, integral = panel_rule()
+    if isinstance(orbit.c, np.ndarray):
+        values = rates(orbit, orbit.step * (panel + shares[:, None]))
+        for one in range(2):
+            terms = integral[0, :, None] * values[one][0]
+            for k in range(1, TERMS):
+                terms += integral[k, :, None] * values[one][k]
+            series[one, :, panel] = terms
+        return series_sum(1.0, series[0, :, panel]), series_sum(1.0, series[1, :, panel])
+    values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
+    sums = np.add.reduce(integral[:, None] * values[..., None], axis=0)
+    series[0][panel], series[1][panel] = sums.tolist()
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
+
+
+def _in_loops(orbit, panel, shares, integral, values, series):
+    """Do what `_add_panel` does, compiled, with room for `values`."""
+    for k in range(TERMS):
+        values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
+    for one in range(2):
+        terms = series[one][panel]
+        for j in range(TERMS + 1):
+            terms[j] = integral[0][j] * values[one][0]
+        for k in range(1, TERMS):
+            for j in range(TERMS + 1):
+                terms[j] += integral[k][j] * values[one][k]
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
+
+
+PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
+
+
+# ---- the same by arrays ----------------------------------------------------
+
+
+class Columns:
+    """Rows (..., panels, n), which give each column that of a panel of its own."""
+
+    def __init__(self, rows):
+        self.rows = rows
+
+    def __getitem__(self, panel):
+        return self.rows[..., panel, np.arange(self.rows.shape[-1])]
+
+
+def _by_arrays(torus, given, s, position, azimuth):
+    """Fill in points of geodesics, all at once."""
+    r = torus.r / torus.R
+    theta, phi, direction, near, whither, steep = given
+    s = s.T / torus.R
+    sine, cosine, on_sheet, placed = headed(r, near, whither, steep)
+    last = whither + s[-1]
+    sound = on_sheet & (last - last == 0)
+    turned = np.zeros(s.shape)
+    place = near + rising(cosine) * s
+    onward = np.broadcast_to(whither, s.shape).copy()
+    leaving = np.flatnonzero(sound & (sine != 0))
+    side = np.where(sine < 0, -1.0, 1.0)
+    placed = [value[leaving] for value in placed]
+    ahead = (side * sine)[leaving], cosine[leaving]
+    orbit, start = _orbits(r, near[leaving], placed, *ahead)
+    for same in _alike(orbit):
+        alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
+        edges, series = _tabulated(alike[0])
+        table = (
+            edges.shape[1] - 1,
+            [Columns(row) for row in edges],
+            [Columns(row) for row in series],
+        )
+        which = leaving[same]
+        found = point_on(*alike, begun_at(*alike, *table), s[:, which], *table)
+        turned[:, which], place[:, which] = side[which] * found[0], found[1]
+        onward[:, which] = side[which] * found[2]
+    # Whole turns were taken off, and are put back.
+    found = turned + theta, place + (phi - near), onward + (direction - whither)
+    at_start = sound & (s == 0)
+    for filled, begin, values in zip(
+        (position[..., 0], position[..., 1], azimuth), (theta, phi, direction), found, strict=True
+    ):
+        filled[:] = np.where(at_start, begin, np.where(sound, values, math.nan)).T
+
+
+@np.errstate(divide="ignore")
+def _orbits(r, phi, placed, sine, cosine):
+    """Return what `orbit_of` does, of arrays."""
+    return orbit_of(r, phi, placed, sine, cosine)
+
+
+def _alike(orbit):
+    """Yield which orbits (n,) have the same number of panels."""
+    for count in np.unique(orbit.panels):
+        yield np.flatnonzero(orbit.panels == count)
+
+
+def _tabulated(orbit):
+    """Return what `_tabulate` fills in: (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
+    count = int(orbit.panels.max(initial=1))
+    edges = np.zeros((3, count + 1, orbit.c.size))
+    series = np.empty((2, TERMS + 1, count, orbit.c.size))
+    _tabulate(orbit, count, *panel_rule(), None, edges, series)
+    return edges, series
