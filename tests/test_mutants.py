@@ -89,10 +89,10 @@ def test_one_place_is_changed(source, kind, after):
 
 
 TYPES = """
-Finite = Annotated[float, Rule("float", finite)]
-Length = Annotated[float, Rule("float", size, "m")]
-Angle = Annotated[float, Rule("float", finite, "rad")]
-Points = Annotated[ArrayLike, Rule("(..., 3) float", near_points, "m")]
+Finite = Number()
+Length = Number(LEAST, MOST, "m")
+Angle = Number(unit="rad")
+Points = Array("(..., 3) float", "m", last="x, y, z")
 """
 ROD = """
 from .arguments import Angle, Finite, Length, Points, Whole, checked

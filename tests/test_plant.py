@@ -406,7 +406,7 @@ def test_end_of_the_stroke_is_told(plant):
 def test_states_are_five_numbers(state):
     with pytest.raises(ValueError) as refused:
         Compressible(PHI).derivative(state, 0.0)
-    assert str(refused.value) == f"state: must be five numbers; got shape {np.shape(state)}."
+    assert str(refused.value) == f"state: must have the shape (5,); got {np.shape(state)}."
 
 
 @every_axis

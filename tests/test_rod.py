@@ -317,7 +317,7 @@ def test_other_methods_agree_away_from_edges(method):
 
 WRONG = [
     (lambda: Rod((0, 0), (1, 0, 0), 1), "a: the last axis must hold x, y, z"),
-    (lambda: Rod((0, 0, 0), [(1, 0, 0)], 1), r"b: must be one point \(3,\); got \(1, 3\)"),
+    (lambda: Rod((0, 0, 0), [(1, 0, 0)], 1), r"b: must have the shape \(3,\); got \(1, 3\)"),
     (lambda: Rod((0, 0, np.nan), (1, 0, 0), 1), "a: must hold finite numbers; got nan"),
     (lambda: Rod((0, 0, 0), (1, 0, np.inf), 1), "b: must hold finite numbers; got inf"),
     (lambda: Rod((0, 0, 0), (1, 0, 0), -1), "radius: must be one finite number, not below zero"),

@@ -150,7 +150,7 @@ def test_tasks_refuse_what_cannot_be():
         with pytest.raises(ValueError, match=r"^tasks: must keep their periods and leave time"):
             call()
     for tasks in ([], None, 3):
-        with pytest.raises(ValueError, match=r"^tasks: must be a list of at least one task"):
+        with pytest.raises(ValueError, match=r"^tasks: must be a list of Task, one at least"):
             response_times(tasks)
     with pytest.raises(ValueError, match=r"^tasks\[0\]: must be of class Task"):
         utilisation(["a"])

@@ -103,13 +103,13 @@ WRONG = [
     (lambda: groove_area(1, 2.1), "depth: must lie between 0 and 2 m"),
     (lambda: groove_area(1, 1.1, pitch=1), "depth: must be at most the radius 1 m"),
     (lambda: groove_area(1, 0.1, pitch=0), "pitch: must be above 0; got 0"),
-    (lambda: removed_volume(1, -1, 0.1), "advance: must not be negative; got -1"),
+    (lambda: removed_volume(1, -1, 0.1), "advance: must not be below zero; got -1"),
     (lambda: removed_volume(1, np.inf, 0.1), "advance: must hold finite numbers; got inf"),
     (lambda: removed_volume(1, 1, 0.1, wall=0.8), "wall: must be above the cutter's radius less"),
     (lambda: removed_volume(1, 1, 0.1, wall=np.nan), "wall: must hold radii above zero"),
     (lambda: advance_for_volume(1, 1, 0), "depth: must be above 0"),
     (lambda: advance_for_volume(1, np.nan, 1), "volume: must hold finite numbers; got nan"),
-    (lambda: advance_for_volume(1, -1, 1), "volume: must not be negative; got -1"),
+    (lambda: advance_for_volume(1, -1, 1), "volume: must not be below zero; got -1"),
     (lambda: advance_for_volume(1, 1, 1e-200), "volume: must be removed by an advance of at most"),
 ]
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 LEAST, MOST = 1e-100, 1e100  # lengths whose squares, and products of three, are sound floats
 GREATEST = float(np.finfo(float).max)
+TINY = float(np.finfo(float).smallest_subnormal)
 FEW = 3  # numbers, as of one point, that Python looks at one by one before numpy begins
 MOST_AXES = 3  # of an array whose numbers a message shows
 
@@ -61,8 +62,16 @@ def checked(made):
     Returns
     -------
     checked : callable or class
-        With the same signature. For inner loops, whose arguments are sound, the function itself
-        stays at hand as its attribute ``unchecked``.
+        With the same signature. The function itself is its attribute ``unchecked``, for proofs
+        that call it with symbols.
+
+    Notes
+    -----
+    The library's own code calls checked functions as everybody does. What that costs, some
+    microseconds a call and two passes over an array, only a loop over single numbers would feel.
+    Such a loop, and code whose numbers may be NaN, calls a plain function that the checked one
+    calls, too, as `Torus.foot` does with `Torus._foot`. Nested calls don't skip their checks: a
+    function that a user gave may be among the callers, and a list has to become an array.
 
     Examples
     --------
@@ -191,7 +200,7 @@ def _any_of(kinds):
         if value is None and optional:
             return None
         for kind in kinds:
-            if isinstance(kind, type) and kind is not Callable and isinstance(value, kind):
+            if isinstance(kind, type) and isinstance(value, kind) and not isinstance(value, type):
                 return value
         if len(rules) > 1:
             wanted = " or ".join(rule.says for rule in rules)
@@ -300,6 +309,8 @@ def real(name, value):
     """
     if type(value) is np.ndarray and value.dtype == float:
         return value
+    if type(value) is float:
+        return np.array(value)
     array = as_array(value)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must hold real numbers in a regular array; got {shown(value)}.")
@@ -325,21 +336,11 @@ def _is_number(value):
     return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
-def finite_array(name, value):
-    """Return `value` as a float array (...) of finite numbers."""
-    array = real(name, value)
-    if not none_beyond(array, GREATEST):
-        raise ValueError(
-            f"{name}: must hold finite numbers; got {_first(array, ~np.isfinite(array))}."
-        )
-    return array
-
-
-def none_beyond(array, most):
-    """Tell whether no number is above `most` in size: two passes that keep nothing."""
+def none_outside(array, low, high):
+    """Tell whether none of the numbers is outside `low` to `high`: two passes that keep nothing."""
     if array.size <= FEW:
-        return all([abs(number) <= most for number in array.ravel().tolist()])
-    return not array.size or bool(array.min() >= -most and array.max() <= most)
+        return all([low <= number <= high for number in array.ravel().tolist()])
+    return bool(array.min() >= low and array.max() <= high)
 
 
 def _first(array, wrong):
@@ -347,84 +348,133 @@ def _first(array, wrong):
     return f"{array[wrong].flat[0]:g}"
 
 
-def bounded_array(name, value):
-    """Return `value` as a float array (...) of numbers not above 1e100 in size."""
-    array = real(name, value)
-    if not none_beyond(array, MOST):
-        finite_array(name, array)
-        far = np.abs(array) > MOST
-        raise ValueError(
-            f"{name}: must hold numbers of at most {MOST:g} in size; got {_first(array, far)}."
-        )
-    return array
+def _span(low, high, or_zero):
+    """Return the words for a range of numbers."""
+    if low == -high:
+        return f"of at most {high:g} in size"
+    return f"{'zero or ' if or_zero else ''}from {low:g} to {high:g}"
 
 
-def positive(name, value):
-    """Return `value` as a float, which must be one finite number above zero."""
-    number = real(name, value)
-    if number.ndim or not (np.isfinite(number) and number > 0):
-        raise ValueError(f"{name}: must be one finite number above zero; got {shown(value)}.")
-    return float(number)
+def Number(low=-GREATEST, high=GREATEST, unit="", *, or_zero=False, why="", also=None):
+    """Return the annotation of one finite number from `low` to `high`, which becomes a float.
 
-
-def finite(name, value):
-    """Return `value` as a float, which must be one finite number."""
-    number = real(name, value)
-    if number.ndim or not np.isfinite(number):
-        raise ValueError(f"{name}: must be one finite number; got {shown(value)}.")
-    return float(number)
-
-
-def not_negative(name, value):
-    """Return `value` as a float, which must be one finite number, zero or above."""
-    number = real(name, value)
-    if number.ndim or not (np.isfinite(number) and number >= 0):
-        raise ValueError(f"{name}: must be one finite number, not below zero; got {shown(value)}.")
-    return float(number)
-
-
-def coordinate(name, value):
-    """Return `value` as a float, which must be one number of at most 1e100 in size."""
-    return float(bounded_array(name, finite(name, value)))
-
-
-def size(name, value):
-    """Return `value` as a float, which must be one number from 1e-100 to 1e100."""
-    return _sized(name, positive(name, value), "from")
-
-
-def size_or_zero(name, value):
-    """Return `value` as a float, which must be zero or one number from 1e-100 to 1e100."""
-    number = not_negative(name, value)
-    sizes(name, number)
-    return number
-
-
-def _half_angle(name, value):
-    """Return `value` as a float, half the opening of a cone that is no line and no plane."""
-    number = finite(name, value)
-    if not 0 < number < np.pi / 2:
-        raise ValueError(f"{name}: must lie between 0 and pi/2, both left out; got {number!r}.")
-    if number < LEAST:
-        raise ValueError(f"{name}: must be at least {LEAST:g} rad; got {number!r}.")
-    return number
-
-
-def whole(name, value, low, high):
-    """Return `value` as an int64 array of any shape with low <= value <= high.
-
-    The argument's name is for the message.
+    Parameters
+    ----------
+    low, high : float
+        The range.
+    unit : str, optional
+        That docstrings give.
+    or_zero : bool
+        Whether zero passes, too, where the range begins above it.
+    why : str, optional
+        What the message says after the range.
+    also : tuple of str and callable, optional
+        What else the number must do, in words, and the function that tells whether it does.
     """
-    array = as_array(value)
-    # Two passes that keep nothing are twice as fast as comparisons of every number.
-    within = array.dtype.kind in "iu" and (
-        not array.size or (low <= array.min() and array.max() <= high)
-    )
-    if not within:
-        raise ValueError(
-            f"{name}: must hold whole numbers from {low} to {high}; got {shown(value)}."
-        )
-    return array.astype(np.int64)
+    least = TINY if low > 0 and not or_zero else 0.0 if low >= 0 else -GREATEST
+    above = {TINY: " above zero", 0.0: ", not below zero"}.get(least, "")
+    most = max(high, GREATEST)
+    finite = "number" if most > GREATEST else "finite number"
+    must, does = also or ("", None)
+
+    def check(name, value):
+        if type(value) is float and low <= value <= high and not does:
+            return value  # as nearly always: the short way
+        number = real(name, value)
+        one = not number.ndim and -most <= number <= most
+        if one and does and not does(number):
+            raise ValueError(f"{name}: must {must}; got {float(number)!r}.")
+        if not (one and least <= number):
+            raise ValueError(f"{name}: must be one {finite}{above}; got {shown(value)}.")
+        number = float(number)
+        if not (low <= number <= high or (or_zero and number == 0)):
+            span = _span(low, high, or_zero)
+            raise ValueError(f"{name}: must be {span}{why}; got {shown(value)}.")
+        return number
+
+    return Annotated[float, Rule("float", check, unit)]
+
+
+def Array(
+    says, unit="", *, low=-MOST, high=MOST, or_zero=False, why="", also=None, last="", loose=False
+):
+    """Return the annotation of an array of numbers from `low` to `high`.
+
+    Parameters
+    ----------
+    says : str
+        Its shape, as docstrings write it: "(..., 3) float" or "() or (n,) float". A name stands
+        for any length, "n + 1" for one at least. Of "(3,) float" comes a tuple.
+    unit, low, high, or_zero, why, also
+        As of `Number`; `also` is asked of the whole array.
+    last : str, optional
+        What the last axis holds.
+    loose : bool
+        Whether its numbers may be of any size, infinite or NaN.
+    """
+    shaped, given = _shape_rule(says, last)
+    must, does = also or ("", None)
+    of = f" {unit}" if unit else ""
+
+    def check(name, value):
+        array = real(name, value)
+        shaped(name, array)
+        if not (loose or none_outside(array, low, high)):
+            if not none_outside(array, -GREATEST, GREATEST):
+                infinite = _first(array, ~np.isfinite(array))
+                raise ValueError(f"{name}: must hold finite numbers; got {infinite}.")
+            if low >= 0 and high == MOST and np.any(array < 0):
+                raise ValueError(f"{name}: must not be below zero; got {array.min():g}{of}.")
+            wrong = ~((low <= array) & (array <= high) | (or_zero & (array == 0)))
+            if wrong.any():
+                span = ("hold numbers " if low == -high else "be ") + _span(low, high, or_zero)
+                raise ValueError(f"{name}: must {span}{why}; got {_first(array, wrong)}.")
+        if does and not does(array):
+            raise ValueError(f"{name}: must {must}; got {shown(value)}.")
+        return tuple(array.tolist()) if given else array
+
+    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit)]
+
+
+def _shape_rule(says, last=""):
+    """Return a function that refuses arrays of another shape than `says`, see `Array`.
+
+    Return also whether it's one row of a given length, which functions get as a tuple.
+    """
+    shapes = says.rpartition(" ")[0]
+    allowed = []
+    for shape in shapes.split(" or "):
+        lengths = [length.strip() for length in shape.strip("()").split(",") if length.strip()]
+        leading = lengths[:1] == ["..."]
+        ranges = [
+            (int(length), int(length)) if length.isdigit() else (int("+ 1" in length), MOST)
+            for length in lengths[leading:]
+        ]
+        allowed.append((leading, ranges))
+
+    leading, ranges = allowed[0]
+    axes = len(ranges)
+    usual = tuple(low for low, high in ranges) if leading else None
+
+    def check(name, array):
+        if array.shape[array.ndim - axes :] == usual:  # as nearly always: the short way
+            return
+        for leading, ranges in allowed:
+            own = array.shape[array.ndim - len(ranges) :] if leading else array.shape
+            pairs = zip(own, ranges, strict=False)
+            if len(own) == len(ranges) and all([low <= n <= high for n, (low, high) in pairs]):
+                return
+        must = "must have the shape"
+        if last and array.shape[-1:] != (ranges[-1][0],):
+            must = f"the last axis must hold {last}, so its shape must be"
+        raise ValueError(f"{name}: {must} {shapes}; got {array.shape}.")
+
+    return check, shapes.strip("(),").isdigit()
+
+
+def Whole(low, high):
+    """Return the annotation of one whole number from `low` to `high`."""
+    return Annotated[int, Rule("int", lambda name, value: one_whole(name, value, low, high))]
 
 
 def one_whole(name, value, low, high):
@@ -437,47 +487,63 @@ def one_whole(name, value, low, high):
     return int(array)
 
 
-def points(name, value):
-    """Return `value` as a float array (..., 3) of points."""
-    return _last_axis(name, value, 3, "x, y, z")
+def Wholes(says, low, high):
+    """Return the annotation of an array of whole numbers, `says` as of `Array`: "(k,) int"."""
+    shaped, given = _shape_rule(says)
+
+    def check(name, value):
+        array = whole(name, value, low, high)
+        shaped(name, array)
+        return tuple(array.tolist()) if given else array
+
+    return Annotated[tuple if given else ArrayLike, Rule(says, check)]
 
 
-def finite_points(name, value):
-    """Return `value` as a float array (..., 3) of points, none of them NaN or infinite."""
-    return finite_array(name, points(name, value))
+def whole(name, value, low, high):
+    """Return `value` as an int64 array of any shape with low <= value <= high.
 
-
-def near_points(name, value):
-    """Return `value` as `finite_points`, none further than 1e100 along any axis."""
-    return bounded_array(name, points(name, value))
-
-
-def sizes(name, value):
-    """Return `value`, an array (...) of lengths, each zero or from 1e-100 to 1e100 in size."""
-    return _sized(name, value, "zero or from")
-
-
-def _sized(name, value, rule):
-    array = np.abs(value)
-    # The extremes tell of nearly all that come.
-    if array.size and array.min() >= LEAST and array.max() <= MOST:
-        return value
-    wrong = ~((array == 0) | (array >= LEAST) & (array <= MOST))
-    if wrong.any():
+    The argument's name is for the message.
+    """
+    array = as_array(value)
+    # Two passes that keep nothing are twice as fast as comparisons of every number.
+    inside = array.dtype.kind in "iu" and (
+        not array.size or (low <= array.min() and array.max() <= high)
+    )
+    if not inside:
         raise ValueError(
-            f"{name}: must be {rule} {LEAST:g} to {MOST:g} in size, whose square is a number; "
-            f"got {_first(np.asarray(array), wrong)}."
+            f"{name}: must hold whole numbers from {low} to {high}; got {shown(value)}."
         )
-    return value
+    return array.astype(np.int64)
+
+
+def Each(*kinds, some=False, or_one=False):
+    """Return the annotation of a list or tuple of instances of `kinds`, some classes.
+
+    It has one at least if `some` says so; with `or_one` an instance alone passes, too.
+    """
+    names = " or ".join(kind.__name__ for kind in kinds)
+    wanted = f"a list of {names}{', one at least' if some else ''}"
+    wanted = f"of class {names}, or a list" if or_one else wanted
+
+    def check(name, value):
+        if or_one and isinstance(value, kinds):
+            return value
+        if not isinstance(value, (list, tuple)) or (some and not value):
+            raise ValueError(f"{name}: must be {wanted}; got {shown(value)}.")
+        for i, one in enumerate(value):
+            if not isinstance(one, kinds):
+                raise ValueError(f"{name}[{i}]: must be of class {names}; got {shown(one)}.")
+        return tuple(value)
+
+    says = f"{names} or a list of them" if or_one else f"list of {names}"
+    return Annotated[list, Rule(says, check)]
 
 
 def directions(name, value):
-    """Return `value` as vectors (..., 3) of `sizes` that have squares, none of them zero."""
-    array = points(name, value)
-    if array.ndim == 1:
-        finite_array(name, array)
-        greatest = max(map(abs, array.tolist()))
-        if LEAST <= greatest <= MOST:
+    """Return `value` as vectors (..., 3), none of them zero, all with squares that are numbers."""
+    array = _vectors(name, value)
+    if array.size == 3:
+        if none_outside(array, -MOST, MOST) and max(map(abs, array.ravel().tolist())) >= LEAST:
             return array
     elif array.size:
         # The extremes of the squares tell of nearly all that come: one pass over the vectors.
@@ -488,93 +554,55 @@ def directions(name, value):
     greatest = np.abs(array).max(axis=-1)
     if not greatest.all():
         raise ValueError(f"{name}: must not be zero; got (0, 0, 0).")
-    _sized(name, greatest, "from")
+    _lengths(name, greatest)
     return array
 
 
-def point(name, value):
-    """Return `value` as a tuple of three floats: one point, as `near_points`."""
-    array = near_points(name, value)
-    if array.ndim != 1:
-        raise ValueError(f"{name}: must be one point (3,); got {array.shape}.")
-    return tuple(array.tolist())
+def _direction(name, value):
+    """Return `value` as a tuple of three floats: one vector, as of `directions`."""
+    return rule_of(Point).check(name, directions(name, value))
 
 
-def positions(name, value):
-    """Return `value` as a float array (..., 2) of joint positions."""
-    return bounded_array(name, _last_axis(name, value, 2, "theta, phi"))
+def sizes(name, value):
+    """Raise ValueError where a length (...), in size, is neither zero nor from 1e-100 to 1e100."""
+    rule_of(Radii).check(name, np.abs(value))
 
 
-def corners(name, value):
-    """Return `value` as a float array (..., 2) of points (x, y)."""
-    return bounded_array(name, _last_axis(name, value, 2, "x, y"))
-
-
-def polynomials(name, value):
-    """Return `value` as a float array (..., n + 1) of coefficients, which need not be finite."""
-    array = real(name, value)
-    if array.ndim == 0 or not array.shape[-1]:
-        raise ValueError(f"{name}: must have a last axis of coefficients; got {array.shape}.")
-    return array
-
-
-def _last_axis(name, value, count, axes):
-    array = real(name, value)
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise ValueError(
-            f"{name}: the last axis must hold {axes}, so its shape must be (..., {count}); "
-            f"got {array.shape}."
-        )
-    return array
-
+_SQUARES = " in size, whose square is a number"
 
 # What arguments may be. One number:
-Finite = Annotated[float, Rule("float", finite)]
-Positive = Annotated[float, Rule("float", positive)]
-NotNegative = Annotated[float, Rule("float", not_negative)]
-Length = Annotated[float, Rule("float", size, "m")]
-Length0 = Annotated[float, Rule("float", size_or_zero, "m")]
-Coordinate = Annotated[float, Rule("float", coordinate, "m")]
-Angle = Annotated[float, Rule("float", coordinate, "rad")]
-HalfAngle = Annotated[float, Rule("float", _half_angle, "rad")]
-Duration = Annotated[float, Rule("float", positive, "s")]
+Finite = Number()
+Positive = Number(TINY)
+NotNegative = Number(0.0)
+Size = Number(LEAST, MOST, why=_SQUARES)
+Length = Number(LEAST, MOST, "m", why=_SQUARES)
+Length0 = Number(LEAST, MOST, "m", why=_SQUARES, or_zero=True)
+Coordinate = Number(-MOST, MOST, "m")
+Angle = Number(-MOST, MOST, "rad")
+HalfAngle = Number(
+    LEAST, np.pi / 2, "rad",
+    also=("lie between 0 and pi/2, both left out", lambda angle: 0 < angle < np.pi / 2),
+)  # fmt: skip
+Duration = Number(TINY, unit="s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
-Point = Annotated[tuple[float, float, float], Rule("(3,) float", point, "m")]
+Point = Array("(3,) float", "m", last="x, y, z")
+Direction = Annotated[tuple, Rule("(3,) float", _direction)]
 # Many, that broadcast:
-Corners = Annotated[ArrayLike, Rule("(..., 2) float", corners, "m")]
-Polynomials = Annotated[ArrayLike, Rule("(..., n + 1) float", polynomials)]
-Rates = Annotated[ArrayLike, Rule("(..., 2) float", positions, "rad/s")]
-Reals = Annotated[ArrayLike, Rule("(...) float", bounded_array)]
-Angles = Annotated[ArrayLike, Rule("(...) float", bounded_array, "rad")]
-Lengths = Annotated[ArrayLike, Rule("(...) float", bounded_array, "m")]
-Points = Annotated[ArrayLike, Rule("(..., 3) float", near_points, "m")]
+Corners = Array("(..., 2) float", "m", last="x, y")
+Polynomials = Array("(..., n + 1) float", loose=True)
+Reals = Array("(...) float")
+Angles = Array("(...) float", "rad")
+Lengths = Array("(...) float", "m")
+Radii = Array("(...) float", "m", low=LEAST, or_zero=True, why=_SQUARES)
+Points = Array("(..., 3) float", "m", last="x, y, z")
 Directions = Annotated[ArrayLike, Rule("(..., 3) float", directions)]
-Positions = Annotated[ArrayLike, Rule("(..., 2) float", positions, "rad")]
+Positions = Array("(..., 2) float", "rad", last="theta, phi")
+Rates = Array("(..., 2) float", "rad/s", last="theta, phi")
 
-
-def Whole(low, high):
-    """Return the annotation of one whole number from `low` to `high`."""
-    return Annotated[int, Rule("int", lambda name, value: one_whole(name, value, low, high))]
-
-
-def Wholes(says, low, high):
-    """Return the annotation of an array of whole numbers from `low` to `high`.
-
-    Its shape is what docstrings say of it: "(k,) int".
-    """
-    return Annotated[ArrayLike, Rule(says, lambda name, value: whole(name, value, low, high))]
-
-
-def Each(*kinds):
-    """Return the annotation of a list or tuple of instances of one of some classes."""
-    says = " or ".join(kind.__name__ for kind in kinds)
-
-    def check(name, value):
-        if not isinstance(value, (list, tuple)):
-            raise ValueError(f"{name}: must be a list of {says}; got {shown(value)}.")
-        for i, one in enumerate(value):
-            if not isinstance(one, kinds):
-                raise ValueError(f"{name}[{i}]: must be of class {says}; got {shown(one)}.")
-        return tuple(value)
-
-    return Annotated[list, Rule(f"list of {says}", check)]
+# The same for functions that look at a value themselves.
+finite, positive = rule_of(Finite).check, rule_of(Positive).check
+bounded_array, near_points = rule_of(Reals).check, rule_of(Points).check
+finite_array = rule_of(Array("(...) float", low=-GREATEST, high=GREATEST)).check
+positions = rule_of(Positions).check
+_vectors = rule_of(Array("(..., 3) float", last="x, y, z", loose=True)).check
+_lengths = rule_of(Array("(...) float", low=LEAST, why=_SQUARES)).check

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .isotropic import contact_point, isotropic_derivatives, normal
+from .graph_forms import contact_over, normal_over, seen_in_model
 from .jet import Jet, compose, differentiated, inverse, jet_variables, places
 from .triples import cross_product
 
@@ -19,10 +19,6 @@ from .triples import cross_product
 FLAT = 1e-6
 _NOISE = 1e-12
 MOST = 1e90  # of a jet's coefficients, whose third powers and their sums are sound floats
-
-_normal = normal.unchecked
-_contact_point = contact_point.unchecked
-_isotropic_derivatives = isotropic_derivatives.unchecked
 
 
 class AdaptedFrames(NamedTuple):
@@ -81,7 +77,7 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
     array([0., 0., 1.])
     """
     s, t = np.broadcast_arrays(s, t)
-    return frames_by(surface, *jet_variables.unchecked(s.ravel(), t.ravel()), model)
+    return frames_by(surface, *jet_variables(s.ravel(), t.ravel()), model)
 
 
 @checked
@@ -91,7 +87,7 @@ def frames_along(surface: Function(2), s: Finite, t: Reals):
     The `surface` returns three coordinates, in m, by the line s and the place t (...) along it.
     """
     places = np.full(t.shape, s)
-    return adapted_frames.unchecked(lambda t, s: surface(s, t), t, places, "space")
+    return adapted_frames(lambda t, s: surface(s, t), t, places, "space")
 
 
 def frames_by(surface, s, t, model):
@@ -117,8 +113,8 @@ def frames_by(surface, s, t, model):
             # The graph's point (x, y, f) stands for a plane: its normal depends on x and y alone,
             # and the point of contact follows from f and its slopes.
             f = as_jet(one_number("surface", answer, s), s)
-            n = _normal(s, t)
-            r = _contact_point(s, t, f, differentiated(f, 0), differentiated(f, 1))
+            n = normal_over(s, t)
+            r = contact_over(s, t, f, differentiated(f, 0), differentiated(f, 1))
             tangent = [differentiated(c, 0) for c in n]
             known = 1.0  # the tangent's length is 2/(x^2 + y^2 + 1), never zero
         else:
@@ -159,7 +155,7 @@ def isotropic_jet(frames, where):
     """
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
-    x, y, _, fx, fy = _isotropic_derivatives(r, n)
+    x, y, _, fx, fy = seen_in_model(r, n)
     return _integrated(*compose([fx, fy], *inverse(x, y)))
 
 
@@ -192,12 +188,12 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     ValueError
         If the surface isn't smooth at a point, or has no isotropic model there.
     """
-    found = adapted_frames.unchecked(surface, s, t, "space")
+    found = adapted_frames(surface, s, t, "space")
     back = np.swapaxes(found.axes, 1, 2)
     r = _turned(back, found.r)
     n = _turned(back, found.n)
     r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
-    x, y, value, fx, fy = _isotropic_derivatives(r, n)
+    x, y, value, fx, fy = seen_in_model(r, n)
     f = _integrated(*compose([fx, fy], *inverse(x, y)))
     f.c[0] = value.value
     if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):

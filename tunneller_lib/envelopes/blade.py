@@ -7,9 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Directions, HalfAngle, Length, Length0, Point, Points, Whole, checked
+from ..arguments import (
+    Angle,
+    Coordinate,
+    Direction,
+    Directions,
+    HalfAngle,
+    Length,
+    Length0,
+    Point,
+    Points,
+    Whole,
+    checked,
+)
 from ..kernels.exact import dot, norm
-from .functions import Shift, Turn, Varying
+from .functions import Varying
 from .jet import Jet
 
 _SLENDER = 1e6  # times a hub's radius: no size of a blade is above it
@@ -47,10 +59,10 @@ class BladeRing:
     hub: Length
     height: Length
     chord: Length
-    stagger: Turn
-    twist: Turn
-    camber: Shift
-    bow: Shift
+    stagger: Angle
+    twist: Angle
+    camber: Coordinate
+    bow: Coordinate
     blades: Whole(2, 1000)
 
     def __post_init__(self):
@@ -106,7 +118,7 @@ class BladeRing:
 def blade_distances(
     ring: BladeRing,
     vertex: Point,
-    axis: Directions,
+    axis: Direction,
     half_angle: HalfAngle,
     near: Length0,
     far: Length,
@@ -121,8 +133,8 @@ def blade_distances(
         The blades.
     vertex : (3,) float
         In m.
-    axis : (..., 3) float
-        One vector along the axis into the cone.
+    axis : (3,) float
+        A vector along the axis into the cone.
     half_angle : float
         Between axis and rulings, in rad.
     near, far : float
@@ -135,8 +147,6 @@ def blade_distances(
     distance : (3,) float
         In m, negative within the cone: to the first blade, the next and the last.
     """
-    if axis.ndim > 1:
-        raise ValueError(f"axis: must be one vector (3,); got {axis.shape}.")
     tool = vertex, axis, half_angle, near, far
     return np.array([cone_distance(ring.mesh(n, k), *tool).min() for k in (0, 1, -1)])
 

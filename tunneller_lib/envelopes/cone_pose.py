@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import LEAST, Angles, HalfAngle, Length, Length0, Point, Points, Whole, checked
+from ..arguments import Angles, Direction, HalfAngle, Length, Length0, Point, Points, Whole, checked
 from .blade import cone_distance
 from .conics import top_circle
 from .isotropic import cone_planes, cone_rulings
@@ -39,14 +39,12 @@ class ConePose:
     """
 
     vertex: Point
-    axis: Point
+    axis: Direction
     half_angle: HalfAngle
     near: Length0
     far: Length
 
     def __post_init__(self):
-        if not np.abs(self.axis).max() >= LEAST:
-            raise ValueError(f"axis: must not be zero; got {tuple(self.axis)}.")
         if self.near >= self.far:
             raise ValueError(f"near: must be below far; got {self.near:g} and {self.far:g}.")
 

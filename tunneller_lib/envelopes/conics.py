@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..arguments import Angles, Directions, Point, bounded_array, checked
+from ..arguments import Angles, Coordinate, Directions, Point, bounded_array, checked
 from ..kernels.exact import norm
-from .functions import Centre, Shift
+from .functions import Centre
 from .jet import Jet, derivative
 
 _MOST = 1e60  # of numbers whose products of four, over one small divisor, are sound floats
@@ -48,7 +48,7 @@ def top_circle(axis: Directions, half_angle: Angles):
 
 
 @checked
-def conic(point: Point, centre: Centre, a: Shift, b: Shift, t: Angles):
+def conic(point: Point, centre: Centre, a: Coordinate, b: Coordinate, t: Angles):
     """Return points of a conic over a circle (Eq. 8).
 
     Parameters
@@ -109,7 +109,7 @@ def osculating_conic(centre: Centre, f: Jet):
 
 
 @checked
-def cone_vertex(point: Point, centre: Centre, a: Shift, b: Shift):
+def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
     """Return the vertex of the cone that a conic stands for (Eq. 22).
 
     Parameters

@@ -33,7 +33,7 @@ def curve_derivatives(curve: Function(1), s: Reals):
     ValueError
         If the curve isn't defined and smooth at a parameter, or returns something else.
     """
-    s, _ = jet_variables.unchecked(s, np.zeros(()))
+    s, _ = jet_variables(s, np.zeros(()))
     with np.errstate(all="ignore"):
         r = [c + 0.0 * s for c in coordinates("curve", curve(s), s)]  # a constant is no jet
     found = [np.stack([derivative(c, order, 0) for c in r], axis=-1) for order in range(4)]
@@ -77,7 +77,7 @@ def tangent_planes(curve: Function(1), s: Reals):
     ValueError
         As by `curve_derivatives`, or if one of the points is one of inflexion.
     """
-    point, velocity, acceleration, _ = curve_derivatives.unchecked(curve, s)
+    point, velocity, acceleration, _ = curve_derivatives(curve, s)
     n = _binormal(velocity, acceleration)
     n = n / norm(n)[..., None]
     return n, -dot(n, point)
@@ -121,7 +121,7 @@ def osculating_cone(curve: Function(1), s: Reals):
     >>> axis.round(12) + 0.0, float(half_angle * 180 / np.pi)
     (array([0., 0., 1.]), 45.0)
     """
-    point, velocity, acceleration, third = curve_derivatives.unchecked(curve, s)
+    point, velocity, acceleration, third = curve_derivatives(curve, s)
     b = _binormal(velocity, acceleration)
     speed = norm(velocity)
     curvature = norm(b) / speed**3

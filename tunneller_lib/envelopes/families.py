@@ -7,14 +7,14 @@ and motions to give them stand below.
 
 import numpy as np
 
-from ..arguments import LEAST, HalfAngle, Length, checked, shown
-from .functions import Function, Shift, Turn, Varying, coordinates, vectors
+from ..arguments import LEAST, Angle, Coordinate, HalfAngle, Length, checked, shown
+from .functions import Function, Varying, coordinates, vectors
 from .jet import Jet
 from .triples import add, cross_product, dot_product, times, unit_vector
 
 
 @checked
-def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Turn = 0.0):
+def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Angle = 0.0):
     """Return the envelope of a cone of revolution that a motion carries (Eq. 5).
 
     Parameters
@@ -72,7 +72,7 @@ def _moved(answer, v):
 
 
 @checked
-def channel(curve: Function(1), radius: Length, *, growth: Shift = 0.0):
+def channel(curve: Function(1), radius: Length, *, growth: Coordinate = 0.0):
     """Return the envelope of spheres on a curve, a pipe surface where they are congruent.
 
     Parameters
@@ -136,7 +136,7 @@ def swept_ball(path: Function(1), radius: Length):
 
 
 @checked
-def ruled(lines: Function(1), *, offset: Shift = 0.0):
+def ruled(lines: Function(1), *, offset: Coordinate = 0.0):
     """Return a ruled surface, or one at a distance: the envelope of cylinders about its rulings.
 
     Parameters
@@ -162,7 +162,7 @@ def ruled(lines: Function(1), *, offset: Shift = 0.0):
 
 
 @checked
-def helix(s: Varying, pitch: Shift = 0.4):
+def helix(s: Varying, pitch: Coordinate = 0.4):
     """Return a helix about z that rises by `pitch` m a radian, its velocity and acceleration.
 
     Parameters
@@ -183,7 +183,7 @@ def helix(s: Varying, pitch: Shift = 0.4):
 
 
 @checked
-def cubic(s: Varying, bend: Shift = 1.0):
+def cubic(s: Varying, bend: Coordinate = 1.0):
     """Return the curve (s, bend s^2/2, s^3/6), its velocity and acceleration.
 
     Parameters
@@ -234,7 +234,7 @@ def saddle(s: Varying):
 
 
 @checked
-def helicoid(s: Varying, pitch: Shift = 1.0):
+def helicoid(s: Varying, pitch: Coordinate = 1.0):
     """Return lines across the x axis that move along it as they turn, for `ruled`.
 
     Parameters
@@ -256,7 +256,7 @@ def helicoid(s: Varying, pitch: Shift = 1.0):
 
 
 @checked
-def helix_lines(s: Varying, twist: Turn = 0.0, pitch: Shift = 0.4):
+def helix_lines(s: Varying, twist: Angle = 0.0, pitch: Coordinate = 0.4):
     """Return lines from a helix: its tangents, turned in the osculating planes, for `ruled`.
 
     Parameters
@@ -275,7 +275,7 @@ def helix_lines(s: Varying, twist: Turn = 0.0, pitch: Shift = 0.4):
     """
     c = np.cos(twist)
     d = np.sin(twist)
-    point, velocity, acceleration = helix.unchecked(s, pitch)
+    point, velocity, acceleration = helix(s, pitch)
     jerk = [np.sin(s), -np.cos(s), 0 * s]
     direction = add(times(c, velocity), times(d, acceleration))
     return point, velocity, direction, add(times(c, acceleration), times(d, jerk))
@@ -283,7 +283,12 @@ def helix_lines(s: Varying, twist: Turn = 0.0, pitch: Shift = 0.4):
 
 @checked
 def turning(
-    vertex: Function(1), velocity: Function(1), lean: Turn, *, rate: Turn = 1.0, start: Turn = 1.0
+    vertex: Function(1),
+    velocity: Function(1),
+    lean: Angle,
+    *,
+    rate: Angle = 1.0,
+    start: Angle = 1.0,
 ):
     """Return a motion whose axes turn about z, for `moving_cone`.
 
@@ -316,7 +321,7 @@ def turning(
 
 
 @checked
-def screwing(radius: Length, pitch: Shift, lean: Turn, *, start: Turn = 1.0):
+def screwing(radius: Length, pitch: Coordinate, lean: Angle, *, start: Angle = 1.0):
     """Return a motion whose vertex runs on a helix about z as its axes turn, for `moving_cone`.
 
     Parameters
@@ -342,7 +347,7 @@ def screwing(radius: Length, pitch: Shift, lean: Turn, *, start: Turn = 1.0):
     def velocity(v):
         return [-radius * np.sin(v), radius * np.cos(v), pitch + 0 * v]
 
-    return turning.unchecked(vertex, velocity, lean, start=start)
+    return turning(vertex, velocity, lean, start=start)
 
 
 @checked

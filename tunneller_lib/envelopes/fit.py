@@ -2,17 +2,18 @@
 
 import numpy as np
 
-from ..arguments import LEAST, Directions, Points, Positive, Whole, checked
+from ..arguments import LEAST, MOST, Directions, Number, Points, Positive, Whole, checked
 from ..kernels.exact import dot, norm
-from .functions import Centre, Function, Number, UnitVectors
+from .functions import Centre, Function, UnitVectors
 from .isotropic import normal, plane_to_point, surface_points
 
 ROUNDS = 4  # of reweighting
+Slope = Number(-MOST, MOST)
 _HUBER = 1.345 * 1.4826  # of the median: its efficiency is 95 % for normal errors
 
 
 @checked
-def tilted(n: UnitVectors, turn: Number, rng: np.random.Generator):
+def tilted(n: UnitVectors, turn: Slope, rng: np.random.Generator):
     """Return unit normals (..., 3), turned each in a random direction as Example 32 turns them.
 
     Parameters
@@ -40,7 +41,7 @@ def noisy_planes(
     place: Centre,
     rng: np.random.Generator,
     *,
-    turn: Number,
+    turn: Slope,
     count: Whole(1, 100_000),
     reach: Positive,
 ):
@@ -71,8 +72,8 @@ def noisy_planes(
     angle = 2 * np.pi * rng.random(count)
     away = reach * np.sqrt(rng.random(count))
     x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
-    n = np.stack(normal.unchecked(x, y), axis=-1)
-    return surface_points.unchecked(f, x, y), tilted.unchecked(n, turn, rng)
+    n = np.stack(normal(x, y), axis=-1)
+    return surface_points(f, x, y), tilted(n, turn, rng)
 
 
 @checked
@@ -145,7 +146,7 @@ def fit_planes(contact: Points, n: Directions, *, scale: Positive, degree: Whole
     >>> bool(np.isclose(f(0.0, 0.0), -1))
     True
     """
-    planes = plane_to_point.unchecked(n, -dot(n, contact)).reshape(-1, 3)
+    planes = plane_to_point(n, -dot(n, contact)).reshape(-1, 3)
     # All products x^i y^j of the degree or less, the lower degrees first.
     orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
     if len(planes) < len(orders):

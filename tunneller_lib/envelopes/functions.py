@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Rule, bounded_array, directions, finite, real, shown
+from ..arguments import Array, Rule, bounded_array, real, shown
 from ..kernels.exact import norm
 from .jet import Jet
 
@@ -55,13 +55,6 @@ def _binds(function, count):
 _method_binds = lru_cache(32)(_binds)
 
 
-def _number(name, value):
-    """Return `value` as a float of at most 1e100 in size."""
-    number = finite(name, value)
-    bounded_array(name, number)
-    return number
-
-
 def _varying(name, value):
     return value if isinstance(value, Jet) else bounded_array(name, value)
 
@@ -100,27 +93,14 @@ def _normals(name, value):
     return three
 
 
-def _centre(name, value):
-    array = bounded_array(name, value)
-    if array.shape != (2,):
-        raise ValueError(f"{name}: must be one pair (2,); got {array.shape}.")
-    return tuple(array.tolist())
+def _are_units(array):
+    return np.all(np.abs(norm(array) - 1) <= _UNIT)
 
 
-def _unit_vectors(name, value):
-    array = directions(name, value)
-    if not np.all(np.abs(norm(array) - 1) <= _UNIT):
-        raise ValueError(f"{name}: must have the length 1; got one that hasn't.")
-    return array
-
-
-Number = Annotated[float, Rule("float", _number)]
-Shift = Annotated[float, Rule("float", _number, "m")]
-Turn = Annotated[float, Rule("float", _number, "rad")]
-Centre = Annotated[tuple[float, float], Rule("(2,) float", _centre)]
+Centre = Array("(2,) float", last="x, y")
 Three = Annotated[list, Rule("(...) float or Jet, three of them", _three)]
 UnitThree = Annotated[list, Rule("(...) float or Jet, three of them", _normals)]
-UnitVectors = Annotated[ArrayLike, Rule("(..., 3) float", _unit_vectors)]
+UnitVectors = Array("(..., 3) float", last="x, y, z", also=("have the length 1", _are_units))
 Varying = Annotated[ArrayLike | Jet, Rule("(...) float or Jet", _varying)]
 
 

@@ -186,7 +186,7 @@ def _found(surface, s, t, rho, model):
     cones : (n, 6, 5) float
         As of `cone_loops.cones_of`.
     """
-    variables = jet_variables.unchecked(s, t)
+    variables = jet_variables(s, t)
     few = s.size <= FEW
     ready = compiled.ready("cones")
     with np.errstate(all="ignore"):

@@ -9,6 +9,7 @@ import numpy as np
 from ..arguments import Angles, Directions, Lengths, Points, Reals, checked
 from ..kernels.exact import dot, norm
 from .functions import Function, Three, UnitThree, UnitVectors, Varying, one_number
+from .graph_forms import contact_over, normal_over, seen_in_model
 from .jet import derivative, jet_variables
 
 
@@ -71,7 +72,7 @@ def point_to_plane(point: Points):
         Constant terms, in m.
     """
     x, y, z = np.moveaxis(point, -1, 0)
-    n = np.stack(normal.unchecked(x, y), axis=-1)
+    n = np.stack(normal(x, y), axis=-1)
     return n, z * (n[..., 2] + 1)
 
 
@@ -89,8 +90,7 @@ def normal(x: Varying, y: Varying):
     n : tuple of three
         Components, arrays or jets as x and y.
     """
-    p = x * x + y * y + 1
-    return 2 * x / p, 2 * y / p, 2 / p - 1
+    return normal_over(x, y)
 
 
 @checked
@@ -132,10 +132,7 @@ def contact_point(x: Varying, y: Varying, f: Varying, fx: Varying, fy: Varying):
     r : tuple of three
         Coordinates in m.
     """
-    p = x * x + y * y + 1
-    # Eqs 18 and 19 for r1 and r2, which says the same as the printed matrix.
-    r3 = 2 * (x * fx + y * fy - f) / p
-    return x * r3 - fx, y * r3 - fy, r3
+    return contact_over(x, y, f, fx, fy)
 
 
 @checked
@@ -161,12 +158,12 @@ def surface_points(f: Function(2), x: Reals, y: Reals):
     array([-0.6, -0.8,  0. ])
     """
     x, y = np.broadcast_arrays(x, y)
-    s, t = jet_variables.unchecked(x, y)
+    s, t = jet_variables(x, y)
     with np.errstate(all="ignore"):
         jet = one_number("f", f(s, t), s) + 0.0 * s  # a constant is a function, too
         fx = derivative(jet, 1, 0)
         fy = derivative(jet, 0, 1)
-        points = np.stack(contact_point.unchecked(x, y, jet.value, fx, fy), axis=-1)
+        points = np.stack(contact_over(x, y, jet.value, fx, fy), axis=-1)
     if not np.all(np.isfinite(points)):
         raise ValueError("f: must be defined and smooth at every place; got one where it isn't.")
     return points
@@ -186,10 +183,7 @@ def isotropic_derivatives(r: Three, n: UnitThree):
     x, y, f, fx, fy : (...) float or Jet
         The place in the isotropic model, the function there and its derivatives.
     """
-    below = n[2] + 1
-    x, y = n[0] / below, n[1] / below
-    f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
-    return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
+    return seen_in_model(r, n)
 
 
 @checked
@@ -242,7 +236,7 @@ def plane_azimuth(axis: Directions, half_angle: Angles, n: UnitVectors):
         In rad, from -pi to pi.
     """
     right = np.array([0.0, np.pi / 2])
-    pair, _ = cone_planes.unchecked(np.zeros(3), axis[..., None, :], half_angle[..., None], right)
+    pair, _ = cone_planes(np.zeros(3), axis[..., None, :], half_angle[..., None], right)
     share = np.sin(half_angle) ** 2  # of the axis in the product of any two normals
     cosine, sine = (dot(pair[..., i, :], n) - share for i in (0, 1))
     return np.arctan2(sine, cosine)
@@ -267,6 +261,6 @@ def cone_rulings(axis: Directions, half_angle: Angles, azimuth: Angles):
         From the vertex into the cone.
     """
     axis = axis / norm(axis)[..., None]
-    n, _ = cone_planes.unchecked(np.zeros(3), axis, half_angle, azimuth)
+    n, _ = cone_planes(np.zeros(3), axis, half_angle, azimuth)
     half_angle = half_angle[..., None]
     return (axis - np.sin(half_angle) * n) / np.cos(half_angle)

@@ -100,7 +100,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         """
         if i + j > self.order:
             raise ValueError(f"i, j: must be at most {self.order} together; got {i} and {j}.")
-        return factorial(i) * factorial(j) * self.c[_PLACE[i, j]]
+        return derivative(self, i, j)
 
     def __array_ufunc__(self, ufunc, method, *arguments, **options):
         function = _FUNCTIONS.get(ufunc)
@@ -154,7 +154,9 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
     __ipow__ = np.lib.mixins.NDArrayOperatorsMixin.__pow__
 
 
-derivative = Jet.derivative.unchecked  # for inner loops, whose orders are sound
+def derivative(f, i, j):
+    """Return what `Jet.derivative` does, for inner loops, whose orders are sound."""
+    return factorial(i) * factorial(j) * f.c[_PLACE[i, j]]
 
 
 def places(f):
@@ -242,7 +244,7 @@ def inverse(x, y):
         Functions of (x - x0, y - y0), of value 0; not finite where the Jacobian vanishes.
     """
     origin = np.zeros_like(x.value)
-    h, k = jet_variables.unchecked(origin, origin, order=x.order)
+    h, k = jet_variables(origin, origin, order=x.order)
     (_, xh, xk), (_, yh, yk) = x.c[:3], y.c[:3]
     with np.errstate(all="ignore"):
         determinant = xh * yk - xk * yh

@@ -209,7 +209,7 @@ def _halves(place):
 
 def _fitted(contact, n, contact_error, normal_error):
     """Return the fit to all of some points and normals."""
-    axes = mean_frame.unchecked(n)
+    axes = mean_frame(n)
     origin = contact.mean(axis=0)
     local = (contact - origin) @ axes.T
     if np.ptp(local[:, :2], axis=0).min() == 0:

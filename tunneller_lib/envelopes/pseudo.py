@@ -7,15 +7,14 @@ isotropic model, where the graph is one of revolution, f = g(r).
 
 import numpy as np
 
-from ..arguments import LEAST, HalfAngle, checked
-from .functions import Shift
+from ..arguments import LEAST, Coordinate, HalfAngle, checked
 from .jet import Jet, series
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
 @checked
-def pseudo_envelope(half_angle: HalfAngle, *, offset: Shift = 0.0):
+def pseudo_envelope(half_angle: HalfAngle, *, offset: Coordinate = 0.0):
     """Return f(x, y) with a double cone at every point that no cone of that half-angle envelops.
 
     Parameters

@@ -5,11 +5,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments import HalfAngle, Reals, checked
+from ..arguments import Coordinate, HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
 from .conditions import asked, tells, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
-from .functions import Function, Shift
+from .functions import Function
 from .jet import HIGHEST, ORDER
 from .residuals import residual, ruled_residual
 from .rough import RUNS, errors, rough_frames
@@ -55,7 +55,7 @@ def recognise(
     t: Reals,
     kind: Literal["developable", "ruled", "cylinder", "channel", "pipe", "cone"],
     *,
-    radius: Shift | None = None,
+    radius: Coordinate | None = None,
     half_angle: HalfAngle | None = None,
     model: Literal["isotropic", "space"] = "isotropic",
 ):
@@ -129,7 +129,7 @@ def recognise(
         raise ValueError(f"radius: belongs to cylinder and pipe only; got it with {kind!r}.")
     if half_angle is not None and kind != "cone":
         raise ValueError(f"half_angle: belongs to cone only; got it with {kind!r}.")
-    found = adapted_frames.unchecked(surface, s, t, model)
+    found = adapted_frames(surface, s, t, model)
     if not found.smooth.all():
         i = np.argmin(found.smooth)
         raise ValueError(

@@ -71,7 +71,7 @@ def rough_frames(surface, s, t, model, order):
         At `RUNS` n points, those of one run after another.
     """
     rng = np.random.default_rng(RUNS)
-    jets = jet_variables.unchecked(np.tile(s, RUNS), np.tile(t, RUNS), order=order)
+    jets = jet_variables(np.tile(s, RUNS), np.tile(t, RUNS), order=order)
     return frames_by(surface, *(RoughJet(jet.c, rng) for jet in jets), model)
 
 

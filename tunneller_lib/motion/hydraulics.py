@@ -261,8 +261,8 @@ class Hydraulics:
     @checked
     def resonance(self, angle: Angle):
         """Return the linear plant of small motions about a joint angle, in rad."""
-        w = Hydraulics.natural_frequency.unchecked(self, angle)
-        rates = Hydraulics.rate.unchecked(self, np.asarray(angle), np.array([1.0, -1.0]))
+        w = self.natural_frequency(angle)
+        rates = self.rate(angle, [1.0, -1.0])
         gain = float(min(np.abs(rates)))
         return Resonance(gain, w, self.damping / (2 * self.inertia * w))
 

@@ -4,12 +4,11 @@ A set-value is a number of encoder counts. Any number of axes share one clock.
 """
 
 import math
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Duration, Rule, Whole, Wholes, bounded_array, checked, whole
+from ..arguments import Array, Duration, Whole, Wholes, checked, whole
 
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}
@@ -19,7 +18,7 @@ MOST_SETVALUES = 2**25  # in one array, which is then of 256 MiB
 Tie = Literal["up", "down"]
 Ends = Wholes("(...) int", LOW, HIGH)
 End = Whole(LOW, HIGH)
-Times = Annotated[ArrayLike, Rule("(k + 1,) float", bounded_array, "s")]
+Times = Array("(k + 1,) float", "s")
 Knots = Wholes("(k + 1, n) int", LOW, HIGH)
 Parts = Whole(1, 2**16)
 SegmentTicks = Wholes("(k,) int", 1, HIGH)
@@ -130,10 +129,8 @@ def tick_counts(times: Times, tick: Duration):
     >>> tick_counts([0, 0.012, 0.024, 0.036], 0.005)
     array([2, 3, 2])
     """
-    if times.ndim != 1 or len(times) < 2:
-        raise ValueError(
-            f"times: must be a list of at least two times; got an array of shape {times.shape}."
-        )
+    if len(times) < 2:
+        raise ValueError(f"times: must be at least two; got {len(times)}.")
     latest = np.abs(times).max()
     if latest > HIGH * tick:
         raise ValueError(f"times: must be at most 2^31 - 1 ticks of {tick:g} s; got {latest:g} s.")
@@ -267,7 +264,7 @@ def _scale(ticks, parts):
 
 def _check_segments(knots, ticks):
     """Raise ValueError where knots and ticks don't fit, or a move is too far or too long."""
-    if knots.ndim != 2 or ticks.ndim != 1 or len(knots) != len(ticks) + 1 or not len(ticks):
+    if len(knots) != len(ticks) + 1 or not len(ticks):
         raise ValueError(
             "knots: must be an array (k + 1, n) for ticks (k,) of k >= 1 segments; "
             f"got {knots.shape} for {ticks.shape}."

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..arguments import Whole, checked
-from .quantities import Number, Quantity, Quantity0, Share, Tick
+from ..arguments import Number, Whole, checked
+from .quantities import Quantity, Quantity0, Tick
 
 MOST_DELAY = 100  # ticks; each is a row of the loop's matrix
 
@@ -43,9 +43,9 @@ class Loop:
     gain: Quantity
     tick: Tick
     integral: Quantity0 = 0.0
-    feedforward: Share(2) = 0.0
+    feedforward: Number(0.0, 2.0) = 0.0
     delay: Whole(0, MOST_DELAY) = 0
     count: Number(1e-15, 1e9, or_zero=True) = 0.0
     limit: Quantity = 1.0
-    dead_band: Share(0.99) = 0.0
+    dead_band: Number(0.0, 0.99) = 0.0
     compensated: bool = False

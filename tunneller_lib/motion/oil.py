@@ -3,17 +3,16 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Finite, Rule, checked
+from ..arguments import Angle, Array, Finite, checked
 from ..kernels.compiled import root
 from ..surfaces.linkage import chambers, check_stroke
 from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, Plant, ValveResonance
-from .quantities import Tick, Torque, moderate_array
+from .quantities import Tick, Torque
 
 SLIP = 2e-3  # rad/s, within which dry friction turns from one direction to the other
 LAMINAR = 1e5  # Pa, below which the flow through a land turns from its root to a straight line
@@ -22,14 +21,7 @@ STEP = 2e-3  # s, the longest step with rigid oil
 MOST_STEPS = 1000  # in a tick
 
 
-def _state(name, value):
-    array = moderate_array(name, value)
-    if array.shape != (5,):
-        raise ValueError(f"{name}: must be five numbers; got shape {array.shape}.")
-    return tuple(array.tolist())
-
-
-State = Annotated[ArrayLike, Rule("(5,) float", _state)]
+State = Array("(5,) float", low=-1e15, high=1e15)
 
 
 class _Oily(Plant):
@@ -115,9 +107,9 @@ class Compressible(_Oily):
         A valve that is hardly open lets no oil escape from a load that swings; the further it
         opens the more it damps. So these are the motions that grow first.
         """
-        small = Hydraulics.resonance.unchecked(self.axis, angle)
+        small = self.axis.resonance(angle)
         return ValveResonance(
-            gain=float(Hydraulics.swing.unchecked(self.axis, angle)) * small.gain,
+            gain=float(self.axis.swing(angle)) * small.gain,
             steady=small.gain,
             frequency=small.frequency,
             damping=small.damping,

@@ -2,37 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Positive, Rule, Whole, checked, shown
+from ..arguments import Array, Each, Positive, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
 from .arm import Arm
 from .both_joints import Push
 from .loop import Loop
 from .plant import NoLinearForm, Plant
-from .quantities import moderate_array, one_or_each
 from .stability import is_stable
 from .ticks import run_each, run_together
 
-
-def _push(name, value):
-    if not (isinstance(value, Push) or callable(value)):
-        raise ValueError(f"{name}: must be a Push or a function; got {shown(value)}.")
-    return value
-
-
-Pushing = Annotated[object, Rule("Push or function", _push)]
-
-
-Plants = one_or_each(Plant)
-Loops = one_or_each(Loop)
-Setvalues = Annotated[
-    ArrayLike, Rule("(ticks + 1,) or (ticks + 1, n) float", moderate_array, "rad")
-]
-Slopes = Annotated[ArrayLike, Rule("(ticks,) or (ticks, n) float", moderate_array, "rad/s")]
+Plants = Each(Plant, or_one=True)
+Loops = Each(Loop, or_one=True)
+Setvalues = Array("(ticks + 1,) or (ticks + 1, n) float", "rad", low=-1e15, high=1e15)
+Slopes = Array("(ticks,) or (ticks, n) float", "rad/s", low=-1e15, high=1e15)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +125,7 @@ def follow(
     slopes: Slopes | None = None,
     inverse: Callable[[float, float], float] | None = None,
     arm: Arm | None = None,
-    push: Pushing | None = None,
+    push: Push | Callable | None = None,
 ):
     """Run set-values through position loops and the axes that they move.
 
@@ -184,10 +169,9 @@ def follow(
     >>> follow(Integrator(0.5), Loop(10, tick=0.01), ramp).error[-1].round(6)
     np.float64(0.01)
     """
-    if setvalues.ndim not in (1, 2) or len(setvalues) < 2 or not setvalues.size:
+    if len(setvalues) < 2 or not setvalues.size:
         raise ValueError(
-            "setvalues: must be of shape (ticks + 1,) or (ticks + 1, n) with ticks >= 1 and n >= 1;"
-            f" got shape {setvalues.shape}."
+            f"setvalues: must be of one tick and of one axis at least; got {setvalues.shape}."
         )
     # One axis is a column as well; the answers get back the shape of what was given.
     columns = setvalues.reshape(len(setvalues), -1)
@@ -231,7 +215,7 @@ def _is_stable(plant, loop, column):
     # How stiff oil is depends on the angle, so five of the range are asked.
     angles = np.linspace(column.min(), column.max(), 5)
     try:
-        return is_stable.unchecked(plant, loop, angles)
+        return is_stable(plant, loop, angles)
     except NoLinearForm:
         return None
 

@@ -152,7 +152,7 @@ def gain_limit(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     """
     if loop.integral:
         raise ValueError(f"loop: must be without integral; got {loop.integral:g} 1/s^2.")
-    return stable_gains.unchecked(plant, loop, angles)[1]
+    return stable_gains(plant, loop, angles)[1]
 
 
 @checked

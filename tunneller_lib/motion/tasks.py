@@ -6,9 +6,9 @@ most urgent first; a more urgent task interrupts the others at once.
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
-from ..arguments import Rule, Whole, Wholes, checked, shown
+from ..arguments import Each, Whole, Wholes, checked
 
 LONGEST = 2**40  # units of time
 MOST_RELEASES = 200_000  # of a run; then it takes about a second
@@ -40,16 +40,7 @@ class Task:
     cost: Time
 
 
-def _tasks(name, value):
-    if not isinstance(value, (list, tuple)) or not value:
-        raise ValueError(f"{name}: must be a list of at least one task; got {shown(value)}.")
-    for i, one in enumerate(value):
-        if not isinstance(one, Task):
-            raise ValueError(f"{name}[{i}]: must be of class Task; got {shown(one)}.")
-    return tuple(value)
-
-
-Tasks = Annotated[list, Rule("list of Task", _tasks)]
+Tasks = Each(Task, some=True)
 
 
 class Slice(NamedTuple):
@@ -276,9 +267,8 @@ def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
 
 def _segments(costs, ticks):
     """Return costs and ticks as lists, which must be of one length and not empty."""
-    for name, values in (("costs", costs), ("ticks", ticks)):
-        if values.ndim != 1 or not values.size:
-            raise ValueError(f"{name}: must be a list, not empty; got shape {values.shape}.")
+    if not len(costs):
+        raise ValueError("costs: must be a list, not empty; got none.")
     if len(costs) != len(ticks):
         raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
     return costs.tolist(), ticks.tolist()

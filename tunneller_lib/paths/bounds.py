@@ -1,29 +1,20 @@
 """What may be asked of a path: how many points, at which shares of the way, between which ends."""
 
 import math
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Rule, Whole, bounded_array
+from ..arguments import Array, Whole
 
 MOST_POINTS = 5_000_000  # of all paths of a call together: a few seconds, some hundred megabytes
 MOST_RATIO = 1e100  # of r and R, either way
 
 
-def row(name, value):
-    """Return `value` as a float array (n,)."""
-    array = bounded_array(name, value)
-    if array.ndim != 1:
-        raise ValueError(f"{name}: must be a list (n,) of numbers; got shape {array.shape}.")
-    return array
-
-
 Count = Whole(2, 1_000_000)
 # Of `CHORD_PATHS`, those by which a machine may go from knot to knot.
 Way = Literal["tangent spheres", "corrected chord"]
-Row = Annotated[ArrayLike, Rule("(n,) float", row)]
+Row = Array("(n,) float")
 
 
 def check_points(n, shape):

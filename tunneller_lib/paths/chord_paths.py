@@ -12,6 +12,7 @@ import numpy as np
 from ..arguments import Positions, checked, positions
 from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
+from ..surfaces.torus import torus_angles, torus_normal, torus_point
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
 from .quadrature import path_lengths
@@ -206,15 +207,15 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     far = np.maximum(np.abs(p[..., 0]), np.abs(q[..., 0])) > 2 * np.pi
     start = np.stack([np.where(far, p[..., 0], 0.0), np.zeros_like(far, float)], axis=-1)
     p, q = p - start, q - start
-    return path_lengths(torus, lambda *way: ChordPath.__call__.unchecked(path, torus, *way), p, q)
+    return path_lengths(torus, lambda *way: path(torus, *way), p, q)
 
 
 def _end_point(torus, end):
-    return Torus.point.unchecked(torus, end[..., 0], end[..., 1])
+    return torus_point(torus, end[..., 0], end[..., 1])
 
 
 def _end_normal(torus, end):
-    return Torus.normal.unchecked(torus, end[..., 0], end[..., 1])
+    return torus_normal(end[..., 0], end[..., 1])
 
 
 def _chord(torus, p, q, t):
@@ -225,11 +226,11 @@ def _chord(torus, p, q, t):
 
 
 def _joint(torus, m):
-    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
+    return np.stack(torus_angles(torus, m), axis=-1)
 
 
 def _normal(torus, m):
-    return Torus.normal.unchecked(torus, *Torus.angles.unchecked(torus, m))
+    return torus_normal(*torus_angles(torus, m))
 
 
 def _depth(torus, m):

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arguments import Angle, Lengths, Points, Positions, Positive, checked
-from ..surfaces import Machine, Section, Torus
+from ..surfaces import Machine, Section
 from .bounds import Row, Way
 from .chord_paths import CHORD_PATHS
 
@@ -143,7 +143,7 @@ class Circuit:
         otherwise the ruling meets the torus in up to four points, of which the document takes
         the one of greatest x.
         """
-        y, z = np.moveaxis(Section.point.unchecked(self.profile, s), -1, 0)
+        y, z = np.moveaxis(self.profile.point(s), -1, 0)
         z = z - self.machine.height
         torus = self.machine.torus
         if self.aligned:
@@ -160,7 +160,7 @@ class Circuit:
         self._refuse(np.isnan(t[:, 0]), s)
         farthest = np.nanargmax(t * along[0], axis=-1)
         point = a + np.take_along_axis(t, farthest[:, None], axis=-1) * along
-        return np.stack(Torus.angles.unchecked(torus, point), axis=-1).reshape(*y.shape, 2)
+        return np.stack(torus.angles(point), axis=-1).reshape(*y.shape, 2)
 
     def _refuse(self, missed, s):
         if np.any(missed):
@@ -173,8 +173,8 @@ class Circuit:
     @checked
     def point(self, s: Lengths):
         """Return the cutter's centre (..., 3), in m, in the machine's frame, at arc lengths s."""
-        position = Circuit.position.unchecked(self, s)
-        return Torus.point.unchecked(self.machine.torus, position[..., 0], position[..., 1])
+        position = self.position(s)
+        return self.machine.torus.point(position[..., 0], position[..., 1])
 
     @checked
     def reach(self):
@@ -185,7 +185,7 @@ class Circuit:
         step = self.profile.perimeter / 720
         s = step * np.arange(720)
         for _ in range(4):
-            position = Circuit.position.unchecked(self, s)
+            position = self.position(s)
             low = position.min(axis=0)
             high = position.max(axis=0)
             extremes = s[np.concatenate([position.argmin(axis=0), position.argmax(axis=0)])]
@@ -214,10 +214,9 @@ class Circuit:
         """
         theta, phi = np.moveaxis(position, -1, 0)
         torus = self.machine.torus
-        joint = Torus.ring_point.unchecked(torus, theta)
-        centre = Torus.point.unchecked(torus, theta, phi)
-        in_tunnel = Circuit.in_tunnel.unchecked
-        return in_tunnel(self, joint), in_tunnel(self, centre)
+        joint = torus.ring_point(theta)
+        centre = torus.point(theta, phi)
+        return self.in_tunnel(joint), self.in_tunnel(centre)
 
     @checked
     def arm_axes(self, position: Positions):
@@ -254,8 +253,8 @@ class Circuit:
         overcut : (...) float
             In m: over-break if positive, under-break if negative.
         """
-        _, centre = Circuit.arm.unchecked(self, position)
-        return -Section.depth.unchecked(self.profile, centre[..., 1], centre[..., 2])
+        _, centre = self.arm(position)
+        return -self.profile.depth(centre[..., 1], centre[..., 2])
 
     @checked
     def path_overcut(self, s: Row, *, path: Way = "tangent spheres"):
@@ -273,10 +272,10 @@ class Circuit:
         overcut : (n, 33) float
             At as many places of each path, both ends included, in m.
         """
-        position = Circuit.position.unchecked(self, s)
+        position = self.position(s)
         after = np.roll(position, -1, axis=0)
         way = CHORD_PATHS[path](self.machine.torus, position, after, np.linspace(0, 1, PLACES))
-        return Circuit.overcut.unchecked(self, way)
+        return self.overcut(way)
 
     @checked
     def knots(self, tolerance: Positive, *, path: Way = "tangent spheres"):
@@ -315,7 +314,7 @@ class Circuit:
             counts = counts.astype(int)
             arcs = zip(blends[:-1], blends[1:], counts, strict=True)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
-            error = np.max(np.abs(Circuit.path_overcut.unchecked(self, s, path=path)), axis=-1)
+            error = np.max(np.abs(self.path_overcut(s, path=path)), axis=-1)
             worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)
             kept = worst <= tolerance
             if np.all(kept):

@@ -1,12 +1,10 @@
 """The test case of the appendix: on a cone the geodesic is known. Eqs 17 to 19 and the table."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Angles, Finite, Length, Rule, bounded_array, checked
+from ..arguments import Angles, Array, Finite, Length, checked
 from ..surfaces import Cone
 from .quadrature import gauss_rule
 
@@ -15,15 +13,7 @@ APART = 1e-9  # turns by which f must keep away from whole and half ones
 SLACK = 1e-9  # of a turn's angle, by which rounding may carry an azimuth past an end
 
 
-def _shares(name, value):
-    array = bounded_array(name, value)
-    if np.any((array < 0) | (array > 1)):
-        outside = array[(array < 0) | (array > 1)].flat[0]
-        raise ValueError(f"{name}: must be fractions from 0 to 1; got {outside:g}.")
-    return array
-
-
-Fractions = Annotated[ArrayLike, Rule("(...) float", _shares)]
+Fractions = Array("(...) float", low=0.0, high=1.0)
 
 
 @dataclass(frozen=True)
@@ -116,7 +106,7 @@ class ConeChord:
         azimuth : (...) float
             The document's theta, in rad.
         """
-        plane = ConeChord.geodesic.unchecked(self, u)
+        plane = self.geodesic(u)
         return np.arctan2(plane[..., 1], plane[..., 0]) / np.sin(self.cone.half_angle)
 
     @checked
@@ -158,7 +148,7 @@ class ConeChord:
             In m, of the foot of M on its own side of the axis: the scalar product of (rho, |z|)
             with the ruling. The document solves its quadratic Eq. 16 instead.
         """
-        m = ConeChord.chord_point.unchecked(self, azimuth)
+        m = self.chord_point(azimuth)
         sin = np.sin(self.cone.half_angle)
         cos = np.cos(self.cone.half_angle)
         return np.hypot(m[..., 0], m[..., 1]) * sin - m[..., 2] * cos
@@ -179,17 +169,17 @@ class ConeChord:
             angle on the development. The column heads are missing in the document; its columns
             come out in this order.
         """
-        plane = ConeChord.geodesic.unchecked(self, u)
+        plane = self.geodesic(u)
         phi = np.arctan2(plane[..., 1], plane[..., 0])
         geodesic = np.hypot(plane[..., 0], plane[..., 1])
-        path = ConeChord.tangent_sphere.unchecked(self, ConeChord.azimuth.unchecked(self, u))
+        path = self.tangent_sphere(self.azimuth(u))
         return np.stack([u, phi, path, geodesic, geodesic - path], axis=-1)
 
     @checked
     def path(self, u: Fractions):
         """Return the tangent-sphere path on the development, (..., 2) in m, at azimuth(u)."""
-        azimuth = ConeChord.azimuth.unchecked(self, u)
-        distance = ConeChord.tangent_sphere.unchecked(self, azimuth)
+        azimuth = self.azimuth(u)
+        distance = self.tangent_sphere(azimuth)
         return self.cone.development(distance, azimuth)
 
     @checked
@@ -209,7 +199,7 @@ class ConeChord:
         """
         start, stop = self.geodesic([0.0, 1.0])
         along = (stop - start) / np.hypot(*(stop - start))
-        offset = ConeChord.path.unchecked(self, u) - start
+        offset = self.path(u) - start
         across = along[0] * offset[..., 1] - along[1] * offset[..., 0]
         return np.sign(self.turn) * across
 

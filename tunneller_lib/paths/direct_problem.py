@@ -39,6 +39,7 @@ from ..kernels.elementwise import (
 from ..kernels.exact import dot
 from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, sine_cosine
 from ..surfaces import Torus
+from ..surfaces.torus import torus_normal, torus_point, torus_tangents
 from .bounds import Count, check_points, check_ratio
 from .geodesic_root import PI_REST, Radii, distance, rho
 
@@ -95,12 +96,12 @@ class GeodesicPoints:
     @property
     def point(self):
         """Return the points (..., n, 3), in m."""
-        return Torus.point.unchecked(self.torus, *self._angles)  # which may be NaN
+        return torus_point(self.torus, *self._angles)  # which may be NaN
 
     @property
     def tangent(self):
         """Return the unit tangents (..., n, 3)."""
-        meridian, parallel = Torus.tangents.unchecked(self.torus, *self._angles)
+        meridian, parallel = torus_tangents(*self._angles)
         cos = np.cos(self.azimuth)[..., None]
         sin = np.sin(self.azimuth)[..., None]
         return cos * meridian + sin * parallel
@@ -138,12 +139,12 @@ class GeodesicPoints:
                 f"got {position.shape[:-2]}."
             ) from None
         theta, phi = np.moveaxis(position, -1, 0)
-        point = Torus.point.unchecked(self.torus, theta, phi)
+        point = torus_point(self.torus, theta, phi)
         # Of |P - N|^2 the square of P is the same for all N; a product of matrices does the rest.
         on_way = self.point
         square = dot(on_way, on_way)[..., None, :] - 2 * point @ np.swapaxes(on_way, -1, -2)
         near = np.argmin(square, axis=-1)[..., None]
-        normal = Torus.normal.unchecked(self.torus, *self._angles)
+        normal = torus_normal(*self._angles)
         across = np.cross(normal, self.tangent)
         on_way = np.broadcast_to(on_way, (*leading, *on_way.shape[-2:]))
         across = np.broadcast_to(across, on_way.shape)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Positions, checked, none_beyond
+from ..arguments import Positions, checked, none_outside
 from ..kernels import compiled
 from ..kernels.compiled import loop
 from ..kernels.elementwise import NUMBERS, PLAIN, divided, larger, ratio, some, square_root, where
@@ -345,7 +345,7 @@ def turn_and_ends(p, q):
     found[:, 0] = q[:, 0] - p[:, 0]
     found[:, 1] = p[:, 1]
     found[:, 2] = q[:, 1]
-    if not none_beyond(found, math.pi):
+    if not none_outside(found, -math.pi, math.pi):
         # What the difference of far angles loses may be more than pi.
         turn, rest = two_sum(q[:, 0], -p[:, 0])
         found[:, 0] = reduced(turn) + reduced(rest)

@@ -111,16 +111,16 @@ def projected_length(torus: Torus, p: Positions, q: Positions):
 
 def _feet(torus, p, q, t):
     """Return the joint positions (..., n, 2) of the feet of M(t), at shares t (..., n)."""
-    start = Torus.point.unchecked(torus, p[..., 0], p[..., 1])
-    chord = Torus.point.unchecked(torus, q[..., 0], q[..., 1]) - start
+    start = torus.point(p[..., 0], p[..., 1])
+    chord = torus.point(q[..., 0], q[..., 1]) - start
     m = start[..., None, :] + t[..., None] * chord[..., None, :]
-    return np.stack(Torus.angles.unchecked(torus, m), axis=-1)
+    return np.stack(torus.angles(m), axis=-1)
 
 
 def _half_angle(torus, p, q):
     """Return half the angle between the normals at the ends."""
-    first = Torus.normal.unchecked(torus, p[..., 0], p[..., 1])
-    last = Torus.normal.unchecked(torus, q[..., 0], q[..., 1])
+    first = torus.normal(p[..., 0], p[..., 1])
+    last = torus.normal(q[..., 0], q[..., 1])
     return np.arctan2(norm(last - first), norm(last + first))
 
 

@@ -6,11 +6,10 @@ from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Each, Length, Rule, Whole, checked, size
+from ..arguments import Each, Length, Size, Whole, checked
 from ..kernels.compiled import expect
 from ..motion import Push, follow
 from ..motion.arm import Arm
@@ -30,7 +29,6 @@ CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s after which the cutting says how far it is
 PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
 Cost = Whole(1, 2**31 - 1)
-Energy = Annotated[float, Rule("float", size)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +127,7 @@ class Cut:
         return np.add.reduceat(self.removed, np.flatnonzero(first))
 
     @checked
-    def power(self, energy: Energy):
+    def power(self, energy: Size):
         """Return the power at the cutter (k,), in W, for a specific `energy` in J/m^3."""
         return energy * self.rate
 
@@ -165,7 +163,7 @@ def simulate(
         The controller's tasks in microseconds, the interpolation first, with the plan's tick.
     cost : int, optional
         What the slow preparation of a setpoint costs, in microseconds; needs `tasks`.
-    shape : (int, int)
+    shape : (2,) int
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.

@@ -38,7 +38,7 @@ class Face:
         Of the entry, all laps and the exit, in rad.
     first : int
         At which of them the first lap begins.
-    shape : (int, int)
+    shape : (2,) int
         Rays of the wall along the tunnel and round.
     thickness : float
         Of the modelled ground, in m.
@@ -133,11 +133,10 @@ class Face:
             return None
         turns = np.diff(way, axis=0)
         steps = np.diff(self.stepped[run])
-        volume, area = self.wall.front.unchecked(self.wall, centres, self.radius)
+        volume, area = self.wall.front(centres, self.radius)
         meant = self._taken(self._area, turns, steps)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
-            cut_path = self.wall.cut_path.unchecked
-            self.removed[end - 1] = cut_path(self.wall, centres, self.radius)
+            self.removed[end - 1] = self.wall.cut_path(centres, self.radius)
             self._way = way[-1:]
             return None
         if self._tries == MOST_TRIES:
@@ -157,7 +156,7 @@ class Face:
         """Cut what is left of the way, once all positions (n, 2) are known."""
         if len(self._way) > 1:
             centres = self._centres(self._way, slice(len(position) - len(self._way), None))
-            self.removed[-1] += self.wall.cut_path.unchecked(self.wall, centres, self.radius)
+            self.removed[-1] += self.wall.cut_path(centres, self.radius)
 
     def force(self, track):
         """Return the force (n - 1,) against the motion at each tick's beginning, in N."""
@@ -201,14 +200,13 @@ class Face:
 
     def _moves(self, position):
         """Return how the cutter moves (3, 2) by each joint at a position (2,), in m/rad."""
-        velocity = self.torus.velocity.unchecked
-        return self._turned @ velocity(self.torus, np.stack([position] * 2), np.eye(2)).T
+        return self._turned @ self.torus.velocity(position, np.eye(2)).T
 
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""
         circuit = self.plan.circuit
-        points = self.torus.point.unchecked(self.torus, position[:, 0], position[:, 1])
-        centres = self._posed(circuit.in_tunnel.unchecked(circuit, points))
+        points = self.torus.point(position[:, 0], position[:, 1])
+        centres = self._posed(circuit.in_tunnel(points))
         centres[:, 0] -= self.stepped[ticks]
         return centres
 

@@ -1,42 +1,25 @@
 """How fast the cutter may go along its path: as fast as the limits let it."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import LEAST, Rule, bounded_array, checked, positions, real, shown, size
+from ..arguments import LEAST, MOST, Array, Number, Size, checked
 from ..motion.hydraulics import Hydraulics
 from ..motion.quantities import Pair
 from ..removal import Ground
 from .timing import Places, fastest
 
-
-def _bound(name, value):
-    """Return `value` as a float, which must be `size` or infinite."""
-    number = real(name, value)
-    if number.ndim or not number > 0:
-        raise ValueError(f"{name}: must be one number above zero; got {shown(value)}.")
-    return np.inf if np.isinf(number) else size(name, value)
-
-
-def _row(name, value):
-    """Return `value` as a float array (m,)."""
-    row = bounded_array(name, value)
-    if row.ndim != 1:
-        raise ValueError(f"{name}: must be a list of numbers (m,); got shape {row.shape}.")
-    return row
-
-
-Size = Annotated[float, Rule("float", size)]
-Bound = Annotated[float, Rule("float", _bound)]
-Moves = Annotated[ArrayLike, Rule("(m,) float", _row, "m")]
-Areas = Annotated[ArrayLike, Rule("(m,) float", _row)]
-Ends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad")]
-Slopes = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "rad/m")]
-Bends = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions)]
-Levers = Annotated[ArrayLike, Rule("(m + 1, 2) float", positions, "m")]
+Bound = Number(
+    LEAST, np.inf,
+    also=(f"be of at most {MOST:g}, or infinite", lambda bound: bound <= MOST or bound == np.inf),
+)  # fmt: skip
+Moves = Array("(m,) float", "m", low=LEAST)
+Areas = Array("(m,) float", low=0.0)
+Ends = Array("(m + 1, 2) float", "rad", last="theta, phi")
+Slopes = Array("(m + 1, 2) float", "rad/m", last="theta, phi")
+Bends = Array("(m + 1, 2) float", last="theta, phi")
+Levers = Array("(m + 1, 2) float", "m", last="theta, phi")
 
 
 @dataclass(frozen=True)
@@ -218,11 +201,6 @@ class Limits:
                 f"groove: must be ({m},), and pushed ({m + 1}, 2), as the moves; "
                 f"got {groove.shape} and {pushed.shape}."
             )
-        if np.any(lengths < LEAST):
-            raise ValueError(f"lengths: must be above zero; got {lengths.min():g}.")
-        if np.any(np.minimum(ground, groove) < 0):
-            least = np.minimum(ground, groove).min()
-            raise ValueError(f"ground: must not be below zero; got {least:g}.")
         with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
             if self.ground is not None:

@@ -1,23 +1,10 @@
 """From machine, section and tolerance to knots, setpoints, feed and set-values."""
 
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import (
-    Length,
-    Length0,
-    NotNegative,
-    Rule,
-    Whole,
-    Wholes,
-    checked,
-    coordinate,
-    positions,
-    size,
-)
+from ..arguments import LEAST, MOST, Array, Length, Length0, Number, Whole, Wholes, checked
 from ..paths.bounds import Way
 from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
@@ -39,18 +26,9 @@ GENTLY = 0.1
 MOST_TICKS = 5_000_000  # of all laps
 
 
-def _run_of_positions(name, value):
-    """Return `value` as a float array (n, 2) of joint positions."""
-    run = positions(name, value)
-    if run.ndim != 2:
-        raise ValueError(f"{name}: must have the shape (n, 2); got {run.shape}.")
-    return run
-
-
-Run = Annotated[ArrayLike, Rule("(n, 2) float", _run_of_positions, "rad")]
-Turn = Annotated[float, Rule("float", coordinate, "rad")]
+Run = Array("(n, 2) float", "rad", last="theta, phi")
 Ticks = Wholes("(...) int", 0, 2**40)
-Tick = Annotated[float, Rule("float", size, "s")]
+Tick = Number(LEAST, MOST, "s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +172,8 @@ def plan(
     tolerance: Length,
     step: Length = 5e-3,
     tick: Tick = 5e-3,
-    count: Turn = 2 * np.pi / 2**16,
-    rest: NotNegative = 1.0,
+    count: Number(1e-9, 0.1, "rad") = 2 * np.pi / 2**16,
+    rest: Number(0.0, LONGEST_REST, "s") = 1.0,
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
@@ -263,10 +241,6 @@ def plan(
     >>> len(lap.knots), round(lap.lap_time)
     (36, 31)
     """
-    if not 1e-9 <= count <= 0.1:
-        raise ValueError(f"count: must lie between 1e-9 and 0.1 rad; got {count:g} rad.")
-    if rest > LONGEST_REST:
-        raise ValueError(f"rest: must be at most {LONGEST_REST:g} s; got {rest:g} s.")
     knots = circuit.knots(tolerance, path=path)
     if len(knots) < 2:
         raise ValueError(

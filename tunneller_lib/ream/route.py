@@ -2,29 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Length0, Lengths, Rule, Whole, bounded_array, checked
+from ..arguments import Array, Length0, Lengths, Whole, bounded_array, checked
 from ..paths import corrected_chord, project_chord
 from ..paths.circuit import Circuit
 
 SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
 ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
 
-
-def _knots(name, value):
-    """Return `value` as arc lengths (n,) that rise from 0."""
-    array = bounded_array(name, value)
-    rises = array.ndim == 1 and array.size and array[0] == 0 and np.all(np.diff(array) > 0)
-    if not rises:
-        raise ValueError(f"{name}: must be arc lengths in a row that rises from 0.")
-    return array
-
-
-Knots = Annotated[ArrayLike, Rule("(n,) float", _knots, "m")]
+Knots = Array(
+    "(n,) float", "m",
+    also=("rise from 0", lambda knots: knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ def intact_wall(
         With the section; the origin of its plane must be inside.
     start, stop : float
         Ends of the ground along the tunnel's x, in m.
-    shape : (int, int)
+    shape : (2,) int
         Rays along x and round.
     thickness : float
         Of the modelled ground, in m, along the rays.

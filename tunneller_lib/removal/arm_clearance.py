@@ -1,11 +1,10 @@
 """How far the arm, the cutter and other solids keep from the wall that isn't cut yet."""
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Angle, Length0, Lengths, Points, Rule, checked, finite_array
+from ..arguments import Angle, Array, Length0, Points, Radii, checked
 from ..surfaces import Box, Frustum, Machine, Rod, RoundedDisc, Section
 from ..surfaces.touching import outline, touches_of_planes
 
@@ -31,7 +30,7 @@ class Clearance(NamedTuple):
 
 
 @checked
-def rod_clearance(section: Section, a: Points, b: Points, radius: Lengths):
+def rod_clearance(section: Section, a: Points, b: Points, radius: Radii):
     """Return how far round-ended rods stay inside a section, in closed form.
 
     Parameters
@@ -64,23 +63,18 @@ def rod_clearance(section: Section, a: Points, b: Points, radius: Lengths):
     >>> float(rod_clearance(Egg(0.5), (0, 0, -0.4), (0.8, 0.3, 0), 0.1).round(12))
     0.1
     """
-    if not np.all(radius >= 0):
-        raise ValueError(f"radius: must not be below zero; got {np.min(radius):g} m.")
     depths = [section.depth(end[..., 1], end[..., 2]) for end in (a, b)]
     return np.minimum(*depths) - radius
 
 
-def _turns(name, value):
-    """Return `value` as rotation matrices (..., 3, 3)."""
-    turn = finite_array(name, value)
-    if turn.shape[-2:] != (3, 3):
-        raise ValueError(f"{name}: must be matrices (..., 3, 3); got {turn.shape}.")
-    if not np.all(np.abs(turn @ np.moveaxis(turn, -1, -2) - np.eye(3)) <= ROUNDED):
-        raise ValueError(f"{name}: must hold rows that are perpendicular and 1 long.")
-    return turn
+def _turn_frames(turn):
+    """Return whether matrices have rows that are perpendicular and 1 long."""
+    return np.all(np.abs(turn @ np.moveaxis(turn, -1, -2) - np.eye(3)) <= ROUNDED)
 
 
-Turns = Annotated[ArrayLike, Rule("(..., 3, 3) float", _turns)]
+Turns = Array(
+    "(..., 3, 3) float", also=("hold rows that are perpendicular and 1 long", _turn_frames)
+)
 
 
 @checked

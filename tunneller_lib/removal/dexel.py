@@ -1,24 +1,10 @@
 """Grids of intervals, dexels: what is left of a block or of a tunnel's wall after cuts."""
 
 import os
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import (
-    Coordinate,
-    Length,
-    Lengths,
-    Point,
-    Positive,
-    Rule,
-    bounded_array,
-    checked,
-    near_points,
-    shown,
-    whole,
-)
+from ..arguments import Array, Coordinate, Length, Lengths, Point, Positive, Wholes, checked
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
@@ -32,37 +18,10 @@ LEAN = 1e-2  # cosine, at least, between a line and the ball's normal where a cu
 GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
 
 
-def _two_sizes(name, value):
-    """Return `value` as a tuple of two whole numbers above zero."""
-    try:
-        sizes = whole(name, value, 1, 2**53)
-    except ValueError:
-        sizes = np.empty(0)
-    if sizes.shape != (2,):
-        raise ValueError(f"{name}: must be two whole numbers above zero; got {shown(value)}.")
-    return tuple(sizes.tolist())
-
-
-def _centres(name, value):
-    """Return `value` as a float array (n, 3) of points."""
-    centres = near_points(name, value)
-    if centres.ndim != 2:
-        raise ValueError(f"{name}: must have the shape (n, 3); got {centres.shape}.")
-    return centres
-
-
-def _distances(name, value):
-    """Return `value` as a float array, () or (m,), of distances from the axis."""
-    distances = bounded_array(name, value)
-    if distances.ndim > 1 or not np.all(distances >= 0):
-        raise ValueError(f"{name}: must be one distance or one a ray, none below zero.")
-    return distances
-
-
 # What arguments may be, in this room and above it.
-Shape = Annotated[tuple[int, int], Rule("(int, int)", _two_sizes)]
-Centres = Annotated[ArrayLike, Rule("(n, 3) float", _centres, "m")]
-Distances = Annotated[ArrayLike, Rule("float or (m,) float", _distances, "m")]
+Shape = Wholes("(2,) int", 1, 2**53)
+Centres = Array("(n, 3) float", "m", last="x, y, z")
+Distances = Array("() or (m,) float", "m", low=0.0)
 
 
 class DexelGrid:
@@ -122,7 +81,7 @@ class DexelGrid:
         ----------
         low, high : (3,) float
             Opposite corners, in m.
-        shape : (int, int)
+        shape : (2,) int
             Number of lines along x and along y, each in the middle of its cell.
         memory : float, optional
             Bytes that it may take; half of the computer's by default.
@@ -162,10 +121,10 @@ class DexelGrid:
         ----------
         start, stop : float
             Its ends, in m.
-        inner, outer : float or (m,) float
+        inner, outer : () or (m,) float
             Distances from the axis between which there is material, in m, one for each ray;
             inner <= outer, and nothing is there where they are equal.
-        shape : (int, int)
+        shape : (2,) int
             n places along x times m angles from y (left) over z (up), each in its cell's middle.
         memory : float, optional
             Bytes that it may take; half of the computer's by default.

@@ -6,21 +6,12 @@ the picks' cutting force turned against the motion. It grows with the feed, as a
 """
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import NotNegative, Reals, Rule, checked, not_negative, size
+from ..arguments import LEAST, MOST, NotNegative, Number, Reals, Size, checked
 
-Energy = Annotated[float, Rule("float", size)]
-PickSpeed = Annotated[float, Rule("float", size, "m/s")]
-
-
-def _below_one(name, value):
-    share = not_negative(name, value)
-    if not share < 1:
-        raise ValueError(f"{name}: must be from 0 to below 1; got {share:g}.")
-    return share
+PickSpeed = Number(LEAST, MOST, "m/s")
 
 
 @dataclass(frozen=True)
@@ -54,10 +45,10 @@ class Ground:
     [3000, 1500]
     """
 
-    energy: Energy
+    energy: Size
     pick_speed: PickSpeed
     normal: NotNegative = 0.0
-    ripple: Annotated[float, Rule("float", _below_one)] = 0.0
+    ripple: Number(0.0, also=("be from 0 to below 1", lambda share: share < 1)) = 0.0
     ripple_frequency: NotNegative = 0.0
 
     @checked

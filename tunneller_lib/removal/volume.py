@@ -1,25 +1,16 @@
 """What a ball removes along its path: Tunnelling robot, section 3.3.2."""
 
-from typing import Annotated
-
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import MOST, Length, Lengths, Reals, Rule, checked, real, shown
+from ..arguments import MOST, Array, Length, Lengths, checked
 
-
-def _walls(name, value):
-    """Return `value` as a float array (...) of radii above zero, which may be infinite."""
-    array = real(name, value)
-    if not np.all((array > 0) & ((array <= MOST) | np.isinf(array))):
-        raise ValueError(
-            f"{name}: must hold radii above zero, of at most {MOST:g} m or infinite; "
-            f"got {shown(value)}."
-        )
-    return array
-
-
-Walls = Annotated[ArrayLike, Rule("(...) float", _walls, "m")]
+Walls = Array(
+    "(...) float", "m", loose=True,
+    also=(
+        f"hold radii above zero, of at most {MOST:g} m or infinite",
+        lambda wall: np.all((wall > 0) & ((wall <= MOST) | np.isinf(wall))),
+    ),
+)  # fmt: skip
 
 
 @checked
@@ -126,7 +117,7 @@ def groove_area(radius: Length, depth: Lengths, *, pitch: Lengths | None = None)
 @checked
 def removed_volume(
     radius: Length,
-    advance: Lengths,
+    advance: Array("(...) float", "m", low=0.0),
     depth: Lengths,
     *,
     wall: Walls = np.inf,
@@ -163,14 +154,13 @@ def removed_volume(
     >>> round(1e6 * removed_volume(0.2, 0.01, 0.02))  # cm^3
     23
     """
-    _not_below_zero("advance", advance)
     return advance * _rate(radius, depth, wall, pitch)
 
 
 @checked
 def advance_for_volume(
     radius: Length,
-    volume: Reals,
+    volume: Array("(...) float", low=0.0),
     depth: Lengths,
     *,
     wall: Walls = np.inf,
@@ -204,7 +194,6 @@ def advance_for_volume(
     The volume is proportional to the advance, so that the document's "single change" of a step
     is enough; it holds for the arc of the path, and not for the parameter of the chord.
     """
-    _not_below_zero("volume", volume)
     if np.any(depth == 0):
         raise ValueError("depth: must be above 0, or no advance removes anything; got 0.")
     rate = _rate(radius, depth, wall, pitch)
@@ -267,8 +256,3 @@ def _between(name, array, high):
             f"{name}: must lie between 0 and {high:g} m; got {array[wrong].flat[0]:g}."
         )
     return array
-
-
-def _not_below_zero(name, array):
-    if np.any(array < 0):
-        raise ValueError(f"{name}: must not be negative; got {np.min(array):g}.")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Angle, Angles, Lengths, Points, checked
+from ..arguments import Angles, HalfAngle, Lengths, Points, checked
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,7 @@ class Cone:
     alpha the half-angle; only so does Eq. 13 describe the cone with tan(alpha) = R/H.
     """
 
-    half_angle: Angle
-
-    def __post_init__(self):
-        if not 0 < self.half_angle < np.pi / 2:
-            raise ValueError(
-                f"half_angle: must lie between 0 and pi/2 rad; got {self.half_angle!r}."
-            )
+    half_angle: HalfAngle
 
     @property
     def k(self):

@@ -1,23 +1,10 @@
 """Cutters as unions of solids, lowered onto points and triangles: the drop cutter."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import (
-    Corners,
-    Directions,
-    HalfAngle,
-    Length,
-    Points,
-    Rule,
-    checked,
-    near_points,
-    shown,
-    whole,
-)
+from ..arguments import Array, Corners, Directions, Each, HalfAngle, Length, Points, Wholes, checked
 from .box import Box
 from .facet import UP, meet_edges, meet_faces
 from .frustum import Frustum
@@ -28,38 +15,9 @@ from .touching import bounds
 BLOCK = 200_000  # pairs of a place and a facet looked at together
 
 
-def _solids(name, value):
-    """Return `value` as a tuple of solids."""
-    parts = tuple(value) if isinstance(value, (tuple, list)) else ()
-    if not parts or not all(isinstance(part, (Rod, Frustum, Box, RoundedDisc)) for part in parts):
-        raise ValueError(
-            f"{name}: must be rods, frusta, boxes or rounded discs, one at least; "
-            f"got {shown(value)}."
-        )
-    return parts
-
-
-def _cloud(name, value):
-    """Return `value` as a float array (n, 3) of points."""
-    cloud = near_points(name, value)
-    if cloud.ndim != 2:
-        raise ValueError(f"{name}: must have the shape (n, 3); got {cloud.shape}.")
-    return cloud
-
-
-Solids = Annotated[tuple, Rule("tuple of Rod, Frustum, Box or RoundedDisc", _solids)]
-
-
-def _triangles(name, value):
-    """Return `value` as an int64 array (m, 3) of numbers of points."""
-    faces = whole(name, value, 0, 2**53)
-    if faces.ndim != 2 or faces.shape[1] != 3:
-        raise ValueError(f"{name}: must have the shape (m, 3); got {faces.shape}.")
-    return faces
-
-
-Triangles = Annotated[ArrayLike, Rule("(m, 3) int", _triangles)]
-Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
+Solids = Each(Rod, Frustum, Box, RoundedDisc, some=True)
+Triangles = Wholes("(m, 3) int", 0, 2**53)
+Cloud = Array("(n, 3) float", "m", last="x, y, z")
 
 
 @dataclass(frozen=True)

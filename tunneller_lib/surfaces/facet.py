@@ -1,12 +1,10 @@
 """Facets that move along a direction until they touch a solid: drop cutters, boxes in any pose."""
 
 from itertools import pairwise
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Directions, Rule, checked, near_points
+from ..arguments import Array, Directions, checked
 from ..kernels.vectors import differences, scalar_products, sums, unit_and_speed
 from .blocks import BLOCK
 from .box import Box
@@ -26,17 +24,12 @@ from .touching import (
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def _facets(name, value):
-    """Return `value` as a float array (..., k, 3) of facets."""
-    facets = near_points(name, value)
-    if facets.ndim < 2 or not facets.shape[-2]:
-        raise ValueError(
-            f"{name}: must have the shape (..., k, 3), k corners each; got {facets.shape}."
-        )
-    return facets
-
-
-Facets = Annotated[ArrayLike, Rule("(..., k, 3) float", _facets, "m")]
+Facets = Array(
+    "(..., k, 3) float",
+    "m",
+    last="x, y, z",
+    also=("have a corner each", lambda facets: facets.shape[-2]),
+)
 
 
 @checked

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
+from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
 from ..kernels.exact import cross, dot, norm
 from ..kernels.vectors import differences, lengths
@@ -27,7 +27,7 @@ from .rod_interval import GUARD, flat_interval, frame, nearest_point
 
 @checked
 def meet_frusta(
-    a: Points, b: Points, radius_a: Lengths, radius_b: Lengths, point: Points, direction: Directions
+    a: Points, b: Points, radius_a: Radii, radius_b: Radii, point: Points, direction: Directions
 ):
     """Return where lines enter and leave frusta, one frustum a line.
 
@@ -56,10 +56,6 @@ def meet_frusta(
     >>> enter, leave
     (array([4.5, 4. ]), array([5.5, 6. ]))
     """
-    for name, radius in (("radius_a", radius_a), ("radius_b", radius_b)):
-        if not np.all(radius >= 0):
-            raise ValueError(f"{name}: must not be below zero; got {np.min(radius):g} m.")
-        sizes(name, radius)
     sizes("b - a", np.abs(b - a).max(axis=-1))
     return meet_one_by_one(_meet, [a, b, point, direction], [radius_a, radius_b])
 

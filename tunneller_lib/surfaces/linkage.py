@@ -192,7 +192,7 @@ class Linkage:
             If an angle isn't within the stroke, where a volume would be below zero.
         """
         check_stroke(angle, low, high)
-        return chambers(Linkage.cylinders.unchecked(self, low, high), angle)[2:]
+        return chambers(self.cylinders(low, high), angle)[2:]
 
     @checked
     def cylinders(self, low: Angle, high: Angle):

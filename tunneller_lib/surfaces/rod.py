@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
+from ..arguments import Directions, Length0, Point, Points, Radii, checked, rule_of, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
 from ..kernels.exact import cross, dot, norm
 from ..kernels.vectors import differences, lengths
@@ -29,7 +29,7 @@ from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_inte
 def meet_rods(
     a: Points,
     b: Points,
-    radius: Lengths,
+    radius: Radii,
     point: Points,
     direction: Directions,
     *,
@@ -64,7 +64,7 @@ def meet_rods(
     >>> enter.round(3), leave.round(3)
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
-    check_rods(a, b, radius)
+    sizes("b - a", np.abs(b - a).max(axis=-1))
     careful = _meet_capsules if ends == "round" else _meet_flat
     return meet_one_by_one(careful, [a, b, point, direction], [radius])
 
@@ -74,9 +74,7 @@ def check_rods(a, b, radius):
 
     `a` and `b` (..., 3) are the axes' ends, in m, as the radius.
     """
-    if not np.all(radius >= 0):
-        raise ValueError(f"radius: must not be below zero; got {np.min(radius):g} m.")
-    sizes("radius", radius)
+    rule_of(Radii).check("radius", radius)
     sizes("b - a", np.abs(b - a).max(axis=-1))
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Lengths, Point, Points, checked, sizes
+from ..arguments import Direction, Directions, Length0, Point, Points, Radii, checked
 from ..kernels.elementwise import larger, ratio, some, square_root, where, within
 from ..kernels.exact import dot, norm
 from ..kernels.vectors import differences, multiples, scalar_products, shares, sums, unit_and_speed
@@ -22,8 +22,8 @@ CHORDS = 2.0**-20, 2.0**-26  # of the size, half of what those lines have inside
 def meet_rounded_discs(
     centre: Points,
     axis: Directions,
-    radius: Lengths,
-    corner: Lengths,
+    radius: Radii,
+    corner: Radii,
     point: Points,
     direction: Directions,
 ):
@@ -55,10 +55,6 @@ def meet_rounded_discs(
     >>> meet_rounded_discs((0, 0, 0), (0, 0, 1), [3, 0], [1, 4], (-9, 0, 0), (1, 0, 0))
     (array([5., 5.]), array([13., 13.]))
     """
-    for name, length in (("radius", radius), ("corner", corner)):
-        if not np.all(length >= 0):
-            raise ValueError(f"{name}: must not be below zero; got {np.min(length):g} m.")
-        sizes(name, length)
     return meet_one_by_one(_meet_discs, [centre, axis, point, direction], [radius, corner])
 
 
@@ -90,14 +86,9 @@ class RoundedDisc:
     """
 
     centre: Point
-    axis: Point
+    axis: Direction
     radius: Length0
     corner: Length0
-
-    def __post_init__(self):
-        sizes("axis", np.abs(self.axis).max())
-        if not any(self.axis):
-            raise ValueError("axis: must not be zero; got (0, 0, 0).")
 
     @property
     def unit(self):

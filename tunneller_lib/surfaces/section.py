@@ -86,7 +86,7 @@ class Section:
         point, normal = np.empty((2, *s.shape, 2))
         for k, arc in enumerate(self.arcs):
             here = index == k
-            point[here], normal[here] = arc.locate.unchecked(arc, s[here] - blends[k])
+            point[here], normal[here] = arc.locate(s[here] - blends[k])
         return point, normal
 
     @checked
@@ -114,12 +114,12 @@ class Section:
         slack += 2 * self.slack
         inside = np.full(y.shape, np.inf)
         for arc in arcs:
-            inside = np.minimum(inside, arc.depth.unchecked(arc, y, z, slack))
+            inside = np.minimum(inside, arc.depth(y, z, slack))
         if np.all(np.isfinite(inside)):
             return inside[()]
         corner = np.full(y.shape, np.inf)
         for arc in arcs:
-            (start, _) = arc.locate.unchecked(arc, np.zeros(()))
+            (start, _) = arc.locate(np.zeros(()))
             corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
         return np.where(np.isfinite(inside), inside, -corner)[()]
 
@@ -158,7 +158,7 @@ class Section:
         pieces = Profile(self.arcs, self.slack)  # which are made once
         for _ in range(60):  # the depth of a convex section changes its sign once along a ray
             middle = (low + high) / 2
-            inside = pieces.depth.unchecked(pieces, middle * cos, middle * sin) > 0
+            inside = pieces.depth(middle * cos, middle * sin) > 0
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         return low
 

@@ -60,8 +60,7 @@ class Torus:
         >>> Torus(r=0.1, R=0.9).point(0, 0)
         array([1., 0., 0.])
         """
-        rho = self.r + self.R * np.cos(phi)
-        return _stack(rho * np.cos(theta), self.R * np.sin(phi), 0.0 - rho * np.sin(theta))
+        return torus_point(self, theta, phi)
 
     @checked
     def angles(self, point: Points):
@@ -78,8 +77,7 @@ class Torus:
             In rad, both from -pi to pi. On the axis theta is 0, on the ring circle phi is 0.
             Near the axis of a spindle torus the foot may lie on the inner sheet, see `foot`.
         """
-        x, y, z = np.moveaxis(point, -1, 0)
-        return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, self.r)[1])
+        return torus_angles(self, point)
 
     @checked
     def implicit(self, point: Points):
@@ -96,7 +94,7 @@ class Torus:
     @checked
     def normal(self, theta: Angles, phi: Angles):
         """Return the unit normals (..., 3), away from the centre of the tube circle (Eq. 7)."""
-        return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
+        return torus_normal(theta, phi)
 
     @checked
     def ring_point(self, theta: Angles):
@@ -117,9 +115,7 @@ class Torus:
         meridian, parallel : (..., 3) float
             Towards growing phi and towards growing theta; with `normal` they are at right angles.
         """
-        sin, cos = np.sin(theta), np.cos(theta)
-        meridian = _stack(-np.sin(phi) * cos, np.cos(phi), np.sin(phi) * sin)
-        return meridian, _stack(-sin, np.zeros_like(sin), -cos)
+        return torus_tangents(theta, phi)
 
     @checked
     def velocity(self, position: Positions, rate: Rates):
@@ -349,6 +345,33 @@ class Torus:
         torus_line.check_differ(a, b)
         lines = np.concatenate(np.broadcast_arrays(a, b), axis=-1)
         return in_blocks(lambda some: torus_line.meet(self, some[:, :3], some[:, 3:]), lines, 4)
+
+
+# What the methods of the same names do, for paths that may have no answer: of NaN they make NaN.
+
+
+def torus_point(torus, theta, phi):
+    """Return the point of a torus, in m, at joint angles, in rad."""
+    rho = torus.r + torus.R * np.cos(phi)
+    return _stack(rho * np.cos(theta), torus.R * np.sin(phi), 0.0 - rho * np.sin(theta))
+
+
+def torus_angles(torus, point):
+    """Return the joint angles, in rad, of points, in m."""
+    x, y, z = np.moveaxis(point, -1, 0)
+    return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, torus.r)[1])
+
+
+def torus_normal(theta, phi):
+    """Return the unit normal of any torus at joint angles, in rad."""
+    return _stack(np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta))
+
+
+def torus_tangents(theta, phi):
+    """Return the unit tangents of any torus, of the meridian and of the parallel."""
+    sin, cos = np.sin(theta), np.cos(theta)
+    meridian = _stack(-np.sin(phi) * cos, np.cos(phi), np.sin(phi) * sin)
+    return meridian, _stack(-sin, np.zeros_like(sin), -cos)
 
 
 def _joint_motion(position, rate):
