@@ -305,7 +305,7 @@ def test_start_within_the_trip_goes_straight_to_the_start_position(machine, feed
         one.scan(3, bEnable=1)
         one.at = first + (one.at - first) // 2
     c = one.scan(2, bStart=1)
-    while not c.bTaken:
+    while c.nTick < 0:
         c = one.scan()
     assert np.abs([c.nSetTheta, c.nSetPhi] - first).max() <= 1  # a half may go either way
     kept(one.rows, wanted)
@@ -409,8 +409,8 @@ static void scan(void)
     fb_tunneller(&tunneller, &ring);
     tunneller.nActualTheta = tunneller.nSetTheta;
     tunneller.nActualPhi = tunneller.nSetPhi;
-    if (!tunneller.bTaken) { taken = 0; ended = 0; }
-    if (tunneller.bTaken && tunneller.now.nEnd != ended) {
+    if (tunneller.nTick < 0) { taken = 0; ended = 0; }
+    if (tunneller.nTick >= 0 && tunneller.now.nEnd != ended) {
         ended = tunneller.now.nEnd;
         if (comparing) {
             wrong += wanted[taken][0] != tunneller.now.nTheta;
