@@ -28,7 +28,7 @@ INPUTS = (
 )  # fmt: skip
 OUTPUTS = (
     "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
-    "nScale", "bTaken", "nAhead",
+    "nScale", "nTick", "nAhead",
 )  # fmt: skip
 REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
 ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")
@@ -161,7 +161,7 @@ def closed_loop(controller, wanted, made, scans, *, before=start):
         waiting.append((c.rValveTheta, c.rValvePhi))
         valves = waiting.pop(0)
         rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves, c.nState, c.bDone,
-                     c.bTaken, c.nScale, c.rSlopeTheta * (c.nScale / FULL),
+                     c.nTick >= 0, c.nScale, c.rSlopeTheta * (c.nScale / FULL),
                      c.rSlopePhi * (c.nScale / FULL)])  # fmt: skip
         states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
     return np.array(rows)

@@ -164,23 +164,22 @@ PART slow(void) { fb_setpoints(&setpoints, &ring); }
 PART scan(void) { fb_tunneller(&c, &ring); }
 static void all(void)
 {
-    c.nActualTheta = nFirstTheta / nParts;
-    c.nActualPhi = nFirstPhi / nParts;
+    c.nActualTheta = (int32_t)floor(aStart[0] / rCount + 0.5);
+    c.nActualPhi = (int32_t)floor(aStart[1] / rCount + 0.5);
     c.bEnable = true;
     scan();
     c.bStart = true;
     scan();
-    slow();  /* the entry */
-    while (setpoints.nRow < nMoves) {
+    slow();  /* to the start position */
+    while (setpoints.nRow < nRows) {
         measured(SLOW, slow);
         said(setpoints.point.nTheta);
         said(setpoints.point.nPhi);
     }
-    slow();  /* the exit */
     while (c.nState == 2) {
         c.nActualTheta = c.nSetTheta;
         c.nActualPhi = c.nSetPhi;
-        if (!c.bTaken) scan();
+        if (c.nTick < 0) scan();
         else measured(SCAN, scan);
     }
     said(c.bDone);

@@ -153,31 +153,28 @@ def few_rows(whole, plan):
     blocks = read_blocks(whole.text)
     constants = {row.name: json.loads(row.begin) for block in blocks
                  for row in block.rows("VAR CONSTANT")}  # fmt: skip
-    knot, corner = np.array(constants["aKnot"]), np.array(constants["aCorner"])
-    middle = int(np.flatnonzero(corner > knot)[0])
-    rows = slice(middle - ROWS // 2, middle + ROWS // 2)
-    knots = slice(int(knot[rows].min()), int(knot[rows].max()) + 2)
-    ticks, places = len(constants["aTicks"]), len(constants["aKnotX"])
+    knot, first = np.array(constants["aKnot"]), constants["nFirst"]
+    middle = first + 1 + int(np.flatnonzero(np.diff(knot[first:]))[0])
+    # The one before them is the way to the start position.
+    rows = slice(middle - ROWS // 2 - 1, middle + ROWS // 2)
+    knots = slice(int(knot[rows].min()), int(knot[rows].max()) + 1)
+    moves, places = len(knot), len(constants["aKnotX"])
     for name, values in constants.items():
-        if isinstance(values, list) and len(values) in (len(knot), ticks):
+        if isinstance(values, list) and len(values) == moves:
             constants[name] = values[rows]
         elif isinstance(values, list) and len(values) == places:
             constants[name] = values[knots]
-    for name in ("aKnot", "aCorner"):
-        constants[name] = [one - knots.start for one in constants[name]]
-    ends = plan.setpoints[rows.start : rows.stop + 1] / constants["rPart"]
-    ends = np.rint(ends).astype(int)
-    for name, (first, last) in zip(("Theta", "Phi"), ends[[0, -1]].T.tolist(), strict=True):
-        constants |= {f"nFirst{name}": first, f"aStraight{name}": [first, last]}
-    constants["aStart"] = [float(one) for one in plan.setpoints[rows.start]]
-    constants["aTicks"] += [10, 10]
-    for name in ("aFree", "aUp", "aDown"):
-        constants[name] += [constants["nFull"]] * 2
-    constants |= {"nRing": SMALL_RING, "nAtOnce": 1, "nMoves": ROWS, "nExit": ROWS + 1,
-                  "nRows": ROWS + 2}  # fmt: skip
+    constants["aKnot"] = [one - knots.start for one in constants["aKnot"]]
+    ends = plan.setpoints[rows.start - first + 1 : rows.stop - first + 1]
+    constants["aStart"] = ends[0].tolist()
+    ends = np.rint(ends / constants["rPart"]).astype(int)
+    constants["aTicks"][0] = constants["nApproach"] = 10
+    constants["aFree"][:2] = [constants["nFull"]] * 2
+    constants |= {"nRing": SMALL_RING, "nAtOnce": 1, "nFirst": 1, "nExit": ROWS + 1,
+                  "nRows": ROWS + 1}  # fmt: skip
     text = re.sub(r"VAR CONSTANT\n.*?END_VAR\n", "", whole.text, flags=re.S)
     text = text.replace(f"[0..{whole.ring - 1}]", f"[0..{SMALL_RING - 1}]")
-    text = text.replace(f"nRow : DINT := {ticks}", f"nRow : DINT := {ROWS + 2}")
+    text = text.replace(f"nRow : DINT := {moves}", f"nRow : DINT := {ROWS + 1}")
     few = replace(whole, text=with_constants(text, constants), ring=SMALL_RING)
     return few, ends, constants["nParts"]
 

@@ -27,7 +27,9 @@ OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
-PLAIN = "rValve := (aGain[nAxis] * (rSet - rAt) + aForward[nAxis] * rSlope) / aSpeed[nAxis];\n"
+PLAIN = """rOff := rCount * DINT_TO_LREAL(nSet) - rAt;
+rValve := (aGain[nAxis] * rOff + aForward[nAxis] * rSlope) / aSpeed[nAxis];
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,40 +88,35 @@ def program(plan: Plan, job: Job):
     parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
     ends, ticks = _whole_run(plan, parts)
     _check_counts(plan, parts, ends, ticks)
-    stopping = _stopping(plan, ticks, _ramps(plan, parts, ends, ticks))
-    ring, slow, at_once = _throughput(plan, ticks, stopping)
+    ramps = _ramps(plan, parts, ends, ticks)
+    stopping = _stopping(plan, ticks, ramps)
     # To the start position: from where a trip isn't yet and a set-value off by another may be, at
     # half of the feed at most, and with room to stop.
     machine = plan.circuit.machine
     way = 2 * np.sqrt(2) * trip
     approach = max(2 * stopping, math.ceil(2 * way / (plan.limits.feed * plan.tick)))
+    ring, slow, at_once = _throughput(plan, approach, stopping)
     farthest = np.abs(ends).max() / parts + way / (machine.R * plan.count)
     while max(approach, farthest) * parts > MOST:
         parts //= 2
-    ends, _ = _whole_run(plan, parts)
-    free, up, down = _ramps(plan, parts, ends, ticks).T
-    # Moves of a lap first, then those of the entry and of the exit.
-    entry, lap = len(plan.entry.ticks), len(plan.ticks)
-    order = np.r_[entry : entry + lap, :entry, entry + lap : len(ticks)]
-    free[[0, entry]] = FULL  # from rest as planned, also behind a step
-    change = plan.limits.acceleration * plan.tick**2
+    change = int(FULL * plan.limits.acceleration * plan.tick**2 * approach / way)
+    ramps = np.concatenate([[[min(change, FULL)] * 2], ramps])
+    first = 1 + len(plan.entry.ticks)
+    ramps[[1, first], 0] = FULL  # from rest as planned, also behind a step
     constants = {
         "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
-        "rStopping": FULL / stopping, "nMoves": lap, "nExit": lap + entry, "nRows": len(ticks),
-        "nLaps": plan.laps, "nApproach": approach,
-        "nFreeApproach": min(int(FULL * change * approach / way), FULL),
-        "nFirstTheta": int(ends[0, 0]), "nFirstPhi": int(ends[0, 1]),
+        "rStopping": FULL / stopping, "nFirst": first, "nExit": first + len(plan.ticks),
+        "nRows": len(ramps), "nLaps": plan.laps, "nApproach": approach,
         "rCount": plan.count, "rPart": plan.count / parts,
         "rEncoder": float(job.axes[1][0].count or plan.count), "rTick": plan.tick,
         "rRingRadius": float(machine.r), "aStart": plan.entry.setpoints[0].tolist(),
         "aTrip": (trip / _arms(machine)).tolist(),  # rad of each joint
-        "aTicks": ticks[order].tolist(), "aFree": free[order].tolist(), "aUp": up[order].tolist(),
-        "aDown": down[order].tolist(), "aStraightTheta": ends[1:, 0][order[lap:]].tolist(),
-        "aStraightPhi": ends[1:, 1][order[lap:]].tolist(),
+        "aTicks": [approach, *ticks.tolist()], "aFree": ramps[:, 0].tolist(),
+        "aCorner": ramps[:, 1].tolist(),
     }  # fmt: skip
     theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
-    text = _text(plan, "aSpeed" in theta)
+    text = _text("aSpeed" in theta)
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
     cost = at_once * operations(setpoints)
     allowed = job.controller.get("operations", OPERATIONS)
@@ -132,7 +129,7 @@ def program(plan: Plan, job: Job):
     tick = round(1e9 * plan.tick)  # ns
     words = {
         "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "RING": ring,
-        "LAST": ring - 1, "ROWS": len(ticks), "TRIP": f"{1e3 * trip:.2g}", "STOPPING": stopping,
+        "LAST": ring - 1, "ROWS": len(ramps), "TRIP": f"{1e3 * trip:.2g}", "STOPPING": stopping,
         "ATONCE": at_once, "COST": cost, "EVERY": _interval(tick), "SELDOM": _interval(slow * tick),
     }  # fmt: skip
     text = re.sub(r"@([A-Z]+)", lambda found: str(words[found[1]]), text)
@@ -140,17 +137,16 @@ def program(plan: Plan, job: Job):
 
 
 def chord_rows(plan):
-    """Return what the slow task needs for a lap: a dict of lists, a row for each move.
+    """Return what the slow task needs for setpoints: a dict of lists, of moves and of knots.
 
-    Each setpoint is the foot of a point M on a chord between two knots (section 3.3.1) at a share
-    of the chord, moved by a weight times the knot's kink where the corner is rounded. For a
-    corrected chord M is shifted aside.
+    Each setpoint is the foot of a point M (section 3.3.1): on a chord between two knots at a share
+    of it, and shifted aside where the path is corrected or its corner rounded. Those of entry and
+    exit are knots.
     """
     torus = plan.circuit.machine.torus
     way = plan.route
     along = plan.reached[np.concatenate([[0], np.cumsum(plan.ticks)])][1:]
-    knot, corner, weight = way.rounding(along)
-    foot = plan.setpoints[1:] - way.kinks[corner] * weight[:, None]
+    knot, _, _ = way.rounding(along)
     at = plan.circuit.position(way.places)
     at[-1] = at[0]
     points = torus.point(*at.T)
@@ -159,16 +155,22 @@ def chord_rows(plan):
     aside = np.cross(normals[:-1] + normals[1:], chords)
     aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
     # M is where the plane of chord and normals, moved aside, meets the normal line of its foot; by
-    # nothing for tangent spheres, which have M on the chord.
-    off = torus.point(*foot.T) - points[knot]
-    frame = np.stack([chords[knot], aside[knot], -torus.normal(*foot.T)], axis=-1)
+    # nothing for tangent spheres amid their chord.
+    feet = plan.setpoints[1:].T
+    frame = np.stack([chords[knot], aside[knot], -torus.normal(*feet)], axis=-1)
+    off = torus.point(*feet) - points[knot]
     share, shift, _ = np.linalg.solve(frame, off[..., None])[..., 0].T
+    straight = torus.point(*np.concatenate([plan.entry.setpoints, plan.leave.setpoints[1:]]).T)
+    own = len(chords) + np.arange(len(straight))
+    before, after = (len(plan.entry.setpoints), len(plan.leave.ticks))
     rows = {
-        "aKnot": knot, "aShare": share, "aWeight": weight, "aCorner": corner,
-        "aKnotX": points[:, 0], "aKnotY": points[:, 1], "aKnotZ": points[:, 2],
-        "aKinkTheta": way.kinks[:, 0], "aKinkPhi": way.kinks[:, 1], "aShift": shift,
-        "aAsideX": aside[:, 0], "aAsideY": aside[:, 1], "aAsideZ": aside[:, 2],
+        "aKnot": np.concatenate([own[:before], knot, own[before:]]),
+        "aShare": np.pad(share, (before, after)), "aShift": np.pad(shift, (before, after)),
     }  # fmt: skip
+    chords, aside = (np.pad(one, ((0, len(straight)), (0, 0))) for one in (chords, aside))
+    points = np.concatenate([points[:-1], straight])
+    for name, values in (("aKnot", points), ("aChord", chords), ("aAside", aside)):
+        rows |= {f"{name}{axis}": values[:, k] for k, axis in enumerate("XYZ")}
     return {name: values.tolist() for name, values in rows.items()}
 
 
@@ -197,11 +199,12 @@ def _check_counts(plan, parts, ends, ticks):
 
 
 def _ramps(plan, parts, ends, ticks):
-    """Return by how much the time scale may change (m, 3) in a scan: free, up and down.
+    """Return by how much the time scale may change (m, 2) in a scan, in each move.
 
-    Free amid each move, up and down at its begin, at full scale. The scale s may become s + d where
-    rates V become W, if d W + s (W - V) is within the acceleration: at s = 1 that is a quadratic
-    equation, at s = 0 a quotient, and between them the fast task takes what is between.
+    Amid it, and by how much it may fall at its begin at full scale. The scale s may become s + d
+    where rates V become W, if d W + s (W - V) is within the acceleration: at s = 1 that is a
+    quadratic equation, at s = 0 a quotient, and between them the fast task takes what is between.
+    It rises by what the plan leaves, were W - V all the acceleration.
     """
     torus = plan.circuit.machine.torus
     angles = plan.count / parts * ends
@@ -214,15 +217,15 @@ def _ramps(plan, parts, ends, ticks):
     along = np.sum(now * change, axis=-1)
     root = np.sqrt(along**2 + square * np.maximum(most**2 - np.sum(change**2, axis=-1), 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.stack([most / np.sqrt(square), (root - along) / square, (root + along) / square])
-    found[:, square == 0] = 1.0
+        found = np.stack([most / np.sqrt(square), (root + along) / square], axis=-1)
+    found[square == 0] = 1.0
     found = np.floor(FULL * np.clip(found, 0.0, 1.0)).astype(np.int64)
-    if found[0].min() < 1:
+    if found[:, 0].min() < 1:
         raise ValueError(
             f"[plan] tick: the acceleration changes the feed by too little in {plan.tick:g} s; "
             f"{1.1 * plan.tick * np.sqrt(square.max()) / most / FULL:.2g} s would do."
         )
-    return found.T
+    return np.minimum(found, found[:, :1])
 
 
 def _stopping(plan, ticks, ramps):
@@ -248,52 +251,45 @@ def _rests(ticks, ramps, known):
     Tried from the begin of moves all along, at full scale, with no further setpoint: the scale is
     led to the root of what is left, as the fast task does.
     """
-    last = len(ticks) - 1
-    row = np.arange(0, last + 1, 1 + last // TRIED)
-    left = ticks[row]
-    begun = np.ones(len(row), dtype=bool)
-    scale = np.full(len(row), FULL)
-    gone = np.zeros(len(row), dtype=np.int64)  # ticks times FULL
-    while len(row):
-        free, after = ramps[row, 0], np.minimum(row + 1, last)
-        near = (left == 1) & (row < last)
-        up, down = (
-            np.minimum(np.where(begun, _between(ramps[row], kind, scale), free),
-                       np.where(near, _between(ramps[after], kind, scale), FULL))
-            for kind in (1, 2)
-        )  # fmt: skip
-        room = np.maximum(known * FULL - gone, 0)
-        wanted = np.minimum(FULL, np.sqrt(room * (FULL / known)).astype(np.int64))
-        before, scale = scale, np.maximum(np.minimum(wanted, scale + up), scale - down)
-        moved = np.minimum(scale, room)  # where nothing is left it stands
-        if np.any((gone + scale >= known * FULL) & (np.maximum(before - moved, moved) > free)):
-            return False
-        left = left - ((gone + scale) // FULL - gone // FULL)
-        gone = gone + scale
-        begun = left == 0
-        rests = (scale == 0) | (begun & (row == last)) | (gone >= known * FULL)
-        row = np.where(begun, after, row)
-        left = np.where(begun, ticks[row], left)
-        row, left, begun, scale, gone = (
-            values[~rests] for values in (row, left, begun, scale, gone)
+    of_tick = np.repeat(np.arange(len(ticks)), ticks)
+    begins = np.cumsum(ticks) - ticks
+    begins = begins[:: 1 + len(ticks) // TRIED]
+    at = FULL * begins[begins + known <= len(of_tick)]  # ticks times FULL
+    end = at + FULL * known
+    scale = np.full(len(at), FULL)
+    was = np.full(len(at), -1)
+    while len(at):
+        row = of_tick[at // FULL]
+        after = of_tick[np.minimum(at // FULL + 1, end // FULL - 1)]
+        free = ramps[row, 0]
+        most = np.minimum(
+            np.where(row != was, _between(ramps[row], scale), free),
+            np.where((row != after) & (at % FULL > 0), _between(ramps[after], scale), FULL),
         )
+        wanted = np.sqrt((end - at) * (FULL / known)).astype(np.int64)
+        before, scale = scale, np.clip(np.minimum(wanted, FULL), scale - most, scale + most)
+        moved = np.minimum(scale, end - at)  # where nothing is left it stands
+        at, was = at + scale, row
+        if np.any((at >= end) & (np.maximum(before - moved, moved) > free)):
+            return False
+        goes = (scale > 0) & (at < end)
+        at, end, scale, was = (values[goes] for values in (at, end, scale, was))
     return True
 
 
-def _between(ramps, kind, scale):
-    """Return what a scale may change at the begin of moves: between free, at 0, and that at 1."""
-    free = ramps[:, 0]
-    return np.minimum(free, free + (ramps[:, kind] - free) * scale // FULL)
+def _between(ramps, scale):
+    """Return by how much a scale may fall at the begin of moves: between what it may at 0 and 1."""
+    return ramps[:, 0] + (ramps[:, 1] - ramps[:, 0]) * scale // FULL
 
 
-def _throughput(plan, ticks, stopping):
+def _throughput(plan, approach, stopping):
     """Return the ring's size, the slow task's period in ticks and its setpoints a call.
 
     With them the setpoints ahead of a run at full scale never fall short of the stopping ticks.
     """
     slow = max(round(SLOW / plan.tick), 1)
     lap = np.tile(plan.ticks, min(plan.laps, 2))
-    ends = np.cumsum(np.concatenate([plan.entry.ticks, lap, plan.leave.ticks]))
+    ends = np.cumsum(np.concatenate([[approach], plan.entry.ticks, lap, plan.leave.ticks]))
     # Setpoints that must be known at each end: those to stop in, and while the slow task waits.
     needed = np.searchsorted(ends, ends + stopping + 2 * slow) - np.arange(len(ends))
     ring = next((size for size in RINGS if size > needed.max() + 2), None)
@@ -353,12 +349,10 @@ def _axis(plant, loop):
     }  # fmt: skip
 
 
-def _text(plan, plain):
+def _text(plain):
     """Return the contract and the blocks in Structured Text, the job's numbers left out."""
     text, valve = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
                    for name in ("controller", "static_inverse"))  # fmt: skip
-    if plan.path != "corrected chord":  # M is on the chord
-        text = re.sub(r".*aShift.*\n", "", text)
     return text.replace("@LINE\n", line_text()).replace("@VALVE\n", PLAIN if plain else valve)
 
 

@@ -4,7 +4,7 @@ import re
 from html import escape
 
 from ..arguments import checked
-from ..motion.export import C_HEAD, C_MACROS, c99_code, c99_types, read_blocks, read_rows
+from ..motion.export import C_HEAD, C_MACROS, KINDS, c99_code, c99_types, read_blocks, read_rows
 from .controller import Program
 
 C_USE = """
@@ -16,12 +16,14 @@ In each scan: tunneller.nActualTheta = ...; tunneller.bEnable = ...;
       fb_tunneller(&tunneller, &ring);
       ... = tunneller.rValveTheta; ... = tunneller.rValvePhi;
 """
-XML_SECTIONS = {
+XML_WORDS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
     "VAR": "localVars", "VAR CONSTANT": 'localVars constant="true"',
+    "PROGRAM": "program", "FUNCTION_BLOCK": "functionBlock",
 }  # fmt: skip
-XML_HEAD = """<project xmlns="http://www.plcopen.org/xml/tc6_0201"
- xmlns:xhtml="http://www.w3.org/1999/xhtml">
+XML_ROOT = """project xmlns="http://www.plcopen.org/xml/tc6_0201"
+ xmlns:xhtml="http://www.w3.org/1999/xhtml\""""
+XML_HEAD = """
 <fileHeader creationDateTime="2000-01-01T00:00:00" companyName="" productName="tunneller_lib"
  productVersion="1"/>
 <contentHeader name="Tunneller"><coordinateInfo><fbd><scaling x="1" y="1"/></fbd>
@@ -54,56 +56,56 @@ def plcopen_xml(made: Program):
     types, pous = [], []
     for block in read_blocks(made.text):
         if block.kind == "STRUCT":
-            types += [f'<dataType name="{block.name}"><baseType><struct>',
-                      *_variables(block.rows("VAR")),
-                      "</struct></baseType></dataType>"]  # fmt: skip
+            fields = _tag("struct", *_variables(block.rows("VAR")))
+            types.append(_tag("dataType", _tag("baseType", fields), name=block.name))
             continue
-        kind = "program" if block.kind == "PROGRAM" else "functionBlock"
-        pous += [f'<pou name="{block.name}" pouType="{kind}">', "<interface>"]
-        for section, rows in block.sections:
-            name = XML_SECTIONS[section]
-            pous += [f"<{name}>", *_variables(rows), f"</{name.partition(' ')[0]}>"]
-        body = _words("\n".join(block.body))
-        pous += ["</interface>", f"<body><ST>{body}</ST></body>", "</pou>"]
+        parts = (_tag(XML_WORDS[kind], *_variables(rows)) for kind, rows in block.sections)
+        body = _tag("ST", _words("\n".join(block.body)))
+        pous.append(_tag("pou", _tag("interface", *parts), _tag("body", body),
+                         name=block.name, pouType=XML_WORDS[block.kind]))  # fmt: skip
     tasks = [
-        f'<task name="{name}" interval="{interval}" priority="{priority}">'
-        f'<pouInstance name="{name}Task" typeName="PRG_{name}"/></task>'
+        _tag("task", _tag("pouInstance", name=f"{name}Task", typeName=f"PRG_{name}"),
+             name=name, interval=interval, priority=priority)
         for name, interval, priority in re.findall(
-            r"TASK (\w+)\(INTERVAL := (\S+), PRIORITY := (\d)\)", made.text
-        )
-    ]
-    shared = made.text.partition("VAR_GLOBAL")[2].partition("END_VAR")[0]
-    return "\n".join([
-        XML_HEAD, "<types><dataTypes>", *types, "</dataTypes><pous>", *pous, "</pous></types>",
-        '<instances><configurations><configuration name="Tunneller">',
-        '<resource name="Controller">', *tasks, "</resource><globalVars>",
-        *_variables(read_rows(shared)),
-        "</globalVars></configuration></configurations></instances>", "</project>", "",
-    ])  # fmt: skip
+            r"TASK (\w+)\(INTERVAL := (\S+), PRIORITY := (\d)\)", made.text)
+    ]  # fmt: skip
+    shared = read_rows(made.text.partition("VAR_GLOBAL")[2].partition("END_VAR")[0])
+    configuration = _tag(
+        "configuration", _tag("resource", *tasks, name="Controller"),
+        _tag("globalVars", *_variables(shared)), name="Tunneller",
+    )  # fmt: skip
+    return _tag(
+        XML_ROOT, XML_HEAD, _tag("types", _tag("dataTypes", *types), _tag("pous", *pous)),
+        _tag("instances", _tag("configurations", configuration)),
+    )  # fmt: skip
+
+
+def _tag(name, /, *inside, **attributes):
+    """Return an element of XML, whose name may have attributes with it."""
+    given = "".join(f' {key}="{value}"' for key, value in attributes.items())
+    return f"<{name}{given}>{''.join(inside)}</{name.split()[0]}>\n"
 
 
 def _words(text):
     """Return a text as open readers look for it: as a paragraph, not in a division of text."""
-    return f"<xhtml:p>{escape(text, quote=False)}</xhtml:p>"
+    return _tag("xhtml:p", escape(text, quote=False)).rstrip()
 
 
 def _variables(rows):
-    """Yield variables with their types, values and comments, one a line."""
+    """Yield variables with their types, values and comments."""
     for name, kind, begin, comment in rows:
-        value = f'<simpleValue value="{begin}"/>'
+        values = [_tag("simpleValue", value=one) for one in re.findall(r"[^\s,\[\]]+", begin)]
         if kind.startswith("ARRAY"):
-            values = re.findall(r"[^\s,\[\]]+", begin)
-            value = "".join(f'<value><simpleValue value="{one}"/></value>' for one in values)
-            value = f"<arrayValue>{value}</arrayValue>"
-        value = f"<initialValue>{value}</initialValue>" if begin else ""
-        about = f"<documentation>{_words(comment)}</documentation>" if comment else ""
-        yield f'<variable name="{name}"><type>{_kind(kind)}</type>{value}{about}</variable>'
+            values = [_tag("arrayValue", *(_tag("value", one) for one in values))]
+        parts = [_tag("type", _kind(kind))]
+        parts += [_tag("initialValue", *values)] if begin else []
+        parts += [_tag("documentation", _words(comment))] if comment else []
+        yield _tag("variable", *parts, name=name)
 
 
 def _kind(of):
     """Return the type of a variable: a number, one that has a name, or an array of either."""
     array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", of).groups()
-    one = f"<{kind}/>" if kind in ("BOOL", "DINT", "LREAL") else f'<derived name="{kind}"/>'
-    if array:
-        one = f'<dimension lower="0" upper="{last}"/><baseType>{one}</baseType>'
-    return f"<array>{one}</array>" if array else one
+    one = _tag(kind) if kind in KINDS else _tag("derived", name=kind)
+    size = _tag("dimension", lower=0, upper=last)
+    return _tag("array", size, _tag("baseType", one)) if array else one
