@@ -4,8 +4,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from exhibits import quartics
-from exhibits.quartics import foot_quartic, line_quartic
 from tunneller_lib.paths import (
     ChordLaw,
     ConeChord,
@@ -74,11 +72,6 @@ CALLS = {
     "Torus.feet": Call(_TORUS.feet, ("m",), _POINT, ((4, 3),)),
     "Torus.foot": Call(_TORUS.foot, ("m",), _POINT, ((3,),)),
     "Torus.meet_line": Call(_TORUS.meet_line, ("a", "b"), ((3,), (3,)), ((4,),)),
-    "quartics.meet_line": Call(
-        partial(quartics.meet_line, _TORUS), ("a", "b"), ((3,), (3,)), ((4,),)
-    ),
-    "line_quartic": Call(partial(line_quartic, _TORUS), ("a", "b"), ((3,), (3,)), ((5,),)),
-    "foot_quartic": Call(partial(foot_quartic, _TORUS), ("m",), _POINT, ((5,),)),
     "Egg.point": Call(_EGG.point, ("s",), ((),), ((2,),)),
     "Egg.normal": Call(_EGG.normal, ("s",), ((),), ((2,),)),
     "Egg.depth": Call(_EGG.depth, ("y", "z"), ((), ()), ((),)),

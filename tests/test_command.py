@@ -516,7 +516,7 @@ REFUSED = [
     ({"theta_min_deg = -60": "theta_min = 1"}, "[machine] theta_min: must be below theta_max, both "
      "in rad from -pi to pi; got 1 and 0.610865."),
     ({"count_deg = 0.0054931640625": "count_deg = 0"},
-     "[plan] count_deg: must lie between 5.7296e-08 and 5.7296 degrees; got 0 degrees."),
+     "[plan] count_deg: must be one finite number above zero; got 0."),
     ({"count_deg = 0.0054931640625": "count_deg = -1"},
      "[plan] count_deg: must be one finite number, not below zero; got -1."),
     ({"# encoder_deg = 0": "encoder_deg = 10"},

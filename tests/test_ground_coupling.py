@@ -14,7 +14,7 @@ from tunneller_lib.motion import Compressible, Loop, Push, follow
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, face, plan
-from tunneller_lib.ream.cutting import _whole
+from tunneller_lib.ream.cutting import whole_run
 from tunneller_lib.ream.face import Face
 from tunneller_lib.ream.front import side_area
 from tunneller_lib.ream.wall import intact_wall
@@ -40,7 +40,7 @@ def planned(ground, **options):
 
 def begun(made, ground, way, shape=(60, 240)):
     """Return the beginning of a run of a plan, from the entry to some way along, in m."""
-    setvalues, slopes = _whole(made)
+    setvalues, slopes = whole_run(made)
     first = int(made.entry.ticks.sum())
     ticks = first + int(np.searchsorted(made.reached, way))
     values = setvalues[: ticks + 1]

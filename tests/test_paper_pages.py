@@ -34,6 +34,7 @@ def site(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(proofs, "code", lambda text: f"<pre>{escape(text)}</pre>")
         pages.add_proofs(made)
+        pages.add_guide(made)
     for address in ("index.html", "chapters/00_index.html", "library/index.html"):
         made.page(address, address, "<h1>Elsewhere</h1>", kind="library")
     made.write("search-index.js", script(made.found))

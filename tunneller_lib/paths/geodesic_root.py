@@ -564,7 +564,7 @@ def on_working_sheet(torus, a, angle):
     return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
 
 
-def search(torus, ends, angle, begin, outside, hard, nodes, rows):
+def find_root(torus, ends, angle, begin, outside, hard, nodes, rows):
     """Return the way of `outer`, or else of `inner`, that turns by an angle, of plain numbers.
 
     Parameters

@@ -31,6 +31,7 @@ from .geodesic_root import (
     Ends,
     Radii,
     ends_at,
+    find_root,
     half_angles,
     half_swing_by_the_node,
     inner,
@@ -39,7 +40,6 @@ from .geodesic_root import (
     outer,
     peaked,
     rule,
-    search,
     second,
     solve,
     start,
@@ -524,12 +524,12 @@ def _shortest(torus, pair, few, many, rows):
     nodes = few if sheet else many
     begin = start(torus, ends, a, b, angle)
     hard = not sheet and peaked(torus, ends, b, angle)
-    found = search(torus, ends, angle, begin, True, hard, nodes, rows)
+    found = find_root(torus, ends, angle, begin, True, hard, nodes, rows)
     way = Way(OUTER if found[0] else OPEN, *found[1:])
     # Over the inner equator only between opposite halves: else the outside is shorter.
     if b < 0 and way.kind != OPEN:
         if torus.r > torus.R:
-            found = search(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, rows)
+            found = find_root(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, rows)
             if not found[0] or found[1] < way.length:
                 return Way(INNER if found[0] else OPEN, *found[1:])
         elif torus.r == torus.R:
