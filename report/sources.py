@@ -121,7 +121,7 @@ def _place(notebook):
     contents = tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
     if notebook.stem == INDEX:
         others = [other for other in every if other != notebook]
-        return _of(contents, [[n.name, cells(n)[0], records(n)[1]] for n in others])
+        return _of(contents, [[n.name, cells(n), records(n)[1]] for n in others])
     at = every.index(notebook)
     near = [n.name for n in every[max(at - 1, 0) : at + 2]]
     return _of(contents.get("found", {}).get(notebook.stem), near)
