@@ -33,7 +33,7 @@ class ChordPath:
         Of a torus, positions p and q (..., 2) in rad and shares t (n,), 0 at p and 1 at q, to
         positions (..., n, 2).
     colour : str
-        Its role in `reporting.COLOURS`.
+        Its role in `kit.COLOURS`.
     line : str or tuple
         Its line style, of matplotlib, that tells it apart in grey, too.
     """
