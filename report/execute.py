@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import nbformat
@@ -21,7 +22,7 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernel
 
 from report.compare import agree
 from report.sources import SCENES, cells, figure_files, file_digests, records, scene_files
-from report.state import State
+from report.state import NotebookFailed, State
 
 CELL_TIMEOUT = 120  # s
 LIST = "ready.json"  # in a finished folder: its files, those no longer made, the state to keep
@@ -37,10 +38,6 @@ METADATA = {
         "pygments_lexer": "ipython3",
     },
 }
-
-
-class NotebookFailed(Exception):
-    """A notebook that didn't run to its end; the message says where and why."""
 
 
 def run_notebook(notebook, sources=None):
@@ -65,35 +62,19 @@ def run_notebook(notebook, sources=None):
     """
     root = notebook.parent.parent
     begun = time.monotonic()
-    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f"{notebook.stem}-", dir=root / "build" / "staging"))
-    try:
+    with staging(root, notebook.stem) as folder:
         written = cells(notebook)
-        content = execute(notebook, staging)
+        content = execute(notebook, folder)
         if cells(notebook) != written:
             raise NotebookFailed(f"{notebook.name} was edited while it ran: build again.")
-        executed = staging / "notebooks" / notebook.name
+        executed = folder / "notebooks" / notebook.name
         executed.parent.mkdir()
         nbformat.write(content, executed)
-        kept = keep_what_agrees(staging, root)
-        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
+        kept = keep_what_agrees(folder, root)
         old = {*figure_files(notebook), *scene_files(notebook), records(notebook)[0]}
-        gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
-        place = finish(staging, notebook.stem, made, gone, sources or {}, time.monotonic() - begun)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        place = finish(folder, notebook.stem, old, sources or {}, time.monotonic() - begun)
     publish(place)
     return kept
-
-
-def finish(staging, task, made, gone, sources, seconds):
-    """Rename a folder of a task's results to build/ready: from then on they count; return it."""
-    ready = {"results": made, "gone": gone, "sources": sources, "seconds": seconds}
-    (staging / LIST).write_text(json.dumps(ready), encoding="utf-8")
-    place = staging.parents[1] / "ready" / task
-    place.parent.mkdir(exist_ok=True)
-    os.replace(staging, place)
-    return place
 
 
 def publish_files(task, contents, sources, seconds, root):
@@ -112,18 +93,40 @@ def publish_files(task, contents, sources, seconds, root):
     root : pathlib.Path
         The checkout.
     """
-    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f"{task}-", dir=root / "build" / "staging"))
-    try:
+    with staging(root, task) as folder:
         for path, content in contents.items():
-            new = staging / path.relative_to(root)
+            new = folder / path.relative_to(root)
             new.parent.mkdir(parents=True, exist_ok=True)
             new.write_bytes(content)
-        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
-        place = finish(staging, task, made, [], sources, seconds)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        place = finish(folder, task, (), sources, seconds)
     publish(place)
+
+
+@contextmanager
+def staging(root, task):
+    """Give a new folder for a task's results; it is removed unless `finish` has moved it."""
+    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=f"{task}-", dir=root / "build" / "staging"))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def finish(folder, task, old, sources, seconds):
+    """Move a folder of a task's results to build/ready, from where on they count; return it.
+
+    `old` are the files that the task left the last time: those it no longer makes are removed.
+    """
+    root = folder.parents[2]
+    made = file_digests(folder, [path for path in folder.rglob("*") if path.is_file()])
+    gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
+    ready = {"results": made, "gone": gone, "sources": sources, "seconds": seconds}
+    (folder / LIST).write_text(json.dumps(ready), encoding="utf-8")
+    place = root / "build" / "ready" / task
+    place.parent.mkdir(exist_ok=True)
+    os.replace(folder, place)
+    return place
 
 
 def execute(notebook, staging):
