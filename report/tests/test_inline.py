@@ -1,7 +1,7 @@
 """Formulas in running text: each is read where the reader knows its signs, equations are evaluated.
 
 What is whole, an equation or a condition on letters, is true at values that the library gives, as
-a display is (report/tests/typeset_check.py): by the values of a display's letters, or by some of its own.
+a display is (typeset_check.py): by the values of a display's letters, or by some of its own.
 The others are names, given sizes ("h = 0.5"), definitions of a letter for one sentence, or stand
 in `UNREAD`, with what the reader doesn't know.
 """

@@ -1,14 +1,14 @@
 """Plant faults in the library, one at a time, and see whether the tests notice: `make mutants`.
 
-A mutant is the library with one thing changed, of a kind of tests/audit/mutant_kinds.py. Which ones is
+A mutant is the library with one thing changed, of a kind of mutant_kinds.py. Which ones is
 drawn from the syntax trees with a seed, for each module by itself, so that an edit of one module
 leaves the others' draw alone. Each is judged in a copy of the checkout under build/mutants, by the
 tests whose imports lead to its module, the nearest first, and by the notebooks that need it. A test
 that fails is run again, so that what failed by chance doesn't count. What was judged before isn't
-judged again. The result is tests/audit/mutants.csv, with the score of each room in its head, and what
+judged again. The result is mutants.csv, with the score of each room in its head, and what
 survivors met: where the nearest tests alone notice 95 % (`--near`), they needn't meet the others.
 
-Mutants that can't be noticed stand in tests/audit/mutants.toml with the reason, count as survivors, and
+Mutants that can't be noticed stand in mutants.toml with the reason, count as survivors, and
 meet the nearest tests only.
 
 Of some modules: `--of` names them, `--new` takes those that the table has no fault of, and

@@ -1,6 +1,6 @@
 """Ask `recognise` of thousands of random surfaces, members and near-misses in equal parts.
 
-``python -m tests.audit.recognise_many`` writes tests/audit/recognised.csv, a row for each kind of surface, with
+``python -m tests.audit.recognise_many`` writes recognised.csv, a row for each kind of surface, with
 how many got which verdict; `make long` asks as many others. Windows are of 1e-8 to 1 and scales of
 1e-3 to 1e3, and the tools' sizes are not given.
 """

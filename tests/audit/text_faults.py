@@ -231,7 +231,8 @@ def readme(rng):
     for place in rng.sample(digits, min(EACH, len(digits))):
         new = str((int(text[place]) + rng.randint(1, 9)) % 10)
         yield Fault("README", "README.md", around(text, (place, place + 1), 12), new,
-                    text[:place] + new + text[place + 1 :], ("report/tests/test_readme.py",))  # fmt: skip
+                    text[:place] + new + text[place + 1 :],
+                    ("report/tests/test_readme.py",))  # fmt: skip
 
 
 KINDS = (verdict_faults, proof_faults, equations, statistics, orders, counts, records, captions,

@@ -1,4 +1,4 @@
-"""Time every slider of every drawing in JupyterLab: `make sliders`; tests/audit/sliders.md keeps it.
+"""Time every slider of every drawing in JupyterLab: `make sliders`.
 
 A notebook isn't run to its end for that: each drawing stands in one of its own, with what it needs,
 as the pages that run have them. Scenes are left out. With names of notebooks only these are timed;
