@@ -10,8 +10,8 @@ import pytest
 
 from exhibits.path_plot import path_style
 from kit import in_words
+from tests.audit.long import many
 from tests.foot_lengths import length_of_feet
-from tests.long import many
 from tunneller_lib.paths import (
     CHORD_PATHS,
     geodesic_inverse,

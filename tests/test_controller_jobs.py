@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import many
+from tests.audit.long import many
 from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import FULL, _rests

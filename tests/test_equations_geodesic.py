@@ -4,7 +4,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import fsolve
 
-from tests.long import many
+from tests.audit.long import many
 from tunneller_lib.kernels import compiled, elementwise
 from tunneller_lib.paths import (
     CHORD_PATHS,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.conftest import many
+from tests.audit.long import many
 from tunneller_lib.motion import Compressible, Loop, Push, follow
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
