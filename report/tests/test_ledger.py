@@ -151,12 +151,6 @@ def test_every_numbered_item_has_a_row(document, kind, item):
         assert any(re.search(rf"(^|, | and ){re.escape(item)}(,|$)", place) for place in found)
 
 
-@pytest.mark.parametrize("number", range(1, 20))
-def test_every_equation_of_the_robot_has_a_row_of_its_name(number):
-    row = LEDGER[f"eq{number:02}"]
-    assert re.search(rf"\bEq\. {number}$", row["where"])
-
-
 def test_every_listing_line_that_is_mended_has_a_row():
     rows = " ".join(id for id in LEDGER if id.startswith("listing-"))
     assert all(str(number) in rows for number in REPAIRS)

@@ -8,7 +8,6 @@ import re
 import subprocess
 import sys
 import threading
-import weakref
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,7 +18,6 @@ from IPython.display import Image
 
 from kit import figure, scene, sliders
 from kit.camera import live, refill
-from kit.interactive import ROOM
 
 ROOT = Path(__file__).resolve().parents[2]
 SLIDERS = "kit.interactive"
@@ -66,31 +64,6 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert calls[-1] == {"loop_gain": 10.0, "delay": 3}
     assert shown[-1].alt.endswith("Drawn for loop gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
-
-
-@pytest.mark.parametrize(("kept", "alive", "moves"), [(0, 0, 10), (1, 20, 30)])
-def test_moved_drawings_are_swept_up_while_young(monkeypatch, shown, kept, alive, moves):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    drawn, recent, swept = weakref.WeakSet(), [], []
-
-    def remembered(gain):
-        drawn.add(drawing := draw(gain=gain))
-        recent[:] = [drawing] * kept  # until the next is drawn
-        return drawing
-
-    def watch(phase, about):
-        swept.append(about["generation"])
-
-    sliders(remembered, gain=(1, 20, 10))
-    [slider, _] = shown[-1].children
-    gc.collect()
-    gc.callbacks.append(watch)
-    try:
-        for slider.value in [1, 2] * (moves // 2):
-            assert len(drawn) <= alive
-    finally:
-        gc.callbacks.remove(watch)
-    assert 0 in swept and 2 not in swept
 
 
 def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
@@ -182,37 +155,6 @@ def test_word_for_scenes_is_random_and_differs_from_process_to_process(served):
     assert len(words) == 2
     for word in words:
         assert re.fullmatch("s[0-9a-f]{32}", word)  # 128 bits, and nothing that a page changes
-
-
-def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    drawings = []
-
-    def labelled(lines, axes=2):
-        drawing, panels = figure(1, axes, height=4, width=16, squeeze=False,
-                                 width_ratios=range(1, axes + 1))  # fmt: skip
-        panels[0, 0].set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
-        drawings.append(drawing)
-        return drawing
-
-    def places(drawing):
-        return [ax.get_position().bounds for ax in drawing.axes]
-
-    sliders(labelled, lines=(1, 3, 1), axes=(2, 3, 2))
-    *_, (lines, axes, _) = [box.children for box in shown if isinstance(box, ipywidgets.VBox)]
-    first = drawings[0]
-    small, large, roomy = labelled(1), labelled(3), labelled(1)
-    roomy.set_layout_engine("constrained", rect=ROOM)
-    for drawing in (first, small, large, roomy):
-        drawing.draw_without_rendering()
-    assert places(large)[0][0] > 0.04 + places(small)[0][0]
-    # There is room for labels that grow a little; what was drawn first is as it was.
-    for lines.value in (3, 2):
-        np.testing.assert_allclose(places(drawings[-1]), places(roomy), rtol=1e-12)
-    assert drawings[-1].get_tightbbox().x0 > 0
-    np.testing.assert_allclose(places(first), places(small), rtol=1e-12)
-    axes.value = 3  # other axes have places of their own
-    assert len(drawings[-1].axes) == 3 and places(drawings[-1])[1][2] < places(roomy)[1][2]
 
 
 def balls(radius):

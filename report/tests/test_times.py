@@ -32,11 +32,6 @@ def test_keep_puts_a_row_in_the_place_of_the_older_one(kept):
     ]  # fmt: skip
 
 
-def test_keep_sorts_by_numbers_and_not_by_their_digits(kept):
-    rows = kept(*(ROW | {"n": n} for n in (1_000_000, 20, 1000)))
-    assert [row["n"] for row in rows] == ["20", "1000", "1000000"]
-
-
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [("", "–"), ("2.5", "2.50 s"), ("0.0123", "12.3 ms"), ("5.93e-09", "5.93 ns"),
@@ -51,16 +46,6 @@ def test_markdown_has_a_line_for_each_work_that_with_the_most_at_once():
     head, rule, line = times.markdown(rows).splitlines()
     assert head.count("|") == rule.count("|") == line.count("|")
     assert line.startswith("| a cut, by the ball | 1,000,000 | 20.0 µs |")
-
-
-def test_with_table_changes_nothing_but_what_is_between_its_marks(kept):
-    kept(ROW)
-    begin, end = "<!-- times: begin -->\n", "<!-- times: end -->\n"
-    text = f"before\n{begin}old{end}after\n"
-    new = times.with_table(text)
-    assert new.startswith(f"before\n{begin}") and new.endswith(f"{end}after\n")
-    assert "old" not in new and "| a cut, by the ball |" in new
-    assert times.with_table(new) == new
 
 
 GROWN = (
@@ -84,10 +69,3 @@ def test_more_at_once_takes_less_time_for_each():
         by_work.setdefault(row["work"], []).append(float(row["here_s"]))
     for work, (first, *others) in by_work.items():
         assert all(each <= GROWN * first for each in others), work
-
-
-def test_growth_is_drawn_from_its_tables(tmp_path):
-    growth = pytest.importorskip("tests.bench.growth", reason="matplotlib isn't installed")
-    compare = pytest.importorskip("report.compare", reason="the report's packages are missing")
-    (tmp_path / "growth.svg").write_bytes(growth.drawing_svg(growth.draw()))
-    assert compare.agree(growth.PICTURE, tmp_path / "growth.svg")

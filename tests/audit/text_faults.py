@@ -25,8 +25,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from report.tests.prose import CALL, CAPTION, bracketed, sources
-from report.tests.typeset_faults import faults as equation_faults
 from report.tests.typst_math import tokens
+from tests.audit.typeset_faults import faults as equation_faults
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "words"
