@@ -7,7 +7,13 @@ import pytest
 
 from report.tests import check
 
-READS = ["notebooks/*", "report/numbers/*", "tests/references/*", "environment.txt"]
+READS = [
+    "notebooks/*.ipynb",
+    "notebooks/*.csv",
+    "report/numbers/*",
+    "tests/references/*",
+    "environment.txt",
+]
 
 
 @pytest.fixture

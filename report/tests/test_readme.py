@@ -12,7 +12,7 @@ from report.sources import ROOT
 from tests.bench import times
 
 READS = [
-    "README.md", "Makefile", "notebooks/*", "report/guide/*", "report/ledger/*", "report/numbers/*",
+    "README.md", "Makefile", "notebooks/*.toml", "report/guide/*", "report/ledger/*", "report/numbers/*",
     "tests/bench/times.*",
 ]  # fmt: skip
 

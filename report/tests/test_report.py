@@ -26,7 +26,8 @@ from report.tests.prose import sources
 READS = [
     "report/*",
     "figures/*",
-    "notebooks/*",
+    "notebooks/*.ipynb",
+    "notebooks/*.toml",
     "environment.txt",
     "CITATION.cff",
     "tests/audit/mutants.*",
