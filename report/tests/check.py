@@ -48,9 +48,7 @@ def git(*arguments):
 def changed(since):
     """Return the names of the files that differ from a commit, and of new ones in the study."""
     if git("rev-parse") is None:
-        sys.exit(
-            "`make check` compares with git's last commit, and here is none: `make test` asks all."
-        )
+        sys.exit("`make check` compares with a commit of git, and here is none: use `make test`.")
     known = git("diff", "--name-only", since)
     new = git("ls-files", "-o", "--exclude-standard", "--", *STUDY)
     if known is None:

@@ -1,5 +1,6 @@
 """`make check`: what a change reaches, no more and no less; `make test`: it ends."""
 
+import json
 import subprocess
 import sys
 
@@ -8,12 +9,9 @@ import pytest
 from report.tests import check
 
 READS = [
-    "notebooks/*.ipynb",
-    "notebooks/*.csv",
-    "report/numbers/*",
-    "tests/references/*",
-    "environment.txt",
-]
+    "notebooks/*.ipynb", "notebooks/*.csv", "notebooks/contents.toml", "report/numbers/*",
+    "tests/references/*", "environment.txt",
+]  # fmt: skip
 
 
 @pytest.fixture
@@ -66,6 +64,22 @@ def test_notebook_and_its_data_reach_it(reached):
     assert "notebooks/11_rivals.ipynb" in reached("notebooks/atlas.csv")
     found = [n for n in reached("notebooks/11_rivals.ipynb") if n.startswith("notebooks")]
     assert found == ["notebooks/11_rivals.ipynb"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [("markdown", ["site", "layout", "contents", "chord_paths"]), ("code", ["live_programs"])],
+)
+def test_notebook_is_run_where_its_code_changed_and_not_for_a_word_of_its_text(
+    reached, kind, names
+):
+    name = "notebooks/11_rivals.ipynb"
+    before = json.loads((check.ROOT / name).read_text())
+    next(cell for cell in before["cells"] if cell["cell_type"] == kind)["source"] = ["another"]
+    found = reached(name, before=json.dumps(before))
+    assert (name in found) == (kind == "code")
+    tests = [one.partition("test_")[2].removesuffix(".py") for one in found if "/test_" in one]
+    assert tests == names if kind == "markdown" else set(tests) > set(names)
 
 
 def test_longest_tests_are_there():

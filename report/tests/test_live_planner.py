@@ -14,7 +14,7 @@ from tunneller_lib.job import read_job, reader
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
-READS = ["notebooks/reference.toml"]
+READS = ["notebooks/*.toml"]
 
 REFERENCE = (ROOT / "notebooks" / "reference.toml").read_text()
 

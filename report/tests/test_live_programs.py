@@ -15,12 +15,8 @@ from report.sources import INDEX, ROOT, cells, notebooks
 from tests.pictures import pixels
 
 READS = [
-    "figures/*",
-    "notebooks/*.ipynb",
-    "notebooks/*.toml",
-    "report/numbers/*",
-    "tunneller_lib/*",
-]
+    "figures/*", "notebooks/*.ipynb", "notebooks/*.toml", "report/numbers/*", "tunneller_lib/*"
+]  # fmt: skip
 
 CALL = "sliders("
 WRITTEN = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}

@@ -12,8 +12,8 @@ from report.sources import ROOT
 from tests.bench import times
 
 READS = [
-    "README.md", "Makefile", "notebooks/*.toml", "report/guide/*", "report/ledger/*", "report/numbers/*",
-    "tests/bench/times.*",
+    "README.md", "Makefile", "notebooks/*.toml", "report/guide/*", "report/ledger/*",
+    "report/numbers/*", "tests/bench/times.*",
 ]  # fmt: skip
 
 README = ROOT / "README.md"
