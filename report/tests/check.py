@@ -24,15 +24,6 @@ from report.sources import ROOT, code, notebook_sources, notebooks
 
 # New files elsewhere are a visitor's own: an environment, notes.
 STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
-# Files of tests that take long are begun first, so that no worker waits for another at the end.
-LONGEST = (
-    "report/tests/test_site",
-    "report/tests/test_report",
-    "report/tests/test_paper_pages",
-    "tests/test_layout",
-    "report/tests/test_live_programs",
-    "report/tests/test_typeset",
-)
 # Workers take some seconds to start, which so few files, without a notebook, don't win back.
 FEW = 8
 # What every test depends on: then all of them are meant.
@@ -130,16 +121,15 @@ def reached(names, since="HEAD"):
         return any(str(file.relative_to(ROOT)) in code_changed for file in files)
 
     tables = {name for name in names if name.endswith(".csv")}
-    found = []  # what takes longest first
+    found = []
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
         data = tables and tables & notebook_sources(notebook).keys()
         if name in names or data or reaches(code(notebook)):
             found.append(name)
-    first = [ROOT / f"{name}.py" for name in LONGEST]
     shelves = "report/tests", "tests"
     tests = [test for shelf in shelves for test in sorted((ROOT / shelf).glob("test_*.py"))]
-    for test in dict.fromkeys([*first, *tests]):
+    for test in tests:
         name, text = str(test.relative_to(ROOT)), test.read_text(encoding="utf-8")
         read = any(fnmatch.filter(names, pattern) for pattern in reads(text))
         if name in names or read or reaches(text):

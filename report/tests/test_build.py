@@ -4,21 +4,17 @@ import errno
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from types import SimpleNamespace
 
 import nbformat
 import pytest
-from ipykernel.ipkernel import IPythonKernel
-from jupyter_client.kernelspec import KernelSpecManager
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from report import build, lock
 from report.build import recover, told
-from report.execute import METADATA, NotebookFailed, run_notebook
+from report.execute import NotebookFailed, run_notebook
 from report.lock import locked
 from report.sources import ROOT, cells, file_digests, is_run, notebook_sources, notebooks, records
 from report.state import State
@@ -157,25 +153,6 @@ def test_edit_while_running_is_kept(notebook):
     assert notebook.read_bytes() == edited.read_bytes()
 
 
-def test_interruption_changes_nothing(run_before):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2), DRAW, "import time; time.sleep(60)")
-    before = files(notebook)
-    code = (
-        "import sys; from pathlib import Path; from report.execute import run_notebook;"
-        "run_notebook(Path(sys.argv[1]))"
-    )
-    command = [sys.executable, "-c", code, notebook]
-    build = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-    staging = notebook.parent.parent / "build" / "staging"
-    limit = time.monotonic() + 60
-    while not any(staging.glob("*/figures/axes.svg")) and time.monotonic() < limit:
-        time.sleep(0.1)
-    build.send_signal(signal.SIGINT)
-    assert build.wait(30) != 0
-    assert files(notebook) == before
-
-
 KILLED = """import os, sys; from pathlib import Path
 import report.execute as execute
 moved, replace = [], os.replace
@@ -188,9 +165,6 @@ execute.os.replace = killed
 root = Path(sys.argv[1])
 """
 NOTEBOOK = 'execute.run_notebook(root / "notebooks" / "01_test.ipynb", {"a": "1"})'
-PARTS = """names = "report/a.pdf", "report/b.pdf", "figures/list.csv"
-files = {root / name: b"new" for name in names}
-execute.publish_files("report", files, {"a": "1"}, 1.0, root)"""
 
 
 def build_killed(root, work, after):
@@ -210,19 +184,6 @@ def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after
     assert (root / "figures" / "axes.svg").exists()
     assert State(root, "01_test").stale({"a": "1"}) is None
     assert not any((root / "build" / "ready").iterdir())
-
-
-@pytest.mark.parametrize("after", [0, 1, 2])
-def test_parts_of_a_report_whose_move_was_killed_are_put_in_place_by_the_next(tmp_path, after):
-    parts = [tmp_path / name for name in ("report/a.pdf", "report/b.pdf", "figures/list.csv")]
-    for part in parts:
-        part.parent.mkdir(exist_ok=True)
-        part.write_bytes(b"old")
-    build_killed(tmp_path, PARTS, after)
-    assert [part.read_bytes() for part in parts].count(b"new") == after
-    recover(tmp_path)
-    assert [part.read_bytes() for part in parts] == [b"new"] * 3
-    assert State(tmp_path, "report").stale({"a": "1"}) is None
 
 
 def test_edit_after_a_killed_build_is_kept(notebook):
@@ -292,15 +253,6 @@ def test_stale_notebooks_are_told_to_a_reader_who_reads_one_line_alone():
         capture_output=True, text=True,
     )  # fmt: skip
     assert told_.stdout.count("\n") == 1 and told_.stderr == ""
-
-
-def test_what_is_no_finished_notebook_is_removed(tmp_path):
-    place = tmp_path / "build" / "ready" / "01_test"
-    place.mkdir(parents=True)
-    (place / "ready.json").write_text("{")
-    (tmp_path / "build" / "staging" / "01_test-x").mkdir(parents=True)
-    recover(tmp_path)
-    assert not place.exists() and not (tmp_path / "build" / "staging").exists()
 
 
 def test_results_that_agree_are_kept_as_they_are(run_before):
@@ -375,12 +327,3 @@ def test_broken_notebook_is_named(tmp_path):
     broken.write_text("{")
     with pytest.raises(SystemExit, match=r"^01_torus.ipynb is no notebook"):
         cells(broken)
-
-
-def test_metadata_are_what_jupyterlab_writes_but_for_the_version():
-    said = IPythonKernel.language_info
-    assert METADATA["language_info"] == {k: said[k] for k in said if k != "version"}
-    spec = KernelSpecManager().get_kernel_spec("python3")
-    assert METADATA["kernelspec"] == {
-        "display_name": spec.display_name, "language": spec.language, "name": "python3"
-    }  # fmt: skip

@@ -8,15 +8,7 @@ from html import unescape
 import pytest
 
 from kit import Record, ending
-from kit.chapters import (
-    contents_table,
-    course_table,
-    filled,
-    machine_map,
-    printed,
-    read_chapters,
-    worth,
-)
+from kit.chapters import course_table, filled, machine_map, printed, read_chapters, worth
 from report.site.proofs import proofs
 from report.sources import INDEX, ROOT, notebooks
 
@@ -48,11 +40,6 @@ def test_chapters_ask_and_answer():
         assert chapter.question.endswith("?") and chapter.found.endswith("."), chapter.file
         assert "{" not in chapter.found
         assert "|" not in chapter.question + chapter.found + chapter.needs
-
-
-def test_contents_table_links_every_chapter():
-    text = contents_table().data
-    assert all(f"]({n.name})" in text for n in CHAPTERS)
 
 
 def test_ending_tells_the_finding_and_the_ways_on(monkeypatch):
@@ -110,12 +97,6 @@ def test_machine_leads_to_chapters_at_its_parts():
 def test_worth_on_the_wall_is_a_number_of_the_budget():
     assert re.fullmatch(r"\*\*What it is worth on the wall\.\*\* [\d.]+\smm\.",
                         worth("{projected chord}.").data)  # fmt: skip
-
-
-def test_filled_refuses_what_is_not_recorded():
-    with pytest.raises(KeyError, match="no such"):
-        filled("07_chord", "It is {no such}.")
-    assert "at most 0.0001" in filled("07_chord", "{worst ratio, arc}.")
 
 
 @pytest.mark.parametrize(

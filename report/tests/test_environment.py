@@ -80,13 +80,6 @@ def test_package_in_another_version_than_pinned_is_noticed(whole, capsys):
     assert capsys.readouterr().out.endswith("isn't as it was set up: thing is 1.0.1, not 1.0 ...\n")
 
 
-def test_package_that_somebody_installed_besides_is_left_alone(whole):
-    environment, packages = whole
-    (packages / "more-2.0.dist-info").mkdir()
-    (packages / "more-2.0.dist-info" / "RECORD").write_text("more-2.0.dist-info/RECORD,,\n")
-    assert environment.is_whole()
-
-
 @pytest.mark.parametrize("spoil", ["changed", "missing"])
 def test_build_sets_up_anew_what_changed(whole, monkeypatch, spoil):
     environment, packages = whole
@@ -99,18 +92,6 @@ def test_build_sets_up_anew_what_changed(whole, monkeypatch, spoil):
     monkeypatch.setattr(module, "provide_libraries", lambda **_: None)
     main(environment)
     assert calls == ["install"]
-
-
-@pytest.mark.parametrize("name", ["checkout.pth", "_own_checkout.py"])
-@pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_text("")])
-def test_build_writes_again_what_makes_the_checkout_importable(whole, monkeypatch, name, spoil):
-    environment, packages = whole
-    before = (packages / name).read_text()
-    spoil(packages / name)
-    monkeypatch.setattr(environment, "install", pytest.fail)
-    monkeypatch.setattr(module, "provide_libraries", lambda **_: None)
-    main(environment)
-    assert (packages / name).read_text() == before
 
 
 def test_environment_behind_a_link_is_never_emptied(installed, capsys):

@@ -17,7 +17,6 @@ from exhibits.envelope_equations import eq09
 from report.tests.prose import sources
 from report.tests.typeset_check import Check
 from report.tests.typeset_worlds import WORLDS, numbered, signed, some_torus
-from report.tests.typst_math import parse
 from tests.symbols_envelopes import example
 from tunneller_lib.envelopes.isotropic import normal as plane_normal
 from tunneller_lib.envelopes.isotropic import surface_points
@@ -42,19 +41,6 @@ def formulas(path):
 
 FORMULAS = list(dict.fromkeys(formula for path in sources() for formula in formulas(path)))
 LIST = Path(__file__).with_name("formulas.csv")
-
-# What the reader of displays doesn't know, and who has it.
-UNREAD = {
-    r"°": "angles in degrees",
-    r"#num": "a record",
-    r"[=<>]=?$|^<=": "the beginning of a sentence's number",
-    r"!=|plus\.minus|d_\+| : ": "signs that no display has",
-    r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "other words",
-    r"bold\([a-z]+\)[_']": "a vector with an index or a dash",
-    r"\b[A-Z]\(": "a letter before a parenthesis: a function, or a product without a blank",
-    r"''": "a second derivative",
-    r"dot \[|[afg]\([rx]\b|\) t\^": "a product or function that could be read in two ways",
-}
 
 # Equations of letters that a display has, too.
 OF_DISPLAYS = {
@@ -275,16 +261,6 @@ def graph_of_the_example(rng):
     return {"x": x, "y": y, "f": example(x, y)}
 
 
-def unread(formula):
-    return [why for pattern, why in UNREAD.items() if re.search(pattern, formula)]
-
-
-@pytest.mark.parametrize("formula", FORMULAS)
-def test_formula_is_read(formula):
-    if not unread(formula):
-        assert parse(formula).statements
-
-
 @pytest.mark.parametrize("formula", [*OF_DISPLAYS, *OWN])
 def test_equation_in_running_text_is_right_and_every_letter_matters(formula):
     assert formula in FORMULAS
@@ -295,11 +271,6 @@ def test_equation_in_running_text_is_right_and_every_letter_matters(formula):
     assert check.right()
     changed = {letter for change in check.worlds[0].get("outside", ()) for letter in change}
     assert set(check.blind()) <= changed  # of a condition, those that make it false when changed
-
-
-@pytest.mark.parametrize("pattern", UNREAD)
-def test_every_kind_that_is_not_read_is_used(pattern):
-    assert any(re.search(pattern, formula) for formula in FORMULAS)
 
 
 def not_evaluated():

@@ -73,16 +73,6 @@ def test_the_list_of_targets_is_complete():
     assert targets <= {name for pair in told for name in pair}
 
 
-def test_make_help_and_the_page_fetch_the_same():
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    fetched = r"\(fetches (\d+ MB) of Pyodide once, or else open-webui's wheel with it, (\d+ MB)\)$"
-    line = rf"^live:.*{fetched}"
-    [told] = re.findall(line, makefile, re.M)
-    release, wheel = told
-    assert f"The build fetches {release} once from Pyodide's release" in ALL
-    assert f"a wheel of {wheel} from PyPI" in ALL
-
-
 def test_the_table_of_times_is_that_of_the_last_runs():
     text = times.PAGE.read_text(encoding="utf-8")
     assert times.with_table(text) == text
@@ -96,13 +86,6 @@ def test_rows_of_the_table_of_times_are_whole():
         assert int(row["n"]) > 0 and float(row["here_s"]) > 0
         assert all(row[name] for name in ("work", "each", "criterion", "date", "processor", "load"))
         assert bool(row["peer"]) == bool(row["peer_s"])
-
-
-def test_layout_names_every_room():
-    layout = ALL.split("\n## Layout\n")[1]
-    library = ROOT / "tunneller_lib"
-    for path in library.glob("*/__init__.py"):
-        assert f" {path.parent.name}/ " in layout
 
 
 def test_findings_are_those_of_the_chapters_and_the_ledger():

@@ -1,6 +1,5 @@
 """Records: what is printed, what is stored, what is refused."""
 
-import io
 import json
 import os
 import re
@@ -9,7 +8,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import PIL.Image
 import pytest
 
 from kit import Record, figure
@@ -123,17 +121,6 @@ def test_last_bits_are_not_stored(record, root):
     assert stored(root)["tables"]["t"]["rows"] == [[0.6667], [0.0]]
 
 
-def test_order_of_records_leaves_no_trace(root):
-    contents = []
-    for order in ("ab", "ba"):
-        for name in order:
-            Record("01_test")(name, 1, "")
-        file = root / "report" / "numbers" / "01_test.json"
-        contents.append(file.read_bytes())
-        file.unlink()
-    assert contents[0] == contents[1]
-
-
 def test_table_is_printed_with_its_decimals(record, root):
     rows = [["a", 1, 0.02024, -0.0001], ["b", 2, 1.0, 0.0]]
     text = record.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
@@ -164,35 +151,6 @@ def test_table_is_shown_below_its_headings(record):
 def test_table_is_refused(record, rows, decimals, message):
     with pytest.raises(ValueError, match=message):
         record.table("t", ["x"], rows, decimals=decimals)
-
-
-def test_results_of_a_run_by_hand_go_where_git_looks_at_nothing(monkeypatch):
-    monkeypatch.delenv("TUNNELLER_RESULTS", raising=False)
-    checkout = Path(__file__).parents[2]
-    assert Record("01_test").root == checkout / "build" / "lab"
-    assert "build/" in (checkout / ".gitignore").read_text().splitlines()
-
-
-def test_drawing_has_the_same_bytes_twice(record, root):
-    contents = []
-    for _ in range(2):
-        drawing, ax = figure(height=4)
-        ax.plot([0, 1], [0, 1], label="a")
-        ax.legend()
-        preview = record.figure(drawing, "line", "A\n  line.")
-        contents.append((root / "figures" / "line.svg").read_bytes())
-    assert contents[0] == contents[1]
-    assert preview.alt == "A\n  line."
-    assert PIL.Image.open(io.BytesIO(preview.data)).width == preview.width == 800
-    assert stored(root)["figures"]["line"] == {"alt": "A line.", "file": "line.svg"}
-
-
-def test_pixels_are_saved_but_for_the_lowest_bit(record, root):
-    pixels = np.arange(196, 256, dtype=np.uint8).reshape(4, 5, 3)
-    record.figure(pixels, "pixels", "Stripes.")
-    saved = np.asarray(PIL.Image.open(root / "figures" / "pixels.png"))
-    np.testing.assert_array_equal(saved // 2, pixels // 2)
-    assert np.all(saved % 2 == 1)
 
 
 def full_of_names(push=0.0):

@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-import tomllib
 
 import pytest
 import typst
@@ -129,22 +128,6 @@ def test_wrong_use_is_refused(copy, text, message):
     with pytest.raises(ReportFailed) as error:
         compile_report(copy)
     assert message in str(error.value)
-
-
-LINKED = '#import "lib.typ": *\n#set document(title: "a")\n#verdicts-of("eq05")'
-
-
-def test_links_lead_into_the_repository_that_is_named(copy):
-    with (copy / "CITATION.cff").open("a", encoding="utf-8") as file:
-        file.write("repository-code: https://example.org/study/\n")
-    (copy / "report" / "report.typ").write_text(LINKED)
-    proof = tomllib.loads((copy / "report/ledger/tunneller.toml").read_text())["eq05"]["proof"]
-    file, function = proof.split("::")
-    shutil.copy(ROOT / file, copy / file)
-    lines = (ROOT / file).read_text(encoding="utf-8").splitlines()
-    line = 1 + lines.index(next(line for line in lines if line.startswith(f"def {function}(")))
-    pdf = compile_report(copy)
-    assert f"https://example.org/study/blob/HEAD/{file}#L{line}".encode() in pdf
 
 
 # What may stand in the report's prose as digits: what the documents and the notebooks take as

@@ -19,13 +19,11 @@ from report.live.build import LivePages
 from report.site import build as pages
 from report.site import front, paper
 from report.site.chapter import Chapter, page_name, title
-from report.site.library import ROOMS
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
 from report.site.paper import unused
 from report.site.pictures import packed, sizes
 from report.site.policy import digest
-from report.site.scenes import viewer_style
 from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
 from tunneller_lib.surfaces import REFERENCE_MACHINE
@@ -125,18 +123,6 @@ def test_site_sets_formulas_in_a_font_that_it_brings_along(site):
     assert "SIL OPEN FONT LICENSE" in (site / "fonts" / "OFL.txt").read_text()
 
 
-def test_site_shows_recorded_figures_with_text_and_caption(site):
-    every = re.findall(r"<figure>.*?</figure>", page(site, "08"), re.S)
-    [figure] = [one for one in every if 'src="../figures/cone_spheres.png"' in one]
-    assert 'alt="Half a cone with a small ball' in figure
-    assert re.search(r'<a href="../supplement.html#[\w-]+">Figure\s\d+</a>', page(site, "02"))
-
-
-def test_site_sets_recorded_tables(site):
-    table = re.search(r"<table>.*?</table>", page(site, "08"), re.S)[0]
-    assert "<th>radius as printed</th>" in table and "<td>wrong</td>" in table
-
-
 def test_site_shows_what_the_notebook_prints(site):
     [notebook] = [n for n in SOME if n.stem.startswith("23")]
     shown = plain(page(site, "23"))
@@ -144,15 +130,6 @@ def test_site_shows_what_the_notebook_prints(site):
         for output in cell.get("outputs", []):
             if output.output_type == "stream":
                 assert " ".join(output.text.split()) in shown
-
-
-def test_search_finds_sections_that_are_there(site, index):
-    assert all(0 <= n < len(index["sections"]) for ns in index["words"].values() for n in ns)
-    titles = [index["sections"][n][0] for n in index["words"]["clairaut"]]
-    assert any("geodesic" in title.lower() for title in titles)
-    for _, address, _ in index["sections"]:
-        file, _, name = address.partition("#")
-        assert not name or f'id="{name}"' in (site / file).read_text(), address
 
 
 def test_search_finds_tests_and_equations_by_name(site, index):
@@ -192,11 +169,6 @@ def test_moving_machine_follows_the_circuit_on_its_arm():
     assert np.linalg.norm(arms[0, 2] - arms[-1, 2]) < 1  # it closes
     longest = np.linalg.norm(arms[:, 2] - arms[:, 1], axis=1).max()
     assert longest <= front.SCALE * REFERENCE_MACHINE.R + 0.2
-
-
-def test_library_lists_every_room():
-    rooms = {path.parent.name for path in (ROOT / "tunneller_lib").glob("*/__init__.py")}
-    assert set(ROOMS) == rooms
 
 
 def test_library_has_every_public_name(site):
@@ -245,16 +217,6 @@ def test_faults_are_none_where_links_hold(tmp_path):
     assert faults(tmp_path) == []
 
 
-def test_formulas_keep_the_signs_that_follow_them():
-    short, long = "<math><mi>x</mi></math>", f"<math><mi>{'x' * 30}</mi></math>"
-    for text, boxed in (
-        (f"{short}, y", f'<span class="kept">{short},</span> y'),
-        (f"{long}, y", f'<span class="wide">{long}</span>, y'),
-        (f"{short} y", f"{short} y"),
-    ):
-        assert pages.INLINE_MATH.sub(pages.in_a_box, text) == boxed
-
-
 def test_formula_sets_functions_apart():
     assert "<msup><mi>tan</mi><mn>2</mn></msup><mspace" in formula(r"\tan^2\alpha")
     space = '<mspace width="0.17em" />'
@@ -299,12 +261,6 @@ def test_pictures_have_their_size_and_keep_their_pixels(site):
     assert PIL.Image.open(io.BytesIO(packed(png.getvalue(), 90))).size == (30, 90)
 
 
-def test_notebooks_come_as_scripts_too(site):
-    for path in (site / "notebooks").glob("*.ipynb"):
-        text = path.with_name(f"{path.name}.js").read_text()
-        assert json.loads(text.removeprefix("window.notebook = ").rstrip(";\n")) == path.read_text()
-
-
 def policy(text):
     """Return the policy of a page: its directives, each with its words."""
     said = unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1])
@@ -326,14 +282,6 @@ def test_pages_have_a_policy_that_lets_run_what_they_need_alone(site):
             assert digest(style) in allowed["style-src"], path.name
         tags = re.findall(r"<[a-z][^>]*>", re.sub(r"<pre.*?</pre>", "", text, flags=re.S))
         assert not [tag for tag in tags if re.search(r"\son\w+=|=\"javascript:", tag)], path.name
-
-
-def test_policy_knows_the_style_that_the_viewer_makes(site):
-    viewer = (site / "scenes" / "viewer.js").read_text()
-    assert viewer.count("createElement('style')") == 1 and "_bigFileDrop" in viewer_style()
-    assert digest(viewer_style()) in policy((site / "index.html").read_text())["style-src"]
-    for never in ("new Function", "importScripts", "document.write("):
-        assert never not in viewer
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Sliders: none without a screen, one for each value with one."""
 
 import asyncio
-import gc
 import json
 import os
 import re
@@ -12,12 +11,11 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import ipywidgets
-import numpy as np
 import pytest
 from IPython.display import Image
 
 from kit import figure, scene, sliders
-from kit.camera import live, refill
+from kit.camera import live
 
 ROOT = Path(__file__).resolve().parents[2]
 SLIDERS = "kit.interactive"
@@ -64,23 +62,6 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert calls[-1] == {"loop_gain": 10.0, "delay": 3}
     assert shown[-1].alt.endswith("Drawn for loop gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
-
-
-def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    switched_on = []
-
-    def refused(gain):
-        switched_on.append(gc.isenabled())
-        if gain == 20:
-            raise ValueError("too much")
-        return draw(gain=gain)
-
-    sliders(refused, gain=(1, 20, 10))
-    [slider, _] = shown[-1].children
-    with pytest.raises(ValueError, match="too much"):
-        slider.value = 20
-    assert gc.isenabled() and switched_on == [True, False, False]
 
 
 def test_scene_to_turn_has_a_title_and_is_smoothed_the_fast_way():
@@ -164,17 +145,6 @@ def balls(radius):
     return scene.look(plotter, (1, -2, 1))
 
 
-def test_refilled_scene_looks_like_the_other_one():
-    plotter, other = balls(1), balls(1)
-    plotter.add_mesh(scene.ball((1, 0, 1), 0.5), reset_camera=False)
-    before, wanted = (p.screenshot(return_img=True) for p in (plotter, other))
-    refill(plotter, given := balls(1))
-    plotter.render()
-    assert given._closed
-    assert np.array_equal(plotter.screenshot(return_img=True), wanted)
-    assert not np.array_equal(before, wanted)
-
-
 @pytest.mark.parametrize("thing", [draw, balls])
 def test_sliders_without_a_screen_show_what_has_a_text(monkeypatch, shown, thing):
     monkeypatch.setenv("PYVISTA_JUPYTER_BACKEND", "static")
@@ -212,22 +182,6 @@ def test_sliders_with_a_screen_refill_the_scene_that_is_turned(shown, turned):
     assert turned == [threading.get_ident()] * 2  # at the start, too
     assert (bounds[1], bounds_after[1]) == pytest.approx((2.5, 3.0), rel=1e-3)
     assert camera == camera_after
-
-
-def test_sliders_leave_out_scenes_that_the_hand_has_passed(shown, turned):
-    drawn = []
-
-    async def moved():
-        sliders(lambda radius: drawn.append(radius) or balls(radius), alt="Two balls.",
-                radius=(0.1, 1.0, 0.5))  # fmt: skip
-        await asyncio.sleep(0.01)
-        worker = threading.Thread(target=push, args=(shown[-1].children[0], 0.6, 0.7, 0.8))
-        worker.start()
-        worker.join()  # the main thread is busy meanwhile
-        await asyncio.sleep(0.01)
-
-    asyncio.run(moved())
-    assert drawn == [0.5, 0.5, 0.8]
 
 
 def test_sliders_say_why_a_scene_cannot_be_drawn(shown, turned):

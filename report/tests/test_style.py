@@ -6,20 +6,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from kit import COLOURS
 from report.sources import ROOT
 
 READS = ["report/site/style.css", "report/verdicts.typ"]
-
-# Lines and bars of one drawing that a reader has to tell apart.
-COMPARED = [
-    ("chord", "geodesic", "tangent sphere"),
-    ("printed", "correct", "error"),
-    ("T0", "T1", "T2", "T3"),
-    ("interpolation", "servo", "preparation"),
-    ("torus", "inner sheet", "tangent sphere"),
-    ("design surface", "cone", "error"),
-]
 
 
 def luminance(colour):
@@ -38,12 +27,6 @@ def contrast(a, b):
     """Return the ratio of WCAG 2, 1 to 21."""
     light, dark = sorted([luminance(a), luminance(b)], reverse=True)
     return (light + 0.05) / (dark + 0.05)
-
-
-@pytest.mark.parametrize("names", COMPARED, ids="/".join)
-def test_colours_that_are_compared_differ_in_grey(names):
-    for a, b in combinations(names, 2):
-        assert abs(lightness(COLOURS[a]) - lightness(COLOURS[b])) >= 8, (a, b)
 
 
 @pytest.fixture(scope="module")

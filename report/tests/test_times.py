@@ -32,22 +32,6 @@ def test_keep_puts_a_row_in_the_place_of_the_older_one(kept):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [("", "–"), ("2.5", "2.50 s"), ("0.0123", "12.3 ms"), ("5.93e-09", "5.93 ns"),
-     ("0.000172", "172 µs"), ("1e-10", "0.100 ns"), ("3100", "3100 s")],
-)  # fmt: skip
-def test_shown_has_three_digits_and_a_fitting_unit(seconds, text):
-    assert times.shown(seconds) == text
-
-
-def test_markdown_has_a_line_for_each_work_that_with_the_most_at_once():
-    rows = [ROW | {"n": "1000000"}, ROW | {"n": "20"}]
-    head, rule, line = times.markdown(rows).splitlines()
-    assert head.count("|") == rule.count("|") == line.count("|")
-    assert line.startswith("| a cut, by the ball | 1,000,000 | 20.0 µs |")
-
-
 GROWN = (
     1.25  # of what one of many takes, over one of fewer; n log n would give 2.3 from 10^3 to 10^7
 )
