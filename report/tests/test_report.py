@@ -102,9 +102,11 @@ def copy(tmp_path):
     shutil.copytree(ROOT / "report", tmp_path / "report")
     for folder in ("figures", "notebooks"):  # which no test changes
         (tmp_path / folder).symlink_to(ROOT / folder)
-    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "audit").mkdir(parents=True)
     planted = [
-        f"tests/{name}.{kind}" for name in ("mutants", "text_faults") for kind in ("csv", "toml")
+        f"tests/audit/{name}.{kind}"
+        for name in ("mutants", "text_faults")
+        for kind in ("csv", "toml")
     ]
     for file in ("environment.txt", "CITATION.cff", *planted):
         shutil.copy(ROOT / file, tmp_path / file)
