@@ -242,10 +242,10 @@ def follow(url, chosen, root):
 def add_reports(site, chosen):
     """Write the pages of the article and of its supplement; return the captions of both."""
     shown = {}
-    for name, title in (("report", "article"), ("supplement", "supplement")):
-        made = report_page(name)
-        add_report(site, name, made, chosen)
-        shown |= captions(f"{name}.html", title, made[1])
+    for document, called in (("report", "article"), ("supplement", "supplement")):
+        made = report_page(document)
+        add_report(site, document, made, chosen)
+        shown |= captions(f"{document}.html", called, made[1])
     return shown
 
 

@@ -69,10 +69,11 @@ def unused(name, names):
     return next(one for one in chain([name], numbered) if one not in names)
 
 
-def captions(page, title, body):
-    """Return each figure's caption, its number a link into a page, by the figure's file."""
+def captions(page, called, body):
+    """Return each figure's caption, its number a link into its page, by the figure's file."""
+    body = body.replace('href="#', f'href="{page}#')
     return {
-        file: NUMBERED.sub(rf'<a href="{page}#{name}">\1</a> of the {title}: ', caption.strip())
+        file: NUMBERED.sub(rf'<a href="{page}#{name}">\1</a> of the {called}: ', caption.strip())
         for name, content, caption in FIGURE.findall(body)
         for file in re.findall(r'src="figures/([^"]+)"', content)
     }

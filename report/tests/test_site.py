@@ -22,7 +22,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.library import ROOMS, inline
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
-from report.site.paper import captions, unused
+from report.site.paper import unused
 from report.site.pictures import packed, sizes
 from report.site.policy import digest
 from report.site.scenes import viewer_style
@@ -350,17 +350,12 @@ def test_inline_links_what_it_knows_only():
     )
 
 
-def test_captions_lead_into_the_report():
-    body = '<figure id="f"><img src="figures/a.svg"><figcaption>Figure\xa03: b</figcaption>'
-    assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the supplement: b'}
-
-
 def test_sections_are_named_by_their_words_each_once(site):
     assert unused("a", {"b"}) == "a" and unused("a", {"a", "a-2"}) == "a-3"
     for name in ("report", "supplement"):
         text = (site / f"{name}.html").read_text()
         assert not re.search(r'id="section-\d', text)
-    assert '<h2 id="the-torus">6 The torus<a class="permalink" href="#the-torus"' in text
+    assert '<h2 id="the-torus">5 The torus<a class="permalink" href="#the-torus"' in text
 
 
 def test_pictures_have_their_size_and_keep_their_pixels(site):
