@@ -245,7 +245,8 @@ def add_reports(site, chosen):
     for document, called in (("report", "article"), ("supplement", "supplement")):
         made = report_page(document)
         add_report(site, document, made, chosen)
-        shown |= captions(f"{document}.html", called, made[1])
+        for file, caption in captions(made[1], called).items():
+            shown[file] = caption.replace('href="#', f'href="{document}.html#')
     return shown
 
 

@@ -69,11 +69,10 @@ def unused(name, names):
     return next(one for one in chain([name], numbered) if one not in names)
 
 
-def captions(page, called, body):
-    """Return each figure's caption, its number a link into its page, by the figure's file."""
-    body = body.replace('href="#', f'href="{page}#')
+def captions(body, called="supplement"):
+    """Return each figure's caption, its number a link into the report, by the figure's file."""
     return {
-        file: NUMBERED.sub(rf'<a href="{page}#{name}">\1</a> of the {called}: ', caption.strip())
+        file: NUMBERED.sub(rf'<a href="#{name}">\1</a> of the {called}: ', caption.strip())
         for name, content, caption in FIGURE.findall(body)
         for file in re.findall(r'src="figures/([^"]+)"', content)
     }

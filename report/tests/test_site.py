@@ -22,7 +22,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.library import ROOMS, inline
 from report.site.links import faults
 from report.site.markup import anchor, formula, markdown, plain
-from report.site.paper import unused
+from report.site.paper import captions, unused
 from report.site.pictures import packed, sizes
 from report.site.policy import digest
 from report.site.scenes import viewer_style
@@ -348,6 +348,11 @@ def test_inline_links_what_it_knows_only():
         '<a href="../library/t.html#Torus"><code>Torus</code></a> or <code>foot</code> of '
         "<em>working</em> sheet"
     )
+
+
+def test_captions_lead_into_the_report():
+    body = '<figure id="f"><img src="figures/a.svg"><figcaption>Figure\xa03: b</figcaption>'
+    assert captions(body) == {"a.svg": '<a href="#f">Figure\xa03</a> of the supplement: b'}
 
 
 def test_sections_are_named_by_their_words_each_once(site):
