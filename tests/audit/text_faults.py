@@ -124,10 +124,8 @@ def whole(path):
 
 
 def told(path):
-    """Return a file's captions and abstract, of the findings all; the rest is blanks."""
+    """Return a file's captions and abstract; the rest is blanks."""
     text = whole(path)
-    if path.stem == "findings":
-        return text
     kept = [" "] * len(text)
     for place in CAPTION.finditer(text):
         start = place.end() + 1
@@ -171,7 +169,7 @@ def orders(rng):
 
 
 def counts(rng):
-    """A number word of a caption, the abstract or the findings."""
+    """A number word of a caption or the abstract."""
     yield from in_prose("count", rf"\b({'|'.join(COUNTS)})\b",
                         lambda match: COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)],
                         rng, told)  # fmt: skip
