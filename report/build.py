@@ -2,8 +2,8 @@
 
 Every task is decided by content (report/sources.py): a notebook is left alone when its sources are
 those of its last run and its results are still those it left then. `make stale` only says what
-would be done, and why. What runs notebooks and compiles takes seconds to import: it is imported
-where there is something to do.
+would be done, and why. Modules that run notebooks or compile take seconds to import, so they are
+imported only where there is something to do.
 """
 
 import errno
@@ -39,7 +39,6 @@ from report.state import NotebookFailed, State
 
 DOCUMENTS = ("report", "supplement", "corrigenda")
 PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
-PDF = PDFS["report"]
 ROOM = 300e6  # bytes of disk that must be free before a notebook is run
 
 
@@ -56,14 +55,14 @@ def main():
 
 
 def recover(root):
-    """Finish what a build that was killed had come to the end of, and remove what it hadn't."""
+    """Move into place what a killed build had finished, and remove what it hadn't."""
     shutil.rmtree(root / "build" / "staging", ignore_errors=True)
     for place in sorted((root / "build" / "ready").glob("*")):
         from report.execute import publish
 
         try:
             publish(place)
-        except (OSError, ValueError, KeyError):  # not left by us: what it belonged to is run again
+        except (OSError, ValueError, KeyError):  # damaged: its notebook is run again
             shutil.rmtree(place, ignore_errors=True)
 
 

@@ -62,13 +62,13 @@ class Environment:
         self.stamp = self.folder / "stamp"
 
     def wanted(self):
-        """Return what the environment depends on; a moved checkout has to be set up again too."""
+        """Return a digest of what the environment depends on, the checkout's place included."""
         text = PINS.read_bytes() + str(ROOT).encode() + Path(__file__).read_bytes()
         text += PEERS.read_bytes() if self.peers else b""
         return hashlib.sha256(text).hexdigest()
 
     def is_whole(self):
-        """Tell whether it is the wanted one, and all is there as it was installed."""
+        """Tell whether it is what the pins want, with every file as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
         wanted, *names = self.stamp.read_text().splitlines()
@@ -89,7 +89,7 @@ class Environment:
         return {re.sub(r"[-_.]+", "-", name).lower(): version for name, _, version in found}
 
     def changed(self, names):
-        """Return a few words on each of these packages that isn't there as it is pinned."""
+        """Return a few words on each of these packages that is missing or not as pinned."""
         found, pins = self.versions(), pinned_versions()
         return [
             f"{name} is {found.get(name, 'missing')}, not {pins[name]}"
@@ -98,9 +98,9 @@ class Environment:
         ]
 
     def spoilt(self, since=0.0):
-        """Return the names of the packages that miss a file or have another than they recorded.
+        """Return the names of the packages that lack a file or whose file isn't as they recorded.
 
-        Sizes are compared of all files, contents of those changed after `since`.
+        The sizes of all files are compared, and the contents of those changed after `since`.
         """
         names, read = set(), 0
         for packages in self.folder.glob("lib/python3*/site-packages"):
@@ -203,7 +203,7 @@ def main(environment):
 
 
 def provide_libraries(*, for_venv):
-    """Install what the system lacks, all at once, or say how: before anything is fetched."""
+    """Install the system's packages that are missing, or say how, before anything is fetched."""
     venv = ["python3-venv"] if importlib.util.find_spec("ensurepip") is None else []
     missing = (venv if for_venv else []) + ([] if _loads(GL_LIBRARY) else GL_PACKAGES)
     if not missing:

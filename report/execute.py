@@ -1,8 +1,8 @@
-"""Run one notebook and put what it made into place, all of it or nothing.
+"""Run one notebook and put all that it made into place, or nothing.
 
-A notebook runs in a folder of its own under build/staging. When it has come to its end, that
-folder, with a list of what it holds, is renamed to build/ready/<notebook>: from then on its results
-count. They are moved into place at once, or, when the build is killed meanwhile, by the next one.
+A notebook leaves its results in a folder under build/staging. At its end that folder, with a list
+of what it holds, is renamed to build/ready/<notebook>: from then on its results count. They are
+moved into place at once, or by the next build if this one is killed meanwhile.
 """
 
 import atexit
@@ -53,7 +53,7 @@ def run_notebook(notebook, sources=None):
     Returns
     -------
     kept : list of str
-        Names of results that differ from those that were there by less than counts: these stay.
+        Names of results that stay as they were, because the new ones differ in last bits only.
 
     Raises
     ------
@@ -188,8 +188,8 @@ def publish(place):
     Parameters
     ----------
     place : pathlib.Path
-        A folder of build/ready. What is no longer there has been moved before, by a build that
-        was killed. A notebook that was edited since keeps its edits, and is run again.
+        A folder of build/ready. Files that its list names and that aren't there were moved by a
+        build that was killed. A notebook that was edited since keeps its edits and is run again.
     """
     root = place.parents[2]
     ready = json.loads((place / LIST).read_bytes())

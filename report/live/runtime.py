@@ -16,7 +16,7 @@ from functools import cache, partial
 from pathlib import Path
 from urllib.request import urlopen
 
-from report.site.publish import NotToBeHad
+from report.site.publish import Unavailable
 from report.sources import ROOT
 
 HERE = Path(__file__).parent
@@ -47,7 +47,7 @@ def provide(kept=KEPT, sources=None):
 
     Raises
     ------
-    NotToBeHad
+    Unavailable
         If no source gives a file as the list has it.
     """
     listed = read_list()
@@ -73,7 +73,7 @@ def _one(about, kept, sources):
             path.write_bytes(content)
             return content
         said.append("another content came, which was refused")
-    raise NotToBeHad(f"{about['name']}: no source gave it. {'; '.join(said)}.")
+    raise Unavailable(f"{about['name']}: no source gave it. {'; '.join(said)}.")
 
 
 def _is_it(about, content):

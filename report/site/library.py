@@ -19,7 +19,7 @@ ROOMS = [
 
 @dataclass
 class Entry:
-    """Something public: where it is, how it is called, what its docstring says."""
+    """A public name: how it is called and what its docstring says."""
 
     name: str
     signature: str

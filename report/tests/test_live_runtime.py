@@ -6,7 +6,7 @@ import re
 import pytest
 
 from report.live import runtime
-from report.site.publish import NotToBeHad, publish
+from report.site.publish import Unavailable, publish
 
 READS = ["Makefile", "report/guide/pages.md", "report/live/runtime.toml"]
 
@@ -44,7 +44,7 @@ def test_provide_goes_from_source_to_source_and_keeps_what_it_got(tmp_path, list
 
 @pytest.mark.parametrize("content", [b"a wheeL", b"a whee", b"a wheel "])
 def test_provide_refuses_another_content(tmp_path, listed, content):
-    with pytest.raises(NotToBeHad, match=r"a.whl: no source gave it. .*refused"):
+    with pytest.raises(Unavailable, match=r"a.whl: no source gave it. .*refused"):
         runtime.provide(tmp_path, [source("other", content)])
     assert list(tmp_path.iterdir()) == []
 
@@ -53,7 +53,7 @@ def test_what_cannot_be_had_is_one_line_and_a_fault_of_ours_is_not(tmp_path):
     def build(folder):
         raise error
 
-    for error, found in ((NotToBeHad("no wheel"), SystemExit), (KeyError("name"), KeyError)):
+    for error, found in ((Unavailable("no wheel"), SystemExit), (KeyError("name"), KeyError)):
         with pytest.raises(found, match=error.args[0]):
             publish(build, tmp_path / "pages", 1e6)
 
