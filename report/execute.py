@@ -12,7 +12,6 @@ import re
 import shutil
 import subprocess
 import tempfile
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -61,7 +60,6 @@ def run_notebook(notebook, sources=None):
         If a cell fails, or the notebook was edited meanwhile; nothing is changed then.
     """
     root = notebook.parent.parent
-    begun = time.monotonic()
     with staging(root, notebook.stem) as folder:
         written = cells(notebook)
         content = execute(notebook, folder)
@@ -72,12 +70,12 @@ def run_notebook(notebook, sources=None):
         nbformat.write(content, executed)
         kept = keep_what_agrees(folder, root)
         old = {*figure_files(notebook), *scene_files(notebook), records(notebook)[0]}
-        place = finish(folder, notebook.stem, old, sources or {}, time.monotonic() - begun)
+        place = finish(folder, notebook.stem, old, sources or {})
     publish(place)
     return kept
 
 
-def publish_files(task, contents, sources, seconds, root):
+def publish_files(task, contents, sources, root):
     """Put files of a task into place together, and note its state.
 
     Parameters
@@ -88,8 +86,6 @@ def publish_files(task, contents, sources, seconds, root):
         What each file is to hold.
     sources : dict of str to str
         What they are made from, to be kept in the state.
-    seconds : float
-        What making them took.
     root : pathlib.Path
         The checkout.
     """
@@ -98,7 +94,7 @@ def publish_files(task, contents, sources, seconds, root):
             new = folder / path.relative_to(root)
             new.parent.mkdir(parents=True, exist_ok=True)
             new.write_bytes(content)
-        place = finish(folder, task, (), sources, seconds)
+        place = finish(folder, task, (), sources)
     publish(place)
 
 
@@ -113,7 +109,7 @@ def staging(root, task):
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def finish(folder, task, old, sources, seconds):
+def finish(folder, task, old, sources):
     """Move a folder of a task's results to build/ready, from where on they count; return it.
 
     `old` are the files that the task left the last time: those it no longer makes are removed.
@@ -121,7 +117,7 @@ def finish(folder, task, old, sources, seconds):
     root = folder.parents[2]
     made = file_digests(folder, [path for path in folder.rglob("*") if path.is_file()])
     gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
-    ready = {"results": made, "gone": gone, "sources": sources, "seconds": seconds}
+    ready = {"results": made, "gone": gone, "sources": sources}
     (folder / LIST).write_text(json.dumps(ready), encoding="utf-8")
     place = root / "build" / "ready" / task
     place.parent.mkdir(exist_ok=True)
@@ -203,5 +199,5 @@ def publish(place):
                 os.replace(place / name, root / name)
         for name in ready["gone"]:
             (root / name).unlink(missing_ok=True)
-        State(root, place.name).save(ready["sources"], ready["results"], ready["seconds"])
+        State(root, place.name).save(ready["sources"], ready["results"])
     shutil.rmtree(place)

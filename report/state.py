@@ -1,4 +1,4 @@
-"""What the last builds left: for each task its sources, its results and the time it took.
+"""What the last builds left: for each task its sources and its results.
 
 Each task has a file, build/state/<task>.json. A file that is missing, cut short or something else
 counts as no state, and the task is done again.
@@ -30,9 +30,8 @@ class State:
         try:
             kept = json.loads(self.file.read_bytes())
             self.sources, self.results = dict(kept["sources"]), dict(kept["results"])
-            self.seconds = float(kept["seconds"])
         except (OSError, ValueError, TypeError, KeyError):
-            self.sources, self.results, self.seconds = {}, {}, 0.0
+            self.sources, self.results = {}, {}
 
     def stale(self, sources):
         """Return why a task has to be done, in a few words, or None.
@@ -56,9 +55,9 @@ class State:
             return f"{_few(altered)} {'was' if len(altered) == 1 else 'were'} altered"
         return None
 
-    def save(self, sources, results, seconds):
-        """Keep what a task was made from, the digests of its results by name, and its time in s."""
-        kept = {"sources": sources, "results": results, "seconds": round(seconds, 1)}
+    def save(self, sources, results):
+        """Keep the digests of what a task was made from, and of its results, by name."""
+        kept = {"sources": sources, "results": results}
         self.file.parent.mkdir(parents=True, exist_ok=True)
         self.file.write_text(json.dumps(kept, indent=1))
 
