@@ -1,7 +1,7 @@
 """Plant faults in words, one at a time, and see whether the tests notice: `make words`.
 
-A fault changes a verdict, the proof of a row, a sign in a displayed equation, "closer" into
-"farther", five into six, or an output in the README. Which ones is drawn with a seed. Each is
+A fault changes a verdict, the proof of a row, a sign in a displayed equation, "closer" of a record
+into "farther", or an output in the README. Which ones is drawn with a seed. Each is
 judged in a copy of the checkout, under build/words, by the tests of its kind. The comparison of
 the PDFs with what they are made from judges nothing: it compares a text with a copy of itself. The
 result is tests/audit/text_faults.csv, with the score of each kind in its head.
@@ -24,7 +24,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from report.tests.prose import CALL, CAPTION, bracketed, sources
+from report.tests.prose import sources
 from report.tests.typst_math import tokens
 from tests.audit.typeset_faults import faults as equation_faults
 
@@ -44,7 +44,6 @@ ORDERS = {
     "best": "worst", "faster": "slower", "slower": "faster", "greater": "less",
     "most": "least", "least": "most", "farther": "closer", "never": "always",
 }  # fmt: skip
-COUNTS = "two three four five six seven eight nine ten".split()
 
 
 @dataclass(frozen=True)
@@ -57,13 +56,6 @@ class Fault:
     after: str
     text: str
     tests: tuple
-
-
-# The tests of words, the report's own that read them, and one that makes it.
-WORDS = ("report/tests/test_words.py",
-         "report/tests/test_report.py::test_every_record_is_used_and_every_use_recorded",
-         "report/tests/test_report.py::test_no_result_is_typed_in_the_report",
-         "report/tests/test_report.py::test_report_of_a_copy_has_the_same_bytes")  # fmt: skip
 
 
 def read(file):
@@ -119,43 +111,7 @@ def equations(rng):
                     ("report/tests/test_typeset.py",))  # fmt: skip
 
 
-def whole(path):
-    return path.read_text("utf-8")
-
-
-def told(path):
-    """Return a file's captions and abstract; the rest is blanks."""
-    text = whole(path)
-    kept = [" "] * len(text)
-    for place in CAPTION.finditer(text):
-        start = place.end() + 1
-        stop = start + len(bracketed(text, place.end()))
-        kept[start:stop] = text[start:stop]
-    return "".join(kept)
-
-
-def comparing(path):
-    """Return the words that are read for comparisons: blanks where calls and comments stand.
-
-    The word that an order's call prints is read, the last in it.
-    """
-
-    def blank(match):
-        word = re.search(r"\w*(?=\"\)$)", match[0])
-        printed = match[0].startswith(("#than", "#compared"))
-        return " " * word.start() + word[0] + "  " if printed else " " * len(match[0])
-
-    text = re.sub(r"//[^\n]*", lambda match: " " * len(match[0]), whole(path))
-    return CALL.sub(blank, text)
-
-
-def in_prose(kind, pattern, change, rng, places=whole):
-    """Faults where a pattern finds words; `places` gives a file's text with blanks elsewhere."""
-    found = [(path, match) for path in sources() for match in re.finditer(pattern, places(path))]
-    for path, match in rng.sample(found, min(EACH, len(found))):
-        new, text = change(match), whole(path)
-        yield Fault(kind, str(path.relative_to(ROOT)), around(text, match.span()), new,
-                    text[: match.start()] + new + text[match.end() :], WORDS)  # fmt: skip
+COMPILED = "test_report_of_a_copy_has_the_same_bytes"
 
 
 def around(text, span, width=30):
@@ -163,16 +119,15 @@ def around(text, span, width=30):
 
 
 def orders(rng):
-    """A word that compares, in running text too; after "at" it is a statistic."""
-    yield from in_prose("order", rf"(?<!at\s)\b({'|'.join(ORDERS)})\b",
-                        lambda match: ORDERS[match[1]], rng, comparing)  # fmt: skip
-
-
-def counts(rng):
-    """A number word of a caption or the abstract."""
-    yield from in_prose("count", rf"\b({'|'.join(COUNTS)})\b",
-                        lambda match: COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)],
-                        rng, told)  # fmt: skip
+    """The word that a comparison prints, beside the record that bears it out."""
+    pattern = rf'#(?:than|compared)\((?:"[^"]+", )+"({"|".join(ORDERS)})"\)'
+    texts = {path: path.read_text("utf-8") for path in sources()}
+    found = [(path, match) for path in texts for match in re.finditer(pattern, texts[path])]
+    for path, match in rng.sample(found, min(EACH, len(found))):
+        text, new = texts[path], ORDERS[match[1]]
+        changed = text[: match.start(1)] + new + text[match.end(1) :]
+        yield Fault("order", str(path.relative_to(ROOT)), around(text, match.span(1)), new, changed,
+                    (f"report/tests/test_report.py::{COMPILED}",))  # fmt: skip
 
 
 def readme(rng):
@@ -189,7 +144,7 @@ def readme(rng):
                     ("report/tests/test_readme.py",))  # fmt: skip
 
 
-KINDS = (verdict_faults, proof_faults, equations, orders, counts, readme)
+KINDS = (verdict_faults, proof_faults, equations, orders, readme)
 
 
 def draw(seed=SEED):
