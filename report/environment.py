@@ -71,31 +71,20 @@ class Environment:
         """Tell whether it is what the pins want, with every file as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
-        wanted, *names = self.stamp.read_text().splitlines()
+        wanted, *packages = self.stamp.read_text().splitlines()
         if wanted != self.wanted():
             return False
-        if changed := self.changed(names):
-            say(f"{self.folder.name} isn't as it was set up: {', '.join(changed)}")
+        if lost := sorted(set(packages) - set(self.packages())):
+            say(f"{self.folder.name} isn't as it was set up: {', '.join(lost)} changed or missing")
             return False
         since = self.stamp.stat().st_mtime
         return not self.spoilt(since)
 
-    def versions(self):
-        """Return the version of each package that is installed, by its name."""
+    def packages(self):
+        """Return the packages that are installed, as ``name-version``, without Python's own."""
         records = self.folder.glob("lib/python3*/site-packages/*.dist-info/RECORD")
-        found = [
-            record.parent.name.removesuffix(".dist-info").rpartition("-") for record in records
-        ]
-        return {re.sub(r"[-_.]+", "-", name).lower(): version for name, _, version in found}
-
-    def changed(self, names):
-        """Return a few words on each of these packages that is missing or not as pinned."""
-        found, pins = self.versions(), pinned_versions()
-        return [
-            f"{name} is {found.get(name, 'missing')}, not {pins[name]}"
-            for name in names
-            if found.get(name) != pins[name]
-        ]
+        names = (record.parent.name.removesuffix(".dist-info") for record in records)
+        return sorted(name for name in names if not name.startswith(("pip-", "setuptools-")))
 
     def spoilt(self, since=0.0):
         """Return the names of the packages that lack a file or whose file isn't as they recorded.
@@ -156,13 +145,9 @@ class Environment:
             run(*add, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
         if spoilt := self.spoilt():
             fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
-        # Of the pinned packages those that this Python and system ask for; a later look asks for
-        # them all, and leaves alone what somebody installed besides.
-        names = sorted(self.versions().keys() & pinned_versions().keys())
-        if changed := self.changed(names):
-            fail(f"Set-up stopped: {', '.join(changed)}. The next call tries again.")
         self.settle()
-        self.stamp.write_text("\n".join([self.wanted(), *names]))
+        # A later look asks for these packages, and leaves alone what somebody installed besides.
+        self.stamp.write_text("\n".join([self.wanted(), *self.packages()]))
 
     def settle(self):
         """Write, where it isn't there, what makes the checkout importable and JupyterLab quiet."""
@@ -175,11 +160,6 @@ class Environment:
             if not path.exists() or path.read_text() != content:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(content)
-
-
-def pinned_versions():
-    """Return the version of each package that environment.txt pins, by its name."""
-    return dict(re.findall(r"^([a-z0-9-]+)==([^ ]+)", PINS.read_text(), re.M))
 
 
 def main(environment):

@@ -52,15 +52,12 @@ def test_content_is_read_where_it_may_have_changed(installed):
 
 
 @pytest.fixture
-def whole(installed, tmp_path, monkeypatch):
-    """That environment as `install` leaves it, with pins, of which another system needs one."""
+def whole(installed, tmp_path):
+    """That environment as `install` leaves it."""
     environment, file = installed
-    pins = tmp_path / "environment.txt"
-    pins.write_text("elsewhere==3.0 ; sys_platform == 'never' \\\n    --hash=x\nthing==1.0 \\\n")
-    monkeypatch.setattr(module, "PINS", pins)
     environment.python, environment.stamp = Path(sys.executable), tmp_path / "stamp"
     environment.settle()
-    environment.stamp.write_text(f"{environment.wanted()}\nthing")
+    environment.stamp.write_text("\n".join([environment.wanted(), *environment.packages()]))
     assert environment.is_whole()
     return environment, file.parent.parent
 
@@ -73,11 +70,19 @@ def rename(packages, version):
     record.write_text(record.read_text().replace(old, new))
 
 
-def test_package_in_another_version_than_pinned_is_noticed(whole, capsys):
+def test_package_in_another_version_is_noticed(whole, capsys):
     environment, packages = whole
     rename(packages, "1.0.1")
     assert environment.spoilt() == [] and not environment.is_whole()
-    assert capsys.readouterr().out.endswith("isn't as it was set up: thing is 1.0.1, not 1.0 ...\n")
+    said = capsys.readouterr().out
+    assert said.endswith("isn't as it was set up: thing-1.0 changed or missing ...\n")
+
+
+def test_package_that_somebody_installed_besides_is_left_alone(whole):
+    environment, packages = whole
+    (packages / "more-2.0.dist-info").mkdir()
+    (packages / "more-2.0.dist-info" / "RECORD").write_text("more-2.0.dist-info/RECORD,,\n")
+    assert environment.is_whole()
 
 
 @pytest.mark.parametrize("spoil", ["changed", "missing"])
