@@ -80,14 +80,6 @@ def test_the_table_of_times_is_that_of_the_last_runs():
     assert works and all(f"| {work}, " in text for work in works)
 
 
-def test_rows_of_the_table_of_times_are_whole():
-    for row in times.read():
-        assert tuple(row) == times.COLUMNS
-        assert int(row["n"]) > 0 and float(row["here_s"]) > 0
-        assert all(row[name] for name in ("work", "each", "criterion", "date", "processor", "load"))
-        assert bool(row["peer"]) == bool(row["peer_s"])
-
-
 def test_findings_are_those_of_the_chapters_and_the_ledger():
     assert lists.with_findings(TEXT) == TEXT, "run `make report`"
 

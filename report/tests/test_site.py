@@ -20,7 +20,7 @@ from report.site import build as pages
 from report.site import front, paper
 from report.site.chapter import Chapter, page_name, title
 from report.site.links import faults
-from report.site.markup import anchor, formula, markdown, plain
+from report.site.markup import anchor, markdown, plain
 from report.site.paper import unused
 from report.site.pictures import packed, sizes
 from report.site.policy import digest
@@ -215,14 +215,6 @@ def test_faults_are_none_where_links_hold(tmp_path):
     links = '<a href="a.html#top">a</a><a href="https://doi.org/1">paper</a><a href="#top">b</a>'
     (tmp_path / "a.html").write_text(PAGE.format(links))
     assert faults(tmp_path) == []
-
-
-def test_formula_sets_functions_apart():
-    assert "<msup><mi>tan</mi><mn>2</mn></msup><mspace" in formula(r"\tan^2\alpha")
-    space = '<mspace width="0.17em" />'
-    assert f"<mi>R</mi>{space}<mi>cos</mi>{space}<mi>" in formula(r"R\cos\varphi")
-    assert f"&#x00029;</mo>{space}<mi>cos</mi>" in formula(r"(r + R)\cos\theta")
-    assert space not in formula(r"= \cos(\theta)") and space not in formula(r"\frac{r}{R} + x")
 
 
 def test_markdown_follows_links_and_names_headings():
