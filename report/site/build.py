@@ -25,10 +25,7 @@ from report.sources import ROOT, notebooks, results_digest, scene_files
 SITE = ROOT / "build" / "site"
 HERE = Path(__file__).parent
 # Pygments' styles whose every word stands out from the ground behind it, by 4.5 to 1.
-CODE_STYLES = {
-    "not screen, (prefers-color-scheme: light)": "xcode",
-    "screen and (prefers-color-scheme: dark)": "github-dark",
-}
+LIGHT, DARK = "xcode", "github-dark"
 PAGES = jinja2.Environment(
     loader=jinja2.FileSystemLoader(HERE), trim_blocks=True, lstrip_blocks=True, autoescape=True
 )
@@ -41,6 +38,7 @@ PLACES = [
     ("Chapters", "chapters/00_index.html"),
     ("Report", "report.html"),
     ("Supplement", "supplement.html"),
+    ("Verdicts", "supplement.html#verdicts"),
     ("Library", "library/index.html"),
     ("Guide", "guide/command.html"),
 ]
@@ -58,20 +56,27 @@ class Site:
         self.found = []
         self.origin = f"Shows results with the digest {results_digest()[:16]}."
 
-    def page(self, address, title, body, *, kind, here=None, style="", **more):
+    def page(self, address, title, body, *, kind, here=None, style="", near=("", ()), **more):
         """Write a page; `here` names the place in the header that it belongs to.
 
-        `body` and `style` are HTML and CSS as they are; everything else is text.
+        `body` and `style` are HTML and CSS as they are; everything else is text. `near` is the
+        name of a list of pages and its links.
         """
         root = "../" * address.count("/")
         body = EMPTY_HEAD.sub(r"<td\1></td>", body)  # a head that says nothing is none
         body = ONLY_MATH.sub(named_by_its_letters, INLINE_MATH.sub(in_a_box, body))
+        headings = [
+            entry(plain(text), f"#{name}", level=int(begin[2]))
+            for begin, name, text, _ in HEADING.findall(body)
+            if begin[2] < "4" and kind != "front"
+        ]
+        lists = [listed for listed in (("On this page", headings), near) if listed[1]]
         html = PAGES.get_template("page.html").render(
             root=root, title=plain(title), description=described(body), style=style, kind=kind,
             body=HEADING.sub(with_permalink, body),
             policy=policy.content_policy(style, runs=self.live is not None),
             places=[*PLACES, *(self.live.places if self.live else ())],
-            live=self.live,
+            live=self.live, lists=lists,
             address=address, here=here or address, footer=self.origin, **more,
         )  # fmt: skip
         self.write(address, html)
@@ -113,10 +118,11 @@ def build(folder, chosen=None, live=None):
 def add_shared(site):
     """Write what pages share: figures, style, script and fonts."""
     shutil.copytree(ROOT / "figures", site.folder / "figures", ignore=lambda *_: ["README.md"])
-    style = "\n".join(f"@media {on} {{\n{colours(name)}\n}}" for on, name in CODE_STYLES.items())
-    style += "\n" + (HERE / "style.css").read_text() + (site.live.style if site.live else "")
-    site.write("style.css", style)
-    site.write("site.js", (HERE / "site.js").read_bytes())
+    style = (HERE / "style.css").read_text() + (site.live.style if site.live else "")
+    site.write("style.css", f"{colours(LIGHT)}\n{style}")
+    site.write("dark.css", f"{colours(DARK)}\n{(HERE / 'dark.css').read_text()}")
+    for file in ("site.js", "scheme.js"):
+        site.write(file, (HERE / file).read_bytes())
     for file in ("formulas.woff", "OFL.txt"):
         site.write(f"fonts/{file}", (HERE / "fonts" / file).read_bytes())
 
@@ -194,17 +200,14 @@ def add_chapters(site, chosen, figure_captions):
         body = chapter.html()
         at = order.index(here)
         contents = [entry(titles[page], root + page, here=page == here) for page in order]
-        headings = [(name, plain(text)) for _, name, text, _ in HEADING.findall(body)]
-        within = [entry(text, f"#{name}", level=3) for name, text in headings]
-        contents[at + 1 : at + 1] = within
-        near = {
+        turn = {
             side: entry(titles[order[i]], root + order[i])
             for side, i in (("before", at - 1), ("after", at + 1))
             if 0 <= i < len(order)
         }
         site.page(
             here, title(notebook), body, kind="chapter", here="chapters/00_index.html",
-            contents=contents, contents_name="Chapters", file=notebook.name, **near,
+            near=("Chapters", contents), file=notebook.name, **turn,
         )  # fmt: skip
         file = to_run(notebook)
         site.write(f"notebooks/{notebook.name}", file)  # the PDF leads there
@@ -252,14 +255,10 @@ def add_reports(site, chosen):
 
 def add_report(site, name, made, chosen):
     """Write the page of the report or of its supplement, and the PDF beside it."""
-    style, body, headings = made
+    style, body = made
     body = re.sub(r'href="(\.\./[^"]+)"', lambda m: f'href="{follow(m[1], chosen, "")}"', body)
     body = f'<p><a href="report/{name}.pdf">This page as a PDF</a></p>{body}'
-    contents = [entry(plain(text), f"#{at}", level=level) for level, at, text in headings]
-    site.page(
-        f"{name}.html", name.title(), body, kind="report", style=style, contents=contents,
-        contents_name="Sections",
-    )  # fmt: skip
+    site.page(f"{name}.html", name.title(), body, kind="report", style=style)
     site.write(f"report/{name}.pdf", (ROOT / "report" / f"{name}.pdf").read_bytes())
 
 
@@ -282,7 +281,7 @@ def add_library(site):
         contents = [entry(m.short, f"../{m.page}", here=m == module) for m in near]
         site.page(
             module.page, module.short, reference.body(module), kind="library", here=home,
-            contents=contents, contents_name=room(module) or "Library",
+            near=(room(module) or "Library", contents),
         )  # fmt: skip
 
 
@@ -306,7 +305,7 @@ def add_guide(site):
         ]
         site.page(
             f"guide/{path.stem}.html", titles[path], markdown(text, led), kind="guide",
-            here="guide/command.html", contents=contents, contents_name="Guide",
+            here="guide/command.html", near=("Guide", contents),
         )  # fmt: skip
 
 

@@ -32,6 +32,14 @@ def page_name(notebook):
     return f"chapters/{notebook.stem}.html"
 
 
+def where_it_moves(source, in_space):
+    """Return where the sliders move that a cell's stored picture can't show."""
+    if "sliders(" not in source:
+        return ""
+    live = "" if in_space else "in the live pages (<code>make live</code>) and "
+    return f'<p class="note">Its sliders move {live}in JupyterLab (<code>make lab</code>).</p>\n'
+
+
 class Chapter:
     """What turns one notebook into a page.
 
@@ -88,7 +96,9 @@ class Chapter:
         source = re.sub(r"\s*# fmt: skip\b", "", cell.source)
         outputs = "".join(map(self.output, cell.outputs))
         turning = self.scenes_below(number)
-        moving = self.live.below(self.stem, number) if self.live else ""
+        moving = (
+            self.live.below(self.stem, number) if self.live else where_it_moves(source, turning)
+        )
         shown = f'<p class="number">cell {number}</p>{code(source)}'
         if FOLDED in cell.metadata.get("tags", ()):
             shown = f'<details class="source"><summary>code</summary>{shown}</details>'

@@ -38,7 +38,7 @@ def to_html(source):
 
 
 def report_page(name):
-    """Return a document's body, its figures by their files, and the contents list's entries."""
+    """Return a document's style and its body, each figure by its file."""
     figures = {digest(path.read_bytes()): path.name for path in (ROOT / "figures").iterdir()}
     style, body = to_html(ROOT / "report" / f"{name}.typ")
 
@@ -47,20 +47,18 @@ def report_page(name):
         name = figures[digest(content)]
         return f'loading="lazy" {sizes(content)} src="figures/{name}"'
 
-    contents, names = [], set(re.findall(r'\bid="([^"]+)"', body))
+    names = set(re.findall(r'\bid="([^"]+)"', body))
 
     def named(match):
         level, attributes, text = match.groups()
         found = re.search(r'id="([^"]+)"', attributes)
         name = found[1] if found else unused(anchor(NUMBER.sub("", text)), names)
         names.add(name)
-        if level < "4":
-            contents.append((int(level), name, text))
         kept = attributes if found else f'{attributes} id="{name}"'
         return f"<h{level}{kept}>{text}</h{level}>"
 
     body = HEADING.sub(named, EMBEDDED.sub(by_file, body))
-    return style, body, contents
+    return style, body
 
 
 def unused(name, names):

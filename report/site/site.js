@@ -15,12 +15,6 @@ function load(address) {
 
 // ---- code: shown or not, as chosen on the page before
 const shown = document.getElementById("code");
-let kept = {};
-try {
-  kept = localStorage;
-} catch {
-  // A browser that forbids it forgets the choice.
-}
 if (shown) {
   if (kept.code) shown.checked = kept.code === "shown";
   shown.addEventListener("change", () => (kept.code = shown.checked ? "shown" : "hidden"));
@@ -34,9 +28,31 @@ const unfold = () => {
 unfold();
 addEventListener("hashchange", unfold);
 
-// ---- the list of pages shows where this one is
-const here = document.querySelector(".contents [aria-current]");
-if (here) here.closest("nav").scrollTop = here.offsetTop - here.closest("nav").clientHeight / 3;
+// ---- lists of headings and pages: open beside the text, folded above it; they show where this is
+const beside = matchMedia("(min-width: 60rem)");
+const lists = document.querySelectorAll(".contents details");
+const lay = () => lists.forEach((list) => (list.open = beside.matches));
+for (const list of lists) {
+  list.addEventListener("toggle", () => {
+    const here = list.querySelector("[aria-current]");
+    if (here) list.lastElementChild.scrollTop = here.offsetTop - list.lastElementChild.clientHeight / 3;
+  });
+}
+lay();
+beside.addEventListener("change", lay);
+
+// ---- code is copied by a button, where the browser lets a page do that
+const copied = navigator.clipboard ? "main pre:not(.output, .signature pre)" : "none";
+for (const code of document.querySelectorAll(copied)) {
+  const box = Object.assign(document.createElement("div"), { className: "copied" });
+  const button = Object.assign(document.createElement("button"), { type: "button", className: "copy", textContent: "Copy" });
+  button.addEventListener("click", async () => {
+    await navigator.clipboard.writeText(code.textContent);
+    button.textContent = "Copied";
+  });
+  code.replaceWith(box);
+  box.append(button, code);
+}
 
 // ---- boxes that scroll are reached by keyboard
 function reach(box) {

@@ -332,10 +332,12 @@ def test_chapter_escapes_what_cells_say_and_print(tmp_path):
     assert "<script" not in html and html.count("&lt;script") >= 7
     found = pages.Site(tmp_path / "site")
     link = pages.entry(evil, f'"{evil}')
-    found.page("a.html", title(path), html, kind="chapter", contents=[link], contents_name=evil,
-               before=link)  # fmt: skip
+    found.page("a.html", title(path), html, kind="chapter", near=(evil, [link]), before=link)
     page = (tmp_path / "site" / "a.html").read_text()
-    assert re.findall(r"<script[^>]*>", page) == ['<script src="site.js">']
+    assert re.findall(r"<script[^>]*>", page) == [
+        '<script src="scheme.js">',
+        '<script src="site.js">',
+    ]
 
 
 def test_search_cuts_pages_at_headings_and_names_judged_equations():
@@ -396,8 +398,9 @@ def test_pages_that_run_hold_the_runtime_the_library_and_their_licences(running)
 
 
 @pytest.mark.parametrize(
-    "name", ["site/site.js", "site/style.css", "site/page.html", "live/live.js", "live/worker.js",
-             "live/planner.js", "live/geodesic.js", "live/live.css"]
+    "name", ["site/site.js", "site/scheme.js", "site/style.css", "site/dark.css", "site/page.html",
+             "live/live.js", "live/worker.js", "live/planner.js", "live/geodesic.js",
+             "live/live.css"]
 )  # fmt: skip
 def test_no_own_script_or_style_names_an_address(name):
     text = (ROOT / "report" / name).read_text()

@@ -8,7 +8,7 @@ import pytest
 
 from report.sources import ROOT
 
-READS = ["report/site/style.css", "report/verdicts.typ"]
+READS = ["report/site/*.css", "report/verdicts.typ"]
 
 
 def luminance(colour):
@@ -35,7 +35,8 @@ def sheet():
 
 
 def test_text_on_the_pages_can_be_read(sheet):
-    light, dark = (re.findall(r"--(\w+): (#\w{6});", part) for part in sheet.split("@media", 2)[:2])
+    sheets = sheet, (ROOT / "report" / "site" / "dark.css").read_text()
+    light, dark = (re.findall(r"--(\w+): (#\w{6});", part) for part in sheets)
     for named in ({"paper": "#ffffff"} | dict(light), dict(light) | dict(dark)):
         for text in ("ink", "grey", "link"):
             for ground in ("paper", "ground"):
