@@ -156,6 +156,18 @@
     return figure;
   }
 
+  // The rows of budget.csv, which begins with a comment: lengths in mm.
+  function budgetTable(csv) {
+    const [names, ...rows] = csv.trim().split("\n").slice(1).map((line) => line.split(","));
+    const said = (text, at) => (text && +text === +text ? +(text * (names[at].endsWith("_m") ? 1e3 : 1)).toFixed(4) : text);
+    const table = document.createElement("table");
+    const heads = names.map((name) => element("th", name.replace(/_m$/, " / mm").replace("_", " "), { scope: "col" }));
+    table.createTHead().insertRow().append(...heads);
+    const body = table.createTBody();
+    for (const row of rows) body.insertRow().append(...row.map((text, at) => element("td", said(text, at))));
+    return table;
+  }
+
   function show({ code, printed, files }, said) {
     const [how] = { 0: ["Planned and simulated"], 1: ["Refused"], 2: ["Not understood"] }[code];
     answer.replaceChildren(element("h2", how));
@@ -166,8 +178,11 @@
     const list = document.createElement("ul");
     list.append(...Object.entries(files).map(([name, content]) => download(name, content)));
     list.append(download(jobName, new TextEncoder().encode(text.value)));
-    const budget = element("pre", printed, { id: "budget", className: "output" });
-    wide.observe(budget);
+    const budget = element("div", "", { id: "budget" });
+    const [before, after] = printed.split(/each alone, in mm.*\n(?: .*\n)+/);
+    const [above, below] = [before, after].map((part) => element("pre", part, { className: "output" }));
+    budget.append(above, budgetTable(new TextDecoder().decode(files["budget.csv"])), below);
+    for (const part of budget.children) wide.observe(part);
     answer.append(
       budget,
       picture(files, "plan.png", "Left: the circuit within the joint limits, its knots. Right: the feed along it."),
