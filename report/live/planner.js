@@ -159,9 +159,11 @@
   // The rows of budget.csv, which begins with a comment: lengths in mm.
   function budgetTable(csv) {
     const [names, ...rows] = csv.trim().split("\n").slice(1).map((line) => line.split(","));
-    const said = (text, at) => (text && +text === +text ? +(text * (names[at].endsWith("_m") ? 1e3 : 1)).toFixed(4) : text);
+    const rounded = (text, at) => +(text * (names[at].endsWith("_m") ? 1e3 : 1)).toFixed(4);
+    const said = (text, at) => (text && !isNaN(text) ? rounded(text, at) : text || "-");
     const table = document.createElement("table");
     const heads = names.map((name) => element("th", name.replace(/_m$/, " / mm").replace("_", " "), { scope: "col" }));
+    table.createCaption().textContent = "Each source alone";
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     for (const row of rows) body.insertRow().append(...row.map((text, at) => element("td", said(text, at))));

@@ -312,6 +312,44 @@ def test_code_stays_hidden_but_where_a_link_leads(browser):
     assert browser.run(seen.format(1)) == "block"
 
 
+def test_dark_is_what_the_system_asks_until_a_button_says_otherwise(browser):
+    dark = "getComputedStyle(document.body).backgroundColor !== 'rgb(255, 255, 255)'"
+    try:
+        for page, asked in zip(CHAPTERS, ("dark", "light", "dark"), strict=False):
+            features = [{"name": "prefers-color-scheme", "value": asked}]
+            browser.send("Emulation.setEmulatedMedia", features=features)
+            browser.open(page.as_uri())
+            assert browser.run(dark) == (page == CHAPTERS[0])
+            browser.run("kept.scheme || document.getElementById('scheme').click()")
+            assert not browser.run(dark)
+    finally:
+        browser.run("kept.removeItem('scheme')")
+        browser.send("Emulation.setEmulatedMedia", features=[])
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+def test_lists_stand_beside_the_text_or_fold_above_it(browser, width):
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=844,
+                 deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+    browser.open(CHAPTERS[-1].as_uri())
+    lists = "[...document.querySelectorAll('.contents details')]"
+    assert browser.run(f"{lists}.map((one) => one.open)") == [width > 500] * 2
+    browser.run(f"{lists}[1].querySelector('summary').focus()")
+    if width < 500:
+        browser.press("Enter", 13)
+    browser.until(f"{lists}[1].open && {lists}[1].querySelector('ul').scrollTop > 0")
+    assert browser.run("document.querySelector('main').getBoundingClientRect().top") < 844
+    browser.send("Emulation.clearDeviceMetricsOverride")
+
+
+def test_code_is_copied_without_its_number(browser):
+    browser.open(next(page for page in CHAPTERS if page.stem == "02_torus").as_uri())
+    browser.run("navigator.clipboard.writeText = async (text) => { window.taken = text; }")
+    browser.run("document.querySelector('#cell-2 .copy').click()")
+    browser.until("document.querySelector('#cell-2 .copy').textContent === 'Copied'")
+    assert browser.run("taken === document.querySelector('#cell-2 .code pre').textContent")
+
+
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
 def test_first_picture_begins_in_the_first_screen(browser, width, height):
     browser.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
