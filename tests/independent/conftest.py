@@ -17,8 +17,8 @@ NUMBERS = Path(__file__).resolve().parents[2] / "report" / "numbers"
 def printed():
     """Return a function that finds what the report prints: a number, or a cell of a table.
 
-    A number by its chapter and name; a cell by the table's name, the row's first entry and the
-    column. It equals what is less than half of its last printed digit away.
+    A number by its chapter and name; a cell by the table's name, the row's number or first entry
+    and the column. It equals what is at most half of its last printed digit away.
     """
 
     def find(chapter, name, row=None, column=None):
@@ -28,7 +28,8 @@ def printed():
             value, text = entry["value"], entry["text"]
         else:
             table = recorded["tables"][name]
-            at = [cells[0] for cells in table["text"]].index(row)
+            first = [cells[0] for cells in table["text"]]
+            at = row if isinstance(row, int) else first.index(row)
             k = table["columns"].index(column)
             value, text = table["rows"][at][k], table["text"][at][k]
         last = 10.0 ** Decimal(text.replace("−", "-")).as_tuple().exponent

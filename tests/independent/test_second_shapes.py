@@ -2,33 +2,11 @@
 
 import numpy as np
 
+from tests.independent.section import HALF, HEIGHT, INSIDE, LARGE, SMALL, centre, egg, joints
+
 READS = ["report/numbers/*.json"]
 
-SMALL, LARGE = 0.08, 0.80  # m, crank and arm
 LIFTED, LOWERED, SWUNG = np.radians([60, 35, 40])
-HEIGHT = -0.36  # m, of the crank's joint below the centre of the roof
-HALF, INSIDE = 0.5, 0.18  # m, half of the tunnel's width; from the wall to the cutter's centre
-
-
-def egg(inside=0.0, half=HALF, count=40_001):
-    """Return points (n, 2) of an egg-shaped section, or of a curve inside it, once round.
-
-    Roof, right wall, invert and left wall are arcs about (0, 0), (2, 0), (0, -3/2) and (-2, 0),
-    with radii 1, 3, 1/2 and 3, all times half of the width.
-    """
-    bend = np.arctan2(1.5, 2)
-    arcs = [
-        (0, 0, 1, 0, np.pi),
-        (2, 0, 3, np.pi, np.pi + bend),
-        (0, -1.5, 0.5, np.pi + bend, 2 * np.pi - bend),
-        (-2, 0, 3, 2 * np.pi - bend, 2 * np.pi),
-    ]
-    pieces = []
-    for y, z, radius, first, last in arcs:
-        turn = np.linspace(first, last, count)[:-1]
-        out = (half * radius - inside) * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-        pieces.append(half * np.array([y, z]) + out)
-    return np.concatenate([*pieces, pieces[0][:1]])
 
 
 def length(points):
@@ -37,11 +15,8 @@ def length(points):
 
 def circuit(count=40_001):
     """Return the joints' angles (n, 2) and the cutter's places (n, 3) once round."""
-    y, z = egg(INSIDE, count=count).T
-    phi = np.arcsin(y / LARGE)
-    reach = SMALL + LARGE * np.cos(phi)
-    theta = -np.arcsin((z - HEIGHT) / reach)
-    return np.stack([theta, phi], axis=-1), np.stack([reach * np.cos(theta), y, z], axis=-1)
+    angles = joints(*egg(INSIDE, count).T)
+    return np.stack(angles, axis=-1), centre(*angles)
 
 
 def test_perimeter_of_the_tunnel(printed):
@@ -86,7 +61,7 @@ def test_circuit_bends_within_the_torus_on_the_roof(printed):
 
 def heights(arm):
     """Return between which heights a machine with this arm reaches all places of the curve."""
-    y, z = egg(INSIDE, count=4001).T
+    y, z = egg(INSIDE, 4001).T
     reach = SMALL + arm * np.sqrt(np.maximum(1 - (y / arm) ** 2, 0))
     return (z - reach * np.sin(LIFTED)).max(), (z + reach * np.sin(LOWERED)).min()
 
