@@ -16,9 +16,8 @@ from ..motion import Compressible, Integrator, Lag, Loop, Rigid
 from ..motion.sizing import arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, gain_margins, plan, simulate
-from ..ream.chatter import chatter_margins
 from ..ream.cutting import expected_seconds
-from ..ream.margins import capability
+from ..ream.margins import capability, chatter_margins
 from ..removal import Ground
 from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile

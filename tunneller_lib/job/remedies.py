@@ -1,14 +1,13 @@
 """Which key of a job halves a fault of its budget, as another simulation confirms."""
 
 from dataclasses import replace
+from functools import partial
 from inspect import signature
 
 import numpy as np
 
 from ..motion.stability import is_stable
-from ..ream import plan
-from ..ream.error_budget import fault_sources
-from ..ream.remedies import halving
+from ..ream import Case, halving, plan
 
 # In which table of a job each remedy is.
 TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
@@ -26,17 +25,17 @@ def halved_by(job, faults, say=None):
     """
     runs = {}  # of changed jobs: a change may be tried for several faults
 
-    def again(number, what, factor):
+    def again(source, what, factor):
         if (what, factor) not in runs:
-            runs[what, factor] = _sources(changed(job, what, factor))
-        sources = runs[what, factor]
-        return sources and sources[number]()
+            runs[what, factor] = _case(changed(job, what, factor))
+        case = runs[what, factor]
+        return case and case.fault(source)
 
     found = []
     for number, fault in enumerate(faults):
         if say is not None:
             say(f"halving: source {number + 1} of {len(faults)}")
-        remedy = halving(fault, lambda what, factor, k=number: again(k, what, factor))
+        remedy = halving(fault, partial(again, fault.source))
         found.append(
             (None,) * 3
             if remedy is None
@@ -72,18 +71,16 @@ def _key(job, what):
     return f"[{TABLES[what]}] {what}{degrees}"
 
 
-def _sources(job):
-    """Return `fault_sources` of a job; None where there is none, or it would be refused."""
+def _case(job):
+    """Return the `Case` of a job; None where there is none, or it would be refused."""
     if job is None:
         return None
     try:
         planned = job.planned
         plants, loops = job.axes
-        given = dict(pose=job.error, arm=job.arm, ground=job.pushing)
+        case = Case(planned, plants, loops, job.error, job.arm, job.pushing)
     except ValueError:
         return None
     at = planned.setvalues
     angles = np.linspace(at.min(axis=0), at.max(axis=0), 5)
-    if not all(map(is_stable, plants, loops, angles.T)):
-        return None
-    return fault_sources(planned, plants, loops, **given)
+    return case if all(map(is_stable, plants, loops, angles.T)) else None

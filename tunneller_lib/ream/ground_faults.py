@@ -1,212 +1,88 @@
-"""What loads that the controller doesn't know leave on the wall: the shared arm, the ground."""
+"""What loads that the controller doesn't know leave on the wall: the shared arm, the ground.
+
+The faults take a `Case` and return the overbreak (ticks + 1,), in m, and its closed form, as those
+of the module `faults`.
+"""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
-from ..arguments import checked
 from ..kernels.exact import norm
-from ..motion import Compressible, follow
-from ..motion.arm import Arm
-from ..removal import Ground
-from .both_axes import Loops, Plants, check_linear, check_ticks
+from ..motion import follow
 from .face import Face
-from .faults import Fault
 from .front import engaged_areas, facing_areas
 from .moves import levers
-from .outward import gradient
-from .planning import Plan
 from .sensitivity import planned_motion
 
 SHAPE, THICKNESS = (200, 360), 0.1  # rays of the ground that laps are run in, and m
 HALVES = 30  # of the way to the torque of the ground that is taken
-# Force and speed both go with the feed: of a load that the ground makes a square is left.
-SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
 
 
-class LoadedLaps:
-    """Laps of a plan's circuit under loads: each is run once, whoever asks for it.
+@lru_cache(6)
+def loaded_lap(plan, plant, loop, arm, ground):
+    """Return the overbreak (ticks + 1,), in m, of a lap under loads.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done.
-    plant : Compressible or a pair of them
-        The axes.
-    loop : Loop or a pair of them
-        Their position loops.
+    Of an `arm` that both joints share, and of a `ground` that pushes; None for neither. The laps
+    of a budget are asked for more than once.
     """
-
-    @checked
-    def __init__(self, plan: Plan, plant: Plants, loop: Loops):
-        self.plan = plan
-        self.plant = plant
-        self.loop = loop
-        self._found = {}
-
-    @checked
-    def overbreak(
-        self, *, arm: Arm | None = None, ground: Ground | None = None, picks: bool = False
-    ):
-        """Return the overbreak (ticks + 1,), in m, of a lap.
-
-        With an `arm` that both joints share, with a `ground` that pushes, and with its `picks`
-        or their mean.
-        """
-        key = arm, ground, picks
-        if key not in self._found:
-            plan = self.plan
-            # Both are the same to the tick at which the cutter rests in the ground between them.
-            wanted = plan.circuit.position(plan.places)
-            rates = np.diff(wanted, axis=0) / plan.tick
-            push = None
-            if ground is not None:
-                ground = ground if picks else replace(ground, ripple=0.0)
-                face = Face(replace(plan, laps=1), ground, wanted, 0, SHAPE, THICKNESS)
-                face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
-                push = face.push
-            track = follow(self.plant, self.loop, wanted, slopes=rates, arm=arm, push=push)
-            self._found[key] = plan.circuit.overbreak(track.position)
-        return self._found[key]
+    # To the tick at which the cutter rests in the ground between them all laps are the same.
+    wanted = plan.circuit.position(plan.places)
+    rates = np.diff(wanted, axis=0) / plan.tick
+    push = None
+    if ground is not None:
+        face = Face(replace(plan, laps=1), ground, wanted, 0, SHAPE, THICKNESS)
+        face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
+        push = face.push
+    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=push)
+    return plan.circuit.overbreak(track.position)
 
 
-@checked
-def arm_fault(plan: Plan, plant: Plants, loop: Loops, arm: Arm, *, laps: LoadedLaps | None = None):
-    """Return the `Fault` of an arm that both joints share; the controller models a part.
+def arm_fault(case):
+    """Return what an arm leaves that both joints share; the controller models a part.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done.
-    plant : Compressible or a pair of them
-        The axes, whose static inverse has their own weight.
-    loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band.
-    arm : Arm
-        The masses on both joints.
-    laps : LoadedLaps, optional
-        Of the same plan, axes and loops, where laps are kept that others ask for, too.
-
-    Returns
-    -------
-    fault : Fault
-        Its closed form is that of slow motion under the weight that the axes' own doesn't have.
+    The closed form is that of slow motion under the weight that the axes' own doesn't have.
     """
-    _check(plan, plant, loop)
-    middle, _, _ = planned_motion(plan)
-    at = plan.circuit.position(middle)
-    known = np.stack([one.axis.load(q) for one, q in zip(plant, at.T, strict=True)], axis=-1)
-    off = pushed_off(plan, plant, loop, arm.weight(at) - known)
-    laps = laps or LoadedLaps(plan, plant, loop)
-    deviation = laps.overbreak(arm=arm) - laps.overbreak()
-    return Fault(
-        source="both joints",
-        deviation=deviation,
-        measure="largest",
-        closed=float(np.abs(off).max()),
-        remedies=(("gain", 2.0),),
-    )
+    given = case.plan, case.plant, case.loop
+    at = planned_motion(case.plan).position
+    known = np.stack([one.axis.load(q) for one, q in zip(case.plant, at.T, strict=True)], axis=-1)
+    off = pushed_off(*given, case.arm.weight(at) - known)
+    apart = loaded_lap(*given, case.arm, None) - loaded_lap(*given, None, None)
+    return apart, float(np.abs(off).max())
 
 
-@checked
-def ground_fault(
-    plan: Plan,
-    plant: Plants,
-    loop: Loops,
-    ground: Ground,
-    *,
-    arm: Arm | None = None,
-    laps: LoadedLaps | None = None,
-):
-    """Return the `Fault` of the ground's mean force, on whole grooves as those of a first lap.
+def ground_fault(case):
+    """Return what the ground's mean force leaves, on whole grooves as those of a first lap.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done.
-    plant : Compressible or a pair of them
-        The axes.
-    loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band.
-    ground : Ground
-        What cutting asks for.
-    arm : Arm, optional
-        The masses on both joints.
-    laps : LoadedLaps, optional
-        As for `arm_fault`.
-
-    Returns
-    -------
-    fault : Fault
-        Its closed form is that of slow motion, see `held_back`.
+    The closed form is that of slow motion, see `held_back`.
     """
-    _check(plan, plant, loop)
-    off = held_back(plan, plant, loop, ground)
-    laps = laps or LoadedLaps(plan, plant, loop)
-    return Fault(
-        source="ground, mean",
-        deviation=laps.overbreak(arm=arm, ground=ground) - laps.overbreak(arm=arm),
-        measure="largest",
-        closed=float(np.abs(off).max()),
-        remedies=(*SLOWER, ("gain", 2.0)),
-    )
+    given = case.plan, case.plant, case.loop
+    off = held_back(*given, case.ground)
+    mean = replace(case.ground, ripple=0.0)
+    apart = loaded_lap(*given, case.arm, mean) - loaded_lap(*given, case.arm, None)
+    return apart, float(np.abs(off).max())
 
 
-@checked
-def picks_fault(
-    plan: Plan,
-    plant: Plants,
-    loop: Loops,
-    ground: Ground,
-    *,
-    arm: Arm | None = None,
-    laps: LoadedLaps | None = None,
-):
-    """Return the `Fault` of the picks' ripple, beyond that of their mean force.
+def picks_fault(case):
+    """Return what the picks' ripple leaves, beyond their mean force.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done.
-    plant : Compressible or a pair of them
-        The axes.
-    loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band.
-    ground : Ground
-        What cutting asks for, with its ripple.
-    arm : Arm, optional
-        The masses on both joints.
-    laps : LoadedLaps, optional
-        As for `arm_fault`.
-
-    Returns
-    -------
-    fault : Fault
-        Its closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
-        place, and the mean that is left of the ripple times the speed's own swing.
+    The closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
+    place, and the mean that is left of the ripple times the speed's own swing.
     """
-    _check(plan, plant, loop)
-    middle, _, _ = planned_motion(plan)
-    at = plan.circuit.position(middle)
-    slope = gradient(plan.circuit, middle, at)
-    torque = _left_torques(plan, plant, loop, ground)
-    swing = -ground.ripple * _answers(plan, plant, loop, ground, arm, torque)  # rad
-    fast = np.abs(np.sum(slope * swing, axis=-1))
+    given = case.plan, case.plant, case.loop
+    plan, ground = case.plan, case.ground
+    torque = _left_torques(*given, ground)
+    swing = -ground.ripple * _answers(*given, ground, case.arm, torque)  # rad
+    fast = np.abs(np.sum(planned_motion(plan).slope * swing, axis=-1))
     # The ripple's force goes with what the front takes, which swings against it: of their product
     # a mean is left, by which the pulsating force is below the steady one.
     rate = (2j * np.pi * ground.ripple_frequency * swing).real
     less = ground.ripple / 2 * np.einsum("nij,nj->ni", _dampers(plan, ground), rate)
-    slow = pushed_off(plan, plant, loop, torque + less) - pushed_off(plan, plant, loop, torque)
-    off = fast + np.abs(slow)
-    laps = laps or LoadedLaps(plan, plant, loop)
-    mean = laps.overbreak(arm=arm, ground=ground)
-    return Fault(
-        source="ground, picks",
-        deviation=laps.overbreak(arm=arm, ground=ground, picks=True) - mean,
-        measure="largest",
-        closed=float(off[:-1].max()),
-        remedies=(*SLOWER, ("gain", 2.0)),
-    )
+    slow = pushed_off(*given, torque + less) - pushed_off(*given, torque)
+    mean = loaded_lap(*given, case.arm, replace(ground, ripple=0.0))
+    apart = loaded_lap(*given, case.arm, ground) - mean
+    return apart, float((fast + np.abs(slow))[:-1].max())
 
 
 def held_back(plan, plant, loop, ground):
@@ -240,9 +116,7 @@ def pushed_off(plan, plant, loop, torque):
 
         Kv e = w (sqrt(d / (d - torque / D)) - 1) + leaks torque / D^2.
     """
-    middle, rate, _ = planned_motion(plan)
-    at = plan.circuit.position(middle)
-    slope = gradient(plan.circuit, middle, at)
+    _, at, rate, _, slope = planned_motion(plan)
     off = 0.0
     for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
         axis = one.axis
@@ -259,29 +133,16 @@ def pushed_off(plan, plant, loop, torque):
     return off
 
 
-def _check(plan, plant, loop):
-    """Raise ValueError where loads have no closed form, or the axes no oil that gives way."""
-    check_ticks(plan, loop)
-    check_linear(loop)
-    if not all(isinstance(one, Compressible) for one in plant):
-        raise ValueError(
-            "plant: must be of class Compressible, which alone feels a load; got "
-            f"{' and '.join(type(one).__name__ for one in plant)}."
-        )
-
-
 def ground_torques(plan, ground):
     """Return the torques (m, 2) of a `ground`'s mean force amid a plan's moves, in N m.
 
     They resist positive motion.
     """
-    circuit = plan.circuit
-    middle, rate, _ = planned_motion(plan)
-    at = circuit.position(middle)
-    along = levers(circuit.machine.torus, at)
+    place, at, rate, _, slope = planned_motion(plan)
+    along = levers(plan.circuit.machine.torus, at)
     speed = np.linalg.norm(along * rate, axis=-1, keepdims=True)
-    force = ground.force(engaged_areas(circuit, middle))[:, None]
-    return force * (along**2 * rate + speed * ground.normal * gradient(circuit, middle, at))
+    force = ground.force(engaged_areas(plan.circuit, place))[:, None]
+    return force * (along**2 * rate + speed * ground.normal * slope)
 
 
 def _dampers(plan, ground):
@@ -293,11 +154,9 @@ def _dampers(plan, ground):
     across the way also turns the force.
     """
     circuit = plan.circuit
-    middle, rates, _ = planned_motion(plan)
-    at = circuit.position(middle)
-    out = gradient(circuit, middle, at)
+    middle, at, rate, _, out = planned_motion(plan)
     along = levers(circuit.machine.torus, at)
-    moved = along * rates
+    moved = along * rate
     speed = norm(moved)[:, None]
     heading = moved / np.where(speed > 0, speed, 1.0)
     ahead = heading * along
@@ -320,8 +179,7 @@ def _answers(plan, plant, loop, ground, arm, torque):
     where the loop G opens the spool for the rate gain e, after its delay, half a tick and its lag.
     The ground damps both joints together.
     """
-    middle, rates, _ = planned_motion(plan)
-    at = plan.circuit.position(middle)
+    _, at, rates, _, _ = planned_motion(plan)
     if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
         return np.zeros_like(at)
     s = 2j * np.pi * ground.ripple_frequency

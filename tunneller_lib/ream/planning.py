@@ -10,10 +10,9 @@ from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers, side_area
-from .moves import Moves, levers, move_lengths, strains
+from .moves import Moves, levers, move_lengths, move_shares, move_ticks, strains
 from .pose import Pose
 from .route import Route, path_points, route_through
-from .timing import move_shares, move_ticks
 
 LONGEST_REST = 1e4  # s
 PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
@@ -300,23 +299,33 @@ def plan(
 
 
 def _eased(way, circuit, limits, advance, tick):
-    """Return `_timed`, with limits that are tightened where the run between places leaves them."""
+    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
+
+    Limits of acceleration are tightened where the run between two places leaves them.
+    """
     length = _places(way)
+    at = way.at(length)
+    moves = np.diff(length)
     load = _loads(way, circuit, limits, advance, length)
+    torus = circuit.machine.torus
+    turns = np.stack([way.at(length, order=1), way.at(length, order=2), levers(torus, at)])
+    straight = limits.profile(moves, at, **load)
     ease = np.ones_like(length)
     for _ in range(EASINGS):
-        _, speed, moment, _ = found = _timed(way, circuit, limits, load, length, ease)
+        eased = turns * np.stack([ease, ease, np.ones_like(ease)])[..., None]
+        speed = limits.profile(moves, at, **load, turns=eased)
+        moment = _moments(moves, speed)
         if not tick * MOST_TICKS > moment[-1]:
             break  # refused for its ticks
         i, along = _sampled(length, speed, moment, tick)
-        strain = strains(circuit.machine.torus, way.at(along), tick, limits)
+        strain = strains(torus, way.at(along), tick, limits)
         if strain.max() <= EASED:
             break
         worse = np.ones_like(length)
         for place in (i, i + 1):
             np.maximum.at(worse, place, strain)
         ease = ease * worse
-    return found
+    return length, speed, moment, float(_moments(moves, straight)[-1])
 
 
 def _loads(way, circuit, limits, advance, length):
@@ -333,6 +342,12 @@ def _loads(way, circuit, limits, advance, length):
     return load
 
 
+def _moments(moves, speed):
+    """Return when (k + 1,) the ends of moves (k,) are reached, in s, at a speed (k + 1,) there."""
+    # The feed changes evenly in time over a move, so that its mean is that of both ends.
+    return np.concatenate([[0.0], np.cumsum(2 * moves / (speed[1:] + speed[:-1]))])
+
+
 def _sampled(length, speed, moment, tick):
     """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
     time = tick * np.arange(max(np.ceil(moment[-1] / tick - 1e-9), 1.0) + 1)
@@ -343,44 +358,18 @@ def _sampled(length, speed, moment, tick):
     return i, length[i] + 2 * (length[i + 1] - length[i]) * share * mean
 
 
-def _timed(way, circuit, limits, load, length, ease):
-    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
-
-    Under a `load` from `_loads`. Limits of acceleration are divided by `ease`.
-    """
-    at = way.at(length)
-    moves = np.diff(length)
-    feed = limits.profile(
-        moves,
-        at,
-        **load,
-        slopes=way.at(length, order=1) * ease[:, None],
-        bends=way.at(length, order=2) * ease[:, None],
-        levers=levers(circuit.machine.torus, at),
-    )
-    straight = limits.profile(moves, at, **load)
-    # The feed changes evenly in time over a move, so that its mean is that of both ends.
-    due = [np.cumsum(2 * moves / (v[1:] + v[:-1])) for v in (feed, straight)]
-    return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
-
-
 def _places(way):
     """Return lengths of way (k + 1,) at which limits are kept, closer where corners are rounded."""
     pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
-    even = [
-        np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
-    ]
+    spans = zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
+    even = [np.linspace(a, b, n, endpoint=False) for a, b, n in spans]
     rounded = way.ends[:, None] + way.halves[:, None] * np.linspace(-1, 1, CORNER_PLACES)
     every = np.concatenate([*even, rounded.ravel(), [way.length]])
     length = np.unique(every.clip(0, way.length))
-    # Places that are one but for rounding count once; the last one stays.
-    apart = np.diff(length, prepend=-np.inf) > 1e-9 * way.length
-    apart[-1] = True
-    length = length[apart]
-    if length[-1] - length[-2] <= 1e-9 * way.length:
-        length = np.delete(length, -2)
-    return length
+    # Places that are one but for rounding count once, the first of them, or the way's end.
+    least = 1e-9 * way.length
+    length = length[(np.diff(length, prepend=-np.inf) > least) & (length < way.length - least)]
+    return np.append(length, way.length)
 
 
 def _at_ticks(way, torus, limits, length, speed, moment, tick):
