@@ -85,4 +85,4 @@ def test_what_decides_how_far_a_box_is_lowered_onto_a_leaning_rod(printed):
     corner = met & ~own & (top <= corners + 1e-9)
     for name, found in (("own", own), ("corner", corner), ("side", met & ~own & ~corner)):
         share = 100 * found.sum() / met.sum()
-        assert share == printed("34_box_and_cone", f"decides, {name}")
+        assert share == printed("31_rod", f"decides, {name}")

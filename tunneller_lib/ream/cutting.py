@@ -27,7 +27,8 @@ from .wall import intact_wall, overbreak, standing
 
 CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s after which the cutting says how far it is
-PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
+PROBE = 400  # ticks of the axes that tell how long all take
+PROBED = 4  # chunks of the wall that tell the same of it
 Cost = Whole(1, 2**31 - 1)
 
 
@@ -40,7 +41,7 @@ class Cut:
     plan : Plan
         What was to be done.
     track : Track or None
-        What the joints did in the laps; None where the cutter was carried along given positions.
+        What the joints did in the laps; None where positions were given, as to `carve`.
     centres : (ticks + 1, 3) float
         Of the cutter in the tunnel's frame, in m, after each tick of all laps.
     wall : DexelGrid
@@ -50,7 +51,7 @@ class Cut:
     removed : (k,) float
         Volumes removed between them, in m^3.
     before, after : (j, 3) float
-        Centres of the cutter while it entered and left; none where it was carried along laps only.
+        Centres of the cutter while it entered and left; none where only laps were carved.
     plunged : float
         Volume removed by both, in m^3.
     force : (ticks,) float or None
@@ -77,7 +78,7 @@ class Cut:
     def deviation(self):
         """Return how far (ticks + 1,) the cutter's centre is outside the offset section, in m.
 
-        The overbreak, if positive, that it leaves where it is; in the pose that it really has.
+        So much overbreak it leaves there, or underbreak where negative, in its real pose.
         """
         return -self.plan.circuit.profile.depth(*self.centres[:, 1:].T)
 
@@ -140,7 +141,7 @@ def simulate(
     ground: Ground | None = None,
     say: Callable[[str], object] | None = None,
 ):
-    """Run a plan and cut the wall.
+    """Return the `Cut` that a plan makes: axes follow its set-values, and the ball cuts the wall.
 
     Parameters
     ----------
@@ -301,7 +302,7 @@ def carve(
     thickness: Length = 0.1,
     say: Callable[[str], object] | None = None,
 ):
-    """Cut the wall with joints that are where they are said to be.
+    """Return the `Cut` of joints that are exactly at given positions.
 
     Parameters
     ----------
@@ -381,7 +382,7 @@ class _Teller:
         self.begun = self.said = time.monotonic()
 
     def cut_to(self, tick):
-        """Say how far it is at a tick, of which the first lap begins at the `first`."""
+        """Say how far the cutting is at a tick of the run, whose first lap begins at `first`."""
         done = tick - self.first
         now = time.monotonic()
         if self.say is None or not 0 < done <= self.ticks * self.laps:
@@ -406,7 +407,7 @@ def _ends(centres, reach):
 
 @checked
 def starved(plan: Plan, tasks: Each(Task), cost: Cost):
-    """Return the `Plan` as it runs if the slow task is late: the last set-value is held.
+    """Return the `Plan` as it runs where the slow task is late and the last set-value is held.
 
     Parameters
     ----------
@@ -420,8 +421,8 @@ def starved(plan: Plan, tasks: Each(Task), cost: Cost):
     Returns
     -------
     plan : Plan
-        A setpoint for which the line waits is there twice, the second after the ticks that were
-        lost; what is lost between laps isn't.
+        A setpoint at which the line waits stands there twice, the second time after the ticks that
+        are lost. What is lost between laps isn't counted.
 
     Raises
     ------

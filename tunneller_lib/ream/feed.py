@@ -251,7 +251,7 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
         p = g11 - 2 * step * g12 + step * step * g22
         h = goal * (step * g12 - g11)
         under = h * h - p * (g11 * goal * goal - step * step * limit)
-        if under >= 0:
+        if under >= 0:  # else the line stays within the ellipse, which bounds nothing here
             x = (sqrt(under) - h) / p if under < inf else inf
             if x < best and (goal - x) * g11 <= -g12 * x * step:
                 best = x
@@ -309,6 +309,7 @@ def _highest(square, acceleration, ellipse, line):
         return high
     low = np.zeros_like(high)
     top = high
+    # The least a that one limit allows must not be above the most that another does.
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         under = g11 * acceleration**2 - (g11 * g22 - g12**2) * middle**2

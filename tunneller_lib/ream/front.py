@@ -40,6 +40,7 @@ def engaged_areas(circuit, s, advance=0.0):
     machine = circuit.machine
     blends = circuit.profile.blends
     begins = np.mod(s, circuit.profile.perimeter)
+    # Where a blend lies within half of the ball's chord ahead, the front feels it already.
     half = _half_widths(machine, 0.0)
     ahead = [np.searchsorted(blends, begins + way, side="right") for way in (0.0, half)]
     bends = ahead[0] != ahead[1]
@@ -100,6 +101,7 @@ def front_areas(circuit, s, advance=0.0):
     centre = profile.point(s)[:, None]
     normal = profile.normal(s)[:, None]
     forward = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    # Halved in, since a section's depth has no inverse.
     low = np.full((len(s), len(x)), -1.0)
     high = np.ones_like(low)  # of the angle's cosine: where the front is in the ground
     for _ in range(HALVINGS):

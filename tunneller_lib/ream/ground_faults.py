@@ -16,8 +16,9 @@ from .front import engaged_areas, facing_areas
 from .moves import levers
 from .sensitivity import planned_motion
 
-SHAPE, THICKNESS = (200, 360), 0.1  # rays of the ground that laps are run in, and m
-HALVES = 30  # of the way to the torque of the ground that is taken
+SHAPE = 200, 360  # rays of the ground that laps are run in
+THICKNESS = 0.1  # m
+HALVES = 30  # steps to the torque of the ground that is left, each halfway
 
 
 @lru_cache(6)
@@ -98,6 +99,8 @@ def held_back(plan, plant, loop, ground):
 def _left_torques(plan, plant, loop, ground):
     """Return the `ground_torques` (m, 2) of the ground that is taken, see `held_back`."""
     torque = ground_torques(plan, ground)
+    # A held-back cutter takes less ground, which holds it back less: halfway each time, for whole
+    # steps may swing about the answer.
     left = torque
     for _ in range(HALVES):
         off = pushed_off(plan, plant, loop, left)
@@ -146,9 +149,9 @@ def ground_torques(plan, ground):
 
 
 def _dampers(plan, ground):
-    """Return by how much (m, 2, 2) torques on joints i grow with swings' rates of joints j.
+    """Return how torques on joints i grow with the rates of swings of joints j (m, 2, 2), in N m s.
 
-    In N m s, on whole grooves amid a plan's moves. The front takes more where the cutter swings
+    On whole grooves, amid a plan's moves. The front takes more where the cutter swings
     ahead, by its section across the way, and where it swings out of the wall, by what faces that.
     Of the force along the way that is the way's part; that across is its share `normal`. A swing
     across the way also turns the force.

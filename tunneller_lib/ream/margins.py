@@ -32,13 +32,13 @@ class Margin(NamedTuple):
     Parameters
     ----------
     what : str
-        Of what.
+        What is compared, as "gain of theta".
     has, needs : float
-        How much of it.
+        How much of it the machine has, and how much the cut needs.
     unit : str
         Of both.
     remedy : str
-        The end of a sentence: what would do where it has too little.
+        What would do where it has too little, the end of a sentence.
     """
 
     what: str
@@ -49,7 +49,7 @@ class Margin(NamedTuple):
 
     @property
     def enough(self):
-        """Whether it has what it needs."""
+        """Whether the machine has more than the cut needs."""
         return self.has > self.needs
 
     def __str__(self):
@@ -236,7 +236,10 @@ def _known_limit(plant, loop, angles):
 
 
 def _torques(axis, angle, torque):
-    """Return the oil's torque and the load, in N m, where least of it is left beside the weight."""
+    """Return the torque that the oil can give and that which it must, in N m, at the worst place.
+
+    What it can give is beside the weight; the worst place has the least ratio of both.
+    """
     has = np.full(angle.shape, np.inf)
     for sign, (D, rho, load) in zip((1, -1), axis.sides(angle), strict=True):
         # At rest the full supply is on the filled side, the tank's pressure on the emptied one.
@@ -300,7 +303,7 @@ def chatter_limit(plant, loop, angle, lever, picks):
 
 
 def chatter_margins(plan, plant, loop):
-    """Return which damper each joint bears on a circuit if the picks are in step, as `Margin`s.
+    """Return the dampers that both joints bear on a circuit if the picks are in step, as `Margin`s.
 
     Needed is the damper E A / u of the ground where the front of the ball takes most, in N s/m.
 

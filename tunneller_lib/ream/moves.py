@@ -8,7 +8,7 @@ import numpy as np
 from ..motion import polyline, polyline_slopes
 
 FINEST = 4096  # parts of a count, to which setpoints are rounded
-MOST = 2**30  # parts, and parts times the ticks of a move, that 32 bits hold with their sums
+MOST = 2**30  # of parts, and of parts times the ticks of a move: 32 bits hold their sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +119,7 @@ def move_lengths(moved, strain, step):
     ticks = []
     start = 0
     while start < len(reach) - 1:
+        # A move ends where it gets too long, or as many ticks as the strain on it allows.
         most = min(longest[start], longest[start + 1])
         end = start + 1
         while end < len(reach) - 1 and reach[end + 1] - reach[start] <= step:

@@ -15,13 +15,14 @@ from .pose import Pose
 from .route import Route, path_points, route_through
 
 LONGEST_REST = 1e4  # s
-PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
-CORNER_PLACES = 33  # of a rounded corner
-EASED, EASINGS = 1.0005, 6  # what is left to a slower run, and how often limits are tightened
+PLACES = 2000  # of a lap, at which limits are kept
+LEAST_PIECES = 8  # into which the way between two knots is divided for that
+CORNER_PLACES = 33  # of a rounded corner, at which limits are kept
+EASED = 1.0005  # times a limit: where no more than this is used, the rest is left to a slower run
+EASINGS = 6  # tightenings of the limits, at most
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
-# Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
-GENTLY = 0.1
+GENTLY = 0.1  # of the acceleration, on entry: what the axes overshoot there is overbreak
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -53,13 +54,13 @@ class Plan(Moves):
     entry, leave : Moves
         From where the cutter is clear of the ground to the lap's begin, and back.
     back : (k + 1,) float
-        How far the machine has stepped back at each of the last k ticks of a lap, in m.
+        How far the machine has stepped back by each of the last k ticks of a lap, in m.
     laps : int
         How often the circuit is run.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
     straight_time : float
-        Which a lap would take without its rest if turning the joints cost no feed, in s.
+        Time of a lap without its rest if corners and bends cost no feed, in s.
     clearances : list of PartClearance
         How far arm, holder, box and cutter keep from the wall.
     path : {"projected chord", "corrected chord"}
@@ -95,7 +96,7 @@ class Plan(Moves):
 
     @property
     def times(self):
-        """Return what takes how long, a dict of s: parts of a lap, then of the whole job."""
+        """Return the times of the parts of a lap, then of the whole job, a dict of s."""
         step = self.tick * (len(self.back) - 1)
         rest = self.tick * int(self.ticks[-1]) - step
         entry, leave = (self.tick * int(moves.ticks.sum()) for moves in (self.entry, self.leave))
@@ -221,15 +222,15 @@ def plan(
     Raises
     ------
     ValueError
-        If an argument is beyond its range, the arm, or holder or box of the machine's body, is in
-        the wall (with the place), a tick at full feed is longer than a step, or there would be too
-        many ticks.
+        If an argument is out of its range; if the arm, or the holder or box of the machine's body,
+        is in the wall, with the place; if a tick at full feed goes farther than a step, or there
+        would be too many ticks.
 
     Notes
     -----
-    The way is run as fast as all limits let it, evaluated at whole ticks, and divided into straight
-    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): equal
-    ones at a constant feed. Where whole ticks leave a limit all is slowed.
+    The way is run as fast as all limits allow, sampled at whole ticks, and divided into straight
+    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): they
+    are equal where the feed is constant. Where sampling exceeds a limit the whole lap is slowed.
 
     Examples
     --------
@@ -321,6 +322,7 @@ def _eased(way, circuit, limits, advance, tick):
         strain = strains(torus, way.at(along), tick, limits)
         if strain.max() <= EASED:
             break
+        # Between two places the run leaves a limit that both keep: theirs is tightened by as much.
         worse = np.ones_like(length)
         for place in (i, i + 1):
             np.maximum.at(worse, place, strain)
@@ -373,7 +375,7 @@ def _places(way):
 
 
 def _at_ticks(way, torus, limits, length, speed, moment, tick):
-    """Return the lengths of way (ticks + 1,) at whole ticks, within the limits."""
+    """Return the lengths of way (ticks + 1,) at whole ticks, slowed until limits are kept."""
     slower = 1.0
     for _ in range(MOST_SLOWINGS):
         _, along = _sampled(length, speed, slower * moment, tick)
@@ -450,6 +452,7 @@ def _withdrawn(circuit, position, distance):
     """
     torus = circuit.machine.torus
     outward = circuit.profile.normal(0.0) @ circuit.axes[1:]
+    # Newton, each step along the joints' move that gains most depth for the cutter's way.
     found = np.array(position)
     for _ in range(NEWTON_STEPS):
         slope = torus.velocity(np.stack([found, found]), np.eye(2)) @ outward

@@ -16,7 +16,7 @@ from .outward import gradient, wall_frame
 from .planning import Plan
 
 HARMONICS = 64  # of the encoder's rounding
-ANGLES = 41  # of a lap, at which a plant is asked: oil's stiffness changes slowly between them
+ANGLES = 41  # of a lap, at which a plant's linear form is asked for
 
 
 def joint_bend(circuit, s, q, rate):
@@ -47,6 +47,7 @@ def geodesic_bend(circuit, s, q, direction):
 
 def _linear(plant, angles):
     """Return the linear plants [m] of a plant's small motions near joint angles (m,), in rad."""
+    # Few are made: oil's stiffness changes slowly between them.
     asked = np.linspace(angles.min(), angles.max(), ANGLES)
     models = [plant.linear(angle) for angle in asked.tolist()]
     nearest = np.abs(angles[:, None] - asked).argmin(axis=-1)
@@ -65,10 +66,12 @@ def rounding_passed(plant, loop, rate, angle):
     """
     if not loop.count:
         return np.zeros(len(rate))
+    # The sawtooth's k-th harmonic has the amplitude count/(pi k), and turns so far in each tick.
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
     models = _linear(plant, angle)
+    # Many angles share a linear model, and its discrete form takes time.
     of_model = {one: one.discrete(loop.tick) for one in set(models)}
     Ad, Bd = (np.stack(part) for part in zip(*(of_model[one] for one in models), strict=True))
     steady = np.array([one.command(1.0) for one in models])
@@ -76,6 +79,7 @@ def rounding_passed(plant, loop, rate, angle):
     held = np.broadcast_to(
         (Bd * steady[:, None]).astype(complex)[:, None, :, None], (*z.shape, order, 1)
     )
+    # The plant's answer to a command that is held over each tick: C (z - Ad)^-1 Bd.
     open_loop = np.linalg.solve(z[..., None, None] * np.eye(order) - Ad[:, None], held)[..., 0, 0]
     open_loop = loop.gain * open_loop / z**loop.delay
     passed = np.abs(open_loop / (1 + open_loop)) ** 2

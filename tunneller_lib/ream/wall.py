@@ -46,7 +46,7 @@ def intact_wall(
 
 @checked
 def standing(wall: DexelGrid):
-    """Return where the ground begins that stands after the cuts.
+    """Return where, on each ray, the ground begins that stands after the cuts.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def standing(wall: DexelGrid):
     Returns
     -------
     points : (n, m, 3) float
-        In m, on each ray that of the outermost piece: what the cutter has undercut is counted as
-        gone.
+        In m, on each ray the inner end of its outermost piece: what the cutter has undercut is
+        counted as gone.
 
     Raises
     ------
