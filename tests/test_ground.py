@@ -13,7 +13,7 @@ from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, referenc
 from tunneller_lib.motion.arm import Arm
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Case, Limits, gain_margins, ground_faults, plan, simulate
+from tunneller_lib.ream import Case, Limits, gain_margins, loads, plan, simulate
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.margins import capability, used
 from tunneller_lib.removal import Ground
@@ -254,7 +254,7 @@ def test_picks_leave_more_than_nothing_and_less_than_the_mean(monkeypatch):
     case = Case(made, OILY, LOOP, arm=ARM, ground=CONCRETE)
     runs = []
     run = follow
-    monkeypatch.setattr(ground_faults, "follow", lambda *a, **b: runs.append(b) or run(*a, **b))
+    monkeypatch.setattr(loads, "follow", lambda *a, **b: runs.append(b) or run(*a, **b))
     sources = "both joints", "ground, mean", "ground, picks"
     _, mean, picks = (case.fault(source) for source in sources)
     assert len(runs) == 4  # of six that they compare two are those of another source
@@ -275,8 +275,7 @@ def test_held_commands_answer_the_picks_half_a_tick_late_beside_their_delay():
         [Loop(10.0, tick, delay=n)] * 2 for tick, n in ((2e-3, 1), (6e-3, 0), (2e-3, 0))
     )
     found, same, other = (
-        ground_faults._answers(made, OILY, loop, MORTAR, ARM, torque)
-        for loop in (short, long, early)
+        loads._answers(made, OILY, loop, MORTAR, ARM, torque) for loop in (short, long, early)
     )
     np.testing.assert_allclose(found, same, rtol=1e-12)
     assert np.abs(other / found - 1).max() > 1e-3

@@ -15,20 +15,8 @@ from ..arguments import checked, shown
 from ..motion import Compressible
 from ..motion.arm import Arm
 from ..removal import Ground
+from . import faults, loads
 from .both_axes import Loops, Plants, check_linear, check_ticks
-from .faults import (
-    corner_fault,
-    corrected_fault,
-    count_fault,
-    encoder_fault,
-    following_fault,
-    knot_fault,
-    pose_fault,
-    projected_fault,
-    ripple_fault,
-    setpoint_fault,
-)
-from .ground_faults import arm_fault, ground_fault, picks_fault
 from .planning import Plan, check_unheld
 from .pose import Pose
 
@@ -123,6 +111,10 @@ def _having(*names):
     return lambda case: all(getattr(case, name) is not None for name in names)
 
 
+def _on(path):
+    return lambda case: case.plan.path == f"{path} chord"
+
+
 def _unheld(case):
     check_unheld(case.plan)
 
@@ -141,52 +133,30 @@ def _oily(case):
         )
 
 
-AXES = "plant", "loop"
+AXES = _having("plant", "loop")
+ARM = _having("plant", "loop", "arm")
+GROUND = _having("plant", "loop", "ground")
 # Force and speed both go with the feed: of a load that the ground makes a square is left.
 SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
 GAIN = ("gain", 2.0)
+RIPPLE = ("step", 2**-0.5), ("acceleration", 1 / 2)
+# A tolerance goes with the square of the length, paths with its third or fourth power. Corners may
+# miss their knots by a share of the tolerance.
+SECOND, THIRD, FOURTH = ((("tolerance", 2 ** (-2 / power)),) for power in (2, 3, 4))
 SOURCES = {
-    "knots": Source("chosen", knot_fault, (("tolerance", 1 / 2),), check=_unheld),
-    # Paths go with the third or fourth power of the length, the tolerance with the second.
-    "projected chord": Source(
-        "paper",
-        projected_fault,
-        (("tolerance", 2 ** (-2 / 3)),),
-        lambda case: case.plan.path == "projected chord",
-        _unheld,
-    ),
-    "corrected chord": Source(
-        "paper",
-        corrected_fault,
-        (("tolerance", 2 ** (-1 / 2)),),
-        lambda case: case.plan.path == "corrected chord",
-        _unheld,
-    ),
-    # Corners may miss their knots by a part of the tolerance.
-    "corners": Source("chosen", corner_fault, (("tolerance", 1 / 2),), check=_unheld),
-    "setpoints": Source("machine", setpoint_fault, (("step", 2**-0.5),)),
-    "counts": Source("machine", count_fault, (("count", 1 / 2),), measure="rms"),
-    "feed ripple": Source(
-        "machine",
-        ripple_fault,
-        (("step", 2**-0.5), ("acceleration", 1 / 2)),
-        check=_unheld,
-        along=True,
-    ),
-    "following": Source(
-        "machine", following_fault, (GAIN, *reversed(SLOWER)), _having(*AXES), _linear
-    ),
-    "encoder": Source(
-        "machine", encoder_fault, (("encoder", 1 / 2),), _having(*AXES), _linear, measure="rms"
-    ),
-    "both joints": Source("machine", arm_fault, (GAIN,), _having(*AXES, "arm"), _oily),
-    "ground, mean": Source(
-        "ground", ground_fault, (*SLOWER, GAIN), _having(*AXES, "ground"), _oily
-    ),
-    "ground, picks": Source(
-        "ground", picks_fault, (*SLOWER, GAIN), _having(*AXES, "ground"), _oily
-    ),
-    "pose": Source("chosen", pose_fault, (("pose", 1 / 2),), _having("pose")),
+    "knots": Source("chosen", faults.knot_fault, SECOND, check=_unheld),
+    "projected chord": Source("paper", faults.projected_fault, THIRD, _on("projected"), _unheld),
+    "corrected chord": Source("paper", faults.corrected_fault, FOURTH, _on("corrected"), _unheld),
+    "corners": Source("chosen", faults.corner_fault, SECOND, check=_unheld),
+    "setpoints": Source("machine", faults.setpoint_fault, (("step", 2**-0.5),)),
+    "counts": Source("machine", faults.count_fault, (("count", 1 / 2),), measure="rms"),
+    "feed ripple": Source("machine", faults.ripple_fault, RIPPLE, check=_unheld, along=True),
+    "following": Source("machine", faults.following_fault, (GAIN, *SLOWER[::-1]), AXES, _linear),
+    "encoder": Source("machine", faults.encoder_fault, (("encoder", 1 / 2),), AXES, _linear, "rms"),
+    "both joints": Source("machine", loads.arm_fault, (GAIN,), ARM, _oily),
+    "ground, mean": Source("ground", loads.ground_fault, (*SLOWER, GAIN), GROUND, _oily),
+    "ground, picks": Source("ground", loads.picks_fault, (*SLOWER, GAIN), GROUND, _oily),
+    "pose": Source("chosen", faults.pose_fault, (("pose", 1 / 2),), _having("pose")),
 }
 
 
@@ -285,12 +255,12 @@ def budget(
     The ideal lap has the cutter's centre on the circuit at every tick of the plan.
     """
     case = Case(plan, plant, loop, pose, arm, ground)
-    faults = []
+    found = []
     for number, source in enumerate(case.sources, start=1):
         if say is not None:
             say(f"budget: source {number} of {len(case.sources)}")
-        faults.append(case.fault(source))
-    return faults
+        found.append(case.fault(source))
+    return found
 
 
 class Remedy(NamedTuple):

@@ -63,17 +63,7 @@ class Face:
     """
 
     def __init__(
-        self,
-        plan,
-        ground,
-        setvalues,
-        first,
-        shape,
-        thickness,
-        *,
-        pose=None,
-        noted=(),
-        say=lambda tick: None,
+        self, plan, ground, setvalues, first, shape, thickness, *, pose=None, noted=(), say=None
     ):
         circuit = plan.circuit
         machine = circuit.machine
@@ -101,7 +91,7 @@ class Face:
         self.front = np.zeros((len(setvalues) - 1, 2))
         self.stepping = np.zeros(len(setvalues) - 1)
         self._stops = np.array([*noted, len(setvalues) - 1])
-        self._say = say
+        self._say = say or (lambda tick: None)
         corners = self._posed(circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)])))
         self._turned = (corners[1:] - corners[0]).T
         self._way = setvalues[:1]  # of the cutter since it was last cut, as joint positions
