@@ -88,14 +88,20 @@ class Source(NamedTuple):
 
     Parameters
     ----------
-    kind, remedies, measure, along
-        As of a `Fault`.
+    kind : {"chosen", "machine", "ground", "paper"}
+        Who answers for it.
     alone : callable
         Of a `Case`: the fault's deviation and its closed form.
+    remedies : tuple of (str, float)
+        As of a `Fault`.
     asked : callable
         Of a `Case`: whether it has all that the source needs.
     check : callable
         Of a `Case`: raises ValueError where the closed form wouldn't hold.
+    measure : {"largest", "rms"}
+        What the closed form says.
+    along : bool
+        Whether it is along the path and not across.
     """
 
     kind: str

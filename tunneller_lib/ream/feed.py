@@ -90,9 +90,9 @@ class Limits:
         positions: Ends,
         ground: Areas,
         *,
-        turns: Turns | None = None,
         groove: Areas | None = None,
         pushed: Ends | None = None,
+        turns: Turns | None = None,
     ):
         """Return the fastest feed from rest to rest.
 

@@ -23,10 +23,10 @@ HALVES = 30  # steps to the torque of the ground that is left, each halfway
 
 @lru_cache(6)
 def loaded_lap(plan, plant, loop, arm, ground):
-    """Return the overbreak (ticks + 1,), in m, of a lap under loads.
+    """Return the overbreak (ticks + 1,), in m, of a lap of a `plan` under loads.
 
-    Of an `arm` that both joints share, and of a `ground` that pushes; None for neither. The laps
-    of a budget are asked for more than once.
+    Each `plant` is under its `loop`, both joints share an `arm`, and a `ground` pushes; either is
+    None where it doesn't. It is kept, since sources of a budget compare the same laps.
     """
     # To the tick at which the cutter rests in the ground between them all laps are the same.
     wanted = plan.circuit.position(plan.places)
