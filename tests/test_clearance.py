@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
-from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
 from tunneller_lib.surfaces import (
     REFERENCE_MACHINE,
@@ -39,15 +38,6 @@ def test_rod_clearance_is_the_least_over_the_axis(seed, a, offset):
     along = ends[0] + share * (ends[1] - ends[0])
     depth = section.depth(along[..., 1], along[..., 2]).min(axis=0) - 0.1 * a
     np.testing.assert_allclose(found, depth, atol=1e-12 * a)
-
-
-def test_ends_of_the_arm_are_an_arm_apart():
-    position = np.random.default_rng(0).uniform(-0.6, 0.6, (50, 2))
-    joint, centre = cutting_circuit(REFERENCE_MACHINE, EGG).arm(position)
-    np.testing.assert_allclose(np.linalg.norm(centre - joint, axis=-1), REFERENCE_MACHINE.R)
-    np.testing.assert_allclose(joint[:, 1], 0)
-    from_axis = np.hypot(joint[:, 0], joint[:, 2] - REFERENCE_MACHINE.height)
-    np.testing.assert_allclose(from_axis, REFERENCE_MACHINE.r)
 
 
 @pytest.mark.parametrize("arm_radius", [0.0, 0.1, 0.25])
@@ -148,31 +138,6 @@ def test_solid_clearance_of_a_wheel_in_the_middle(turn):
     assert found == pytest.approx(EGG.depth(points[:, 1], points[:, 2]).min(), abs=SAGITTA)
 
 
-@pytest.mark.parametrize("kind", ["rod", "capsule", "frustum", "disc", "box"])
-def test_solid_clearance_in_many_poses_is_that_of_moved_solids(kind):
-    a, b, _, rng = posed(3)
-    turn = np.linalg.qr(rng.normal(size=(5, 1, 3, 3)))[0]
-    place = rng.uniform(-0.3, 0.3, (4, 3))
-
-    def solid(point, along):
-        # A place moves by `point`, a direction by `along`.
-        first, last = point(a), point(b)
-        if kind == "box":
-            return Box(first, *(along(0.3 * edge) for edge in np.eye(3)))
-        if kind == "disc":
-            return RoundedDisc(first, along(b - a), 0.2, 0.03)
-        if kind == "frustum":
-            return Frustum(first, last, 0.2, 0.05)
-        return Rod(first, last, 0.1, ends="round" if kind == "capsule" else "flat")
-
-    found = solid_clearance(EGG, solid(tuple, tuple), turn=turn, place=place)
-    assert found.shape == (5, 4)
-    for i, matrix in enumerate(turn[:, 0]):
-        for j, shift in enumerate(place):
-            moved = solid(lambda p: tuple(matrix @ p + shift), lambda v: tuple(matrix @ v))  # noqa: B023
-            assert found[i, j] == pytest.approx(solid_clearance(EGG, moved), abs=1e-14)
-
-
 def test_solid_clearance_of_more_poses_than_a_block():
     aside = np.linspace(-0.3, 0.3, 600)
     place = np.stack([0 * aside, aside, 0 * aside], axis=-1)
@@ -264,20 +229,3 @@ def test_plan_keeps_the_body_clear():
 def test_solid_clearance_of_nothing_and_of_a_point():
     assert solid_clearance(EGG, Rod((0, 0, 0), (0, 0, 0), 1)) == np.inf
     assert solid_clearance(EGG, Rod((9, 0.2, 0), (9, 0.2, 0), 0, ends="round")) == 0.3
-
-
-def test_grid_sees_the_same_collision():
-    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
-    clearance = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.0).arm
-    s = circuit.knots(tolerance=1e-3)
-    joint, centre = circuit.arm(circuit.position(s))
-    angle = (np.arange(360) + 0.5) * np.pi / 180
-    inner, outer = np.zeros(360), np.full(360, 1.2)
-    for _ in range(40):  # the wall, halved in
-        middle = (inner + outer) / 2
-        inside = EGG.depth(middle * np.cos(angle), middle * np.sin(angle)) > 0
-        inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
-    tunnel = DexelGrid.radial(-0.3, 1.3, inner, inner + 0.2, (200, 360))
-    for radius, collides in ((clearance - 1e-3, False), (clearance + 5e-3, True)):
-        rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre, strict=True)]
-        assert any(tunnel.overlap(rod) > 0 for rod in rods) is collides

@@ -147,12 +147,6 @@ def test_step_between_laps_takes_its_time_within_the_limits():
     assert np.all(speed[: one.ticks.sum() - 1] == 0)
 
 
-def test_plan_without_a_limit_of_ground_is_that_of_one_out_of_reach():
-    free, wide = lap(), lap(replace(QUICK, volume=1e6))
-    assert np.array_equal(free.feed, wide.feed) and np.array_equal(free.ticks, wide.ticks)
-    assert lap(replace(QUICK, volume=1e-4)).lap_time > 1.2 * free.lap_time
-
-
 def test_pose_moves_as_a_rigid_body():
     pose, centre = Pose(y=0.01, z=-0.02, roll=0.1, pitch=-0.2, yaw=0.3), np.array([0.1, 0.2, 0.3])
     points = np.random.default_rng(1).normal(size=(20, 3))
@@ -219,14 +213,6 @@ def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
     # Nowhere may it be raised: each inner value meets its bound or one of the two climbs.
     full = (climb > 0.4 * (1 - 1e-9)) | (np.maximum(feed[1:], feed[:-1]) > bound * (1 - 1e-9))
     assert np.all(full[1:] | full[:-1])
-
-
-def test_profile_with_any_acceleration_keeps_its_digits():
-    lengths, ground = np.full(500, 2e-3), np.linspace(1e-3, 5e-3, 500)
-    for acceleration in (1e6, 1e13, 1e30):
-        limits = Limits(feed=0.3, acceleration=acceleration, volume=1e-4)
-        feed = limits.profile(lengths, np.zeros((501, 2)), ground)
-        np.testing.assert_allclose(feed[1:-1], np.minimum(0.3, 1e-4 / ground[1:]), rtol=1e-9)
 
 
 def test_bounds_keep_valves_flow_and_volume():
