@@ -20,6 +20,7 @@ from .moves import levers
 from .planning import Plan
 
 JOINTS = "theta", "phi"
+ACTUATORS = "lift", "swing"
 SECOND = 1.0  # s, over which the head's power is a mean: a motor has as much to spare
 PLACES = 41  # of the circuit, at which oil and loop are looked at
 FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz, at which a joint may swing up
@@ -83,26 +84,17 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     found = []
     # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
     # the gain needs at least the resonance Kv/(2 zeta), which the second row says in Hz.
-    for joint, name in enumerate(JOINTS):
-        one = plant[joint]
-        control = loop[joint]
-        axis = axes[joint]
-        limit = _known_limit(one, control, tuple(at[:, joint].tolist()))
-        least = float(np.min(axis.natural_frequency(at[:, joint])))
+    lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
+    hose = lower + "a smaller hose, would do"
+    lighter = lower + "a lighter head or arm, would do"
+    for name, one, control, axis, angle in zip(JOINTS, plant, loop, axes, at.T, strict=True):
+        limit = _known_limit(one, control, tuple(angle.tolist()))
+        least = float(np.min(axis.natural_frequency(angle)))
         ratio = axis.damping / (2 * axis.inertia * least)
-        lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
-        found += [
-            Margin(
-                f"gain of {name}", limit, control.gain, "1/s", lower + "a smaller hose, would do"
-            ),
-            Margin(
-                f"resonance of {name}",
-                least / (2 * np.pi),
-                control.gain / (2 * ratio) / (2 * np.pi),
-                "Hz",
-                lower + "a lighter head or arm, would do",
-            ),
-        ]
+        hertz = least / (2 * np.pi)
+        needs = control.gain / (2 * ratio) / (2 * np.pi)
+        found.append(Margin(f"gain of {name}", limit, control.gain, "1/s", hose))
+        found.append(Margin(f"resonance of {name}", hertz, needs, "Hz", lighter))
     return found
 
 
@@ -146,28 +138,20 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
         places = way.place(length)
         force = (1 + ground.ripple) * ground.force(engaged_areas(circuit, places) * feed)
         torque = force[:, None] * push_levers(circuit, ground, places, at, slopes)
-        for joint, name in enumerate(JOINTS):
+        for joint, (name, cylinder) in enumerate(zip(JOINTS, ACTUATORS, strict=True)):
             has, needs = _torques(axes[joint], at[:, joint], torque[:, joint])
-            remedy = (
-                f"a lower [limits] feed or power, or a greater {'lift' if joint == 0 else 'swing'}"
-                "_bore or supply in [hydraulics], would do"
-            )
+            greater = f"a greater {cylinder}_bore or supply in [hydraulics]"
+            remedy = f"a lower [limits] feed or power, or {greater}, would do"
             found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
     found += gain_margins(circuit, plant, loop)
     drawn = drawn_oil(axes, at, slopes * feed[:, None])
     oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
     found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
-    for axis, name in zip(axes, ("lift", "swing"), strict=True):
-        ends = axis.linkage.length(axis.low), axis.linkage.length(axis.high)
-        found.append(
-            Margin(
-                f"stroke of the {name}",
-                min(ends) - axis.linkage.dead_length,
-                max(ends) - min(ends),
-                "m",
-                f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do",
-            )
-        )
+    for axis, name in zip(axes, ACTUATORS, strict=True):
+        short, long = sorted((axis.linkage.length(axis.low), axis.linkage.length(axis.high)))
+        holds = short - axis.linkage.dead_length
+        other = f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do"
+        found.append(Margin(f"stroke of the {name}", holds, long - short, "m", other))
     return found
 
 
