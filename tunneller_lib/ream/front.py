@@ -23,9 +23,13 @@ def groove_areas(circuit, s, advance=0.0):
     machine = circuit.machine
     with np.errstate(divide="ignore"):
         wall = 1 / circuit.profile.curvature(s) + machine.offset
-    return removed_volume(
-        machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
-    )
+    return _groove(machine, wall, advance)
+
+
+def _groove(machine, wall, pitch):
+    """Return the ground removed by each metre of a path behind a wall of some radius, in m^2."""
+    pitch = None if np.all(pitch == 0) else pitch
+    return removed_volume(machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=pitch)
 
 
 def engaged_areas(circuit, s, advance=0.0):
@@ -47,17 +51,13 @@ def engaged_areas(circuit, s, advance=0.0):
     areas = groove_areas(circuit, s, advance)
     areas[bends] = front_areas(circuit, s[bends], advance)
 
-    def groove(wall, pitch):
-        radius, depth = machine.cutter_radius, machine.depth
-        return removed_volume(radius, 1.0, depth, wall=wall, pitch=pitch if advance else None)
-
     straight = _straight(circuit, s)
-    flat = groove(np.inf, advance)
+    flat = _groove(machine, np.inf, advance)
     bent = areas - flat
     # The bend of a circle on which as much is removed, of a radius of a metre for the unit.
-    bend = _at_wall(machine, bent / (groove(1 + machine.offset, advance) - flat))
+    bend = _at_wall(machine, bent / (_groove(machine, 1 + machine.offset, advance) - flat))
     wider = _half_widths(machine, bend * (1 - straight)) / half
-    nearer = groove(np.inf, advance * np.sqrt(straight)) / flat
+    nearer = _groove(machine, np.inf, advance * np.sqrt(straight)) / flat
     return (flat + bent * straight) * wider * nearer
 
 
