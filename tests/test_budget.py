@@ -401,6 +401,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says(tmp_path):
     found = [before.fault(source) for source in before.sources]
     said = halved_by(job, found)
     assert sum(key is not None for key, _, _ in said) >= 7
+    assert said[before.sources.index("following")][0] == "[controller] gain"
     for fault, (key, factor, left) in zip(found, said, strict=True):
         if key is None:
             assert factor is left is None
