@@ -34,8 +34,8 @@ from tunneller_lib.envelopes import ConePose, adapted_frames, hyperosculating_co
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
-from tunneller_lib.envelopes.fit import noisy_planes
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.envelopes.measured import noisy_planes
 
 ANGLE = np.radians(30)
 PLACE = (0.5, 0.3)

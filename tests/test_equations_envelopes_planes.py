@@ -39,7 +39,6 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
-from tunneller_lib.envelopes.blade import cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.isotropic import (
@@ -299,10 +298,7 @@ def test_third_order_contact_is_not_always_free(judge):
     a, b = np.meshgrid(0.5 + near, 0.3 + near)
     jet = example(*jet_variables(a, b))
     r = np.stack(contact_point(a, b, jet.value, jet.derivative(1, 0), jet.derivative(0, 1)), -1)
-    depths = [
-        cone_distance(r, cones.vertex[k], cones.axis[k], ANGLE, cones.distance[k] / 2,
-                      2 * cones.distance[k]).min() for k in range(6)
-    ]  # fmt: skip
+    depths = [cone.pose.clearance(r).min() for cone in cones]
     enters = np.less(depths, -1e-9)
     judge("cones-free", not np.any(enters))
     assert np.sum(enters) == 4 and np.isfinite(depths).all()

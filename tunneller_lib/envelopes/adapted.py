@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .graph_forms import contact_over, normal_over, seen_in_model
+from .graph_forms import contact_point, isotropic_derivatives, normal
 from .jet import Jet, compose, differentiated, inverse, jet_variables, places
 from .triples import cross_product
 
@@ -113,8 +113,8 @@ def frames_by(surface, s, t, model):
             # The graph's point (x, y, f) stands for a plane: its normal depends on x and y alone,
             # and the point of contact follows from f and its slopes.
             f = as_jet(one_number("surface", answer, s), s)
-            n = normal_over(s, t)
-            r = contact_over(s, t, f, differentiated(f, 0), differentiated(f, 1))
+            n = normal(s, t)
+            r = contact_point(s, t, f, differentiated(f, 0), differentiated(f, 1))
             tangent = [differentiated(c, 0) for c in n]
             known = 1.0  # the tangent's length is 2/(x^2 + y^2 + 1), never zero
         else:
@@ -155,7 +155,7 @@ def isotropic_jet(frames, where):
     """
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
-    x, y, _, fx, fy = seen_in_model(r, n)
+    x, y, _, fx, fy = isotropic_derivatives(r, n)
     return _integrated(*compose([fx, fy], *inverse(x, y)))
 
 
@@ -193,7 +193,7 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     r = _turned(back, found.r)
     n = _turned(back, found.n)
     r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
-    x, y, value, fx, fy = seen_in_model(r, n)
+    x, y, value, fx, fy = isotropic_derivatives(r, n)
     f = _integrated(*compose([fx, fy], *inverse(x, y)))
     f.c[0] = value.value
     if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):

@@ -12,9 +12,7 @@ from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from . import cone_loops
 from .adapted import FLAT, MOST
-from .circle_roots import real_zeros
 from .cone_pose import ConePose, TouchingCone
-from .forms import derivative_along, frobenius
 from .functions import Function, as_jet, coordinates, one_number
 from .graph_forms import NOISE
 from .jet import jet_variables
@@ -271,55 +269,4 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
         multiplicity[point, row].astype(int),
         count,
         state,
-    )
-
-
-def third_order(f, rho):
-    """Return all directions of cones in contact of order 3, and their multiplicities.
-
-    Parameters
-    ----------
-    f : Jet
-        In adapted frames, at n points.
-    rho : float
-        cot(half_angle)/2.
-
-    Returns
-    -------
-    angle : (n, 6) float
-        Angles of e in the tangent planes, in rad, NaN-padded; none where every one would do.
-    multiplicity : (n, 6) int
-        How many fell together.
-    """
-
-    def cubic(a):
-        return rho * derivative_along(f, a, 3) + 3 * derivative_along(f, a, 1, 1)
-
-    return real_zeros(cubic, 3, unit=rho * frobenius(f, 3) + 3 * frobenius(f, 2))
-
-
-def order_four(f, angle, rho):
-    """Return f_ee and the residual of fourth-order contact over the sum of its terms.
-
-    Parameters
-    ----------
-    f : Jet
-        In adapted frames, at n points.
-    angle : (n, m) float
-        Direction angles of e, in rad; NaN gives NaN.
-    rho : float
-        cot(half_angle)/2.
-
-    Returns
-    -------
-    fee : (n, m) float
-        In m.
-    residual : (n, m) float
-        Eq. 12, from -1 to 1.
-    """
-    # All terms may vanish together: then rounding is compared with the jet as a whole.
-    whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
-    forms = [f.c[first:last, :, None] for first, last in ((3, 6), (6, 10), (10, 15))]
-    return cone_loops.order_four_along(
-        forms, rho, 1e-3 * whole[:, None], np.cos(angle), np.sin(angle)
     )

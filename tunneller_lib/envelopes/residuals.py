@@ -7,8 +7,8 @@ those of lower order are solved; so it has no unit.
 import numpy as np
 
 from .circle_roots import real_zeros
+from .conditions import two_conditions
 from .forms import derivative_along, frobenius, principal, principal_values
-from .hyperosculate import order_four, third_order
 from .steady import eliminated
 
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
@@ -105,9 +105,9 @@ def _cone(f, half_angle):
     """Theorem 16: rho f_eee + 3 f_ew = 0 and contact of order 4."""
 
     def residual(half_angle):
-        rho = 0.5 / np.tan(half_angle)
-        angle, _ = third_order(f, rho)
-        left = np.abs(order_four(f, angle, rho)[1])
+        forms = two_conditions("cone", f, f, half_angle, floor=1e-3)
+        angle, _ = real_zeros(forms.first, forms.degree, unit=forms.off_first)
+        left = np.abs(forms.second(angle)) / _nonzero(forms.size(angle))
         left[np.isnan(left).all(axis=-1)] = 0.0  # spherical points: every cone that touches
         return float(np.nanmin(left, axis=-1).max())
 

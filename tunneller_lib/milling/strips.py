@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import Length, Length0, NotNegative, Points, Sign, Whole, checked
+from ..arguments import Each, Length, Length0, NotNegative, Points, Sign, Whole, checked
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
 from ..kernels.exact import dot, norm
-from .chains import Chain, Chains, motion_through, trace_chain
+from .chains import Chain, motion_through, trace_chain
 from .patch import Patch
 from .positions import Cloud, Positions
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
@@ -22,6 +22,7 @@ LEAST = 0.01  # of the patch's area, that a chain must add
 TRIED = 6  # starts a round, of which the one is taken whose strip adds most
 
 Mill = ConicalMill | CylinderMill | BallMill
+Chains = Each(Chain, some=True)
 
 
 @checked
@@ -139,7 +140,7 @@ def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Wh
         raise ValueError(f"chain: must have 6 positions or more; got {len(chain)}.")
     inner = slice(2, -2)
     s, t = (part[inner] for part in (chain.s, chain.t))
-    frames = adapted_frames.unchecked(patch.surface, s, t, "space")
+    frames = adapted_frames(patch.surface, s, t, "space")
     first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)
     rate = (np.linalg.pinv(first) @ (frames.axes @ chain.across[inner, :, None]))[..., 0]
     away = np.linspace(-reach, reach, 2 * m + 1)
@@ -192,7 +193,7 @@ def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sig
     ValueError
         If the cylinder is too thick: it gouges at a contact whatever its axis.
     """
-    frames = adapted_frames.unchecked(patch.surface, chain.s, chain.t, "space")
+    frames = adapted_frames(patch.surface, chain.s, chain.t, "space")
     g = tangent_graph(frames, slice(None))
     # Heights bend towards the mill where these are above zero.
     xx, xy, yy = (patch.side * derivative(g, i, 2 - i) for i in (2, 1, 0))
