@@ -59,33 +59,21 @@ def test_members_are_recognised(kind, k):
 
 
 @pytest.mark.parametrize("kind", MEMBERS)
-def test_there_are_six_members_and_as_many_others(kind):
-    assert len(MEMBERS[kind]) >= 6
+def test_others_are_told_apart(kind):
+    others = [surface for other in OTHERS[kind] for surface in MEMBERS[other][:6]]
+    for surface in (*others, *GENERAL.values()):
+        found = verdict(surface, kind)
+        assert found.verdict == "is not" and found.residual > 1e-3
 
 
-@pytest.mark.parametrize(("kind", "other", "k"), [(kind, other, k) for kind, others in
-                         OTHERS.items() for other in others for k in range(6)])  # fmt: skip
-def test_others_are_told_apart(kind, other, k):
-    found = verdict(MEMBERS[other][k], kind)
-    assert found.verdict == "is not" and found.residual > 1e-3
-
-
-@pytest.mark.parametrize("kind", MEMBERS)
-@pytest.mark.parametrize("name", GENERAL)
-def test_general_surfaces_are_nothing(kind, name):
-    assert verdict(GENERAL[name], kind).residual > 1e-3
-
-
-@pytest.mark.parametrize("k", range(6))
-def test_cylinder_radius_is_found(k):
-    for radius in (0.1, 0.05):
-        surface = ruled(list(RULED)[k], radius)
-        assert abs(abs(verdict(surface, "cylinder").radius) - radius) < 1e-9 * radius * 10
-    # Normals of these surfaces point away from the axes; on the other side is none.
-    sign = np.sign(verdict(surface, "cylinder").radius)
-    assert verdict(surface, "cylinder", radius=sign * radius).residual < 1e-10
-    assert verdict(surface, "cylinder", radius=-sign * radius).residual > 1e-3
-    assert verdict(surface, "cylinder", radius=sign * 2 * radius).residual > 1e-3
+@pytest.mark.parametrize("name", RULED)
+def test_cylinder_radius_is_found_on_its_side(name):
+    surface = ruled(name, 0.05)
+    radius = verdict(surface, "cylinder").radius
+    assert abs(radius) == pytest.approx(0.05, rel=1e-8)
+    assert verdict(surface, "cylinder", radius=radius).residual < 1e-10
+    assert verdict(surface, "cylinder", radius=-radius).residual > 1e-3
+    assert verdict(surface, "cylinder", radius=2 * radius).residual > 1e-3
 
 
 @pytest.mark.parametrize("k", range(6))
@@ -124,11 +112,6 @@ def test_channels_of_constant_slope_are_envelopes_of_cones():
     assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-4)
     assert found.residual < 1e-8
     assert verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone").residual > 1e-3
-
-
-def test_example_31_by_its_graph():
-    found = recognise(lambda x, y: y**2 / (x**2 + y**2), *GRID, "cone", half_angle=np.radians(30))
-    assert found.verdict == "is" and found.half_angle == np.radians(30)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
@@ -357,14 +340,9 @@ def test_table_of_verdicts_on_thousands_has_no_wrong_one_and_tells_nearly_always
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    ({"kind": "torus"}, r"^kind: must be .developable., .* or .cone.; got 'torus'\.$"),
     ({"kind": "cone", "radius": 1.0}, r"^radius: belongs to cylinder and pipe only; got .*\.$"),
     ({"kind": "pipe", "half_angle": 1.0}, r"^half_angle: belongs to cone only; got it with .*\.$"),
-    ({"kind": "cone", "half_angle": np.pi / 2}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
-    ({"kind": "cone", "half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
-    ({"kind": "pipe", "radius": np.nan}, r"^radius: must be one finite number; got nan\.$"),
     ({"kind": "pipe", "s": GRID[0][:11], "t": 0.3}, r"^s, t: must hold at least 12"),
-    ({"kind": "pipe", "s": GRID[0] * np.nan}, r"^s: must hold finite numbers; got nan\.$"),
     ({"kind": "pipe", "s": GRID[0] + 9e9}, r"^surface: must be defined and smooth at every"),
 ])  # fmt: skip
 def test_wrong_questions_are_refused(options, message):
