@@ -9,16 +9,13 @@ from tests.shapes import directions
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import cubic, helix
-from tunneller_lib.envelopes.graph_forms import isotropic_derivatives
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
-    contact_point,
     normal,
     plane_azimuth,
     plane_to_point,
     point_to_plane,
-    sphere_point,
     surface_points,
 )
 from tunneller_lib.envelopes.jet import jet_variables
@@ -43,24 +40,6 @@ def test_plane_to_point_keeps_digits_near_the_one_that_has_none():
 def test_a_plane_without_point_is_refused(n):
     with pytest.raises(ValueError, match=r"^n: a normal must not have the direction \(0, 0, -1\)"):
         plane_to_point(n, 1e20)
-
-
-@given(st.integers(0, 1000), st.floats(-5, 5))
-def test_sphere_planes_lie_on_its_paraboloid(seed, radius):
-    rng = np.random.default_rng(seed)
-    m, n = rng.normal(size=3), directions(rng, 20)
-    # With inward normals the tangent plane lies a radius behind the centre.
-    x, y, z = plane_to_point(n, radius - n @ m).T
-    scale = 1 + x**2 + y**2
-    np.testing.assert_allclose(sphere_point(m, radius, x, y) / scale, z / scale, atol=1e-13)
-
-
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_contact_point_undoes_isotropic_derivatives(scale):
-    r, n = scale * RNG.normal(size=(3, 50)), directions(RNG, 50).T
-    x, y, *rest = isotropic_derivatives(r, n)
-    np.testing.assert_allclose(contact_point(x, y, *rest), r, atol=1e-11 * scale)
-    np.testing.assert_allclose(normal(x, y), n, atol=1e-14)
 
 
 def test_surface_points_of_a_paraboloid_are_a_sphere():
@@ -112,21 +91,6 @@ def test_top_circle_refuses_a_cone_with_the_plane_that_has_no_point():
         top_circle((0.0, 0.8, -0.6), np.arcsin(0.6))
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_conic_through_a_cones_planes_has_its_vertex(seed):
-    rng = np.random.default_rng(seed)
-    vertex, axis, angle = rng.normal(size=3), directions(rng, 1)[0], rng.uniform(0.1, 1.4)
-    p = plane_to_point(*cone_planes(vertex, axis, angle, 2 * np.pi * np.arange(7) / 7))
-    centre = top_circle(axis, angle)[0]
-    slope = np.linalg.solve(p[1:3, :2] - p[0, :2], p[1:3, 2] - p[0, 2])
-    u, v = centre - p[0, :2]
-    a, b = slope @ [v, -u], slope @ [u, v]
-    scale = 1e-9 * (1 + np.abs(p).max()) ** 2
-    np.testing.assert_allclose(cone_vertex(p[0], (u, v), a, b), vertex, atol=scale)
-    t = np.arctan2((p[:, :2] - centre) @ [v, -u], -(p[:, :2] - centre) @ [u, v])
-    np.testing.assert_allclose(conic(p[0], (u, v), a, b, t), p, atol=scale)
-
-
 @pytest.mark.parametrize(("given", "message"), [
     (((0, 0, 0), (0.0, 0.0), 1, 1), r"^centre: must not be the point itself, \(0, 0\); got"),
     (((1, 0, 0), (-1.0, 1.0), 1, 1), r"^centre: must not be that of a cylinder, which has no"),
@@ -170,19 +134,6 @@ def test_derivatives_are_those_of_the_curve():
     known = [*cubic(s, bend=0.8), [0, 0, 1]]  # the third derivative of s^3/6
     for got, expected in zip(curve_derivatives(CURVES["cubic"], s), known, strict=True):
         np.testing.assert_allclose(got, np.stack([c + 0 * s for c in expected], -1), atol=1e-15)
-
-
-@pytest.mark.parametrize("name", CURVES)
-def test_tangent_planes_hold_neighbouring_points_to_third_order(name):
-    n, h = tangent_planes(CURVES[name], 0.4)
-    away = [abs(n @ np.array(CURVES[name](0.4 + step)) + h) for step in (1e-3, 2e-3)]
-    assert away[1] < 1e-8 and away[1] / away[0] == pytest.approx(8, rel=0.01)
-
-
-@pytest.mark.parametrize(("name", "s", "power"), [("cubic", 0.7, 3), ("cubic", 0.0, 4)])
-def test_normals_leave_the_cones_at_third_order_or_at_fourth(name, s, power):
-    gaps = [gap(CURVES[name], s, step) for step in (0.01, 0.02)]
-    assert np.log2(gaps[1] / gaps[0]) == pytest.approx(power, abs=0.15)
 
 
 @pytest.mark.parametrize(("name", "s"), [("cubic", 0.7), ("cubic", 0.0), ("helix", 0.3)])

@@ -23,10 +23,8 @@ from tunneller_lib.milling import (
     find_positions,
     find_scallops,
     strip_across,
-    strips,
 )
 from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
-from tunneller_lib.milling.positions import _between
 from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid
@@ -191,18 +189,6 @@ def test_depths_are_those_of_a_finer_mesh(on_blade):
         assert -1e-9 <= found.enters[k] - max(-tool.clearance(mesh).min(), 0) <= 1e-6
 
 
-def test_the_deepest_point_is_looked_for_to_a_27th_of_a_cell_of_the_mesh():
-    plane = Patch(lambda s, t: [s, t, 0 * s], (0, 1), (0, 1))
-    tip = np.append(np.random.default_rng(8).uniform(0.1, 0.9, (500, 2)), np.zeros((500, 1)), 1)
-    up = np.tile([0.0, 0.0, 1.0], (500, 1))
-    cell = 0.1
-    s, t = (cell * np.rint(part / cell) for part in tip.T[:2])
-    away = _between(plane, lambda height, radius: radius, tip, up, s, t, 11)
-    assert away.max() <= np.sqrt(0.5) * cell / 27 * (1 + 1e-9)
-    # The mean distance from the nearest point of a square grid is 0.38 of its step.
-    assert away.mean() == pytest.approx(0.38 * cell / 27, rel=0.1)
-
-
 def test_reasons_say_what_the_depths_say(on_blade):
     others, found = on_blade
     assert found.fits.sum() > 20 and np.all(found.enters[found.fits] <= TOLERANCE)
@@ -229,14 +215,6 @@ def test_where_a_surface_is_no_saddle_no_position_fits():
     ball = Patch(lambda s, t: [s, t, 10 * (s * s + t * t)], (-0.01, 0.01), (-0.01, 0.01))
     found = find_positions(ball, MILL, *ball.parameters(5, margin=0.1), tolerance=0)
     assert len(found) and not found.fits.any()
-
-
-def test_a_patch_is_looked_at_on_121_by_121_places_by_default():
-    untold, told, finer = (
-        find_positions(SADDLE, BROAD, 0.001, 0.002, tolerance=1e-4, **n).enters
-        for n in ({}, {"n": 121}, {"n": 242})
-    )
-    assert np.array_equal(untold, told) and not np.array_equal(untold, finer)
 
 
 def test_a_margin_of_half_the_width_leaves_nothing():
@@ -343,15 +321,6 @@ def test_a_ball_along_a_line_leaves_what_pythagoras_says():
     )
 
 
-def test_a_sweep_is_looked_at_closer_about_the_nearest_of_eight_places_a_step(chain, monkeypatch):
-    monkeypatch.setattr(strips, "CLOSER", 0)
-    points = BLADE.mesh(9).reshape(-1, 3)
-    last = len(chain) - 1
-    places = motion_through(chain.tip, chain.axis)(np.linspace(0, last, 8 * last + 1))
-    nearest = MILL.cutting(*seen_from(points, *places)).min(axis=0)
-    np.testing.assert_allclose(sweep_error(points, MILL, chain), nearest, atol=1e-15)
-
-
 def test_a_sweep_needs_four_positions_that_differ_and_a_strip_six(chain):
     with pytest.raises(ValueError, match=r"^chain: must have 4 positions or more; got 3\.$"):
         sweep_error((0.0, 0.0, 0.0), MILL, first(chain, 3))
@@ -394,13 +363,6 @@ def test_a_cylinder_is_as_close_as_it_can_be_without_gouging(chain, which):
         gaps.append(cylinder.cutting(*seen_from(points, tip[None], axis[None]))[0])
     second = sum(gaps) / step**2  # the gap's second derivative, by a difference, in 1/m
     assert -0.5 < second.min() < 0.5 and second.max() > 50
-
-
-def test_strips_of_cones_are_wider_than_those_of_balls(chain):
-    ball = BallMill(MILL.top_radius)
-    wide = strip_across(BLADE, MILL, chain, reach=12 * MM)
-    narrow = strip_across(BLADE, ball, ball_chain(chain, ball), reach=12 * MM)
-    assert np.median(wide.widths(1e-5)) > 3 * np.median(narrow.widths(1e-5))
 
 
 def test_dexels_leave_what_the_sweep_says():
@@ -446,15 +408,6 @@ def test_a_coverage_takes_the_chain_that_adds_most_and_none_that_adds_little(on_
     np.testing.assert_array_equal(error, covered.error)
 
 
-def test_twelve_chains_cover_a_patch_by_default(on_saddle, monkeypatch):
-    # However many there could be: from each start the same, which counts as a gain every time.
-    found = find_positions(SADDLE, BROAD, *SADDLE.parameters(5, margin=0.2), **LOOK)
-    long = max(on_saddle[1], key=len)
-    monkeypatch.setattr(strips, "trace_chain", lambda *given, **options: long)
-    monkeypatch.setattr(strips, "_gain", lambda *given: np.inf)
-    assert len(cover(SADDLE, BROAD, found, step=1 * MM, tolerance=0.0, n=20).chains) == 12
-
-
 def test_what_chains_leave_is_the_least_of_what_each_leaves():
     chains = [straight(-2 * MM), straight(3 * MM)]
     both = coverage_of(PLANE, BALL, chains, n=21)
@@ -491,10 +444,3 @@ def test_chains_that_lie_alone_behind_or_are_too_short_have_no_scallops():
     for chains in ([one], short, [one, behind]):
         lines, height = find_scallops(PLANE, BALL, chains)
         assert lines.shape == (0, 4) and height.shape == (0,)
-
-
-def test_a_line_between_strips_is_looked_at_at_sixty_points_by_default():
-    chains = [straight(0.0), straight(2 * MM)]
-    usual = find_scallops(PLANE, BALL, chains)[1]
-    np.testing.assert_array_equal(usual, find_scallops(PLANE, BALL, chains, m=60)[1])
-    assert np.all(usual < find_scallops(PLANE, BALL, chains, m=101)[1])  # has the middle
