@@ -17,13 +17,12 @@ from tests.envelopes_random import member, near_miss, placed, window
 from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.conditions import two_conditions
 from tunneller_lib.envelopes.evidence import spread_in_two, zeros
 from tunneller_lib.envelopes.families import channel, helix, moving_cone, screwing
 from tunneller_lib.envelopes.forms import derivative_along, frobenius, frobenius_along, principal
 from tunneller_lib.envelopes.jet import EXPONENTS, Jet
+from tunneller_lib.envelopes.kinds import KINDS, turn_of_eq11
 from tunneller_lib.envelopes.rough import RUNS, RoughJet, errors, rough_frames, scatter
-from tunneller_lib.envelopes.steady import _simple, _turn, gradients, steadiness
 
 EPS = np.finfo(float).eps
 POINTS = 12
@@ -105,7 +104,7 @@ def statements(kind, size):
 
 @every_class
 def test_conditions_are_those_of_the_document(kind, size):
-    forms = two_conditions(kind, JET, OFF, size)
+    forms = KINDS[kind].conditions(JET, OFF, size)
     first, second = statements(kind, size)
     np.testing.assert_allclose(forms.first(ANGLES), first, atol=1e-13)
     np.testing.assert_allclose(forms.second(ANGLES), second, atol=1e-13)
@@ -114,10 +113,10 @@ def test_conditions_are_those_of_the_document(kind, size):
 def worst(kind, size, jets, sizes):
     """Return by how much both conditions change, at most, over all directions (2, POINTS)."""
     around = np.linspace(0, 2 * np.pi, 181)[None]
-    still = two_conditions(kind, JET, OFF, size)
+    still = KINDS[kind].conditions(JET, OFF, size)
     most = np.zeros((2, POINTS))
     for f, other in product(jets, sizes):
-        moved = two_conditions(kind, f, OFF, other)
+        moved = KINDS[kind].conditions(f, OFF, other)
         for row, name in zip(most, ("first", "second"), strict=True):
             change = getattr(moved, name)(around) - getattr(still, name)(around)
             np.maximum(row, np.abs(change).max(axis=-1), out=row)
@@ -135,7 +134,7 @@ def test_errors_bound_what_wrong_coefficients_do(kind, size, degree):
         moved = JET.c.copy()
         moved[places] += np.array(signs)[:, None] * off[places]
         jets.append(Jet(moved))
-    forms = two_conditions(kind, JET, Jet(off), size)
+    forms = KINDS[kind].conditions(JET, Jet(off), size)
     bounds = np.stack([forms.off_first, forms.off_second])
     found = worst(kind, size, jets, [size])
     assert np.all(found <= bounds * (1 + 1e-6) + 1e-15) and np.all(found >= bounds / 4)
@@ -144,7 +143,7 @@ def test_errors_bound_what_wrong_coefficients_do(kind, size, degree):
 @pytest.mark.parametrize(("kind", "size"), [("cylinder", 0.3), ("pipe", 0.3), ("cone", 0.5)])
 def test_errors_bound_what_an_unsure_size_does(kind, size):
     unsure = 1e-6
-    forms = two_conditions(kind, JET, Jet(0 * JET.c), size, unsure)
+    forms = KINDS[kind].conditions(JET, Jet(0 * JET.c), size, unsure)
     bounds = np.stack([forms.off_first, forms.off_second])
     found = worst(kind, size, [JET], [size - unsure, size + unsure])
     assert np.all(found <= bounds * (1 + 1e-4) + 1e-15) and np.all(found >= bounds / 4)
@@ -155,7 +154,7 @@ def test_order_4_is_compared_with_its_terms_or_a_share_of_the_jet(share):
     rho = 1 / (2 * np.tan(0.5))
     terms = [rho**2 * along(4), 6 * rho * along(2, 1), 3 * (along(0, 2) - along(2))]
     whole = rho**2 * frobenius(JET, 4) + 6 * rho * frobenius(JET, 3) + 3 * frobenius(JET, 2)
-    size = two_conditions("cone", JET, OFF, 0.5, floor=share).size(ANGLES)
+    size = KINDS["cone"].conditions(JET, OFF, 0.5, floor=share).size(ANGLES)
     expected = np.maximum(sum(np.abs(term) for term in terms), share * whole[:, None])
     np.testing.assert_allclose(size, expected, rtol=1e-13)
 
@@ -283,7 +282,7 @@ def test_gradient_of_a_size_is_that_of_the_documents_equations(kind, seed):
     here = {a: angle} | {symbol: f.derivative(i, j)[0] for (i, j), symbol in F.items()}
     slope = 0.0 if kind == "cylinder" else float((-form(e, e, e) / (6 * form(e, w))).subs(here))
     values = [f.derivative(i, j)[0] for i, j in F if i + j > 1]
-    found = [value.item() for value, _ in gradients(kind, f, np.array([[angle]]))]
+    found = [value.item() for value, _ in KINDS[kind].gradients(f, np.array([[angle]]))]
     assert found == pytest.approx(determinants(kind)(angle, slope, *values), rel=1e-10)
 
 
@@ -293,7 +292,9 @@ def test_errors_of_radii_are_lengths_and_those_of_half_angles_are_not(kind, powe
     rng = np.random.default_rng(8)
     f = np.repeat(adapted_jet(rng)[0].c, RUNS, axis=1) * (1 + 1e-9 * rng.normal(size=(21, RUNS)))
     angle = np.array([[0.3, 0.3 + np.pi / 2]])
-    metre, smaller = (steadiness(kind, Jet(scale * f), angle, 1.0).off for scale in (1.0, 1024.0))
+    metre, smaller = (
+        KINDS[kind].steadiness(Jet(scale * f), angle, 1.0).off for scale in (1.0, 1024.0)
+    )
     assert np.all(metre > 1e-12)
     np.testing.assert_array_equal(smaller, metre * 1024.0**power)
 
@@ -304,14 +305,14 @@ def test_a_cone_is_a_simple_one_from_a_share_of_the_slopes_terms_on(share, simpl
     f, _ = adapted_jet(np.random.default_rng(11))
 
     def slope(angle):
-        value, terms = _turn(f, np.array([[angle]]))
+        value, terms = turn_of_eq11(f, np.array([[angle]]))
         return (value / terms).item()
 
     every = np.linspace(-np.pi, np.pi, 400)
     first = next(k for k in range(399) if slope(every[k]) < 0 < slope(every[k + 1]))
     angle = brentq(lambda a: slope(a) - share, every[first], every[first + 1], xtol=1e-15)
     runs = Jet(np.repeat(f.c, RUNS, axis=1))
-    assert bool(_simple(runs, np.full((RUNS, 1), angle))) is simple
+    assert bool(KINDS["cone"].simple(runs, np.full((RUNS, 1), angle))) is simple
 
 
 @pytest.mark.parametrize("size", [1e-8, 1e-6, 1e-3, 1.0])
