@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .circle_roots import real_zeros
-from .evidence import SHARP, Forms, Waves, zeros
+from .circle_roots import Waves, real_zeros
+from .evidence import SHARP, Forms, zeros
 from .forms import derivative_along, frobenius, frobenius_along, principal, principal_values
 from .jet import derivative
 from .rough import RUNS, scatter
@@ -32,7 +32,7 @@ class AllowedSizes(NamedTuple):
     Parameters
     ----------
     values, unsure : (n, m) float
-        AllowedSizes and how far they may be off, in m or rad; NaN-padded. Those that change over the
+        Sizes and how far they may be off, in m or rad; NaN-padded. Those that change over the
         surface are left out.
     stays : (n, m) bool
         Whether a size surely doesn't change.
@@ -112,7 +112,7 @@ class Envelope:
         raise NotImplementedError
 
     def sizes(self, f, off, runs):
-        """Return the `AllowedSizes` that points allow, by jets as for `conditions` and `steadiness`."""
+        """Return the `AllowedSizes` of points, by jets as for `conditions` and `steadiness`."""
         raise NotImplementedError
 
     def found_again(self, runs, angle):

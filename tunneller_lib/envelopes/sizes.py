@@ -6,7 +6,8 @@ envelope its size is the same at all points, and stands still around each.
 
 import numpy as np
 
-from .evidence import LEAST_POINTS, SHARP, Evidence, Waves, weigh
+from .circle_roots import Waves
+from .evidence import LEAST_POINTS, SHARP, Evidence, weigh
 from .rough import RUNS, errors, scatter
 
 APART = 1e-4  # share by which a size that is given may be off, and no point can tell
