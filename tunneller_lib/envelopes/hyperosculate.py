@@ -1,4 +1,8 @@
-"""All cones of revolution in third-order contact with a surface (Envelopes, section 5)."""
+"""All cones of revolution in third-order contact with a surface (Envelopes, section 5).
+
+At each point `cone_loops` finds the directions of the cones in the adapted frame. Here they become
+cones in space, with a verdict on gouging.
+"""
 
 import math
 from dataclasses import dataclass
@@ -18,9 +22,9 @@ from .graph_forms import NOISE
 from .jet import jet_variables
 
 BLOCK = 1000  # points at a time, whose jets fit the cache
-FEW = 12  # points that plain Python has done before numpy begins
-# s that compiled loops save at each of many points, and of few: a fifth of them, since compiling
-# takes five times as long as that of other loops.
+FEW = 12  # points, up to which plain Python is faster than numpy
+# s that compiled loops save a point, of many points and of few, divided by five: these loops take
+# five times as long to compile as others.
 EACH_OF_MANY, EACH_OF_FEW = 4e-6, 6e-5
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
 
@@ -231,7 +235,8 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
     count = there.sum(axis=-1)
     # The cubic's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
     state[regular & (count == 0)] = "spherical"
-    # From here on a row is a cone: `point` is its point's, `row` its place among that one's.
+    # From here on a row is a cone: `point` is its point's number, `row` its place among the six
+    # there.
     point, row = np.nonzero(there)
     c, s = e_c[point, row], e_s[point, row]
     by_angle = np.lexsort((np.arctan2(s, c), point))

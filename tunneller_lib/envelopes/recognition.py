@@ -14,7 +14,7 @@ from .kinds import KINDS
 from .rough import RUNS, errors, rough_frames
 from .sizes import asked, given, searched
 
-TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
+TORSAL = 1e-10  # |K|/|II|^2, below which a point counts as one with a ruling
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ def recognise(
     ------
     ValueError
         If `surface` is no function of two variables or returns something else; if there are
-        fewer points, one where the surface isn't defined and smooth, or, for all
-        kinds but the first two, one of Gaussian curvature 0 or infinite, where planes are no model
-        of it, or with derivatives above 1e90; or if an option doesn't belong to the kind or is out
-        of range.
+        fewer points, one where the surface isn't defined and smooth, or one with derivatives above
+        1e90; for all kinds but the first two if at fewer than 12 points the Gaussian curvature is
+        neither 0 nor infinite, where planes are no model of the surface; or if an option doesn't
+        belong to the kind or is out of range.
 
     Notes
     -----
@@ -104,11 +104,11 @@ def recognise(
     only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
     all: a radius or half-angle that isn't given must be the same at all points and have the
     gradient zero at each, see `Envelope.steadiness`; of one that is given see `sizes.given`. The
-    residual is the least over the directions that solve the
-    lower-order conditions, over the size of its terms, so that it has no unit. A developable
-    surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
-    revolution are, and in a small window two near each other may both pass: one that fits best is
-    returned, and the reason names the others.
+    residual is the least over the directions that solve the lower-order conditions, over the size
+    of its terms, so that it has no unit. A developable surface counts as ruled. A surface may be
+    enveloped by cones of several angles, as those of revolution are, and in a small window two
+    angles near each other may both pass: the one that fits best is returned, and the reason names
+    the others.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def recognise(
     if kind == "developable":
         return _judged(kind, [_flat(rough)], spread, float(found.curvature.max()))
     if kind == "ruled":
-        # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
+        # Where K = 0 there is always a ruling, and no second asymptotic direction to look for.
         curved = found.curvature > TORSAL
         g = tangent_graph(found, curved)
         _check_sound(g)
