@@ -80,9 +80,12 @@ def test_forms_degree_by_degree_are_those_that_jets_compose(model):
 
 @pytest.mark.parametrize(("size", "curvature"), [(1e-13, 0.0), (1e-11, 0.5), (1.0, 0.5)])
 def test_second_derivatives_of_rounding_size_have_no_curvature(size, curvature):
-    x, y = jet_variables(0.0, 0.0)
-    coordinates = (x + x * x).c, (y + y * y).c, (size * (x * x + y * y)).c
-    assert space_forms(*coordinates)[2] == pytest.approx(curvature, rel=1e-9)
+    def bowl(s, t):
+        return s + s * s, t + t * t, size * (s * s + t * t)
+
+    by_forms = space_forms(*(one.c for one in bowl(*jet_variables(0.0, 0.0))))[2]
+    by_jets = adapted_frames(bowl, 0.0, 0.0, "space").curvature.item()
+    assert (by_forms, by_jets) == pytest.approx((curvature, curvature), rel=1e-9)
 
 
 @every_surface
