@@ -5,6 +5,7 @@ A tool envelops a surface if two forms of a direction e have a common zero at ea
 on. `KINDS` holds a member for each class; what a class doesn't have raises as it isn't defined.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -250,7 +251,7 @@ class _Cylinder(Envelope):
 
         Near the point Eq. 11 with 23 reads p f_eee - 6 (x.w) f_ew = 0. It gives how e turns.
         """
-        along = _Along(f, angle)
+        along = partial(derivative_along, f, angle)
         by_angle = 3 * along(2, 1)
         two, three, four = (frobenius(f, k)[:, None] for k in (2, 3, 4))
         size = np.abs(by_angle) * three + 2 * np.abs(along(1, 1)) * (four + 6 * two)
@@ -267,10 +268,10 @@ class _Channel(Envelope):
         return Forms(_along(f, 1, 1), third, 2, frobenius(off, 2), frobenius(off, 3), whole)
 
     def residual(self, f, size):
-        low, high, turn = principal(f)
+        low, high, _ = principal(f)
         # f_ew = 0 in the principal directions alone: of the two, the better one counts.
-        angle = turn[:, None] + [0.0, np.pi / 2]
-        left = np.abs(derivative_along(f, angle, 3)).min(-1) / (frobenius(f, 3) + frobenius(f, 2))
+        left = np.abs(derivative_along(f, _principal_ways(f), 3)).min(axis=-1)
+        left = left / (frobenius(f, 3) + frobenius(f, 2))
         # In an umbilic every direction is principal, and in some of them f_eee vanishes.
         differ = high - low > UMBILIC * frobenius(f, 2)
         return float(np.max(np.where(differ, left, 0.0))), None
@@ -299,8 +300,7 @@ class _Pipe(Envelope):
     def sizes(self, f, off, runs):
         # A pipe's ball touches along a whole circle, across which f_ee is a principal value.
         values = principal_values(f) / 2
-        own = principal(f)[2][:, None] + [0.0, np.pi / 2]
-        steady = self.steadiness(runs, own, SHARP)
+        steady = self.steadiness(runs, _principal_ways(f), SHARP)
         values[steady.changes] = np.nan
         certain = np.ones(len(values), dtype=bool)
         exact = np.broadcast_to(frobenius(off, 2)[:, None], values.shape)
@@ -373,39 +373,37 @@ class _Cone(Envelope):
         slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)
         angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
         angle, spread = angle / 2, spread / 2
-        # Where the form only turns it must be as near to zero as rounding takes it in that
-        # direction.
+        # The last eight of `zeros` are places where the form only turns. There it must be as near
+        # to zero as rounding takes it in that direction.
         turns = angle[:, 8:]
         near = scatter(eliminated(runs, np.tile(turns, (RUNS, 1))))
         turns[np.abs(eliminated(f, turns)) > SURE * near] = np.nan
+        # tan(half-angle) is a quotient of two derivatives: down/(2 up).
         up = 3 * derivative_along(f, angle, 1, 1)
         down = derivative_along(f, angle, 3)
         off_up = 3 * two + 6 * frobenius(f, 2)[:, None] * spread
         off_down = three + 3 * frobenius(f, 3)[:, None] * spread
-        # Of a channel's own circles both vanish, and the half-angle follows from Problem 15's
-        # answer: rho f_eew + f_ww - f_ee = 0.
-        own = principal(f)[2][:, None] + [0.0, np.pi / 2]
-        mu = derivative_along(f, own, 2) - derivative_along(f, own, 0, 2)
-        twist = derivative_along(f, own, 2, 1)
-        turned = two / np.where(mu == 0, np.inf, np.abs(mu))
-        off_twist = three + 3 * frobenius(f, 3)[:, None] * turned
-        circle = np.abs(derivative_along(f, own, 3)) <= off_twist
-        of_circle = np.where(circle, np.arctan2(np.abs(twist), 2 * np.abs(mu)), np.nan)
-        angles = np.hstack([np.arctan2(np.abs(down), 2 * np.abs(up)), of_circle])
-        size = np.hstack([np.hypot(down, 2 * up), np.hypot(twist, 2 * mu)])
-        off_size = np.hstack([off_down + 2 * off_up, off_twist + 4 * two])
+        angles = np.arctan2(np.abs(down), 2 * np.abs(up))
         with np.errstate(divide="ignore", invalid="ignore"):
-            unsure = 2 * off_size / size
-        # A zero of the eliminated form at such a circle has no half-angle of its own.
-        passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
-        passing = np.hstack([passing, np.zeros_like(circle)])
-        # Towards the parabolic curve derivatives grow, and what differs is small among their terms.
+            unsure = 2 * (off_down + 2 * off_up) / np.hypot(down, 2 * up)
+        # How far the runs are apart says more than bounds do. Towards the parabolic curve
+        # derivatives grow, and what differs between sizes is small among their terms.
         bend = np.abs(principal_values(f).prod(axis=-1)) / frobenius(f, 2) ** 2
         sharp = SHARP * np.where(bend > ROUND, np.minimum(bend / BENT, 1.0) ** 2, 0.0)[:, None]
         steady = self.steadiness(runs, angle, sharp)
-        stays, changes = (np.hstack([part, np.zeros_like(circle)]) for part in steady[:2])
-        # How far the runs are apart says more than bounds do.
-        unsure[:, : angle.shape[1]] = np.fmin(unsure[:, : angle.shape[1]], steady.off)
+        unsure = np.fmin(unsure, steady.off)
+        # The circles of a channel's own spheres have sizes besides.
+        of_circle, off_circle = _own_circles(f, two, three)
+        circle = ~np.isnan(of_circle)
+        none = np.zeros_like(circle)
+        # A zero of the eliminated form at such a circle, where both derivatives vanish, has no
+        # half-angle of its own.
+        passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
+        passing, stays, changes = (
+            np.hstack([part, none]) for part in (passing, steady.stays, steady.changes)
+        )
+        angles = np.hstack([angles, of_circle])
+        unsure = np.hstack([unsure, off_circle])
         vague = ~np.isnan(angles) & ~(unsure <= 0.1) & ~changes
         every = np.abs(eliminated(f, _SOME)).max(axis=-1) <= 4 * slack[:, 0]
         # Near the parabolic curve zeros crowd, and one may be lost; so may a pair between samples.
@@ -427,7 +425,7 @@ class _Cone(Envelope):
         contact is of order 4 where q = p f_eee + 6 (tau - x.w) f_ew and s = D_e q + kappa q_a
         vanish. This is their derivatives' determinant with those by the angle a.
         """
-        d = _Along(f, angle)
+        d = partial(derivative_along, f, angle)
         tau = _tangent(d)
         turned = d(0, 2) - d(2)
         q_a, _ = turn_of_eq11(f, angle)
@@ -500,9 +498,26 @@ def eliminated(f, angle):
     return fourth + (derivative_along(f, angle, 0, 2) - derivative_along(f, angle, 2)) * feee**2
 
 
+def _own_circles(f, two, three):
+    """Return the half-angles that a channel's own circles allow, NaN elsewhere, and their errors.
+
+    On such a circle f_ew = f_eee = 0, and rho f_eew + f_ww - f_ee = 0 by Problem 15's answer.
+    `two` and `three` are the errors of second and third derivatives (n, 1).
+    """
+    own = _principal_ways(f)
+    mu = derivative_along(f, own, 2) - derivative_along(f, own, 0, 2)
+    twist = derivative_along(f, own, 2, 1)
+    turned = two / np.where(mu == 0, np.inf, np.abs(mu))  # of the principal directions, in rad
+    off_twist = three + 3 * frobenius(f, 3)[:, None] * turned
+    circle = np.abs(derivative_along(f, own, 3)) <= off_twist
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unsure = 2 * (off_twist + 4 * two) / np.hypot(twist, 2 * mu)
+    return np.where(circle, np.arctan2(np.abs(twist), 2 * np.abs(mu)), np.nan), unsure
+
+
 def turn_of_eq11(f, angle):
     """Return the derivative of Eq. 11 by the angle where it holds, and the sum of its terms."""
-    d = _Along(f, angle)
+    d = partial(derivative_along, f, angle)
     first = 3 * d(2, 1)
     second = 6 * _tangent(d) * (d(0, 2) - d(2))
     return first + second, np.abs(first) + np.abs(second)
@@ -513,20 +528,14 @@ def _tangent(d):
     return -d(3) / (6 * d(1, 1))
 
 
-class _Along:
-    """A jet's derivatives along e and w, by how often along each."""
-
-    def __init__(self, f, angle):
-        self.f = f
-        self.angle = angle
-
-    def __call__(self, e, w=0):
-        return derivative_along(self.f, self.angle, e, w)
-
-
 def _along(f, e, w=0, *, less=0.0):
     """Return a function of angles: a derivative along directions, less a number."""
     return lambda a: derivative_along(f, a, e, w) - less
+
+
+def _principal_ways(f):
+    """Return the angles (n, 2) of both principal directions, in rad."""
+    return principal(f)[2][:, None] + [0.0, np.pi / 2]
 
 
 def _constant(size):
