@@ -86,6 +86,7 @@ class BladeRing:
         radius = self.hub + self.height * s
         slope = self.stagger + self.twist * s
         along = self.chord * (t - 0.5)
+        # A blade is straight on the unrolled cylinder of a radius, but for the camber's parabola.
         arc = along * np.sin(slope) + 4 * self.camber * t * (1 - t) + self.bow * s**2
         return (radius * np.cos(arc / radius), radius * np.sin(arc / radius), along * np.cos(slope))
 

@@ -129,6 +129,7 @@ def swept_ball(path: Function(1), radius: Length):
     def surface(s, t):
         centre, velocity = vectors("path", path(s), 2, s)
         x, y, z = velocity
+        # Two unit vectors across the velocity, the first across the x axis as well.
         n = np.sqrt(y * y + z * z)
         m = np.sqrt(dot_product(velocity, velocity))
         first = [0 * s, -z / n, y / n]
@@ -159,6 +160,7 @@ def ruled(lines: Function(1), *, offset: Coordinate = 0.0):
 
     def surface(s, t):
         point, velocity, direction, turn = vectors("lines", lines(s), 4, s)
+        # The derivatives by s and t are velocity + t turn and the direction.
         n = unit_vector(cross_product(add(velocity, times(t, turn)), direction))
         return add(point, times(t, direction), times(offset, n))
 
@@ -280,6 +282,7 @@ def helix_lines(s: Varying, twist: Angle = 0.0, pitch: Coordinate = 0.4):
     c = np.cos(twist)
     d = np.sin(twist)
     point, velocity, acceleration = helix(s, pitch)
+    # On a helix velocity and acceleration are at right angles: they span the osculating plane.
     jerk = [np.sin(s), -np.cos(s), 0 * s]
     direction = add(times(c, velocity), times(d, acceleration))
     return point, velocity, direction, add(times(c, acceleration), times(d, jerk))
@@ -317,6 +320,7 @@ def turning(
         d = np.sin(rate * v + start)
         p = np.cos(lean)
         q = np.sin(lean)
+        # The second axis leans a right angle more than the first, the third is level.
         axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
         at = coordinates("vertex", vertex(v), v)
         return at, coordinates("velocity", velocity(v), v), axes, [0 * v, 0 * v, rate + 0 * v]

@@ -159,6 +159,7 @@ def cone_planes(vertex: Points, axis: Directions, half_angle: Angles, azimuth: A
     first = np.cross(axis, away)
     first = first / norm(first)[..., None]
     second = np.cross(axis, first)
+    # The normals lean from the axis by the complement of the half-angle.
     round_ = np.cos(azimuth)[..., None] * first + np.sin(azimuth)[..., None] * second
     n = np.sin(half_angle)[..., None] * axis + np.cos(half_angle)[..., None] * round_
     return n, -dot(n, vertex)
@@ -210,4 +211,5 @@ def cone_rulings(axis: Directions, half_angle: Angles, azimuth: Angles):
     axis = axis / norm(axis)[..., None]
     n, _ = cone_planes(np.zeros(3), axis, half_angle, azimuth)
     half_angle = half_angle[..., None]
+    # In the plane of axis and normal the ruling is the unit vector at right angles to the normal.
     return (axis - np.sin(half_angle) * n) / np.cos(half_angle)

@@ -24,6 +24,7 @@ EXPONENTS = _ALL[: _COUNT[ORDER]]
 
 def _pairs(order):
     """Return which pairs of coefficients belong to a product's, and where each one's begin."""
+    # A product's coefficient of one place is the sum over all pairs whose exponents add up to it.
     every = _ALL[: _COUNT[order]]
     pairs = sorted(
         (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
@@ -219,6 +220,7 @@ def compose(jets, s, t):
     composed : list of Jet
         Functions of the new variables, to the order that all of them have.
     """
+    # All products s^i t^j, each from one before; the values are added last, as s and t have none.
     powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
     every = _ALL[: len(s.c)]
     with np.errstate(all="ignore"):
@@ -344,6 +346,7 @@ def _power(a, p):
             result = _multiply(result, result)
             result = _multiply(result, a) if bit == "1" else result
         return result
+    # The Taylor coefficients of x^p are those of the binomial series, times x^(p - k).
     binomial = [1.0]
     for k in range(HIGHEST):
         binomial.append(binomial[-1] * (p - k) / (k + 1))

@@ -193,7 +193,7 @@ def _judged(kind, tried, spread, residual, others=(), **size):
     if all(refuted):
         reason = "a point differs by more than its error, whatever the size of the tool"
         return Recognition(kind, "is not", f"{reason}.", residual, **size)
-    evidence = tried[refuted.index(False)]
+    evidence = tried[refuted.index(False)]  # of the best size that no point refutes
     if not spread:
         reason = "the points lie on one curve, or nearly, of the surface or of its normals"
         return Recognition(kind, "cannot tell", f"{reason}.", residual, **size)
@@ -216,6 +216,7 @@ def _judged(kind, tried, spread, residual, others=(), **size):
 
 def _flat(rough):
     """Return the points' evidence for a Gaussian curvature 0."""
+    # The error is ten times the greatest deviation of the runs, and some roundings.
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
     off = 10 * np.abs(every - value).max(axis=0) + 1e-15

@@ -180,6 +180,7 @@ def _trace(patch, mill, s, t, axis, step, most):
             break
         row, rate, axis, heading = here
         rows.append(row)
+        # Midpoint rule: half a step as the start says, from there the way of the whole step.
         middle = s + rate[0] / 2, t + rate[1] / 2
         between = _within(patch, *middle) and _taken(patch, mill, *middle, axis, heading, step)
         if not between:
@@ -236,6 +237,7 @@ def conjugate_frame(patch, s, t, ruling):
     taylor = np.stack([as_jet(c, variables[0]).c for c in patch.surface(*variables)], axis=-1)
     tangents = taylor[1:3]
     normal = np.cross(*tangents)
+    # The second fundamental form, times the normal's length, which the unit vector doesn't need.
     ss, st, tt = (dot(c, normal) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))
     inverse = np.linalg.pinv(tangents @ tangents.T) @ tangents
     way = -inverse.T @ (np.array([[ss, st], [st, tt]]) @ inverse @ ruling)

@@ -101,6 +101,7 @@ class Nurbs:
         jet = next((x for x in (s, t) if isinstance(x, Jet)), None)
         order = [(0, 0)] if jet is None else places(jet)
         weights = self.weights[..., None]
+        # Of weighted points and weights together, over which the quotient is taken at the end.
         spline = NdBSpline(
             knots, np.concatenate([self.control * weights, weights], 2), self.degrees
         )

@@ -161,6 +161,8 @@ def depths_of(patch, mill, tip, axis, others, n):
     depths = np.zeros((3, len(tip)))
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
+    # Of the patch the deepest point is looked for between those of the mesh; of other points only
+    # they themselves are known.
     beside = np.empty((0, 3)) if others is None else others
     parts = mill.cutting, mill.holder
     size = max(1, BLOCK // (len(mesh) + len(beside)))

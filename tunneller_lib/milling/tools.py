@@ -120,6 +120,7 @@ def seen_from(points, tip, axis):
     height, radius : (k, n) float
         In m.
     """
+    # The radius by Pythagoras: on the axis rounding may leave a square below zero.
     away = points - tip[:, None]
     height = np.einsum("knc,kc->kn", away, axis)
     square = np.einsum("knc,knc->kn", away, away)
