@@ -159,6 +159,16 @@ def test_order_4_is_compared_with_its_terms_or_a_share_of_the_jet(share):
     np.testing.assert_allclose(size, expected, rtol=1e-13)
 
 
+def test_an_umbilic_says_nothing_of_channels():
+    """Every direction is principal there, and in some of them f_eee vanishes."""
+    f = Jet(np.zeros((15, 1)))
+    f.c[6:10] = [[0.3], [0.2], [-0.4], [0.5]]
+    for bend, least in ((1.0, 0.0), (1.001, 0.05)):
+        f.c[[3, 5], 0] = 1.0, bend
+        left, size = KINDS["channel"].residual(f, None)
+        assert size is None and (left == 0.0 if least == 0.0 else left > least)
+
+
 # ---- zeros of what is known to some error ---------------------------------------------------
 
 
