@@ -193,12 +193,20 @@ def test_reasons_say_what_the_depths_say(on_blade):
     others, found = on_blade
     assert found.fits.sum() > 20 and np.all(found.enters[found.fits] <= TOLERANCE)
     assert not found.holder_enters[found.fits].any() and not found.others_enter[found.fits].any()
-    gouging = np.isin(found.reason, ["gouges at its contact", "enters the surface elsewhere"])
-    assert np.all(found.enters[gouging] > TOLERANCE) and gouging.any()
+    # With a long mill both reasons occur; each is one just above the tolerance, and none below.
+    long = replace(MILL, length=80 * MM)
+    s, t = BLADE.parameters(9, margin=0.05)
+    deep = find_positions(BLADE, long, s, t, tolerance=TOLERANCE, others=others)
+    for reason in ("gouges at its contact", "enters the surface elsewhere"):
+        k = np.argmin(np.where(deep.reason == reason, deep.enters, np.inf))
+        for share, refused in ((0.99, True), (1.01, False)):
+            look = {"tolerance": share * deep.enters[k], "others": others}
+            again = find_positions(BLADE, long, deep.s[k], deep.t[k], **look)
+            row = np.argmin(np.linalg.norm(again.axis - deep.axis[k], axis=-1))
+            assert (again.reason[row] == reason) == refused
     away = np.isin(found.reason, ["on the other side", "off the cutting part"])
     assert np.all(np.isinf(found.enters[away])) and away.any()
     # A thick holder enters the surface, and an obstacle in the mill's middle is a neighbour.
-    s, t = BLADE.parameters(9, margin=0.05)
     thick = replace(MILL, holder_radius=40 * MM)
     again = find_positions(BLADE, thick, s, t, tolerance=TOLERANCE, others=others)
     refused = again.reason == "holder enters the surface"
@@ -256,6 +264,20 @@ def test_a_chain_has_at_most_so_many_positions_to_either_side(on_saddle):
     row = int(np.flatnonzero(found.fits)[0])
     short = trace_chain(SADDLE, BROAD, found, row, step=1 * MM, most=2, **LOOK)
     assert len(short) <= 5 < len(whole)
+
+
+@pytest.mark.parametrize(("degrees", "goes_on"), [(13, True), (17, False)])
+def test_the_axis_turns_by_15_degrees_at_most(on_saddle, degrees, goes_on):
+    found, _ = on_saddle
+    row, turn = int(np.flatnonzero(found.fits)[0]), np.radians(degrees)
+    across = np.cross(found.axis, found.normal)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    leaning = replace(found, axis=np.cos(turn) * found.axis + np.sin(turn) * across)
+    if goes_on:
+        assert len(trace_chain(SADDLE, BROAD, leaning, row, step=1 * MM, **LOOK)) > 1
+    else:
+        with pytest.raises(ValueError, match="found: must be positions of this mill"):
+            trace_chain(SADDLE, BROAD, leaning, row, step=1 * MM, **LOOK)
 
 
 def test_positions_of_another_mill_and_rows_beyond_are_refused(on_blade):
