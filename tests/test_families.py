@@ -80,6 +80,19 @@ def test_motions_lean_start_rise_and_turn_as_they_are_told():
     assert (axis[2], np.arctan2(axis[1], axis[0])) == pytest.approx((np.cos(0.6), 2.0))
 
 
+def test_a_cone_that_opens_touches_its_envelope():
+    u, v = np.meshgrid(np.linspace(3.7, 4.4, 5), np.linspace(-0.3, 0.3, 4))
+    found = adapted_frames(moving_cone(MOTIONS["screw"], 0.35, rate=0.25), u, v, "space")
+    vertex, _, axes, _ = MOTIONS["screw"](v.ravel())
+    vertex, axis, *across = (np.stack(np.broadcast_arrays(*c), axis=-1) for c in (vertex, *axes))
+    angle = (0.35 + 0.25 * v).reshape(-1, 1)
+    turn = u.reshape(-1, 1)
+    out = np.cos(turn) * across[0] + np.sin(turn) * across[1]
+    n = np.sin(angle) * axis + np.cos(angle) * out
+    np.testing.assert_allclose(np.abs(np.sum(found.axes[:, 2] * n, axis=-1)), 1, rtol=1e-12)
+    np.testing.assert_allclose(np.sum((found.contact - vertex) * n, axis=-1), 0, atol=1e-12)
+
+
 def test_helix_lines_run_from_tangents_to_a_helicoid():
     s, t = np.linspace(-2, 3, 7), np.linspace(0.1, 1.7, 7)
     np.testing.assert_array_equal(ruled(helix_lines)(s, t), ruled(tangent_lines(helix))(s, t))

@@ -463,6 +463,8 @@ def test_chains_that_lie_alone_behind_or_are_too_short_have_no_scallops():
     away = np.array([0.03, 0, 0])
     behind = replace(one, contact=one.contact + away, tip=one.tip + away)
     short = [straight(0.0, count=4), straight(1 * MM, count=4)]
-    for chains in ([one], short, [one, behind]):
+    there_and_back = zip(*(vars(straight(y)).values() for y in (0.0, 2 * MM)), strict=True)
+    turned_back = Chain(*(np.concatenate([go, back[::-1]]) for go, back in there_and_back))
+    for chains in ([one], short, [one, behind], [turned_back]):
         lines, height = find_scallops(PLANE, BALL, chains)
         assert lines.shape == (0, 4) and height.shape == (0,)
