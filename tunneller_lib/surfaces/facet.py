@@ -1,29 +1,28 @@
-"""Facets that move along a direction until they touch a solid: drop cutters, boxes in any pose."""
+"""Facets that move until they touch a solid: a box over a rod, cutters lowered onto a mesh."""
 
 from itertools import pairwise
 
 import numpy as np
 
-from ..arguments import Array, Directions, checked
+from ..arguments import Array, Corners, Directions, Each, Wholes, checked
 from ..kernels.vectors import differences, scalar_products, sums, unit_and_speed
 from .blocks import BLOCK
-from .box import Box
-from .frustum import Frustum
-from .rod import Rod
 from .rod_interval import GUARD, nearest_offset
-from .rounded_disc import RoundedDisc
 from .touching import (
+    Solid,
     accurate_cross,
-    outline,
     swept_planes,
     touches_of_edges,
     touches_of_planes,
     unit_of,
 )
 
+PAIRS = 200_000  # of a place and a facet that `drop_cutter` looks at together
 UP = np.array([0.0, 0.0, 1.0])
 
-
+Solids = Each(Solid, some=True)
+Triangles = Wholes("(m, 3) int", 0, 2**53)
+Cloud = Array("(n, 3) float", "m", last="x, y, z")
 Facets = Array(
     "(..., k, 3) float",
     "m",
@@ -33,13 +32,13 @@ Facets = Array(
 
 
 @checked
-def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direction: Directions):
+def meet_facets(solid: Solid, facets: Facets, direction: Directions):
     """Return where facets that move along directions first touch and last leave a solid.
 
     Parameters
     ----------
-    solid : Rod, Frustum, Box or RoundedDisc
-        In any pose.
+    solid : Solid
+        A `Rod`, `Frustum`, `Box` or `RoundedDisc`, in any pose.
     facets : (..., k, 3) float
         Corners of flat convex polygons, in order, in m: points, edges, triangles, ...
     direction : (..., 3) float
@@ -69,6 +68,7 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
 
     Examples
     --------
+    >>> from tunneller_lib.surfaces import Rod
     >>> triangle = [(-5, -5, 0), (5, -5, 0), (0, 5, 5)]
     >>> enter, leave = meet_facets(Rod((0, 0, 9), (0, 0, 9), 2, ends="round"), triangle, (0, 0, 1))
     >>> round(float(enter), 6), round(float(leave), 6)
@@ -85,6 +85,53 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
         found[:, block] = _meet(solid, facets[block], turns if one else turns[block])
     enter, leave = found.reshape(2, *shape)
     return enter[()], leave[()]
+
+
+@checked
+def meet_box(solid: Solid, low: Corners, high: Corners):
+    """Return the lowest and highest points of a solid in boxes that are endless along z.
+
+    Parameters
+    ----------
+    solid : Solid
+        A `Rod`, `Frustum`, `Box` or `RoundedDisc`, in any pose.
+    low, high : (..., 2) float
+        Opposite corners (x, y) of the boxes' sections, in m; low <= high.
+
+    Returns
+    -------
+    bottom, top : (...) float
+        Heights z between which a rectangular cutter over that section touches the solid, in m;
+        ``inf`` and ``-inf`` where it doesn't.
+
+    Raises
+    ------
+    ValueError
+        If a corner isn't finite or low > high.
+
+    Notes
+    -----
+    Line and finite cylinder announces this for a cylinder as its part two, and doesn't give it.
+    The section is a facet that moves along z. A `Box` in any pose that moves in any direction
+    touches with its faces: take the least `enter` and the greatest `leave` of `meet_facets` of
+    ``box.faces``. So each solid meets lines by its `meet_line`, and boxes by this, with one guard.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Rod
+    >>> bottom, top = meet_box(Rod((0, 0, 0), (0, 8, 0), 2), (1, 1), (3, 9))
+    >>> float(top.round(6)), float(bottom.round(6))
+    (1.732051, -1.732051)
+    """
+    low, high = np.broadcast_arrays(low, high)
+    if not np.all(low <= high):
+        raise ValueError("low: must not be above high on either axis; got a corner that is.")
+    corners = [(low, low), (high, low), (high, high), (low, high)]
+    section = np.stack(
+        [np.stack([x[..., 0], y[..., 1], np.zeros_like(x[..., 0])], axis=-1) for x, y in corners],
+        axis=-2,
+    )
+    return meet_facets(solid, section, UP)
 
 
 def _meet(solid, facets, u):
@@ -107,7 +154,7 @@ def _meet(solid, facets, u):
 
 def meet_edges(solid, edges, u):
     """Return `enter` and `leave` (2, n) of edges (n, 2, 3), not of their ends, along u (.., 3)."""
-    body = outline(solid)
+    body = solid.outline
     (start, end), along, shift, speed = _nearby(body, edges, u)
     guard = GUARD * (body.size + _reach([start, end]))
     cut = swept_planes(start, end, along, guard)
@@ -124,7 +171,7 @@ def meet_edges(solid, edges, u):
 
 def meet_faces(solid, facets, u):
     """Return `enter` and `leave` of facets (n, k, 3), not of their edges, along u (.., 3)."""
-    body = outline(solid)
+    body = solid.outline
     corners, along, shift, speed = _nearby(body, facets, u)
     guard = GUARD * (body.size + _reach(corners))
     sides = [
@@ -186,3 +233,92 @@ def _in_lengths(found, sound, shift, speed):
             np.where(hit, shift + leave / speed, -np.inf),
         ]
     )
+
+
+@checked
+def drop_cutter(parts: Solids, points: Cloud, places: Corners, *, faces: Triangles | None = None):
+    """Return how high a cutter stops that is lowered along z onto points or triangles.
+
+    Parameters
+    ----------
+    parts : list of Solid
+        What the cutter is made of, in m, in a frame whose origin is its tip and whose axis is z.
+    points : (n, 3) float
+        In m, all of which it may come to rest on: a cloud, or a mesh's corners.
+    places : (..., 2) float
+        Where its axis is, x and y, in m.
+    faces : (m, 3) int, optional
+        Triangles between the points, by their numbers, on whose faces and edges it may come to
+        rest as well.
+
+    Returns
+    -------
+    heights : (...) float
+        Of the tip over each place, in m; ``-inf`` where nothing is below the cutter.
+
+    Raises
+    ------
+    ValueError
+        If a face names a point that isn't there.
+
+    Notes
+    -----
+    Lowered over a point, an edge or a face the cutter stops where that, moved upwards from the
+    tip's plane, first touches it: `meet_facets`. The heights are those of a cutter and a mesh
+    whose surfaces are off by at most 64 eps of the cutter's size, the triangle's and the
+    distance between them.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Rod
+    >>> ball = [Rod((0, 0, 5), (0, 0, 25), 5, ends="round")]
+    >>> drop_cutter(ball, [(3, 0, 1), (40, 0, 9)], [(0, 0), (3, 0), (20, 0)])
+    array([  0.,   1., -inf])
+    >>> roof = [(-9, 0, 0), (9, 0, 0), (0, 40, 40)]
+    >>> drop_cutter(ball, roof, [(0, 10), (0, -3)], faces=[(0, 1, 2)]).round(6)
+    array([12.071068, -0.928932])
+    """
+    over = places.reshape(-1, 2)
+    heights = np.full(len(over), -np.inf)
+    _drop_on(parts, points[:, None], over, heights, lambda part, p, u: part.meet_line(p[:, 0], u))
+    if faces is not None and len(faces):
+        if faces.max() >= len(points):
+            raise ValueError(f"faces: must name one of {len(points)} points; got {faces.max()}.")
+        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+        _drop_on(parts, points[faces], over, heights, meet_faces)
+        _drop_on(parts, points[np.unique(edges, axis=0)], over, heights, meet_edges)
+    return heights.reshape(places.shape[:-1])[()]
+
+
+def _drop_on(parts, facets, places, heights, meet):
+    """Raise heights (k,) over places (k, 2) to where facets (n, j, 3) stop the cutter."""
+    for part in parts:
+        low, high = part.outline.bounds
+        for which, facet in _pairs(facets, places, low, high):
+            # Nothing in a facet stops the part higher than its highest corner would.
+            most = facets[facet, :, 2].max(axis=-1) - low[2]
+            able = most > heights[which]
+            which, facet = which[able], facet[able]
+            if not len(which):
+                continue
+            moved = facets[facet]
+            level = moved[:, 0, 2].copy()
+            moved[..., :2] -= places[which, None]
+            moved[..., 2] -= level[:, None]
+            enter, _ = meet(part, moved, UP)
+            np.maximum.at(heights, which, level - enter)
+
+
+def _pairs(facets, places, low, high):
+    """Yield the numbers of places and facets that a solid from `low` to `high` (3,) may touch."""
+    # A place is over a facet if it's within its extent, widened by the solid's; a hair more, for
+    # the differences round.
+    hair = 1e-9 * (np.abs(low) + np.abs(high)).max()
+    least = facets[..., :2].min(axis=1) - high[:2] - hair
+    most = facets[..., :2].max(axis=1) - low[:2] + hair
+    count = max(PAIRS // max(len(places), 1), 1)
+    for start in range(0, len(facets), count):
+        some = slice(start, start + count)
+        over = (least[some, None] <= places) & (places <= most[some, None])
+        facet, which = np.nonzero(over.all(axis=-1))
+        yield which, start + facet

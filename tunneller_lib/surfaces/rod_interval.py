@@ -113,6 +113,15 @@ def nearest_point(axis, p, direction):
     return s, scalar_products(q, axis.flat), scalar_products(q, axis.along), shift
 
 
+def along_lines(axis, z, shift, hit, enter, leave):
+    """Return `enter` and `leave` as parameters of lines that see an axis so; `inf` for a miss.
+
+    Parameters: the `Frame`, z and parameter of `nearest_point`, and an interval in m.
+    """
+    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
+    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
+
+
 def flat_interval(run, rise, length, radius, s, m):
     """Return where lines are inside flat rods, along the lines from the plane through the start.
 
