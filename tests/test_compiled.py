@@ -13,7 +13,7 @@ import pytest
 
 from tests.audit.long import many
 from tests.hard_lines import FAMILIES, KINDS
-from tests.test_exact_kernel import shape_of
+from tests.hard_lines import shape_of
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide

@@ -5,9 +5,9 @@ import pytest
 
 from tests.audit.long import many
 from tests.exact_facets import judged_facets
-from tests.exact_shapes import EPS, full_size
+from exhibits.exact_shapes import EPS, full_size
 from tests.hard_lines import KINDS, Whole, _floats
-from tests.test_exact_kernel import shape_of
+from tests.hard_lines import shape_of
 from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box
 from tunneller_lib.surfaces.facet import meet_facets
 

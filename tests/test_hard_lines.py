@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.exact_shapes import exact_interval
+from exhibits.exact_shapes import exact_interval
 from tests.hard_lines import FAMILIES, KINDS
 from tests.references import hard_lines_peers, hard_lines_table
-from tests.test_exact_kernel import meet, shape_of
+from tests.hard_lines import meet, shape_of
 
 READS = ["tests/references/*"]
 HERE = Path(__file__).parent / "references"

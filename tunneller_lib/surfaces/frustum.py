@@ -31,15 +31,15 @@ class Frustum(Solid):
     Parameters
     ----------
     a, b : (3,) float
-        Centres of the discs, in m; not the same.
+        Centres of the discs, in m; where they are the same the frustum is empty.
     radius_a, radius_b : float
         Of the discs, in m; one may be zero, for a whole cone.
 
     Raises
     ------
     ValueError
-        If a centre isn't one finite point, the centres coincide, a radius is negative, or a size
-        is outside the range that `Rod` allows.
+        If a centre isn't one finite point, a radius is negative, or a size is outside the range
+        that `Rod` allows.
     """
 
     a: Point
@@ -48,8 +48,6 @@ class Frustum(Solid):
     radius_b: Length0
 
     def __post_init__(self):
-        if self.a == self.b:
-            raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
 
     @property

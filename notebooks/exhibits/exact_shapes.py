@@ -90,8 +90,10 @@ def _frustum(numbers, margin, p, u):
     parts = [_below(uv, vv + planes - qv), _below(-uv, planes + qv)]
     # Squares of the distance from the axis, times vv: A t^2 + 2 B t + C.
     A, B, C = _dot(u, u) * vv - uv * uv, _dot(q, u) * vv - qv * uv, _dot(q, q) * vv - qv * qv
+    widest = max(start, end) + margin
+    if start == end:  # a rod
+        return _common([*parts, _inside(A, B, C - vv * widest * widest)]) if widest >= 0 else None
     if margin >= 0:
-        widest = max(start, end) + margin
         parts.append(_inside(A, B, C - vv * widest * widest))
     # The wall's radius, times vv, is W + G t; a margin across the wall is more across the axis.
     gain = end - start
@@ -185,6 +187,11 @@ def _box(numbers, margin, p, u):
 
 SHAPES = {"rod": _frustum, "capsule": _capsule, "frustum": _frustum, "box": _box,
           "rounded": _rounded}  # fmt: skip
+
+
+def rod_rows(a, b, radius):
+    """Return rods as rows (n, 12), from ends (n, 3) and radii (n,)."""
+    return np.column_stack([a, b, radius, radius, np.zeros((len(radius), 4))])
 
 
 def whole(numbers):
