@@ -141,31 +141,6 @@ def test_facets_scale(power):
             np.testing.assert_allclose(np.divide(scaled, k), found, rtol=1e-9)
 
 
-@pytest.mark.parametrize("power", [-300, 300])
-def test_facets_scale(power):
-    k = 2.0**power
-    for kind in KINDS:
-        shapes, facets, u = anywhere(kind, np.random.default_rng(6), 3)
-        for shape, facet, way in zip(shapes, facets, u, strict=True):
-            found = meet_facets(shape_of(kind, shape), facet, way)
-            scaled = meet_facets(shape_of(kind, shape * k), facet * k, way)
-            # At the ends of the range the careful way takes all lines.
-            np.testing.assert_allclose(np.divide(scaled, k), found, rtol=1e-9)
-
-
-WRONG = [
-    (lambda: meet_facets(1, [(0, 0, 0)], (0, 0, 1)), "solid: must be of class Rod or Frustum"),
-    (lambda: meet_facets(SOLIDS["rod"], (0, 0, 0), (0, 0, 1)), "facets: must have the shape"),
-    (lambda: meet_facets(SOLIDS["rod"], [(0, 0, 0)], (0, 0, 0)), "direction: must not be zero"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("call", "message"), WRONG)
-def test_wrong_input_is_told(call, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        call()
-
-
 # ---- boxes ----------------------------------------------------------------------------------
 
 POSES = ("any", "vertical", "level", "along x", "along y", "nearly vertical", "nearly level")
