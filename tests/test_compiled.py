@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.hard_lines import FAMILIES, KINDS
-from tests.hard_lines import shape_of
+from tests.hard_lines import FAMILIES, KINDS, shape_of
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from exhibits.exact_shapes import judged
-from tests.hard_lines import FAMILIES, KINDS
-from tests.hard_lines import meet
+from tests.hard_lines import FAMILIES, KINDS, meet
 
 TABLE = Path(__file__).with_suffix(".csv")
 COLUMNS = ["kind", "family", "lines", "met", "missed", "thin", "thick"]

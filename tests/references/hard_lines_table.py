@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests import hard_lines as lines
 from exhibits.exact_shapes import EPS, exact_interval, exact_intervals
+from tests import hard_lines as lines
 
 TABLE = Path(__file__).with_name("hard_lines.csv.gz")
 SEED = 23
