@@ -417,9 +417,7 @@ def test_simulate_a_lap_within_the_goal():
     tracemalloc.stop()
     print(f"{job.ticks.sum()} ticks on 400 x 720 rays in {spent:.1f} s, {peak / 1e6:.0f} MB")
     assert peak < 500e6
-    assert (
-        cut.removed.sum() + cut.plunged == pytest.approx(9.72e-3, rel=0.05) and cut.wall.splits >= 0
-    )
+    assert cut.removed.sum() + cut.plunged == pytest.approx(9.72e-3, rel=0.05)
     # What the cutter's centre does is what the wall shows, but for tips between two rays.
     assert 0.7 * cut.deviation.max() < cut.around.max() < cut.deviation.max() + 5e-6
     assert cut.deviation.min() - 5e-6 < cut.around.min() < 0.9 * cut.deviation.min()
