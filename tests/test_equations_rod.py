@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 from exhibits import rod_cases as cases
-from exhibits.exact_shapes import exact_intervals, judged, rod_rows
+from exhibits.exact_shapes import exact_intervals, judged, judged_rods, rod_rows
 from exhibits.rod_methods import METHODS, crossings, three_surfaces
 from tests.hard_lines import FAMILIES, KINDS, meet
 from tunneller_lib.kernels.vectors import differences, scalar_products
@@ -370,15 +370,9 @@ def test_chance_at_rims(judge):
         assert np.all(np.abs(np.mean(accepted, axis=0) - 0.5) > 0.03)
 
 
-def what_is_wrong(found, lines):
-    """Return which intervals are missed, thin or thick, by more than rounding."""
-    a, b, radius, point, u = lines
-    return np.array(judged(found, "rod", rod_rows(a, b, radius), point, u))
-
-
 def failures(kind, method, n=1_500):
     lines = kind(np.random.default_rng(4), n)
-    return np.sum(what_is_wrong(METHODS[method](*lines), lines), axis=-1)
+    return np.sum(judged_rods(METHODS[method](*lines), lines), axis=-1)
 
 
 def three_accepted(kind, n=4_000):
@@ -386,7 +380,7 @@ def three_accepted(kind, n=4_000):
     lines = kind(np.random.default_rng(1), n)
     surplus = crossings(*lines)[1].sum(axis=0) >= 3
     lines = tuple(row[surplus] for row in lines)
-    return lines, what_is_wrong(three_surfaces(*lines), lines)
+    return lines, judged_rods(three_surfaces(*lines), lines)
 
 
 def test_surplus_is_masked(judge):
@@ -424,7 +418,7 @@ def test_crack_makes_it_thin(judge):
     enter, leave = exactly(*lines)
     far_in = (leave - enter) * np.linalg.norm(u, axis=-1) > 1e-3 * radius
     crack = far_in & ~wall & ~disc
-    missed, thin, _ = what_is_wrong(three_surfaces(*lines), lines)
+    missed, thin, _ = judged_rods(three_surfaces(*lines), lines)
     assert np.count_nonzero(crack) > 100
     judge("rod-thin", np.all((missed | thin)[crack]))
     assert not failures(cases.float_rims, "exact").any()

@@ -241,10 +241,21 @@ def full_size(kind, shapes):
     return shapes[:, 6:8].max(axis=-1) + np.linalg.norm(shapes[:, 3:6] - shapes[:, :3], axis=-1)
 
 
-def judged(found, kind, shapes, p, u, roundings=64):
-    """Return which answers (n,) are missed, thin and thick, for a promise of so many roundings."""
+def judged_rods(found, lines, allowed=64 * EPS):
+    """Return what `judged` says of flat rods: of lines (a, b, radius, p, u), one rod a line."""
+    a, b, radius, p, u = lines
+    return judged(found, "rod", rod_rows(a, b, radius), p, u, allowed)
+
+
+def judged(found, kind, shapes, p, u, allowed=64 * EPS):
+    """Return which answers (n,) are missed, thin and thick.
+
+    Missed: the line meets the shape and nothing was found. Thin: even the shape shrunk by a margin
+    has more of the line. Thick: even the shape grown by it has less. The margin is the allowed
+    share of `size_of`.
+    """
     enter, leave = found
-    margin = roundings * EPS * size_of(kind, shapes, u)
+    margin = allowed * size_of(kind, shapes, u)
     exact = exact_intervals(kind, shapes, p, u)
     least = exact_intervals(kind, shapes, p, u, -margin)
     most = exact_intervals(kind, shapes, p, u, margin)

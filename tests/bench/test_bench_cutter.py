@@ -8,15 +8,22 @@ import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
-from tunneller_lib.surfaces import Cutter
+from tunneller_lib.surfaces import Frustum, Rod, RoundedDisc, drop_cutter
 
 RADIUS, LENGTH, CORNER, HALF_ANGLE = 3.0, 20.0, 1.0, 1.03  # mm and rad
+HEIGHT = RADIUS / np.tan(HALF_ANGLE)
 SIDE, PLACES = 100, 500
 OURS = {
-    "ball": Cutter.ball(RADIUS, LENGTH),
-    "flat": Cutter.flat(RADIUS, LENGTH),
-    "bull": Cutter.bull(RADIUS, CORNER, LENGTH),
-    "cone": Cutter.cone(RADIUS, HALF_ANGLE, LENGTH),
+    "ball": [Rod((0, 0, RADIUS), (0, 0, LENGTH - RADIUS), RADIUS, ends="round")],
+    "flat": [Rod((0, 0, 0), (0, 0, LENGTH), RADIUS)],
+    "bull": [
+        RoundedDisc((0, 0, CORNER), (0, 0, 1), RADIUS - CORNER, CORNER),
+        Rod((0, 0, CORNER), (0, 0, LENGTH), RADIUS),
+    ],
+    "cone": [
+        Frustum((0, 0, 0), (0, 0, HEIGHT), 0, RADIUS),
+        Rod((0, 0, HEIGHT), (0, 0, LENGTH), RADIUS),
+    ],
 }
 
 
@@ -58,7 +65,7 @@ def test_cutters_against_opencamlib(installed, benchmark, say, name):
         heights[:] = [point.z for point in run.getCLPoints()]
 
     def ours():
-        return OURS[name].drop(points, places, faces=faces)
+        return drop_cutter(OURS[name], points, places, faces=faces)
 
     benchmark.pedantic(ours, rounds=1)
     time, other = best_times(ours, theirs, rounds=3)
