@@ -193,7 +193,7 @@ def test_machine_leads_to_chapters_at_its_parts():
 
 def test_worth_on_the_wall_is_a_number_of_the_budget():
     assert re.fullmatch(r"\*\*What it is worth on the wall\.\*\* [\d.]+\smm\.",
-                        worth("{tangent spheres}.").data)  # fmt: skip
+                        worth("{projected chord}.").data)  # fmt: skip
 
 
 def test_filled_refuses_what_is_not_recorded():
