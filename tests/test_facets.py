@@ -1,13 +1,13 @@
-"""Facets, boxes and cutters that move until they touch a solid: judged exactly, and by hand."""
+"""Facets and boxes that move until they touch a solid: judged exactly, and by hand."""
 
 import numpy as np
 import pytest
 
 from exhibits.exact_shapes import EPS, full_size
 from tests.audit.long import many
-from tests.exact_facets import judged_facets, meets
+from tests.exact_facets import judged_facets
 from tests.hard_lines import KINDS, Whole, _floats, shape_of
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc, drop_cutter, meet_box
+from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box
 from tunneller_lib.surfaces.facet import meet_facets
 
 every_kind = pytest.mark.parametrize("kind", KINDS)
@@ -236,147 +236,3 @@ def test_meet_box_touches_flat_rods_at_their_sides(axis, side):
             size = step * wide * length + np.linalg.norm(b - a)
             # Within the guard beside the touch the rim has risen by the root of it.
             assert abs(top - tip[2]) <= 8 * np.sqrt(EPS) * size
-
-
-# ---- cutters --------------------------------------------------------------------------------
-
-
-def mill(height):
-    """Return a cone of the radius 3 m and its shank, which ends 20 m high."""
-    return [Frustum((0, 0, 0), (0, 0, height), 0, 3), Rod((0, 0, height), (0, 0, 20), 3)]
-
-
-STEEP = 3 / np.tan(np.radians(59))  # m, how high the drill's cone is
-CUTTERS = {
-    "ball": [Rod((0, 0, 3), (0, 0, 17), 3, ends="round")],
-    "bull": [RoundedDisc((0, 0, 1), (0, 0, 1), 2, 1), Rod((0, 0, 1), (0, 0, 20), 3)],
-    "flat": [Rod((0, 0, 0), (0, 0, 20), 3)],
-    "drill": mill(STEEP),
-    "blade": [Box((-3, -0.5, 0), (6, 0, 0), (0, 1, 0), (0, 0, 20))],
-    "leaning pick": [Frustum((0, 0, 0.5), (4, 0, 6), 0.2, 2), Rod((4, 0, 6), (8, 0, 12), 2)],
-}
-every_cutter = pytest.mark.parametrize("cutter", CUTTERS.values(), ids=CUTTERS)
-
-
-@every_cutter
-def test_cutter_comes_to_rest_on_a_point(cutter):
-    # Where it rests no point is inside, and a little lower one is.
-    rng = np.random.default_rng(1)
-    points = rng.uniform([-10, -10, -2], [10, 10, 2], (400, 3))
-    places = rng.uniform(-6, 6, (40, 2))
-    heights = drop_cutter(cutter, points, places)
-    assert np.isfinite(heights).all()
-    for lift, inside in ((1e-9, False), (-1e-9, True)):
-        for place, height in zip(places, heights, strict=True):
-            tip = np.array([*place, height + lift])
-            ends = [part.meet_line(points - tip, (0, 0, 1)) for part in cutter]
-            assert any(np.any((enter <= 0) & (leave >= 0)) for enter, leave in ends) == inside
-
-
-def test_profiles_by_hand():
-    away = np.array([0.0, 1, 2, 2.9, 3])
-    places = np.stack([-away, 0 * away], axis=-1)
-    profiles = {
-        "ball": np.sqrt(9 - away**2) - 3,
-        "bull": np.sqrt(1 - np.maximum(away - 2, 0) ** 2) - 1,
-        "flat": 0 * away,
-        "drill": -away * STEEP / 3,
-    }
-    for name, heights in profiles.items():
-        found = drop_cutter(CUTTERS[name], [(0, 0, 0)], places)
-        np.testing.assert_allclose(found, heights, atol=32 * EPS)
-    beyond = drop_cutter(CUTTERS["drill"], [(0, 0, 0)], [(3.0001, 0), (0, -4)])
-    assert np.all(beyond == -np.inf)
-    assert drop_cutter(CUTTERS["drill"], np.empty((0, 3)), (0, 0)) == -np.inf
-
-
-def mesh(seed, n=7):
-    """Return corners and triangles of a rough ground."""
-    rng = np.random.default_rng(seed)
-    along = np.linspace(-9, 9, n)
-    x, y = np.meshgrid(along, along, indexing="ij")
-    points = np.stack([x, y, rng.uniform(-1, 1, (n, n))], axis=-1).reshape(-1, 3)
-    points[:, :2] += rng.uniform(-0.5, 0.5, (n * n, 2))
-    number = np.arange(n * n).reshape(n, n)
-    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    faces = np.concatenate([np.stack(three, axis=-1).reshape(-1, 3)
-                            for three in ((a, b, c), (a, c, d))])  # fmt: skip
-    return points, faces
-
-
-def rows_of(cutter):
-    """Return the parts of a cutter as the judge's kinds and rows."""
-    rows = {
-        Box: lambda p: ("box", [*p.corner, *p.x, *p.y, *p.z]),
-        RoundedDisc: lambda p: ("rounded", [*p.centre, *p.axis, p.radius, p.corner]),
-        Frustum: lambda p: ("frustum", [*p.a, *p.b, p.radius_a, p.radius_b]),
-        Rod: lambda p: ({"flat": "rod"}.get(p.ends, "capsule"), [*p.a, *p.b, p.radius, p.radius]),
-    }
-    for part in cutter:
-        kind, numbers = rows[type(part)](part)
-        yield kind, [float(number) for number in (*numbers, *[0] * (12 - len(numbers)))]
-
-
-@every_cutter
-def test_drop_on_triangles_is_exact(cutter):
-    # A little lower it's in a triangle, a little higher in none: 64 roundings of cutter and mesh.
-    points, faces = mesh(5)
-    places = np.random.default_rng(6).uniform(-5, 5, (many(2, 20), 2))
-    heights = drop_cutter(cutter, points, places, faces=faces)
-    size = 60.0  # m, of the greatest part, a triangle and the distance between them
-    slack = 16 * EPS * size
-    for place, height in zip(places, heights, strict=True):
-        triangles = points[faces] - [*place, 0]
-        low, high = triangles.min(axis=1), triangles.max(axis=1)
-        near = np.all(np.abs(low[:, :2]) < 12, axis=-1) & (high[:, 2] > height - 1)
-        for t, grow, expected in (
-            (-height + slack, 64 * EPS * size, True),
-            (-height - slack, -64 * EPS * size, False),
-        ):
-            met = any(
-                meets(kind, row, triangle, [0.0, 0.0, 1.0], t, grow)
-                for kind, row in rows_of(cutter)
-                for triangle in triangles[near]
-            )
-            assert met == expected
-
-
-def test_drop_of_parts_and_blocks_is_the_highest(monkeypatch):
-    points, faces = mesh(3)
-    places = np.random.default_rng(4).uniform(-6, 6, (30, 2))
-    for cutter in CUTTERS.values():
-        whole = drop_cutter(cutter, points, places, faces=faces)
-        each = [drop_cutter([part], points, places, faces=faces) for part in cutter]
-        np.testing.assert_array_equal(np.max(each, axis=0), whole)
-        with monkeypatch.context() as patch:
-            patch.setattr("tunneller_lib.surfaces.facet.PAIRS", 100)
-            parts = drop_cutter(cutter, points, places.reshape(5, 6, 2), faces=faces)
-        np.testing.assert_array_equal(parts.ravel(), whole)
-
-
-def test_drop_on_triangles_by_hand():
-    # A roof of 45 degrees: on its face, over its lower edge, and beyond.
-    roof, faces = [(-90, 0, 0), (90, 0, 0), (0, 400, 400)], [(0, 1, 2)]
-    half = np.sqrt(0.5)
-    above = {"ball": 3 / half - 3, "flat": 3.0, "bull": 2 + 1 / half - 1, "drill": 3 - STEEP}
-    for name, height in above.items():
-        found = drop_cutter(CUTTERS[name], roof, [(0, 10), (0, -3.5)], faces=faces)
-        np.testing.assert_allclose(found, [10 + height, -np.inf], rtol=64 * EPS)
-    # A level edge that the axis is 2 beside; and over an upright triangle, which is edges alone.
-    for edge in ([(-90, 2, 0), (90, 2, 0), (0, 2, -9)], [(-90, 2, 0), (90, 2, 0), (0, 200, -9000)]):
-        found = {
-            name: float(drop_cutter(CUTTERS[name], edge, (0, 0), faces=faces)) for name in above
-        }
-        assert found["flat"] == 0
-        assert found["bull"] == pytest.approx(0, abs=64 * EPS)
-        assert found["ball"] == pytest.approx(np.sqrt(5) - 3, rel=64 * EPS)
-        assert found["drill"] == pytest.approx(-2 * STEEP / 3, rel=64 * EPS)
-
-
-def test_cone_on_a_slanting_edge():
-    # Over the edge the height is 1 + x/4 - sqrt(x^2 + 1); opencamlib 2023.1.11 has 0.0076.
-    edge = [(-4, 1, 0), (4, 1, 2), (0, 9, -9)]
-    found = drop_cutter(mill(3), edge, (0, 0), faces=[(0, 1, 2)])
-    assert found == pytest.approx(1 - np.sqrt(15) / 4, rel=64 * EPS)
-    with pytest.raises(ValueError, match=r"^faces: must name one of 3 points; got 3"):
-        drop_cutter(mill(3), edge, (0, 0), faces=[(0, 1, 3)])

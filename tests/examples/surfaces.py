@@ -58,12 +58,6 @@ CALLS = {
     "Profile.offset": {"d": 0.1},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
-    "drop_cutter": {
-        "parts": [_ROD, Box((0, 0, 0), *np.eye(3)), RoundedDisc((0, 0, 1), (0, 0, 1), 0.5, 0.5)],
-        "points": [(0.1, 0.2, 0.3), (0.2, 0, 0), (0, 1, 0)],
-        "places": (0.1, 0.1),
-        "faces": [(0, 1, 2)],
-    },
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
     "meet_facets": {"solid": _ROD, "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},

@@ -3,7 +3,7 @@
 from .box import Box
 from .cone import Cone
 from .egg import Egg
-from .facet import drop_cutter, meet_box
+from .facet import meet_box
 from .frustum import Frustum
 from .machine import REFERENCE_MACHINE, Body, Machine
 from .rod import Rod
@@ -26,6 +26,5 @@ __all__ = [
     "Section",
     "Torus",
     "closed_profile",
-    "drop_cutter",
     "meet_box",
 ]

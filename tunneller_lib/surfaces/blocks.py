@@ -177,10 +177,8 @@ class Nearest(NamedTuple):
 
     Parameters
     ----------
-    passing : Passing
-        How they pass it.
-    qv, uv : (...) float
-        The products q v and u v.
+    nn, aside, uu, vv, qv, uv : (...) float
+        The products n n, q n, u u, v v, q v and u v.
     middle : (...) float
         The line's parameter there.
     room : (...) float
@@ -204,7 +202,10 @@ class Nearest(NamedTuple):
 
 
 def nearest_to_axis(shape, q, u, passing):
-    """Return lines that are `Passing` the axis of a shape where they are `Nearest` to it."""
+    """Return where lines are `Nearest` to the axis of a shape.
+
+    Parameters: shape, q and u as of `past_an_axis`, and passing, which that returns.
+    """
     v = shape.axis
     radius = shape.radius
     n, nn, aside, uu, vv, size, _ = passing

@@ -1,10 +1,10 @@
-"""Facets that move until they touch a solid: a box over a rod, cutters lowered onto a mesh."""
+"""Facets that move along a direction until they touch a solid; a box that comes down on one."""
 
 from itertools import pairwise
 
 import numpy as np
 
-from ..arguments import Array, Corners, Directions, Each, Wholes, checked
+from ..arguments import Array, Corners, Directions, checked
 from ..kernels.vectors import differences, scalar_products, sums, unit_and_speed
 from .blocks import BLOCK
 from .rod_interval import GUARD, nearest_offset
@@ -17,12 +17,8 @@ from .touching import (
     unit_of,
 )
 
-PAIRS = 200_000  # of a place and a facet that `drop_cutter` looks at together
 UP = np.array([0.0, 0.0, 1.0])
 
-Solids = Each(Solid, some=True)
-Triangles = Wholes("(m, 3) int", 0, 2**53)
-Cloud = Array("(n, 3) float", "m", last="x, y, z")
 Facets = Array(
     "(..., k, 3) float",
     "m",
@@ -144,15 +140,15 @@ def _meet(solid, facets, u):
     corners = solid.meet_line(facets, u if one else u[:, None])
     found = [np.reshape(corners, (2, n, count))]
     if count > 1:
-        touches = meet_edges(solid, edges.reshape(-1, 2, 3), along)
+        touches = _meet_edges(solid, edges.reshape(-1, 2, 3), along)
         found.append(touches.reshape(2, n, len(following)))
     if count > 2:
-        found.append(meet_faces(solid, facets, u)[..., None])
+        found.append(_meet_faces(solid, facets, u)[..., None])
     enter, leave = np.concatenate(found, axis=-1)
     return enter.min(axis=-1), leave.max(axis=-1)
 
 
-def meet_edges(solid, edges, u):
+def _meet_edges(solid, edges, u):
     """Return `enter` and `leave` (2, n) of edges (n, 2, 3), not of their ends, along u (.., 3)."""
     body = solid.outline
     (start, end), along, shift, speed = _nearby(body, edges, u)
@@ -169,7 +165,7 @@ def meet_edges(solid, edges, u):
     return _in_lengths(found, cut.width > guard, shift, speed)
 
 
-def meet_faces(solid, facets, u):
+def _meet_faces(solid, facets, u):
     """Return `enter` and `leave` of facets (n, k, 3), not of their edges, along u (.., 3)."""
     body = solid.outline
     corners, along, shift, speed = _nearby(body, facets, u)
@@ -233,92 +229,3 @@ def _in_lengths(found, sound, shift, speed):
             np.where(hit, shift + leave / speed, -np.inf),
         ]
     )
-
-
-@checked
-def drop_cutter(parts: Solids, points: Cloud, places: Corners, *, faces: Triangles | None = None):
-    """Return how high a cutter stops that is lowered along z onto points or triangles.
-
-    Parameters
-    ----------
-    parts : list of Solid
-        What the cutter is made of, in m, in a frame whose origin is its tip and whose axis is z.
-    points : (n, 3) float
-        In m, all of which it may come to rest on: a cloud, or a mesh's corners.
-    places : (..., 2) float
-        Where its axis is, x and y, in m.
-    faces : (m, 3) int, optional
-        Triangles between the points, by their numbers, on whose faces and edges it may come to
-        rest as well.
-
-    Returns
-    -------
-    heights : (...) float
-        Of the tip over each place, in m; ``-inf`` where nothing is below the cutter.
-
-    Raises
-    ------
-    ValueError
-        If a face names a point that isn't there.
-
-    Notes
-    -----
-    Lowered over a point, an edge or a face the cutter stops where that, moved upwards from the
-    tip's plane, first touches it: `meet_facets`. The heights are those of a cutter and a mesh
-    whose surfaces are off by at most 64 eps of the cutter's size, the triangle's and the
-    distance between them.
-
-    Examples
-    --------
-    >>> from tunneller_lib.surfaces import Rod
-    >>> ball = [Rod((0, 0, 5), (0, 0, 25), 5, ends="round")]
-    >>> drop_cutter(ball, [(3, 0, 1), (40, 0, 9)], [(0, 0), (3, 0), (20, 0)])
-    array([  0.,   1., -inf])
-    >>> roof = [(-9, 0, 0), (9, 0, 0), (0, 40, 40)]
-    >>> drop_cutter(ball, roof, [(0, 10), (0, -3)], faces=[(0, 1, 2)]).round(6)
-    array([12.071068, -0.928932])
-    """
-    over = places.reshape(-1, 2)
-    heights = np.full(len(over), -np.inf)
-    _drop_on(parts, points[:, None], over, heights, lambda part, p, u: part.meet_line(p[:, 0], u))
-    if faces is not None and len(faces):
-        if faces.max() >= len(points):
-            raise ValueError(f"faces: must name one of {len(points)} points; got {faces.max()}.")
-        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
-        _drop_on(parts, points[faces], over, heights, meet_faces)
-        _drop_on(parts, points[np.unique(edges, axis=0)], over, heights, meet_edges)
-    return heights.reshape(places.shape[:-1])[()]
-
-
-def _drop_on(parts, facets, places, heights, meet):
-    """Raise heights (k,) over places (k, 2) to where facets (n, j, 3) stop the cutter."""
-    for part in parts:
-        low, high = part.outline.bounds
-        for which, facet in _pairs(facets, places, low, high):
-            # Nothing in a facet stops the part higher than its highest corner would.
-            most = facets[facet, :, 2].max(axis=-1) - low[2]
-            able = most > heights[which]
-            which, facet = which[able], facet[able]
-            if not len(which):
-                continue
-            moved = facets[facet]
-            level = moved[:, 0, 2].copy()
-            moved[..., :2] -= places[which, None]
-            moved[..., 2] -= level[:, None]
-            enter, _ = meet(part, moved, UP)
-            np.maximum.at(heights, which, level - enter)
-
-
-def _pairs(facets, places, low, high):
-    """Yield the numbers of places and facets that a solid from `low` to `high` (3,) may touch."""
-    # A place is over a facet if it's within its extent, widened by the solid's; a hair more, for
-    # the differences round.
-    hair = 1e-9 * (np.abs(low) + np.abs(high)).max()
-    least = facets[..., :2].min(axis=1) - high[:2] - hair
-    most = facets[..., :2].max(axis=1) - low[:2] + hair
-    count = max(PAIRS // max(len(places), 1), 1)
-    for start in range(0, len(facets), count):
-        some = slice(start, start + count)
-        over = (least[some, None] <= places) & (places <= most[some, None])
-        facet, which = np.nonzero(over.all(axis=-1))
-        yield which, start + facet

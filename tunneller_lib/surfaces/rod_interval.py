@@ -116,7 +116,8 @@ def nearest_point(axis, p, direction):
 def along_lines(axis, z, shift, hit, enter, leave):
     """Return `enter` and `leave` as parameters of lines that see an axis so; `inf` for a miss.
 
-    Parameters: the `Frame`, z and parameter of `nearest_point`, and an interval in m.
+    Parameters: axis, a `Frame`; z and shift, the last two of `nearest_point`; and an interval:
+    whether it's a hit, enter and leave, in m.
     """
     enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
     return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)

@@ -51,20 +51,13 @@ class Outline(NamedTuple):
     balls: list = ()
     rounds: list = ()
 
-    @property
-    def bounds(self):
-        """Return the lowest and the highest coordinates (3,) of the solid, in m, or beyond."""
-        places = [np.zeros(3)]
-        places += [corner for edge in self.edges for corner in edge]
-        for centre, *_, radius in (*self.rims, *self.balls):
-            places += [centre - radius, centre + radius]
-        for centre, _, radius, corner in self.rounds:
-            places += [centre - (radius + corner), centre + (radius + corner)]
-        return self.start + np.min(places, axis=0), self.start + np.max(places, axis=0)
-
 
 def round_outline(a, b, radius_a, radius_b, *, round_ends=False):
-    """Return the `Outline` of a round solid with a wall from a to b, all in m."""
+    """Return the `Outline` of a round solid with a wall from a to b, (3,) in m.
+
+    Parameters: the ends a and b, the radii `radius_a` and `radius_b` there, in m, and `round_ends`,
+    which says whether balls close the wall, or discs.
+    """
     start = np.zeros(3)
     v = np.subtract(b, a)
     size = max(radius_a, radius_b) + float(np.linalg.norm(v))
