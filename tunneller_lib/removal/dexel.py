@@ -12,10 +12,10 @@ from ..surfaces.touching import Solid
 from . import dexel_loops
 from .grid import Lines, fan, parallel, swept
 
-GROUP = 8  # moves of a path that are cut at once, as long as
+GROUP = 8  # moves of a path that are cut together
 MOVE = 4e-4  # s, about how long one takes with whole arrays
 LEAN = 1e-2  # cosine, at least, between a line and the ball's normal where a cut ends
-GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
+GREATER = 2  # times the lines of the widest window: so many may that of moves cut together have
 
 
 # What arguments may be, in this room and above it.

@@ -193,7 +193,7 @@ class Lines(NamedTuple):
         if not filled:
             return 0, 0, 0, 0
         first, last, start, stop = zip(*filled, strict=True)
-        if self.rays:  # all on the same round
+        if self.rays:  # the ranges are turned until they lie on the same round
             count = len(self.cos)
             half = count // 2
             shift = [(s - start[0] + half) % count - half + start[0] - s for s in start]

@@ -25,7 +25,7 @@ COMPILED = 65536  # the same by a compiled loop, for which only calls count
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
 MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a shape
-FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
+FAR = 6.0  # sizes from the shape, up to which the quick way's roundings are within the promise
 # About how long lines take at most without a compiler, in s: one alone, and each of many.
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 

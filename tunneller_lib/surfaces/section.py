@@ -138,7 +138,8 @@ class Line:
 class Section:
     """A closed convex curve of arcs and lines in the plane (y, z), counter-clockwise: `arcs`.
 
-    Arc length s runs from the first piece's start and repeats with the perimeter.
+    A shape of its own derives from it and gives its pieces as `arcs`, as `Egg` does. Arc length s
+    runs from the first piece's start and repeats with the perimeter.
     """
 
     arcs: tuple
@@ -345,8 +346,8 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
             "snap: must be at most a thousandth of the perimeter, "
             f"{perimeter / 1000:.3g} m; got {snap:g} m."
         )
-    # Each begins where the one before it ends. The first is asked last: it closes the curve, which
-    # is another sentence.
+    # Each begins where the one before it ends. The first is asked last: a gap before it means that
+    # the curve isn't closed, which has a message of its own.
     ends = np.array([arc.locate(np.array([0.0, arc.length]))[0] for arc in section.arcs])
     gaps = np.linalg.norm(ends[:, 0] - np.roll(ends[:, 1], 1, axis=0), axis=-1)
     for k in [*range(1, len(gaps)), 0]:
