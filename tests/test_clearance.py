@@ -155,16 +155,6 @@ def test_solid_clearance_in_many_poses_is_that_of_moved_solids(kind):
             assert found[i, j] == pytest.approx(solid_clearance(EGG, moved), abs=1e-14)
 
 
-def test_solid_clearance_of_more_poses_than_a_block():
-    rod = Rod((0, 0, 0), (0.1, 0, 0), 0.1)
-    aside = np.linspace(-0.3, 0.3, 1100)
-    place = np.stack([0 * aside, aside, 0 * aside], axis=-1)
-    many = solid_clearance(EGG, rod, place=place)
-    np.testing.assert_allclose(many, many[::-1], atol=1e-15)
-    np.testing.assert_allclose(many, EGG.depth(aside, 0.0) - 0.1, atol=1e-14)
-    assert solid_clearance(EGG, rod, place=np.zeros((0, 3))).shape == (0,)
-
-
 def in_tunnel(circuit, points, pose=None):
     """Return points of the machine's frame in the tunnel, moved by a pose about the joint."""
     placed = circuit.in_tunnel(points)
@@ -262,20 +252,3 @@ def test_grid_sees_the_same_collision_of_any_solid(kind):
         clear = solid_clearance(EGG, solid(middle)) > 0
         low, high = (middle, high) if clear else (low, middle)
     assert tunnel.cut(solid(low - 1e-3)) == 0 < tunnel.cut(solid(low + 1e-2))
-
-
-def test_grid_sees_the_same_collision():
-    circuit = cutting_circuit(REFERENCE_MACHINE, EGG)
-    clearance = circuit_clearance(REFERENCE_MACHINE, EGG, *(r[0] for r in circuit.reach()), 0.0)
-    s = circuit.knots(tolerance=1e-3)
-    joint, centre = circuit.arm(circuit.position(s))
-    angle = (np.arange(360) + 0.5) * np.pi / 180
-    inner, outer = np.zeros(360), np.full(360, 1.2)
-    for _ in range(40):  # the wall, halved in
-        middle = (inner + outer) / 2
-        inside = EGG.depth(middle * np.cos(angle), middle * np.sin(angle)) > 0
-        inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
-    tunnel = DexelGrid.radial(-0.3, 1.3, inner, inner + 0.2, (200, 360))
-    for radius, collides in ((clearance - 1e-3, False), (clearance + 5e-3, True)):
-        rods = [Rod(a, b, radius, ends="round") for a, b in zip(joint, centre, strict=True)]
-        assert (sum(tunnel.cut(rod) for rod in rods) > 0) is collides

@@ -134,19 +134,6 @@ def test_feet_touch_the_torus_along_its_normals(far):
             assert np.all(skew <= 16 * EPS * (np.linalg.norm(m, axis=-1) + size) * size / torus.R)
 
 
-@every_torus
-def test_feet_hold_the_nearest_and_the_farthest_point(torus):
-    m = (torus.r + torus.R) * np.random.default_rng(6).uniform(-2, 2, (20, 3))
-    angles = np.meshgrid(*[np.linspace(-np.pi, np.pi, 241)] * 2)
-    every = torus.point(*angles).reshape(-1, 3)
-    for point, feet in zip(m, torus.feet(m), strict=True):
-        sampled = np.linalg.norm(every - point, axis=-1)
-        touched = np.linalg.norm(feet - point, axis=-1)
-        step = np.pi / 240 * (torus.r + torus.R) * 1.5
-        assert touched.min() - 1e-12 * step <= sampled.min() <= touched.min() + step
-        assert touched.max() - step <= sampled.max() <= touched.max() + 1e-12 * step
-
-
 @given(tori, st.tuples(*[st.floats(-1e6, 1e6)] * 3))
 def test_foot_is_the_first_of_the_feet(torus, m):
     np.testing.assert_array_equal(torus.foot(m), torus.feet(m)[..., 0, :])

@@ -73,12 +73,11 @@ def meet_facets(solid: Solid, facets: Facets, direction: Directions):
     shape = np.broadcast_shapes(facets.shape[:-2], direction.shape[:-1])
     corners = facets.shape[-2]
     facets = np.broadcast_to(facets, (*shape, corners, 3)).reshape(-1, corners, 3)
-    one = direction.ndim == 1
-    turns = direction if one else np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
+    turns = np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
     found = np.empty((2, len(facets)))
     for first in range(0, len(facets), BLOCK):
         block = slice(first, first + BLOCK)
-        found[:, block] = _meet(solid, facets[block], turns if one else turns[block])
+        found[:, block] = _meet(solid, facets[block], turns[block])
     enter, leave = found.reshape(2, *shape)
     return enter[()], leave[()]
 
@@ -131,101 +130,78 @@ def meet_box(solid: Solid, low: Corners, high: Corners):
 
 
 def _meet(solid, facets, u):
-    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3) or (3,)."""
+    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3)."""
     n, count, _ = facets.shape
-    following = np.roll(np.arange(count), -1)[: count if count > 2 else count - 1]
-    edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
-    one = u.ndim == 1
-    along = u if one else np.repeat(u, len(following), axis=0)
-    corners = solid.meet_line(facets, u if one else u[:, None])
-    found = [np.reshape(corners, (2, n, count))]
+    found = [np.reshape(solid.meet_line(facets, u[:, None]), (2, n, count))]
     if count > 1:
-        touches = _meet_edges(solid, edges.reshape(-1, 2, 3), along)
+        following = np.roll(np.arange(count), -1)[: count if count > 2 else 1]
+        edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
+        along = np.repeat(u, len(following), axis=0)
+        touches = _meet_edges(solid.outline, edges.reshape(-1, 2, 3), along)
         found.append(touches.reshape(2, n, len(following)))
     if count > 2:
-        found.append(_meet_faces(solid, facets, u)[..., None])
+        found.append(_meet_faces(solid.outline, facets, u)[..., None])
     enter, leave = np.concatenate(found, axis=-1)
     return enter.min(axis=-1), leave.max(axis=-1)
 
 
-def _meet_edges(solid, edges, u):
-    """Return `enter` and `leave` (2, n) of edges (n, 2, 3), not of their ends, along u (.., 3)."""
-    body = solid.outline
-    (start, end), along, shift, speed = _nearby(body, edges, u)
-    guard = GUARD * (body.size + _reach([start, end]))
+def _meet_edges(body, edges, u):
+    """Return `enter` and `leave` (2, n) of edges (n, 2, 3), but for their ends, along u (n, 3)."""
+    (start, end), along, shift, speed, guard = _nearby(body, edges, u)
     cut = swept_planes(start, end, along, guard)
-    found = _nothing(guard)
+    times = []
     for point in touches_of_edges(body, cut):
         way = point - cut.start
         place = scalar_products(way, cut.across)
-        over = (place >= -guard) & (place <= cut.width + guard)
+        # An edge along the direction moves in itself: its ends tell all.
+        over = (place >= -guard) & (place <= cut.width + guard) & (cut.width > guard)
         t = scalar_products(way, along) - cut.slope * np.clip(place, 0, cut.width)
-        found = _with(found, t, over)
-    # An edge along the direction moves in itself: its ends tell all.
-    return _in_lengths(found, cut.width > guard, shift, speed)
+        times.append(np.where(over, t, np.nan))
+    return _first_and_last(times, shift, speed)
 
 
-def _meet_faces(solid, facets, u):
-    """Return `enter` and `leave` of facets (n, k, 3), not of their edges, along u (.., 3)."""
-    body = solid.outline
-    corners, along, shift, speed = _nearby(body, facets, u)
-    guard = GUARD * (body.size + _reach(corners))
+def _meet_faces(body, facets, u):
+    """Return `enter` and `leave` (2, n) of facets (n, k, 3) but for their edges, along u (n, 3)."""
+    corners, along, shift, speed, guard = _nearby(body, facets, u)
     sides = [
         swept_planes(a, b, along, guard)
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
     ]
     ways = [corner - corners[0] for corner in corners[1:]]
-    normal = sum(accurate_cross(a, b) for a, b in pairwise(ways))
-    normal, length = unit_of(normal)
+    normal, length = unit_of(sum(accurate_cross(a, b) for a, b in pairwise(ways)))
     facing = scalar_products(normal, along)
     # Seen along the direction it's so narrow that its edges are all of it.
     wide = np.abs(facing) * length > 4 * guard * sum(side.width for side in sides)
-    turn = np.sign(facing)
-    found = _nothing(guard)
+    times = []
     for point in touches_of_planes(body, normal):
         over = wide
         for side in sides:
             away = scalar_products(side.normal, point - side.start)
-            over = over & (-turn * away >= -guard)
+            over = over & (-np.sign(facing) * away >= -guard)
         with np.errstate(divide="ignore", invalid="ignore"):
             t = scalar_products(normal, point - corners[0]) / facing
-        found = _with(found, t, over)
-    return _in_lengths(found, wide, shift, speed)
+        times.append(np.where(over, t, np.nan))
+    return _first_and_last(times, shift, speed)
 
 
 def _nearby(body, facets, u):
-    """Return corners (3, n) moved next to a solid, unit vectors (3, n), and what that took."""
-    u = np.broadcast_to(u, facets[:, 0].shape).T
-    along, speed = unit_and_speed(u)
+    """Return facets moved next to a solid, and what that took.
+
+    These are corners (3, n), unit vectors (3, n) along u (n, 3), the parameter by which the facets
+    were moved, the lengths of u, and the rounding of places here.
+    """
+    along, speed = unit_and_speed(u.T)
     corners = np.moveaxis(facets, 0, -1).copy()
-    first, shift = nearest_offset(body.start, along, speed, corners[0], u)
+    first, shift = nearest_offset(body.start, along, speed, corners[0], u.T)
     moved = [np.array(sums(first, differences(corner, corners[0]))) for corner in corners]
-    return moved, np.array(along), shift, speed
+    reach = np.max([np.abs(corner).max(axis=0) for corner in moved], axis=0)
+    return moved, np.array(along), shift, speed, GUARD * (body.size + reach)
 
 
-def _reach(corners):
-    return np.max([np.abs(corner).max(axis=0) for corner in corners], axis=0)
-
-
-def _nothing(guard):
-    return np.full(guard.shape, np.inf), np.full(guard.shape, -np.inf)
-
-
-def _with(found, t, over):
-    """Return `enter` and `leave` with places t (n,) that count where they are `over` a facet."""
-    enter, leave = found
-    return (
-        np.where(over, np.minimum(enter, t), enter),
-        np.where(over, np.maximum(leave, t), leave),
-    )
-
-
-def _in_lengths(found, sound, shift, speed):
-    enter, leave = found
-    hit = sound & (enter <= leave)
-    return np.array(
-        [
-            np.where(hit, shift + enter / speed, np.inf),
-            np.where(hit, shift + leave / speed, -np.inf),
-        ]
-    )
+def _first_and_last(times, shift, speed):
+    """Return the least and the greatest (2, n) of times in m, NaN left out, as parameters."""
+    times = np.reshape(times, (-1, len(speed)))
+    met = ~np.isnan(times)
+    enter = times.min(axis=0, where=met, initial=np.inf)
+    leave = times.max(axis=0, where=met, initial=-np.inf)
+    return np.array([shift + enter / speed, shift + leave / speed])
