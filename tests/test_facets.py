@@ -129,6 +129,13 @@ def test_points_and_edges_are_facets():
     )
 
 
+def test_a_face_that_hardly_faces_its_way_touches_a_ball_in_its_middle():
+    # It lies in x = 0 and comes nearer by a millionth of its way, up along z.
+    face, ball = [(0, -9, -9), (0, 9, -9), (0, 0, 9)], (1 + 5e-6, 0, 5)
+    enter, _ = meet_facets(Rod(ball, ball, 1, ends="round"), face, (1e-6, 0, 1))
+    assert enter == pytest.approx(5, abs=1e-6)
+
+
 @pytest.mark.parametrize("power", [-300, 300])
 def test_facets_scale(power):
     k = 2.0**power

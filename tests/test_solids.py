@@ -302,11 +302,12 @@ def test_edges_of_a_box_may_be_of_either_hand():
 def test_a_box_must_be_square():
     for edges, rule in (
         ([(0, 0, 0), (0, 1, 0), (0, 0, 1)], "not be zero"),
-        ([(1, 0, 0), (1, 1, 0), (0, 0, 1)], "be perpendicular"),
+        ([(1, 1e-9, 0), (0, 1, 0), (0, 0, 1)], "be perpendicular"),
         ([(1e-101, 0, 0), (0, 1, 0), (0, 0, 1)], "be zero or from 1e-100"),
     ):
         with pytest.raises(ValueError, match=f"^x, y, z: must {rule}"):
             Box((0, 0, 0), *edges)
+    assert Box((0, 0, 0), (1, 1e-15, 0), (0, 1, 0), (0, 0, 1))  # but for a rounding
 
 
 # ---- frusta ---------------------------------------------------------------------------------

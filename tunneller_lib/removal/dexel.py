@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from ..arguments import Array, Coordinate, Length, Lengths, Point, Positive, Wholes, checked
+from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, checked
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
@@ -34,8 +34,6 @@ class DexelGrid:
     low, high : (...) float
         Where the material begins and ends on each line, in m; nothing where low >= high. They
         broadcast to (n, m).
-    memory : float, optional
-        Bytes that its intervals may take while they grow; half of the computer's by default.
 
     Attributes
     ----------
@@ -45,8 +43,8 @@ class DexelGrid:
     Raises
     ------
     ValueError
-        If the intervals don't fit the grid or the memory; cuts raise it, too, when those that
-        they split don't fit any more.
+        If the ends don't fit the grid, or a grid would take more than half of the computer's
+        memory; cuts raise it, too, when the intervals that they split don't fit any more.
 
     Notes
     -----
@@ -58,12 +56,8 @@ class DexelGrid:
     """
 
     @checked
-    def __init__(
-        self, lines: Lines, low: Lengths, high: Lengths, *, memory: Positive | None = None
-    ):
+    def __init__(self, lines: Lines, low: Lengths, high: Lengths):
         shape = (len(lines.x), len(lines.cos))
-        self.memory = allowed_memory(memory)
-        _refuse(shape, 1, self.memory)
         self.lines = lines
         low = _on_lines("low", low, shape)
         high = _on_lines("high", high, shape)
@@ -74,7 +68,7 @@ class DexelGrid:
 
     @classmethod
     @checked
-    def cartesian(cls, low: Point, high: Point, shape: Shape, *, memory: Positive | None = None):
+    def cartesian(cls, low: Point, high: Point, shape: Shape):
         """Return a block of material on lines along z.
 
         Parameters
@@ -83,8 +77,6 @@ class DexelGrid:
             Opposite corners, in m.
         shape : (2,) int
             Number of lines along x and along y, each in the middle of its cell.
-        memory : float, optional
-            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -100,20 +92,13 @@ class DexelGrid:
         """
         if not np.all(np.less(low, high)):
             raise ValueError(f"low: must be below high on each axis; got {low} and {high}.")
-        _refuse(shape, 1, allowed_memory(memory))
-        return cls(parallel(low[:2], high[:2], shape), low[2], high[2], memory=memory)
+        _refuse(shape, 1)
+        return cls(parallel(low[:2], high[:2], shape), low[2], high[2])
 
     @classmethod
     @checked
     def radial(
-        cls,
-        start: Coordinate,
-        stop: Coordinate,
-        inner: Distances,
-        outer: Distances,
-        shape: Shape,
-        *,
-        memory: Positive | None = None,
+        cls, start: Coordinate, stop: Coordinate, inner: Distances, outer: Distances, shape: Shape
     ):
         """Return the wall of a tunnel along x on rays from its axis y = z = 0.
 
@@ -126,8 +111,6 @@ class DexelGrid:
             inner <= outer, and nothing is there where they are equal.
         shape : (2,) int
             n places along x times m angles from y (left) over z (up), each in its cell's middle.
-        memory : float, optional
-            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -140,7 +123,7 @@ class DexelGrid:
         >>> bool(np.isclose(grid.volume, np.pi * (0.6**2 - 0.5**2)))
         True
         """
-        _refuse(shape, 1, allowed_memory(memory))
+        _refuse(shape, 1)
         if not start < stop:
             raise ValueError(f"start: must be below stop; got {start:g} and {stop:g} m.")
         for name, distances in (("inner", inner), ("outer", outer)):
@@ -151,7 +134,7 @@ class DexelGrid:
                 )
         if np.any(inner > outer):
             raise ValueError("inner: must not be above outer on any ray.")
-        return cls(fan(start, stop, shape), inner, outer, memory=memory)
+        return cls(fan(start, stop, shape), inner, outer)
 
     @property
     def volume(self):
@@ -387,7 +370,7 @@ class DexelGrid:
         """Put intervals into the first slots that are free at their places."""
         free = self.high[(slice(None), *place)] <= self.low[(slice(None), *place)]
         if not np.all(free.any(axis=0)):
-            _refuse(self.low.shape[1:], len(self.low) + 1, self.memory)
+            _refuse(self.low.shape[1:], len(self.low) + 1)
             empty = np.zeros((1, *self.low.shape[1:]))
             self.low = np.concatenate([self.low, empty])
             self.high = np.concatenate([self.high, empty])
@@ -413,10 +396,8 @@ def _on_lines(name, sides, shape):
         ) from None
 
 
-def allowed_memory(memory=None):
-    """Return the bytes that may be taken: `memory`, or else half of the computer's."""
-    if memory is not None:
-        return memory
+def allowed_memory():
+    """Return the bytes that may be taken: half of the computer's."""
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2
     return 2.0**32
@@ -434,7 +415,7 @@ def check_fits(shape, each, memory, what):
         )
 
 
-def _refuse(shape, slots, memory):
+def _refuse(shape, slots):
     """Raise ValueError if intervals in so many slots, and as much for work, don't fit."""
     room = f"{slots} interval{'' if slots == 1 else 's'}"
-    check_fits(shape, 32.0 * slots, memory, f"lines with room for {room} each")
+    check_fits(shape, 32.0 * slots, allowed_memory(), f"lines with room for {room} each")
