@@ -25,18 +25,14 @@ from tunneller_lib.surfaces import (
     REFERENCE_MACHINE,
     Box,
     Cone,
-    Cutter,
     Egg,
     Frustum,
     Rod,
     RoundedDisc,
     Torus,
 )
-from tunneller_lib.surfaces.box import meet_boxes
 from tunneller_lib.surfaces.facet import meet_facets
-from tunneller_lib.surfaces.frustum import meet_frusta
 from tunneller_lib.surfaces.rod import meet_rods
-from tunneller_lib.surfaces.rounded_disc import meet_rounded_discs
 
 
 class Call(NamedTuple):
@@ -55,8 +51,7 @@ class Call(NamedTuple):
 _TORUS, _EGG, _CONE, _CHORD = Torus(1, 2), Egg(0.5), Cone(0.5), ConeChord(1, 1, 0.5, 0.25)
 _ROUNDED = RoundedDisc((0.1, 0.2, 0.3), (1, 2, 2), 0.5, 0.2)
 _ROD, _ROUND = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2), Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round")
-_EDGES = (0.4, 0.3, 0), (-0.3, 0.4, 0), (0, 0, 0.2)
-_BOX = Box((0.1, 0, 0), *_EDGES)
+_BOX = Box((0.1, 0, 0), (0.4, 0.3, 0), (-0.3, 0.4, 0), (0, 0, 0.2))
 _FRUSTUM = Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1)
 _ALIGNED = Circuit(REFERENCE_MACHINE, _EGG)
 _TILTED = Circuit(REFERENCE_MACHINE, _EGG, 0.01, 0.02)
@@ -79,8 +74,6 @@ CALLS = {
     "Cone.point": Call(_CONE.point, ("distance", "azimuth"), ((), ()), ((3,),)),
     "Cone.feet": Call(_CONE.feet, ("m",), _POINT, ((2, 3),)),
     "Cone.development": Call(_CONE.development, ("distance", "azimuth"), ((), ()), ((2,),)),
-    "Rod.contains": Call(_ROD.contains, ("points",), _POINT, ((),)),
-    "Rod.contains round": Call(_ROUND.contains, ("points",), _POINT, ((),)),
     "Rod.meet_line": Call(_ROD.meet_line, *_LINE),
     "Rod.meet_line round": Call(_ROUND.meet_line, *_LINE),
     "Rod.meet_line parallel": Call(
@@ -90,26 +83,11 @@ CALLS = {
         meet_rods, ("a", "b", "radius", "point", "direction"), ((3,), (3,), (), (3,), (3,)),
         ((), ()),
     ),
-    "meet_frusta": Call(
-        meet_frusta, ("a", "b", "radius_a", "radius_b", "point", "direction"),
-        ((3,), (3,), (), (), (3,), (3,)), ((), ()),
-    ),
-    "meet_rounded_discs": Call(
-        meet_rounded_discs, ("centre", "axis", "radius", "corner", "point", "direction"),
-        ((3,), (3,), (), (), (3,), (3,)), ((), ()),
-    ),
     "meet_facets": Call(
         partial(meet_facets, _ROD), ("facets", "direction"), ((3, 3), (3,)), ((), ()),
     ),
     "RoundedDisc.meet_line": Call(_ROUNDED.meet_line, *_LINE),
-    "RoundedDisc.contains": Call(_ROUNDED.contains, ("points",), _POINT, ((),)),
-    "meet_boxes": Call(
-        lambda corner, point, direction: meet_boxes(corner, *_EDGES, point, direction),
-        ("corner", "point", "direction"), ((3,), (3,), (3,)), ((), ()),
-    ),
     "Box.meet_line": Call(_BOX.meet_line, *_LINE),
-    "Cutter.meet_line": Call(Cutter.cone(0.2, 0.5, 2).meet_line, *_LINE),
-    "Frustum.contains": Call(_FRUSTUM.contains, ("points",), _POINT, ((),)),
     "Frustum.meet_line": Call(_FRUSTUM.meet_line, *_LINE),
     "half_lens": Call(partial(half_lens, 5), ("advance",), ((),), ((),)),
     "bowl": Call(partial(bowl, 5), ("advance",), ((),), ((),)),

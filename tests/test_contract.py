@@ -6,6 +6,8 @@ only comes as an answer. What each argument may be is read from the annotations,
 `arguments.checked` enforces.
 """
 
+import ast
+import doctest
 import importlib
 import importlib.util
 import inspect
@@ -16,7 +18,7 @@ import struct
 import time
 import types
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache, cached_property, partial
@@ -51,9 +53,18 @@ USUAL = {
 
 @cache
 def instance(kind):
-    """Return the examples' object of a class, made now if it takes time to make."""
-    one = INSTANCES[kind]
+    """Return the examples' object of a class, made now if it takes time, or its docstring's."""
+    one = INSTANCES[kind] if kind in INSTANCES else shown(kind)
     return one if isinstance(one, kind) else one()
+
+
+def shown(kind):
+    """Return the object of a class that its docstring's examples make, or None."""
+    for example in doctest.DocTestParser().get_examples(kind.__doc__ or ""):
+        for node in ast.walk(ast.parse(example.source)):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == kind.__name__:
+                return eval(ast.unparse(node), vars(inspect.getmodule(kind)))
+    return None
 
 
 @dataclass(frozen=True)
@@ -85,6 +96,8 @@ class Call:
         """Return valid arguments: those of the examples, else what is usual for their rules."""
         given = EXAMPLES[self.room].CALLS.get(self.name, {})
         found = dict(given() if callable(given) else given)
+        if not given and is_dataclass(self.function) and (one := shown(self.function)):
+            found = {name: getattr(one, name) for name in self.parameters}
         for name, about in self.parameters.items():
             if name not in found and about.default is inspect.Parameter.empty:
                 found[name] = usual(about.annotation)
@@ -148,7 +161,8 @@ def named(room, name, thing):
         if getattr(thing, "__post_init__", None) or hasattr(thing.__init__, "unchecked"):
             yield Call(room, name, thing, None)
         for inner, one in inspect.getmembers(thing):
-            if not (inspect.isfunction(one) or inspect.ismethod(one)):
+            # What a class inherits is asked of the class that it is from.
+            if not (inspect.isfunction(one) or inspect.ismethod(one)) or inner not in vars(thing):
                 continue
             if not inner.startswith("_") or (inner == "__call__" and hasattr(one, "unchecked")):
                 owner = thing if inspect.isfunction(one) else None  # a class method has its class

@@ -248,7 +248,7 @@ class Torus:
         Notes
         -----
         Closed form; the document eliminates its way to the quartic Eq. 10 instead
-        (`replica.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
+        (`exhibits.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
         below 1e-13 of the foot's distance from the origin, unless M is nearer to the ring circle
         than 1e-10 r.
 
@@ -347,7 +347,8 @@ class Torus:
         return in_blocks(lambda some: torus_line.meet(self, some[:, :3], some[:, 3:]), lines, 4)
 
 
-# What the methods of the same names do, for paths that may have no answer: of NaN they make NaN.
+# The plain functions behind the methods of the same names. Paths that may have no answer call them:
+# NaN in, NaN out.
 
 
 def torus_point(torus, theta, phi):
