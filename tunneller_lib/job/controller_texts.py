@@ -8,13 +8,10 @@ from ..motion.export import C_HEAD, C_MACROS, KINDS, c99_code, c99_types, read_b
 from .controller import Program
 
 C_USE = """
-Once: static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
-      static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
+Once: static FB_Setpoints setpoints; static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
       static volatile T_Ring ring;
-In the slow task: fb_setpoints(&setpoints, &ring);
-In each scan: tunneller.nActualTheta = ...; tunneller.bEnable = ...;
-      fb_tunneller(&tunneller, &ring);
-      ... = tunneller.rValveTheta; ... = tunneller.rValvePhi;
+Slow task: fb_setpoints(&setpoints, &ring);
+Each scan: tunneller.bEnable = ...; fb_tunneller(&tunneller, &ring); ... = tunneller.rValveTheta;
 """
 XML_WORDS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
@@ -60,7 +57,7 @@ def plcopen_xml(made: Program):
             types.append(_tag("dataType", _tag("baseType", fields), name=block.name))
             continue
         parts = (_tag(XML_WORDS[kind], *_variables(rows)) for kind, rows in block.sections)
-        body = _tag("ST", _words("\n".join(block.body)))
+        body = _tag("ST", _words(block.body.rstrip("\n")))
         pous.append(_tag("pou", _tag("interface", *parts), _tag("body", body),
                          name=block.name, pouType=XML_WORDS[block.kind]))  # fmt: skip
     tasks = [
