@@ -91,7 +91,7 @@ def built(compiler, folder, text):
 def check_indents(text, opens, closes):
     """Raise where lines of a text aren't indented as what they stand in is nested."""
     depth = 0
-    for row in text.splitlines():
+    for row in re.sub(r"(?<![;{}])\n +(?=[-+|c])", " ", text).splitlines():
         word = row.strip()
         depth -= bool(re.match(closes, word))
         assert not word or len(row) - len(row.lstrip()) == 4 * depth, row
@@ -305,7 +305,7 @@ def test_statements_do_in_c_what_they_say(tmp_path, compiler, sample):
 
 
 def test_code_of_the_sample_is_indented_as_its_braces_are_nested(sample):
-    code = re.sub(r"(?s)/\*.*?\*/", "", c99_code(sample).partition("void ")[2])
+    code = re.sub(r"(?s) */\*.*?\*/\n", "", c99_code(sample).partition("void ")[2])
     check_indents(code, r"\{$", r"\}")
 
 
@@ -320,11 +320,10 @@ def test_comments_are_kept(sample):
 def test_blocks_have_the_constants_that_they_use(sample):
     *_, inner, outer = sample
     assert inner.rows("VAR CONSTANT") == []
-    assert [(row.name, row.kind) for row in outer.rows("VAR CONSTANT")] == [
-        ("rSmall", "LREAL"),
-        ("aTable", "ARRAY [0..2] OF LREAL"),
-    ]
-    assert outer.rows("VAR_INPUT")[1][2:] == ("-7.9", "")
+    assert [row[:3] for row in outer.rows("VAR CONSTANT")] == [
+        ("rSmall", "", "LREAL"), ("aTable", "2", "LREAL")
+    ]  # fmt: skip
+    assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.controllers import Driven, c99_program, with_program
+from tests.controllers import REALS, Driven, c99_program, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.ream.moves import levers
 
@@ -39,7 +39,7 @@ def run(path, wanted, made, paused):
         driven.fast()
         c.nActualTheta, c.nActualPhi = c.nSetTheta, c.nSetPhi
         at = plan.count * np.array([c.nSetTheta, c.nSetPhi])
-        slope = np.array([c.rSlopeTheta, c.rSlopePhi]) * c.nScale / 2**15
+        slope = np.array([vars(c)[name] for name in REALS[2:]]) * c.nScale / 2**15
         speed = np.linalg.norm(levers(plan.circuit.machine.torus, at) * slope)
         rows.append([c.nScale / 2**15, c.nAhead, speed])
     driven.close()

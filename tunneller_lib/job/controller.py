@@ -271,26 +271,18 @@ def _between(ramps, scale):
 def _throughput(plan, approach, stopping):
     """Return the ring's size, the slow task's period in ticks and its setpoints a call.
 
-    With them the setpoints ahead of a run at full scale never fall short of the stopping ticks.
+    At full scale a call prepares as many as were taken since the one before, so that the ring is
+    full again; between two calls the setpoints ahead don't fall short of the stopping ticks.
     """
     slow = max(round(SLOW / plan.tick), 1)
     lap = np.tile(plan.ticks, min(plan.laps, 2))
     ends = np.cumsum(np.concatenate([[approach], plan.entry.ticks, lap, plan.leave.ticks]))
     # Setpoints that must be known at each end: those to stop in, and while the slow task waits.
-    needed = np.searchsorted(ends, ends + stopping + 2 * slow) - np.arange(len(ends))
-    ahead = int(needed.max()) + 3
+    number = np.arange(len(ends))
+    ahead = int((np.searchsorted(ends, ends + stopping + 2 * slow) - number).max()) + 3
     _check("ring", ahead, RINGS[-1], 2 * plan.tick * ahead / RINGS[-1])
     ring = next(size for size in RINGS if size >= ahead)
-    # At each call: the setpoints that a full ring has, and those that must be known till the call
-    # behind the next, since a run begins anywhere between two.
-    calls = np.arange(0, ends[-1] + slow, slow)
-    most = np.minimum(np.searchsorted(ends, calls, side="right") + ring, len(ends))
-    least = np.minimum(np.searchsorted(ends, calls + 2 * slow + stopping) + 1, len(ends))
-    for at_once in range(1, ring):  # as many as ring are always enough
-        ready = at_once * (calls // slow)
-        if np.all(ready + np.minimum.accumulate(most - ready) >= least):
-            break
-    return ring, slow, at_once
+    return ring, slow, int((np.searchsorted(ends, ends + slow) - number).max())
 
 
 def _trip(plan, job):

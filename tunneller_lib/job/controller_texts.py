@@ -90,19 +90,14 @@ def _words(text):
 
 def _variables(rows):
     """Yield variables with their types, values and comments."""
-    for name, kind, begin, comment in rows:
+    for name, last, kind, begin, comment in rows:
         values = [_tag("simpleValue", value=one) for one in re.findall(r"[^\s,\[\]]+", begin)]
-        if kind.startswith("ARRAY"):
+        type_ = _tag(kind) if kind in KINDS else _tag("derived", name=kind)
+        if last:
             values = [_tag("arrayValue", *(_tag("value", one) for one in values))]
-        parts = [_tag("type", _kind(kind))]
+            size = _tag("dimension", lower=0, upper=last)
+            type_ = _tag("array", size, _tag("baseType", type_))
+        parts = [_tag("type", type_)]
         parts += [_tag("initialValue", *values)] if begin else []
         parts += [_tag("documentation", _words(comment))] if comment else []
         yield _tag("variable", *parts, name=name)
-
-
-def _kind(of):
-    """Return the type of a variable: a number, one that has a name, or an array of either."""
-    array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", of).groups()
-    one = _tag(kind) if kind in KINDS else _tag("derived", name=kind)
-    size = _tag("dimension", lower=0, upper=last)
-    return _tag("array", size, _tag("baseType", one)) if array else one

@@ -33,7 +33,7 @@ C_MACROS = """
 """
 STRUCT = r"(\w+) : STRUCT\n(.*?) +END_STRUCT"
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
-ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
+ROW = r"^ +([\w, ]+) : (?:ARRAY \[0\.\.(\d+)\] OF )?(\w+)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
 COMMENT = r"(\(\*.*?\*\))"
 # Operations; the sign of a number is a part of it.
 COUNTED = r"\s[-+*/]\s|(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
@@ -44,13 +44,18 @@ class Row(NamedTuple):
 
     Parameters
     ----------
-    name, kind : str
-        Its type as Structured Text has it.
+    name : str
+        Of the variable.
+    last : str
+        The last index of an array that begins at 0, empty for one value.
+    kind : str
+        The type of one value as Structured Text has it.
     begin, comment : str
         Its initial value and its comment, empty where there is none.
     """
 
     name: str
+    last: str
     kind: str
     begin: str
     comment: str
@@ -169,9 +174,8 @@ def c99_code(blocks):
 
 def _declared(row):
     """Return the declaration of a `Row` in C."""
-    array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", row.kind).groups()
-    size = f"[{int(last) + 1}]" if array else ""
-    return f"{KINDS.get(kind, kind)} {row.name}{size}"
+    size = f"[{int(row.last) + 1}]" if row.last else ""
+    return f"{KINDS.get(row.kind, row.kind)} {row.name}{size}"
 
 
 def _head(block):
