@@ -58,7 +58,9 @@ def random_job(rng):
             break
     return replace(
         whole,
-        controller={**whole.controller, "plant": "T0", "gain": min(10.0, 0.3 / tick)},
+        # The axes of this test are a tick behind.
+        controller={**whole.controller, "plant": "T0", "gain": min(10.0, 0.3 / tick),
+                    "trip": max(5e-3, 2 * feed * tick)},
         limits={**whole.limits, "feed": feed, "acceleration": 10 ** rng.uniform(-1, 0.5)},
         plan={
             **whole.plan, "tick": tick, "step": 10 ** rng.uniform(np.log10(2e-4), np.log10(0.02)),

@@ -32,10 +32,11 @@ def run(path, wanted, made, paused):
     plan = wanted.planned
     c.nActualTheta, c.nActualPhi = np.rint(plan.entry.setvalues[0] / plan.count).astype(int)
     rows = []
-    for scan in range(SHOWN.stop):
+    # Time begins where the slow task does with the run, a call after it is asked for.
+    for scan in range(-made.slow, SHOWN.stop):
         if scan % made.slow == 0 and not (paused and scan in PAUSE):
             driven.slow()
-        c.bEnable, c.bStart = 1, int(scan > 1)
+        c.bEnable, c.bStart = 1, int(scan > 1 - made.slow)
         driven.fast()
         c.nActualTheta, c.nActualPhi = c.nSetTheta, c.nSetPhi
         at = plan.count * np.array([c.nSetTheta, c.nSetPhi])
@@ -43,7 +44,7 @@ def run(path, wanted, made, paused):
         speed = np.linalg.norm(levers(plan.circuit.machine.torus, at) * slope)
         rows.append([c.nScale / 2**15, c.nAhead, speed])
     driven.close()
-    return np.array(rows)[SHOWN]
+    return np.array(rows)[made.slow :][SHOWN]
 
 
 def rows():
