@@ -151,6 +151,9 @@ REFUSED = [
     ({"controller": {"trip": 1e-5}}, r"^\[controller\] trip: .* without a fault; got 1e-05 m, "),
     ({"controller": {"feedforward": 0.0, "gain": 4.0}}, r"^\[controller\] trip: .* would do\.$"),
     ({"controller": {"operations": 1e3}}, r"^\[controller\] operations: the slow task takes "),
+    ({"limits": {"feed": 0.3, "acceleration": 2.0}, "controller": {"trip": 0.05, "gain": 3.0},
+      "plan": {"tick": 0.05, "count": 1.5e-7, "step": 0.02}},
+     r"^\[plan\] tick: in one a joint moves \d+ counts, and may move 65534; "),
     ({"limits": {"acceleration": 1e-4, "feed": 0.3}, "plan": {"tick": 1e-3}},
      r"^\[plan\] tick: .* s would do\.$"),
 ]  # fmt: skip
