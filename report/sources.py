@@ -131,12 +131,6 @@ def _of(*things):
     return digest(json.dumps(things).encode())
 
 
-def notebook_results(notebook):
-    """Return the digests of all that running a notebook leaves, its own stored outputs included."""
-    files = [notebook, records(notebook)[0], *figure_files(notebook), *scene_files(notebook)]
-    return file_digests(notebook.parent.parent, files)
-
-
 def results_digest(root=ROOT):
     """Return the one digest of the results that the report shows: its numbers and figures."""
     made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]
@@ -147,14 +141,6 @@ def report_sources(root=ROOT):
     """Return digests, by name, of all that the report is made from."""
     report = root / "report"
     written = [p for p in report.rglob("*") if p.suffix in WRITTEN and p.is_file()]
-    named = [
-        "environment.txt",
-        "CITATION.cff",
-        "tests/audit/mutants.csv",
-        "tests/audit/mutants.toml",
-    ]
-    named += ["tests/audit/text_faults.csv", "tests/audit/text_faults.toml"]
-    named += ["tests/audit/recognised.csv", "tests/bench/times.csv"]
-    named += ["tests/bench/geodesic_growth.csv", "tests/bench/growth.svg"]
+    named = ["environment.txt", "CITATION.cff", "tests/audit/recognised.csv"]
     files = [*written, report / "compile.py", *(root / name for name in named)]
     return file_digests(root, files) | {"the results": results_digest(root)}

@@ -16,7 +16,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.front import front_page
 from report.site.library import Reference, modules, room
 from report.site.markup import attribute, markdown, plain
-from report.site.paper import GROWTH, captions, report_page, tables
+from report.site.paper import captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
 from report.site.search import script, sections
@@ -48,9 +48,9 @@ GUIDE = ROOT / "report" / "guide"
 
 
 class Site:
-    """A folder of pages, and what the search shall find in them.
+    """A folder of pages, and the entries of their search.
 
-    `live` is what pages have more if they run the study (report/live), else None.
+    `live` describes what pages that run the study have in addition (report/live), or is None.
     """
 
     def __init__(self, folder, live=None):
@@ -99,9 +99,9 @@ def build(folder, chosen=None, live=None):
     site = Site(folder, live)
     chosen = notebooks() if chosen is None else chosen
     add_shared(site)
-    supplement = add_reports(site, chosen)
+    shown = add_reports(site, chosen)
     add_front(site, chosen)
-    add_chapters(site, chosen, captions(supplement[1]))
+    add_chapters(site, chosen, shown)
     add_proofs(site)
     add_library(site)
     add_guide(site)
@@ -113,7 +113,6 @@ def build(folder, chosen=None, live=None):
 def add_shared(site):
     """Write what pages share: figures, style, script and fonts."""
     shutil.copytree(ROOT / "figures", site.folder / "figures", ignore=lambda *_: ["README.md"])
-    shutil.copy(GROWTH, site.folder / "figures")
     style = "\n".join(f"@media {on} {{\n{colours(name)}\n}}" for on, name in CODE_STYLES.items())
     style += "\n" + (HERE / "style.css").read_text() + (site.live.style if site.live else "")
     site.write("style.css", style)
@@ -123,7 +122,7 @@ def add_shared(site):
 
 
 def in_a_box(match):
-    """Return a formula in a line, which browsers break behind it alone, before a comma, too.
+    """Return a formula within a line in a box, because browsers break the line before a comma.
 
     A long one scrolls on a narrow screen; a short one keeps the signs that follow it.
     """
@@ -134,9 +133,9 @@ def in_a_box(match):
 
 
 def named_by_its_letters(match):
-    """Return a link or head that is a formula alone, with its letters for programs that read out.
+    """Return a link or a table's head that is a formula alone, with its letters for screen readers.
 
-    For a link they are its name. A head has text; else it counts as empty.
+    They are a link's label; in a head they are hidden text, without which it counts as empty.
     """
     tag, attributes, math = match.groups()
     letters = unicodedata.normalize("NFKD", plain(math))
@@ -241,11 +240,14 @@ def follow(url, chosen, root):
 
 
 def add_reports(site, chosen):
-    """Write the pages of the report and of its supplement; return what the second is made of."""
-    made = {document: report_page(document) for document in ("report", "supplement")}
-    for document, parts in made.items():
-        add_report(site, document, parts, chosen)
-    return made["supplement"]
+    """Write the pages of the article and of its supplement; return the captions of both."""
+    shown = {}
+    for document, called in (("report", "article"), ("supplement", "supplement")):
+        made = report_page(document)
+        add_report(site, document, made, chosen)
+        for file, caption in captions(made[1], called).items():
+            shown[file] = caption.replace('href="#', f'href="{document}.html#')
+    return shown
 
 
 def add_report(site, name, made, chosen):
