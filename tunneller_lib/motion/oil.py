@@ -319,7 +319,7 @@ def steps_of(axis):
 
 
 def parts_of(tick, steps):
-    """Return the number of `steps` of a `tick` rounded up, or raise ValueError if it is too large."""
+    """Return the number of `steps` of a `tick`, rounded up; too many raise ValueError."""
     if steps > MOST_STEPS:
         raise ValueError(
             f"tick: must be at most {tick / steps * MOST_STEPS:.3g} s, which is {MOST_STEPS} steps "
