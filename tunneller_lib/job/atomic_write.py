@@ -126,7 +126,11 @@ def _lock(work, path):
 
     The system frees a lock when its process ends.
     """
-    work.mkdir(parents=True, exist_ok=True)
+    try:
+        work.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        error.filename = str(path)
+        raise
     with suppress(FileNotFoundError), ExitStack() as held:
         file = held.enter_context(open(work / "lock", "a"))
         if fcntl:

@@ -310,12 +310,14 @@ class Job:
     @property
     def expected_seconds(self):
         """Return about how long axes and wall of `simulated` will take, two numbers in s."""
+        options = self._options
+        about = {name: options[name] for name in options if name != "pose"}
         with said_of("wall", instead=("shape", "along, around")):
-            return expected_seconds(self.planned, *self.axes, **self._rays)
+            return expected_seconds(self.planned, *self.axes, **about)
 
     @cached_property
-    def _rays(self):
-        """Return the options of `simulate` for wall and ground; a refusal where memory lacks."""
+    def _options(self):
+        """Return the options of `simulate`; too many rays or ticks for the memory are refused."""
         shape = self.wall["along"], self.wall["around"]
         with said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
@@ -328,12 +330,13 @@ class Job:
                 f"[plan] tick, laps: {ticks} ticks need {A_TICK * ticks / 1e9:.3g} GB, and "
                 f"{allowed_memory() / 1e9:.3g} GB are allowed."
             )
-        return {"shape": shape, "thickness": thickness, "arm": self.arm, "ground": self.pushing}
+        ground = {"arm": self.arm, "ground": self.pushing}
+        return {"pose": self.error, "shape": shape, "thickness": thickness, **ground}
 
     def simulated(self, say=None):
         """Return the `Cut`, or raise ValueError with the reason; `say` gets the progress."""
         with said_of("wall", instead=("shape", "along, around")):
-            return simulate(self.planned, *self.axes, pose=self.error, say=say, **self._rays)
+            return simulate(self.planned, *self.axes, say=say, **self._options)
 
 
 @checked

@@ -105,7 +105,7 @@ def _warnings(job, over, under):
     for name, worst in (("over", over), ("under", under)):
         if worst > SEVERAL * tolerance:
             found.append(
-                f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
+                f"the {name}break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
                 f"tolerance of {1e3 * tolerance:g} mm; above {SEVERAL} times this is said."
             )
     return found
@@ -241,7 +241,7 @@ def summary_text(numbers):
 
 
 def write_all(job, cut, folder, numbers, say):
-    """Write the files of a job, but pictures, into a new `folder`; return their paths.
+    """Write the files of a job and its cut, but pictures, into a new `folder`; return their paths.
 
     The `numbers` are those of `summarise`; `say` is told which file is being written.
     """

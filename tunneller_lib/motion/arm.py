@@ -53,7 +53,8 @@ def couplings(moments, phi, theta_rate, phi_rate):
     """Return the torques, in N m, by which the joints' motions resist theta and phi.
 
     On theta acts the Coriolis torque (dI/dphi) theta' phi', on phi the centrifugal torque
-    -(dI/dphi) theta'^2 / 2, with theta's inertia I. Angles are in rad, rates in rad/s.
+    -(dI/dphi) theta'^2 / 2, with theta's inertia I by an arm's `moments`. `phi` is in rad, the
+    rates theta' = `theta_rate` and phi' = `phi_rate` are in rad/s.
     """
     # Half of dI/dphi.
     half = -sine(phi) * (moments.r * moments.first + moments.second * cosine(phi))

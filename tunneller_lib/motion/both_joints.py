@@ -91,10 +91,10 @@ def least_parts(axes, tick):
 
 
 def parts_in(machine, least, rows, tick):
-    """Return the numbers (n,) of steps of ticks, in s, of a `TwoAxes` pushed by `Push.rows`.
+    """Return the numbers (n,) of steps, at least `least`, of ticks in s of a `machine`.
 
-    At least `least`. In hard ground the damper makes the equations stiff, and it changes from tick
-    to tick.
+    It is a `TwoAxes`, pushed by `rows` of a `Push`. In hard ground the damper makes the equations
+    stiff, and it changes from tick to tick.
     """
     inertia = machine.theta.inertia, machine.phi.inertia
     lever = rows[:, 3:5]
@@ -200,7 +200,8 @@ def machine_slopes(machine, state, openings, push):
 def powers(axis, first, second, spool):
     """Return what the pump gives less what the tank gets, and what valves and leaks take, in W.
 
-    `first` and `second` are the pressures of the plus and the minus side of an `axis`, in Pa.
+    `first` and `second` are the pressures of the plus and the minus side of an `axis`, in Pa, at a
+    position of its `spool`.
     """
     # Each land and each leak takes its flow times the pressure that it loses.
     inflow, outflow = flows(axis, first, second, spool)

@@ -34,7 +34,8 @@ def load_at(axis, angle):
 def speed(axis, opened, D, rho, load):
     """Return the steady speed, in rad/s, at which lands and friction use up the pressure.
 
-    The valve is open by the share `opened`, from 0 to 1; D, rho and load are one of `sides_at`.
+    The valve of the `axis` is open by the share `opened`, from 0 to 1; D, rho and load are one of
+    its `sides_at`.
     """
     slope = axis.flow * opened / D / root(1 + rho * rho * rho)
     drag = slope * axis.damping / D
@@ -60,7 +61,7 @@ def spool_at(axis, rate, position):
 
 
 def drive_of(axis, D, rho, load):
-    """Return the pressure left for lands and friction, in Pa, of one of `sides_at`."""
+    """Return the pressure left for lands and friction of an `axis`, in Pa, by D, rho and load."""
     return axis.supply - rho * axis.tank - load / D
 
 

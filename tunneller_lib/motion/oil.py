@@ -274,8 +274,8 @@ def oil_changes(axis, state, u):
 def flows(axis, first, second, spool):
     """Return the oil that flows into the plus side and out of the minus side, in m^3/s.
 
-    It flows through the open lands, past the piston, and past the closed lands; `first` and
-    `second` are the pressures of the plus and the minus side, in Pa.
+    It flows through the lands that a `spool` opens, past the piston, and past the closed lands of
+    an `axis`; `first` and `second` are the pressures of the plus and the minus side, in Pa.
     """
     opened = axis.flow * spool
     if spool > 0:

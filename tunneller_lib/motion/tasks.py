@@ -51,7 +51,7 @@ class Slice(NamedTuple):
 
 
 class Release(NamedTuple):
-    """One release of the task `name`: its time, and when its work was done."""
+    """One release of the task `name`: when it was `released`, and its work `done`."""
 
     name: str
     released: int

@@ -184,7 +184,8 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
 def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     """Return states and commands of both axes of one machine, and the energies (ticks + 1, 5).
 
-    The arguments are those of `run_each`, and `arm` and `push` of `follow`.
+    `plants`, `loops`, `setvalues`, `slopes` and `own_inverse` are as of `run_each`, `arm` and
+    `push` as of `follow`.
     """
     if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
         raise ValueError(
