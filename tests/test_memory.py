@@ -87,7 +87,7 @@ def test_a_tick_takes_at_most_what_the_guard_counts(tmp_path, monkeypatch):
         with traced() as most:
             cut = job.simulated()
             numbers = results.summarise(job, cut)
-            results.write_all(job, cut, tmp_path / "out", numbers, lambda text: None)
+            results.write_all(job, cut, tmp_path / f"out {tick} {len(ticks)}", numbers, str)
             peaks.append(most())
     a_tick, _ = np.polyfit(ticks[1:], peaks[1:], 1)
     assert 0.5 * reader.A_TICK < a_tick < reader.A_TICK

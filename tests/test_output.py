@@ -88,14 +88,21 @@ from tunneller_lib.job import results
 from tests.test_output import told_by
 
 jobs, place = map(Path, sys.argv[1:])
-options = command.parser().parse_args(["cut", str(jobs / "later.toml")])
-job = command.planned(options)
-made = job, command.simulated(job)
-numbers = results.summarise(*made)
-command.planned = lambda options: made[0]
-command.simulated = lambda job: made[1]
-results.summarise = lambda *_: numbers
-command.draw_wall(*made, jobs / "wall.png", str)  # imported
+
+def files(job, *_):
+    # Write what no simulation is needed for.
+    folder = place / ".cut.tunneller" / "new" / "cut"
+    folder.mkdir()
+    made = [folder / f"{n}.txt" for n in range(12)]
+    for file in made:
+        file.write_text(job.stamp)
+    return made
+
+command.simulated = lambda job: None
+results.summarise = lambda *_: {"warnings": []}
+results.summary_text = lambda numbers: ""
+results.write_all = files
+command.draw_wall = lambda *_: []
 arguments = ["cut", str(jobs / "later.toml"), "--out", str(place / "cut")]
 sys.stderr = open(os.devnull, "w")
 
@@ -136,7 +143,7 @@ def test_cut_killed_anywhere_leaves_the_files_of_one_job(jobs, tmp_path):
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
     seen = done.stdout.split()
-    assert seen.count("earlier") > 50 and seen.count("later") > 3 and seen.count("none") == 1
+    assert seen.count("earlier") > 30 and seen.count("later") > 3 and seen.count("none") == 1
     assert seen == sorted(seen, key=["earlier", "none", "later"].index)
 
 
