@@ -432,17 +432,18 @@ def test_listing_floats(judge):
 
 
 def test_listing_slope(judge):
-    ends = {HALF: 55, Fraction(1): 30, Fraction(2): 17}  # as printed: the slope of a second
-
-    def arrives(*repaired):
-        return all(listed(5, 30, T=T, repaired=repaired)[-1] == 30 for T in ends)
-
-    judge("line-sampling", arrives(), right=arrives("slope"))
+    # As printed the slope is that of a second: with other ticks the move ends elsewhere.
+    ends = {0.5: 55, 1.0: 30, 2.0: 17}
+    printed = {T: listing(0, 10, 5, 30, T)[1][-1] for T in ends}
+    by_tick = [INTERPOLATORS["listing"](5, 30, round(10 / T))[-1] for T in ends]
+    judge("line-sampling", all(end == 30 for end in printed.values()),
+          right=all(end == 30 for end in by_tick))  # fmt: skip
+    assert printed == ends
+    # A second way: the text itself, mended, is the integer line.
     for T, end in ends.items():
-        assert listed(5, 30, T=T)[-1] == listing(0, 10, 5, 30, float(T))[1][-1] == end
-        ticks = int(tick_counts([0, 10], float(T))[0])
-        in_whole_numbers = time_bresenham(5, 30, ticks, tie="down").tolist()
-        assert listed(5, 30, T=T, repaired=["slope"]) == in_whole_numbers
+        assert listed(5, 30, T=Fraction(T))[-1] == end
+        in_whole_numbers = time_bresenham(5, 30, round(10 / T), tie="down").tolist()
+        assert listed(5, 30, T=Fraction(T), repaired=["slope"]) == in_whole_numbers
 
 
 def test_listing_division(judge):
@@ -539,10 +540,19 @@ def test_listing_continuation(judge):
             return False
         return sum(name == "rectangle" for name, *_ in program.drawn) == 11
 
-    assert "rectangle('Position',\n" in matlab_listing.PRINTED
     judge("line-continuation", runs([]), right=runs(["continuation"]))
-    with pytest.raises(SyntaxError, match=r"rectangle\('Position',$"):
-        matlab_listing.run(repaired=[])
+    # A second way, by MATLAB's rule alone: in each line of the listing, dots joined, all brackets
+    # that it opens are closed.
+    printed = matlab_listing.PRINTED
+    corrected = printed.replace(*matlab_listing.REPAIRS["continuation"])
+    for text, fault in ((printed, ["rectangle('Position',", "[t-T/2"]), (corrected, [])):
+        open_lines = []
+        for code in re.sub(r"\.\.\.\n", " ", text).splitlines():
+            opened = [code.count(bracket) for bracket in "([{"]
+            closed = [code.count(bracket) for bracket in ")]}"]
+            if opened != closed:
+                open_lines.append(code.split()[0])
+        assert open_lines == fault
 
 
 def test_listing_thousand_entries(judge):

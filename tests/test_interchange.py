@@ -163,16 +163,17 @@ def test_dxf_of_a_circle_is_a_circle_on_its_layer():
     assert [circle[code] for code in (10, 20, 40)] == pytest.approx([100, -200, 600])
 
 
-def test_drawing_of_a_job_has_the_section_the_wanted_wall_and_the_centre_s_path(cut, tmp_path):
+def test_drawing_of_a_job_has_the_section_the_wanted_wall_and_the_centre_s_path(tmp_path):
     job = read_job(_JOB)
     write_all(job, job.simulated(), tmp_path / "new", {"faults": [{"source": "none"}]}, str)
-    drawn = entities((tmp_path / "new" / "section.dxf").read_text().partition("\n")[2])
-    radii = {
-        layer: [e[40] for e in drawn if e[8] == layer] for layer in ("SECTION", "WALL", "CENTRE")
-    }
-    section = np.array(radii["SECTION"])
-    np.testing.assert_allclose(radii["WALL"], section + 20)  # mm, the depth of cut
-    np.testing.assert_allclose(radii["CENTRE"], section - 180)
+    drawn = entities((tmp_path / "new" / "section.dxf").read_text().split("\n", 2)[2])
+    radii = np.reshape([entity[40] for entity in drawn], (3, 4))
+    assert [entity[8] for entity in drawn[::4]] == ["SECTION", "WALL", "CENTRE"]
+    # By the depth of cut, and less the cutter's radius, in mm.
+    np.testing.assert_allclose(radii[1:], radii[0] + [[20], [-180]])
+
+
+# Files
 
 
 def test_replacement_leaves_the_old_file_if_the_new_one_fails(tmp_path):
