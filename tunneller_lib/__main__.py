@@ -262,10 +262,7 @@ def draw_wall(job, cut, path, say):
         return []
     laps = path.with_name("laps.png")
     say(f"writing {path.name} and {laps.name}")
-    return [
-        wall_plot.write_unrolled(path, cut, limit=job.limit, stamp=job.stamp),
-        wall_plot.write_laps(laps, cut, tolerance=job.plan["tolerance"], stamp=job.stamp),
-    ]
+    return wall_plot.write_pictures(job, cut, path, laps)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A cut asked for by a small TOML file: see notebooks/reference.toml.
+"""A cut asked for by a small TOML file, such as reference.toml beside this module.
 
 Names, types and units are checked here; sizes by what they are for.
 """
@@ -107,8 +107,7 @@ TILT = Size("rad", most=0.8)
 POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
 WALL = dict(along=WHOLE, around=WHOLE, thickness=Size("m", most=2))
 MOST_RAYS = 100_000  # each way; memory bounds both together
-# Bytes at a command's peak. tests/test_memory.py measures 160 (cut) to 470 (animate) a ray, and 770
-# a tick; with plant T3 these are 945.
+# Bytes at a command's peak. tests/test_memory.py measures them; a tick takes more with plant T3.
 A_RAY, A_TICK = 500, 1200
 VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
@@ -343,7 +342,8 @@ class Job:
 def read_job(path: str | Path):
     """Return the `Job` that a TOML file asks for, checked for names, types and units.
 
-    A job names no other file, so that nothing that it says can be read or written elsewhere.
+    The path ``-`` is standard input. A job names no other file, so that nothing else can be read
+    or written at its wish.
 
     Raises
     ------
@@ -382,12 +382,12 @@ def read_job(path: str | Path):
 
 
 def _read_if_any(table, given, units, needed):
-    """Return what a table says that may be missing, with all that it needs otherwise."""
+    """Return what a table says: nothing if it is missing, else with all that it needs."""
     return read_table(table, given, units, needed) if given else {}
 
 
 def _read_section(given):
-    """Return what a section's table says, its pieces as arcs and lines."""
+    """Return what a section's table says, with its pieces as arcs and lines."""
     given = dict(given)
     shape = given.pop("shape", None)
     one_of("[section] shape", shape, SHAPES)
@@ -418,7 +418,7 @@ def _shape(section):
 
 
 def _circuit(machine, section, stance):
-    """Return the circuit; a refusal also says which heights of the machine would do."""
+    """Return the circuit, or raise ValueError with the heights of the machine that would do."""
     try:
         return cutting_circuit(machine, section, **stance)
     except ValueError as error:
@@ -435,7 +435,7 @@ def _circuit(machine, section, stance):
 
 
 def _check_tolerance(machine, plan):
-    """Raise ValueError where a tolerance is below what one count moves the cutter."""
+    """Raise ValueError if the tolerance is below what one count moves the cutter."""
     count = plan.get("count", USUAL["count"])
     moved = count * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
