@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from tests.shapes import log_uniform
 from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
-from tunneller_lib.motion.oil import LAMINAR, compressible_slopes, land, resistance
+from tunneller_lib.motion.oil import LAMINAR, compressible_slopes, flows, land, resistance
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
@@ -254,6 +254,15 @@ def test_flow_through_a_land_is_the_root_above_a_bar_and_straight_below():
     for lost in (0.01 * bar, 0.1 * bar):
         assert land(lost) == pytest.approx(lost / np.sqrt(bar), rel=3e-3)
         assert land(-lost) == -land(lost)
+
+
+def test_leaks_run_from_the_higher_pressure_to_the_lower():
+    leaky = replace(PHI, piston_leak=3e-12, valve_leak=2e-13)
+    first, second = 9e6, 5e6  # Pa; the first chamber loses oil past the piston to the second
+    past = 3e-12 * (first - second)
+    lands = [2e-13 * ((leaky.supply - p) - (p - leaky.tank)) for p in (first, second)]
+    found = flows(leaky.numbers, first, second, 0.0)
+    assert found == pytest.approx((lands[0] - past, -lands[1] - past))
 
 
 def test_swing_gain_is_the_steady_one_for_equal_areas():
