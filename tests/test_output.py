@@ -147,43 +147,6 @@ def test_cut_killed_anywhere_leaves_the_files_of_one_job(jobs, tmp_path):
     assert seen == sorted(seen, key=["earlier", "none", "later"].index)
 
 
-# Cuts two jobs into one folder at once, and says each one's exit code.
-AT_ONCE = """
-import os, sys, time
-from pathlib import Path
-from tunneller_lib import __main__ as command
-from tests.test_output import told_by
-
-jobs, place = map(Path, sys.argv[1:])
-sys.stderr = open(os.devnull, "w")
-for trial in range(4):
-    children = {}
-    for name in ("earlier", "later"):
-        if not (child := os.fork()):
-            sys.stdout = sys.stderr
-            begin = time.monotonic() + 0.1 * (trial % 3 if name == "later" else 1)
-            while time.monotonic() < begin:
-                pass
-            os._exit(command.main(["cut", str(jobs / f"{name}.toml"), "--out", str(place)]))
-        children[child] = name
-    codes = {}
-    while children:
-        child, status = os.wait()
-        codes[children.pop(child)] = os.waitstatus_to_exitcode(status)
-    well = [name for name, code in codes.items() if code == 0]
-    assert set(codes.values()) <= {0, 2} and told_by(place) == well[-1], codes
-    print(len(well))
-"""
-
-
-def test_two_cuts_at_once_leave_the_files_of_the_one_that_ended_well(jobs, tmp_path):
-    command = [sys.executable, "-c", AT_ONCE, jobs, tmp_path / "cut"]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.split().count("1") >= 2  # in some trials one came while the other worked
-    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
-
-
 def test_second_run_into_a_folder_is_refused_in_a_sentence(jobs, tmp_path, capsys):
     out = tmp_path / "cut"
     with output(out) as new:
