@@ -189,7 +189,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     """
     if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
         raise ValueError(
-            "plant: must be two of class Compressible if the axes share an arm or are pushed; "
+            "plant: must be two of class Compressible where the axes share an arm or are pushed; "
             f"got {shown([type(one).__name__ for one in plants])}."
         )
     axes = [one.axis for one in plants]
