@@ -212,6 +212,8 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     least = least_parts(axes, tick)
     done = 0
     while done < ticks:
+        # Some ticks at a time: a function of the ground is asked for their push, and after the run
+        # whether it stays; if not they are run again from the same states and memories.
         answer = push(done, None) if callable(push) else every
         state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
         remembered = memories.copy()
