@@ -72,8 +72,8 @@ def sampled_resonance_limit(frequency: Quantity, damping: Quantity, tick: Tick):
     """Return the gain limit of a resonance under a P loop with a tick in s, in 1/s.
 
     By Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d =
-    exp(-2 zeta w T) and t the sum of the resonance's two roots. It is the least Kv at which one of
-    two linear conditions and a quadratic one fails; as the tick vanishes, `resonance_limit`. The
+    exp(-2 zeta w T) and t the sum of the resonance's two roots. It is the least Kv at which a
+    linear or a quadratic condition fails; as the tick vanishes, `resonance_limit`. The
     `frequency` w is in rad/s, `damping` is the ratio zeta.
     """
     Ad, Bd = Resonance(1.0, frequency, damping).discrete(tick)
@@ -92,7 +92,6 @@ def sampled_resonance_limit(frequency: Quantity, damping: Quantity, tick: Tick):
     constant = -np.expm1(-2 * damping * frequency * tick) * (b2 + b1 + b0) / tick
     roots = np.roots([b0 * (b2 - b0), (2 * d - 1 - t) * b0 - b1 - d * b2, constant])
     limits = [root.real for root in roots if root.imag == 0 and root.real > 0]
-    limits += [(1 + d) / abs(b0)] if b0 else []
     limits += [2 * (1 + t + d) / (b2 + b0 - b1)] if b2 + b0 > b1 else []
     return float(min(limits))
 
