@@ -236,7 +236,7 @@ EVERY = [
 def test_lateness_is_the_phase_of_a_slow_swing_over_its_frequency(plant, angle):
     linear = plant.linear(angle)
     slow = 1e-2  # rad/s
-    rate = 1j * slow * linear.transfer(1j * slow)
+    rate = 1j * slow * linear.response(slow)
     assert linear.lateness == pytest.approx(-np.angle(rate) / slow, rel=1e-4, abs=1e-12)
 
 
@@ -255,10 +255,8 @@ def test_a_lap_whose_stroke_lacks_the_angle_0_has_closed_forms():
 T0 = Integrator(0.5)
 REFUSED = {
     "loop: must be without integral": lambda: budget(LAP, T0, pair(integral=1.0)),
-    "loop: must be without integral and dead band,": lambda: Case(
-        LAP, T0, pair(dead_band=0.1)
-    ).fault("encoder"),
-    "loop: must be without integral and dead": lambda: trailing(LAP, T0, pair(dead_band=0.1)),
+    "loop: must be without integral, ": lambda: Case(LAP, T0, pair(integral=1.0)).fault("encoder"),
+    "loop: must be without integral, which": lambda: trailing(LAP, T0, pair(integral=1.0)),
     "loop: must have the plan's tick": lambda: budget(LAP, T0, Loop(10.0, 0.01)),
     "plant: must be two, theta's": lambda: budget(LAP, [T0] * 3, pair()),
     "plan: must not wait": lambda: budget(LATE, T0, pair()),

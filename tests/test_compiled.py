@@ -47,8 +47,8 @@ PLANTS = {
 }
 LOOPS = {
     "usual": Loop(10.0, T, feedforward=1.0, delay=1, count=2 * np.pi / 2**16),
-    "integral, dead band": Loop(8.0, T, integral=5.0, dead_band=0.02, compensated=True),
-    "limited": Loop(30.0, T, delay=3, limit=0.05, dead_band=0.03),
+    "integral": Loop(8.0, T, integral=5.0),
+    "limited": Loop(30.0, T, delay=3, limit=0.05),
 }
 
 

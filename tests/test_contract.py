@@ -346,7 +346,6 @@ def test_level_arguments_are_answered_or_refused_in_a_sentence(call):
 
 ONCE_FOUND = {
     "envelopes.fit_surface": 783,
-    "job.results.summarise": 245,
     "motion.Hydraulics.loaded": 182,
     "ream.gain_margins": 730,
     "ream.route_through": 161,

@@ -90,12 +90,6 @@ def test_c_agrees_to_a_tenth_of_a_count(tmp_path, compiler):
     assert np.max(np.abs(found - corrected_chord(MACHINE.torus, p, q, 9))) < COUNT / 10
 
 
-@pytest.mark.parametrize("points", [3, 1000])
-@compilers
-def test_c_of_fewest_and_most_waypoints_compiles(tmp_path, compiler, points):
-    built(compiler, tmp_path, waypoints_c99(points))
-
-
 def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     counted = list(rows())
     with TABLE.open(newline="") as file:

@@ -1,4 +1,4 @@
-"""Which key of a job halves a fault of its budget, as another simulation confirms."""
+"""Which key of a job halves a fault of its budget, confirmed by another simulation."""
 
 from dataclasses import replace
 from functools import partial
@@ -9,7 +9,7 @@ import numpy as np
 from ..motion.stability import is_stable
 from ..ream import Case, halving, plan
 
-# In which table of a job each remedy is.
+# The table of a job that has each remedy.
 TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
           "encoder": "controller", "gain": "controller",
           "feed": "limits", "acceleration": "limits", "power": "limits"}  # fmt: skip
@@ -19,11 +19,11 @@ USUAL = {name: about.default for name, about in signature(plan).parameters.items
 def halved_by(job, faults, say=None):
     """Return (key, factor, left) for each of the `faults` of a `job`: what halves it.
 
-    The key as the job writes it, ``[table] key``, by which factor it is multiplied, and the share
-    of the fault that the simulation then leaves. All three are None where none of the keys tried
-    leaves a half. `say` is told how far it is.
+    They are the key as the job writes it, ``[table] key``, the factor that multiplies it, and the
+    share of the fault that a simulation then leaves. All three are None if none of the keys tried
+    leaves about a half. `say` is told how far it is.
     """
-    runs = {}  # of changed jobs: a change may be tried for several faults
+    runs = {}  # by their changes: one may be tried for several faults
 
     def again(source, what, factor):
         if (what, factor) not in runs:
@@ -45,7 +45,7 @@ def halved_by(job, faults, say=None):
 
 
 def changed(job, what, factor):
-    """Return a `job` with one of its remedies multiplied by a `factor`; None if it lacks it."""
+    """Return a `job` with one of its remedies multiplied by a `factor`, or None if it has none."""
     if what == "pose":
         return replace(job, pose={name: factor * value for name, value in job.pose.items()})
     what = _own(job, what)
@@ -57,7 +57,7 @@ def changed(job, what, factor):
 
 
 def _own(job, what):
-    """Return the key for `what`: an encoder has the counts of the set-values unless told."""
+    """Return the key for `what`: without an own key the encoder has the set-values' counts."""
     return "count" if what == "encoder" and "encoder" not in job.controller else what
 
 
