@@ -52,11 +52,11 @@ test: environment ## run every test, doctest and notebook, and the linter, or on
 	@$(HEADLESS) $(BIN)/python -m pytest -n auto --max-worker-restart=0 \
 		--dist loadfile --no-loadscope-reorder $(TESTS)
 
-long: environment ## run tests that have a longer form in it, for tests/long.md (a quarter of an hour), or only TESTS=FILES
-	@$(HEADLESS) $(BIN)/python -m tests.long $(TESTS)
+long: environment ## run tests that have a longer form in it, for tests/audit/long.md (a quarter of an hour), or only TESTS=FILES
+	@$(HEADLESS) $(BIN)/python -m tests.audit.long $(TESTS)
 
 check: environment ## test what the working tree's changes can reach
-	@$(HEADLESS) PATH="$(BIN):$$PATH" $(BIN)/python -m tests.check $(SINCE)
+	@$(HEADLESS) PATH="$(BIN):$$PATH" $(BIN)/python -m report.tests.check $(SINCE)
 
 # Scenes come through JupyterLab's own port, so that one is enough from afar; JupyterHub puts its
 # prefix before this.
@@ -67,7 +67,7 @@ lab: environment ## open JupyterLab on the index of the notebooks
 browser: site live ## try pages and notebooks in headless Chromium and Firefox, where they are
 	@$(BIN)/python -m pytest tests/browser -s
 
-sliders: environment ## time every slider in JupyterLab, for tests/sliders.md, or those of CHAPTERS="43_better ..."
+sliders: environment ## time every slider in JupyterLab, for tests/audit/sliders.md, or those of CHAPTERS="43_better ..."
 	@PYTHONPATH=$(CURDIR) $(BIN)/python tests/browser/sliders.py $(CHAPTERS)
 
 atlas: environment ## sweep tori and pairs of positions anew, for notebooks/atlas.csv
@@ -79,14 +79,14 @@ bench: ## time the library against others, in an environment of its own
 	@$(HEADLESS) build/bench/bin/python -m pytest -p no:dash -o filterwarnings=default \
 		tests/bench --benchmark-only
 
-plc: environment ## run the exported configuration, compiled by iec2c, and have its XML read, for tests/plc.md
-	@$(ALONE) $(BIN)/python -m tests.plc
+plc: environment ## run the exported configuration, compiled by iec2c, and have its XML read, for tests/audit/plc.md
+	@$(ALONE) $(BIN)/python -m tests.audit.plc
 
 mutants: environment ## plant faults in the library and see that the tests notice (hours)
-	@$(HEADLESS) $(BIN)/python tests/mutants.py
+	@$(HEADLESS) $(BIN)/python tests/audit/mutants.py
 
 words: environment ## plant faults in the words and see that the tests notice (half an hour)
-	@$(HEADLESS) $(BIN)/python -m tests.text_faults
+	@$(HEADLESS) $(BIN)/python -m tests.audit.text_faults
 
 format: environment ## put the sources into the common form
 	@$(BIN)/ruff check --fix-only --quiet

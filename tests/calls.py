@@ -153,6 +153,6 @@ CALLS = {
     "Circuit.position tilted": Call(_TILTED.position, ("s",), ((),), ((2,),)),
     "Circuit.point": Call(_TILTED.point, ("s",), ((),), ((3,),)),
     "Circuit.in_tunnel": Call(_TILTED.in_tunnel, ("point",), _POINT, ((3,),)),
-    "Circuit.overcut": Call(_TILTED.overcut, ("position",), _JOINT, ((),)),
-    "Circuit.path_overcut": Call(_ALIGNED.path_overcut, ("s",), ((),), ((33,),), flat=True),
+    "Circuit.overbreak": Call(_TILTED.overbreak, ("position",), _JOINT, ((),)),
+    "Circuit.path_overbreak": Call(_ALIGNED.path_overbreak, ("s",), ((),), ((33,),), flat=True),
 }  # fmt: skip

@@ -214,7 +214,7 @@ def _random_job(rng):
             "tolerance": rng.uniform(5e-4, 3e-3), "step": max(5e-3, 1.5 * feed * tick),
             "tick": tick, "count": 2 * np.pi / 2 ** int(rng.integers(15, 20)),
             "rest": rng.uniform(0, 1), "laps": int(rng.integers(1, 3)), "advance": 0.03,
-            "path": str(rng.choice(["tangent spheres", "corrected chord"])),
+            "path": str(rng.choice(["projected chord", "corrected chord"])),
         },
         controller={
             "plant": str(rng.choice(["T0", "T1", "T2", "T3"])), "gain": 1.0,

@@ -71,8 +71,8 @@ def test_knots_alone_leave_the_sagitta(circuit, tolerance):
 @TOLERANCES
 def test_corrected_chords_leave_hardly_anything(circuit, tolerance):
     plain, corrected = (tangent_sphere_fault(job(circuit, tolerance=tolerance, path=path))
-                        for path in ("tangent spheres", "corrected chord"))  # fmt: skip
-    assert plain.source == "tangent spheres" and corrected.source == "corrected chord"
+                        for path in ("projected chord", "corrected chord"))  # fmt: skip
+    assert plain.source == "projected chord" and corrected.source == "corrected chord"
     assert corrected.measured < plain.measured / 100
     assert plain.ratio == pytest.approx(1, rel=0.03)
     assert corrected.closed is None and corrected.ratio is None
@@ -430,7 +430,7 @@ def test_budget_adds_up_to_all_together():
     loops, plant = pair(**FED), [Lag(0.5, 0.02)] * 2
     faults = budget(LAP, plant, loops, pose=POSE)
     assert [fault.source for fault in faults] == [
-        "knots", "tangent spheres", "corners", "setpoints", "counts", "feed ripple", "following",
+        "knots", "projected chord", "corners", "setpoints", "counts", "feed ripple", "following",
         "encoder", "pose",
     ]  # fmt: skip
     ticks = len(LAP.setvalues)
@@ -461,15 +461,15 @@ def test_velocity_and_acceleration_against_differences():
 
 
 @CIRCUITS
-def test_gradient_and_bend_against_differences_of_the_overcut(circuit):
+def test_gradient_and_bend_against_differences_of_the_overbreak(circuit):
     s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 60)
     q, h = circuit.position(s), 1e-4
     for k, unit in enumerate(np.eye(2)):
-        slope = (circuit.overcut(q + h * unit) - circuit.overcut(q - h * unit)) / (2 * h)
+        slope = (circuit.overbreak(q + h * unit) - circuit.overbreak(q - h * unit)) / (2 * h)
         np.testing.assert_allclose(gradient(circuit, s, q)[:, k], slope, atol=1e-6)
     for rate in np.random.default_rng(6).normal(size=(5, 2)):
-        sides = circuit.overcut(q + h * rate), circuit.overcut(q - h * rate)
-        bend = (sides[0] + sides[1] - 2 * circuit.overcut(q)) / h**2
+        sides = circuit.overbreak(q + h * rate), circuit.overbreak(q - h * rate)
+        bend = (sides[0] + sides[1] - 2 * circuit.overbreak(q)) / h**2
         away = np.min(np.abs(s[:, None] - circuit.profile.blends), axis=1) > 2e-3
         np.testing.assert_allclose(joint_bend(circuit, s, q, np.broadcast_to(rate, q.shape))[away],
                                    bend[away], atol=2e-3)  # fmt: skip

@@ -20,7 +20,7 @@ LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.ph
 CORNERS = np.radians([(0, 40), (95, -40)])  # opposite corners of the joint limits
 SUP = 0.0474470131  # of F within them
 U = np.linspace(0, 1, 13)
-TANGENT_SPHERES = CHORD_PATHS["tangent spheres"]
+TANGENT_SPHERES = CHORD_PATHS["projected chord"]
 
 
 def pairs(n, seed=0):

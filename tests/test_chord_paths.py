@@ -10,8 +10,8 @@ import pytest
 
 from exhibits.path_plot import path_style
 from kit import in_words
+from tests.audit.long import many
 from tests.foot_lengths import length_of_feet
-from tests.long import many
 from tunneller_lib.paths import (
     CHORD_PATHS,
     geodesic_inverse,
@@ -69,7 +69,7 @@ def test_path_length_is_right_to_1e_9_on_spindles_horn_and_rings(ratio):
     p = np.radians(rng.uniform((0, -85), (0, 85), (n, 2)))
     q = np.radians(rng.uniform((0, -85), (170, 85), (n, 2)))
     expected = [length_of_feet(torus, *ends) for ends in zip(p, q, strict=True)]
-    length = path_length(torus, CHORD_PATHS["tangent spheres"], p, q)
+    length = path_length(torus, CHORD_PATHS["projected chord"], p, q)
     np.testing.assert_allclose(length, expected, rtol=1e-9)
     np.testing.assert_allclose(projected_length(torus, p, q), expected, rtol=1e-9)
 
@@ -82,7 +82,7 @@ def test_path_length_is_right_to_1e_9_on_spindles_horn_and_rings(ratio):
 def test_path_length_where_one_panel_does_not_tell_it(torus, p, q, length):
     p, q = np.radians([p, q])
     assert length_of_feet(torus, p, q) == pytest.approx(length, abs=5e-6)
-    for found in (path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+    for found in (path_length(torus, CHORD_PATHS["projected chord"], p, q),
                   projected_length(torus, p, q)):  # fmt: skip
         assert found == pytest.approx(length_of_feet(torus, p, q), rel=1e-10)
 
@@ -107,7 +107,7 @@ def from_a_node(gap):
 def test_path_length_close_by_a_jump_is_right(ends, gap):
     torus, p, q = ends(gap)
     expected = length_of_feet(torus, p, q)
-    for found in (path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+    for found in (path_length(torus, CHORD_PATHS["projected chord"], p, q),
                   projected_length(torus, p, q)):  # fmt: skip
         assert found == pytest.approx(expected, rel=1e-9)
 
@@ -116,7 +116,7 @@ def test_path_length_close_by_a_jump_is_right(ends, gap):
 @pytest.mark.parametrize("gap", [0, 1e-15, 1e-12, 1e-9])
 def test_path_that_jumps_for_all_that_its_points_tell_is_refused(ends, gap):
     torus, p, q = ends(gap)
-    for call in (lambda: path_length(torus, CHORD_PATHS["tangent spheres"], p, q),
+    for call in (lambda: path_length(torus, CHORD_PATHS["projected chord"], p, q),
                  lambda: projected_length(torus, p, q),
                  lambda: project_chord(torus, p, q, 5, spacing="arc")):  # fmt: skip
         with pytest.raises(
@@ -181,7 +181,7 @@ def test_path_is_no_shorter_than_the_geodesic(torus, path):
 @every_torus
 def test_tangent_spheres_are_the_projected_chord(torus):
     p, q = pairs(200, seed=3)
-    path = CHORD_PATHS["tangent spheres"]
+    path = CHORD_PATHS["projected chord"]
     np.testing.assert_array_equal(path(torus, p, q, T), project_chord(torus, p, q, 9))
     length = path_length(torus, path, p, q)
     np.testing.assert_allclose(length, projected_length(torus, p, q), rtol=1e-8)
@@ -214,11 +214,11 @@ def test_radial_projection_lies_in_a_plane_through_the_centre(torus):
 
 @every_torus
 def test_one_third_rule_is_the_geodesic_to_a_higher_order(torus):
-    # Short oblique chords: the deviation falls by 16 where the tangent spheres' falls by 8.
+    # Short oblique chords: the deviation falls by 16 where the projected chord's falls by 8.
     p, q = np.array([0.1, 0.2]), np.array([0.5, 0.45])
     ends = np.array([[p + s * (q - p), q - s * (q - p)] for s in (0.0, 0.25)])
     samples = geodesic_inverse(torus, ends[:, 0], ends[:, 1]).points(257)
-    for name, ratio in (("tangent spheres", 7), ("plane section", 7), ("one-third rule", 13)):
+    for name, ratio in (("projected chord", 7), ("plane section", 7), ("one-third rule", 13)):
         way = CHORD_PATHS[name](torus, ends[:, 0], ends[:, 1], T)
         long, short = np.max(np.abs(samples.deviation(way)), axis=-1)
         assert long / short > ratio

@@ -57,7 +57,7 @@ def test_circuit_of_the_reference_machine_to_1e_12_m():
     circuit = of(REFERENCE_MACHINE)
     s = along(circuit, 5001)
     position = circuit.position(s)
-    assert np.max(np.abs(circuit.overcut(position))) <= 1e-12
+    assert np.max(np.abs(circuit.overbreak(position))) <= 1e-12
     assert np.all(REFERENCE_MACHINE.within_limits(position))
 
 
@@ -137,11 +137,11 @@ def test_positive_pitch_lowers_the_nose_and_positive_yaw_turns_it_left():
     assert Circuit(WIDE, EGG, yaw=0.1).in_tunnel((1, 0, 0))[1] > 0
 
 
-def test_overcut_is_positive_in_the_ground():
+def test_overbreak_is_positive_in_the_ground():
     circuit = of(REFERENCE_MACHINE)
     crown = circuit.position(np.pi / 2 * 0.32)
     for lift in (-0.01, 0.01):
-        raised = circuit.overcut(crown - [lift, 0])
+        raised = circuit.overbreak(crown - [lift, 0])
         z = circuit.in_tunnel(REFERENCE_MACHINE.torus.point(*(crown - [lift, 0])))[2]
         assert raised == pytest.approx(z - 0.32, abs=1e-14) and np.sign(raised) == np.sign(lift)
 
@@ -155,7 +155,7 @@ def test_knots_keep_the_tolerance_between_them(pitch, yaw, tolerance):
     assert np.all(np.isin(circuit.profile.blends[:-1], s))
     knots = circuit.position(s)
     path = project_chord(WIDE.torus, knots, np.roll(knots, -1, axis=0), 331)
-    assert np.max(np.abs(circuit.overcut(path))) <= tolerance * (1 + 1e-3)
+    assert np.max(np.abs(circuit.overbreak(path))) <= tolerance * (1 + 1e-3)
 
 
 @pose
@@ -171,21 +171,21 @@ def test_knots_of_the_reference_machine():
     assert len(of(REFERENCE_MACHINE).knots(1e-3)) == 36
 
 
-def test_path_overcut_vanishes_at_the_knots():
+def test_path_overbreak_vanishes_at_the_knots():
     circuit = of(REFERENCE_MACHINE)
-    found = circuit.path_overcut(circuit.knots(1e-3))
+    found = circuit.path_overbreak(circuit.knots(1e-3))
     np.testing.assert_allclose(found[:, [0, -1]], 0, atol=1e-12)
 
 
 def test_corrected_chords_need_the_same_knots_and_leave_the_same_sagitta():
     circuit = of(REFERENCE_MACHINE)
     plain, corrected = (circuit.knots(1e-3, path=path)
-                        for path in ("tangent spheres", "corrected chord"))  # fmt: skip
+                        for path in ("projected chord", "corrected chord"))  # fmt: skip
     np.testing.assert_array_equal(plain, corrected)
-    apart = circuit.path_overcut(plain) - circuit.path_overcut(plain, path="corrected chord")
+    apart = circuit.path_overbreak(plain) - circuit.path_overbreak(plain, path="corrected chord")
     assert 2e-6 < np.max(np.abs(apart)) < 4e-6
-    with pytest.raises(ValueError, match=r'^path: must be "tangent spheres" or "corrected chord"'):
-        circuit.path_overcut(plain, path="geodesic")
+    with pytest.raises(ValueError, match=r'^path: must be "projected chord" or "corrected chord"'):
+        circuit.path_overbreak(plain, path="geodesic")
 
 
 @pytest.mark.parametrize("tolerance", [0, -1, np.nan, np.inf, "1", [1e-3]])
@@ -239,9 +239,9 @@ def test_cutting_circuit_refuses_another_pose(name, value):
 
 
 @pytest.mark.parametrize("s", [0.3, [[0.1, 0.2], [0.3, 0.4]]])
-def test_path_overcut_refuses_anything_but_a_list_of_knots(s):
+def test_path_overbreak_refuses_anything_but_a_list_of_knots(s):
     with pytest.raises(ValueError, match=r"^s: must have the shape \(n,\)"):
-        of(REFERENCE_MACHINE).path_overcut(s)
+        of(REFERENCE_MACHINE).path_overbreak(s)
 
 
 @pytest.mark.parametrize("r, R", [(0.08, 1e300), (0.08, 1e100), (1e-9, 1e-9)])

@@ -332,7 +332,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     assert answer["times_s"]["all"] > answer["lap_time_s"] > answer["times_s"]["straight"]
     assert all(isinstance(answer[name], int) for name in numbers)
     assert all(isinstance(answer[name], float) for name in lengths)
-    sources = ["knots", "tangent spheres", "corners", "setpoints", "counts", "feed ripple",
+    sources = ["knots", "projected chord", "corners", "setpoints", "counts", "feed ripple",
                "following", "encoder", "pose"]  # fmt: skip
     assert [fault["source"] for fault in answer["faults"]] == sources
     assert all(0 <= fault["rms_m"] < 0.01 for fault in answer["faults"])
@@ -385,8 +385,8 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert last["over_m"] == max(0, third.max()) and last["under_m"] == max(0, -third.min())
     assert len(third) == every + 1 and cut.lap_deviations.shape == (3, every + 1)
     whole, beside = summary_text(numbers).splitlines()[3:5]
-    assert whole.startswith("lap 1, in whole ground: over-break ")
-    assert beside.startswith("lap 3, beside another: over-break ")
+    assert whole.startswith("lap 1, in whole ground: overbreak ")
+    assert beside.startswith("lap 3, beside another: overbreak ")
     _, ax = figure(height=6)
     lines = wall_plot.draw_laps(ax, cut, tolerance=1e-3)
     np.testing.assert_array_equal(lines[1].get_ydata(), 1e3 * third)
@@ -410,7 +410,7 @@ def test_overshoot_where_the_cutter_enters_counts(job):
     beyond = cut.before[-1:] + 5e-3 * np.array([0.0, *outward])
     numbers = results.summarise(made, replace(cut, before=np.concatenate([cut.before, beyond])))
     assert numbers["overbreak_m"] == pytest.approx(5e-3, rel=0.05)
-    assert any(line.startswith("the over-break of 5") for line in numbers["warnings"])
+    assert any(line.startswith("the overbreak of 5") for line in numbers["warnings"])
 
 
 def test_cut_warns_of_rays_too_far_apart(capsys, job, tmp_path):
@@ -474,14 +474,14 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     code, said, _ = run(capsys, "cut", job(), "--out", tmp_path / "cut")
     assert code == 0
     lines = said.splitlines()
-    assert "setpoints" in lines[0] and "1 x " in lines[1] and "under-break" in lines[2]
+    assert "setpoints" in lines[0] and "1 x " in lines[1] and "underbreak" in lines[2]
     table = next(i for i, line in enumerate(lines) if line.startswith("each alone")) + 1
     assert [line.split()[0] for line in lines[table : table + 8]] == [
         "knots", "tangent", "corners", "setpoints", "counts", "feed", "following", "encoder"
     ]  # fmt: skip
     assert {Path(line).name for line in lines[-len(FILES) :]} == FILES
     times = next(line for line in lines if line.startswith("time in s: "))
-    assert lines[3].startswith("lap 1, in whole ground: over-break 0.")
+    assert lines[3].startswith("lap 1, in whole ground: overbreak 0.")
     assert all(part in times for part in ("straight ", "corners ", "entry ", "exit ", "all "))
     used = next(line for line in lines if line.startswith("limits used: "))
     assert "feed 100 %" in used and "acceleration 100 %" in used
@@ -510,7 +510,7 @@ REFUSED = [
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, "[plan] arm_radius: an arm of 0.3 m is"),
     (BODY | {"# width = 0.3": "width = 0.9"}, "[body] its box is 0.0"),
     (BODY | {"# high = 0.15": "high = -0.3"}, "[body] low: must be below high; got -0.25 and -0.3"),
-    ({"# path = \"corrected": "path = \"correct"}, "[plan] path: must be \"tangent spheres\" or"),
+    ({"# path = \"corrected": "path = \"correct"}, "[plan] path: must be \"projected chord\" or"),
     ({"theta_min_deg = -60": "theta_min_deg = 60"}, "[machine] theta_min_deg: must be below theta_"
      "max_deg, both in degrees from -180 to 180; got 60 and 35."),
     ({"theta_min_deg = -60": "theta_min = 1"}, "[machine] theta_min: must be below theta_max, both "

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tests.long import many
+from tests.audit.long import many
 from tests.references import geodesic_rivals
 from tunneller_lib.paths import competing_geodesics, geodesic_direct, geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus

@@ -11,8 +11,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from tests.audit.long import many
 from tests.hard_lines import FAMILIES, KINDS
-from tests.long import many
 from tests.test_exact_kernel import shape_of
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing

@@ -28,8 +28,8 @@ import numpy as np
 import pytest
 
 from exhibits import atlas
+from tests.audit.long import many
 from tests.blocks import few_pairs
-from tests.long import many
 from tunneller_lib import arguments
 from tunneller_lib.arguments import rule_of
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import many
+from tests.audit.long import many
 from tests.controllers import (
     DISABLED,
     ERROR_STOP,

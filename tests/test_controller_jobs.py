@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import many
+from tests.audit.long import many
 from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import FULL, _rests
@@ -64,7 +64,7 @@ def random_job(rng):
             **whole.plan, "tick": tick, "step": 10 ** rng.uniform(np.log10(2e-4), np.log10(0.02)),
             "count": 2 * np.pi / 2 ** int(rng.integers(12, 25)), "laps": int(rng.integers(1, 3)),
             "advance": 0.02, "tolerance": 2e-3,
-            "path": str(rng.choice(["tangent spheres", "corrected chord"])),
+            "path": str(rng.choice(["projected chord", "corrected chord"])),
         },
     )  # fmt: skip
 

@@ -81,7 +81,7 @@ def test_excess_falls_with_the_fourth_power_of_the_ratio():
 def test_no_pair_is_worse_corrected_and_the_worst_is_better(ratio, gain):
     p, q = pairs()
     torus = Torus(ratio, 1)
-    plain = excess(torus, CHORD_PATHS["tangent spheres"], p, q)
+    plain = excess(torus, CHORD_PATHS["projected chord"], p, q)
     corrected = excess(torus, CORRECTED, p, q)
     assert np.all(corrected <= plain + 1e-12)
     assert corrected.max() < plain.max() / gain
@@ -125,7 +125,7 @@ def test_paths_have_the_excess_of_the_table(short):
 
 
 @pytest.mark.parametrize(("name", "oblique", "level"), [
-    ("tangent spheres", 4, 6), ("one-third rule", 6, 6), ("corrected chord", 6, 6),
+    ("projected chord", 4, 6), ("one-third rule", 6, 6), ("corrected chord", 6, 6),
     ("Simpson rule", 6, 10), ("completed Simpson", 8, 10),
 ])  # fmt: skip
 def test_powers_of_short_chords(short, name, oblique, level):
@@ -154,7 +154,7 @@ def test_constants_of_the_rules(short):
     for row in short[15::16]:  # and along a parallel, where the torsion vanishes
         a, _ = rates(row)
         size = (row["length"] * row["R"]) ** 6
-        assert row["tangent spheres"] == pytest.approx(a**2 * size / 8064, rel=2e-4)
+        assert row["projected chord"] == pytest.approx(a**2 * size / 8064, rel=2e-4)
         assert row["one-third rule"] == pytest.approx(a**2 * size / 60480, rel=2e-4)
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.audit.long import many
 from tests.exact_facets import meets
 from tests.exact_shapes import EPS
-from tests.long import many
 from tunneller_lib.surfaces import Box, Cutter, Frustum, Rod, RoundedDisc
 
 CUTTERS = {

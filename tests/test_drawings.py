@@ -170,7 +170,7 @@ def test_competing_geodesics_are_told_apart_from_the_shortest(ax):
 
 def test_deviations_vanish_at_both_ends(ax):
     p, q = (0.0, 0.1), (0.4, -0.3)
-    rules = ["tangent spheres", "joint space"]
+    rules = ["projected chord", "joint space"]
     path_plot.draw_deviations(ax, TORUS, p, q, rules=rules)
     *lines, _level = ax.lines
     chord = np.linalg.norm(TORUS.point(*p) - TORUS.point(*q))

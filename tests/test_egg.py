@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.long import many
+from tests.audit.long import many
 from tests.shapes import log_uniform
 from tunneller_lib.surfaces import Egg
 

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 import sympy as sp
 
+from tests.audit.long import many
 from tests.envelopes_zoo import GRID
-from tests.long import many
 from tests.symbols_envelopes import (
     ANGLE,
     EQ9,

@@ -4,7 +4,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import fsolve
 
-from tests.long import many
+from tests.audit.long import many
 from tunneller_lib.kernels import compiled, elementwise
 from tunneller_lib.paths import (
     CHORD_PATHS,
@@ -191,8 +191,8 @@ def test_geodesic_is_approximated(judge):
     p, q = np.concatenate([p, corners[0]]), np.concatenate([q, corners[1]])
     torus = MACHINE.torus
     geodesic = geodesic_inverse(torus, p, q)
-    excess = path_length(torus, CHORD_PATHS["tangent spheres"], p, q) / geodesic.length - 1
-    path = CHORD_PATHS["tangent spheres"](torus, p, q, np.linspace(0, 1, 17))
+    excess = path_length(torus, CHORD_PATHS["projected chord"], p, q) / geodesic.length - 1
+    path = CHORD_PATHS["projected chord"](torus, p, q, np.linspace(0, 1, 17))
     aside = np.max(np.abs(geodesic.points(65).deviation(path)), axis=-1)
     nearly_as_short = np.max(excess) < 5e-4 and np.median(excess) < 1e-6
     close_by = np.max(aside) < 0.0125 and np.median(aside) < 2e-4
@@ -208,7 +208,7 @@ def test_geodesic_is_approximated(judge):
     worst = []
     for part in (1 / 8, 1 / 16):
         ends = middle - part * half, middle + part * half
-        track = CHORD_PATHS["tangent spheres"](torus, *ends, np.linspace(0, 1, 17))
+        track = CHORD_PATHS["projected chord"](torus, *ends, np.linspace(0, 1, 17))
         short = geodesic_inverse(torus, *ends).points(65).deviation(track)
         worst.append(np.max(np.abs(short), axis=-1))
     assert abs(np.median(np.log2(worst[0] / worst[1])) - 3) < 0.1

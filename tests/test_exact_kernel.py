@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exhibits.rod_cases import whole_rotations
+from tests.audit.long import many
 from tests.exact_shapes import EPS, exact_interval, exact_intervals, full_size, judged, size_of
 from tests.hard_lines import (
     FAMILIES,
@@ -19,7 +20,6 @@ from tests.hard_lines import (
     sizes,
     some,
 )
-from tests.long import many
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc, meet_box
 from tunneller_lib.surfaces.box import meet_boxes
 from tunneller_lib.surfaces.frustum import meet_frusta

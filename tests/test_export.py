@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from tests.long import many
+from tests.audit.long import many
 from tests.structured_text import FunctionBlock, check_names
 from tunneller_lib.motion import polyline, time_bresenham
 from tunneller_lib.motion.export import (

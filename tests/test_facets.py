@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.audit.long import many
 from tests.exact_facets import judged_facets
 from tests.exact_shapes import EPS, full_size
 from tests.hard_lines import KINDS, Whole, _floats
-from tests.long import many
 from tests.test_exact_kernel import shape_of
 from tunneller_lib.surfaces import Box, Frustum, Rod, meet_box
 from tunneller_lib.surfaces.facet import meet_facets

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from tests.long import many
+from tests.audit.long import many
 from tests.references import torus_feet
 from tests.shapes import directions, random_tori
 from tunneller_lib.surfaces import Torus

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
-from tests.long import many
+from tests.audit.long import many
 from tests.shapes import log_uniform
 from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import (

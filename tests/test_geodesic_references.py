@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from tests.long import many
+from tests.audit.long import many
 from tests.references import geodesic_sweep, torus_geodesics
 from tests.references.geodesic_families import FAMILIES
 from tests.references.geodesic_rivals import shortest_rival

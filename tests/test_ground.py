@@ -328,7 +328,7 @@ def test_budget_names_who_answers_for_what():
     kinds = {}
     for fault in found:
         kinds.setdefault(fault.kind, []).append(fault.source)
-    assert kinds["chosen"] == ["knots", "corners", "pose"] and kinds["paper"] == ["tangent spheres"]
+    assert kinds["chosen"] == ["knots", "corners", "pose"] and kinds["paper"] == ["projected chord"]
     assert kinds["ground"] == ["ground, mean", "ground, picks"]
     assert kinds["machine"][-2:] == ["encoder", "both joints"]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.conftest import many
+from tests.audit.long import many
 from tunneller_lib.motion import Compressible, Loop, Push, follow
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
@@ -62,7 +62,7 @@ def test_force_that_is_renewed_more_often_is_the_same_within_two_percent(
         monkeypatch.setattr(face, "EVERY", every)
         first, track, front = begun(made, ground, 0.08)
         force = front.force(track)[first:]
-        off = CIRCUIT.overcut(track.position[first:])
+        off = CIRCUIT.overbreak(track.position[first:])
         found.append([off.min(), force.mean(), front.removed.sum()])
     finest = np.array(found[-1])
     assert finest[0] < -1e-4  # m: what the ground holds back can be seen
@@ -242,11 +242,11 @@ def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
     rates = made.slopes[start - first : len(track.command) - first]
     positions, forces = own_run(ground, track.setvalue[start:-1], rates, states,
                                 track.command[start - 1], track.position[: start + 1])  # fmt: skip
-    ours = CIRCUIT.overcut(track.position[start + 1 :])
-    theirs = CIRCUIT.overcut(positions)
+    ours = CIRCUIT.overbreak(track.position[start + 1 :])
+    theirs = CIRCUIT.overbreak(positions)
     free = follow(OILY, LOOP, track.setvalue, slopes=np.concatenate(
         [made.entry.slopes, made.slopes])[: len(track.command)], arm=ARM)  # fmt: skip
-    without = CIRCUIT.overcut(free.position[start + 1 :])
+    without = CIRCUIT.overbreak(free.position[start + 1 :])
     held_back = np.abs(ours - without)
     assert held_back[-1] > 7e-4  # m
     assert np.abs(ours - theirs).max() < 0.01 * held_back.max()

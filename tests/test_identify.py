@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.long import many
+from tests.audit.long import many
 from tunneller_lib.motion import Compressible, Lag, Loop, follow, identify, reference_axes
 from tunneller_lib.motion.identify import identify_axis, identify_loop
 from tunneller_lib.surfaces import REFERENCE_MACHINE

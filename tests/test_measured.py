@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.long import many
+from tests.audit.long import many
 from tunneller_lib.envelopes import fit_surface
 from tunneller_lib.envelopes.families import cubic, cyclide
 from tunneller_lib.envelopes.fit import tilted

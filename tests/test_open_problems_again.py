@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests.long import many
+from tests.audit.long import many
 from tests.series_open import Equations, series, solved
 from tunneller_lib.envelopes.isotropic import contact_point, normal
 from tunneller_lib.envelopes.pseudo import pseudo_envelope

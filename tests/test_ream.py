@@ -56,7 +56,7 @@ def test_plan_begins_and_ends_at_rest_on_the_circuit():
     assert job.feed[0] == job.feed[-1] == 0 and job.feed.max() == pytest.approx(0.1, rel=1e-3)
     assert np.array_equal(job.parts[0], job.parts[-1])
     assert job.s[0] == 0 and job.s[-1] == job.s[-2] == CIRCUIT.profile.perimeter
-    np.testing.assert_allclose(CIRCUIT.overcut(job.setpoints[[0, -1]]), 0, atol=1e-13)
+    np.testing.assert_allclose(CIRCUIT.overbreak(job.setpoints[[0, -1]]), 0, atol=1e-13)
     corners = CIRCUIT.machine.torus.point(*job.route.at(job.route.ends[:-1]).T)
     missed = np.linalg.norm(corners - CIRCUIT.point(job.knots), axis=-1)
     assert missed.max() <= 0.5e-3 * (1 + 1e-4)  # half the tolerance
@@ -65,7 +65,7 @@ def test_plan_begins_and_ends_at_rest_on_the_circuit():
 
 def test_plan_on_corrected_chords():
     job = lap(path="corrected chord")
-    assert job.path == "corrected chord" and lap().path == "tangent spheres"
+    assert job.path == "corrected chord" and lap().path == "projected chord"
     moves = np.diff(CIRCUIT.machine.torus.point(*job.setpoints[:-1].T), axis=0)
     lengths = np.linalg.norm(moves, axis=-1)
     assert lengths.max() <= 5e-3
@@ -75,13 +75,13 @@ def test_plan_on_corrected_chords():
     way = geodesic_inverse(torus, *ends).points(21).position[:11]
     found = job.route.at(np.linspace(0, job.route.ends[1] / 2, 11))
     np.testing.assert_allclose(found, way, atol=1e-6)
-    with pytest.raises(ValueError, match=r'^path: must be "tangent spheres" or "corrected chord"'):
+    with pytest.raises(ValueError, match=r'^path: must be "projected chord" or "corrected chord"'):
         lap(path="geodesic")
 
 
 def test_plan_keeps_its_tolerance_and_its_counts():
     job = lap()
-    over = CIRCUIT.overcut(job.setpoints)
+    over = CIRCUIT.overbreak(job.setpoints)
     assert -1e-3 <= over.min() < -0.9e-3 and over.max() <= 1e-3
     moved = job.tick * np.cumsum(np.concatenate([np.zeros((1, 2)), job.slopes]), axis=0)
     line = job.setpoints[0] + moved
@@ -140,7 +140,7 @@ def test_route_has_the_derivatives_of_its_positions():
 def test_entry_and_exit_begin_and_end_clear_of_the_ground_at_rest():
     job = lap(clearance=7e-3)
     at = job.entry.setpoints
-    assert CIRCUIT.overcut(at[0]) == pytest.approx(-REFERENCE_MACHINE.depth - 7e-3, abs=1e-9)
+    assert CIRCUIT.overbreak(at[0]) == pytest.approx(-REFERENCE_MACHINE.depth - 7e-3, abs=1e-9)
     np.testing.assert_array_equal(at[-1], job.setpoints[0])
     np.testing.assert_array_equal(job.leave.setpoints, at[::-1])
     assert strained(replace(job, setpoints=at, ticks=job.entry.ticks)) <= 0.5 * 1.01
@@ -535,7 +535,7 @@ def test_reference_job_keeps_its_plan():
     assert np.std(set_speed[steady]) < 0.7e-3  # 4.32 mm/s with setpoints between ticks
     change = np.diff(moved[steady], axis=0) / lap.tick
     assert np.sqrt(np.mean(np.sum(change**2, axis=-1))) < 0.1  # 0.55 m/s^2
-    off = lap.circuit.overcut(track.position)
+    off = lap.circuit.overbreak(track.position)
     assert off.max() < 0.501e-3 + 0.02e-3 and -off.min() < 1.139e-3 + 0.02e-3
 
 

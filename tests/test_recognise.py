@@ -5,6 +5,8 @@ import csv
 import numpy as np
 import pytest
 
+from tests.audit.long import many
+from tests.audit.recognise_many import HEAD, TABLE, tried
 from tests.envelopes_random import member, placed, window
 from tests.envelopes_zoo import (
     CURVES,
@@ -17,14 +19,12 @@ from tests.envelopes_zoo import (
     pipe,
     ruled,
 )
-from tests.long import many
-from tests.recognise_many import HEAD, TABLE, tried
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import FLAT, adapted_frames
 from tunneller_lib.envelopes.families import channel, cyclide, helix, moving_cone, screwing
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
 
-READS = ["tests/recognised.csv"]
+READS = ["tests/audit/recognised.csv"]
 
 ANGLE, RADIUS = np.radians(20), 0.1
 MEMBERS = {
@@ -339,7 +339,7 @@ def test_half_angle_off_by_twice_what_is_promised_is_not_confirmed(share):
 
 
 def test_table_of_verdicts_on_thousands_has_no_wrong_one_and_tells_nearly_always():
-    """What the report shows; `python -m tests.recognise_many` makes it."""
+    """What the report shows; `python -m tests.audit.recognise_many` makes it."""
     lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
     rows = list(csv.DictReader(lines))
     total = sum(int(row[verdict]) for row in rows for verdict in HEAD[3:])

@@ -9,8 +9,8 @@ from exhibits.rod_cases import GENERATORS, rulings, whole_rotations
 from exhibits.rod_exact import judge as judged_flat
 from exhibits.rod_exact import rounding
 from exhibits.rod_methods import METHODS
+from tests.audit.long import many
 from tests.exact_shapes import judged
-from tests.long import many
 from tests.shapes import EPS
 from tunneller_lib.surfaces import Rod
 from tunneller_lib.surfaces.rod import meet_rods

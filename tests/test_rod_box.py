@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.long import many
+from tests.audit.long import many
 from tunneller_lib.surfaces import Rod, meet_box
 
 KINDS = ("any", "vertical", "level", "along x", "along y", "nearly vertical", "nearly level")

@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 from scipy.optimize import brentq
 
+from tests.audit.long import many
 from tests.envelopes_random import member, near_miss, placed, window
-from tests.long import many
 from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.families import moving_cone

@@ -76,7 +76,7 @@ def test_atlas_is_written_as_a_summary(tmp_path, monkeypatch):
     sweep.write_atlas(tmp_path / "blocks", table, jobs=1)
     with table.open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(CHORD_PATHS) and rows[0]["path"] == "tangent spheres"
+    assert len(rows) == len(CHORD_PATHS) and rows[0]["path"] == "projected chord"
     kept = np.load(next(tmp_path.rglob("12-3.npy")))
     assert float(rows[0]["worst excess"]) == pytest.approx(kept[:, 7].max(), rel=1e-8)
     assert not list(tmp_path.glob("*.part"))

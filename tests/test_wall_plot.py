@@ -1,4 +1,4 @@
-"""The unrolled wall: each ray where the section's points have it, each colour its over-break."""
+"""The unrolled wall: each ray where the section's points have it, each colour its overbreak."""
 
 import numpy as np
 import pytest
@@ -56,4 +56,4 @@ def test_colours_of_the_wall_are_its_over_break_where_it_is_touched(cut, drawn, 
     over = 1e3 * cut.overbreak[:, rightwards]
     np.testing.assert_array_equal(shown.filled(0), np.where(shown.mask, 0, over))
     assert drawn.get_clim() == (-1e3 * LIMIT, 1e3 * LIMIT)
-    assert drawn.colorbar.ax.get_ylabel() == "over-break / mm"
+    assert drawn.colorbar.ax.get_ylabel() == "overbreak / mm"

@@ -21,7 +21,7 @@ READS = ["tests/references/waypoints.st", "tests/references/waypoint_operations.
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 COUNT = 2 * np.pi / 2**16
-CHORD = 352  # operations of the tangent spheres' 32 waypoints, see notebooks/11_rivals.ipynb
+CHORD = 352  # operations of the projected chord's 32 waypoints, see notebooks/11_rivals.ipynb
 FILL = """
 void fill(double *out, const double *ends)
 {

@@ -38,7 +38,7 @@ def draw_ways(ax, torus, p, q):
     label = f"geodesic, {geodesic.length:.3f} m"
     ax.plot(theta, phi, color=COLOURS["geodesic"], label=label)
     t = np.linspace(0, 1, 201)
-    for name in ("tangent spheres", "joint space"):
+    for name in ("projected chord", "joint space"):
         path = CHORD_PATHS[name]
         theta, phi = np.degrees(path(torus, p, q, t).T)
         excess = 1e6 * (path_length(torus, path, p, q) / geodesic.length - 1)
@@ -104,7 +104,7 @@ def draw_deviations(ax, torus, p, q, *, rules):
 
 
 def draw_gap(ax, tori, p, q):
-    """Draw the law of the tangent spheres' gap beside the geodesic, and the gap on some tori.
+    """Draw the law of the projected chord's gap beside the geodesic, and the gap on some tori.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def draw_gap(ax, tori, p, q):
     half = law.angle / 2
     turned = half + np.arctan((2 * t - 1) * np.tan(half))  # of the chord's points, as on a sphere
     for torus, marker in zip(tori, cycle("^ox"), strict=False):
-        way = CHORD_PATHS["tangent spheres"](torus, p, q, t)
+        way = CHORD_PATHS["projected chord"](torus, p, q, t)
         off = geodesic_inverse(torus, p, q).points(513).deviation(way)
         label = f"R/r = {torus.R / torus.r:.3g}"
         look = {"ls": "", "marker": marker, "ms": 4, "color": "0.45"}

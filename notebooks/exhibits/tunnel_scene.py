@@ -21,7 +21,7 @@ BAR = {
     "title": SCALAR.replace(" / ", "\n/ "), "vertical": True, "fmt": "%.1f", "n_labels": 5,
     "below_label": "to cut", "width": 0.03, "height": 0.6, "position_x": 0.925, "position_y": 0.2,
 }  # fmt: skip
-LIMIT = 1.5  # mm, over- and under-break at the ends of the colour scale
+LIMIT = 1.5  # mm, over- and underbreak at the ends of the colour scale
 
 
 def stages(cut, ticks):

@@ -35,7 +35,7 @@ COLOURS = {
     "plane": "#CC79A7",
 }
 
-ERROR_MAP = "RdBu_r"  # of errors on the wall: over-break red, under-break blue
+ERROR_MAP = "RdBu_r"  # of errors on the wall: overbreak red, underbreak blue
 
 STYLE = {
     "font.size": 9,

@@ -171,8 +171,8 @@
     answer.append(
       budget,
       picture(files, "plan.png", "Left: the circuit within the joint limits, its knots. Right: the feed along it."),
-      picture(files, "wall.png", "The standing wall, unrolled, coloured by its over-break."),
-      picture(files, "laps.png", "Over-break along the section: of the first lap, and of the last if there are more."),
+      picture(files, "wall.png", "The standing wall, unrolled, coloured by its overbreak."),
+      picture(files, "laps.png", "Overbreak along the section: of the first lap, and of the last if there are more."),
       element("h2", "Files"),
       list,
     );

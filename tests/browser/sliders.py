@@ -1,4 +1,4 @@
-"""Time every slider of every drawing in JupyterLab: `make sliders`; tests/sliders.md keeps it.
+"""Time every slider of every drawing in JupyterLab: `make sliders`.
 
 A notebook isn't run to its end for that: each drawing stands in one of its own, with what it needs,
 as the pages that run have them. Scenes are left out. With names of notebooks only these are timed;
@@ -22,7 +22,7 @@ from report.execute import METADATA
 from report.live.program import programs
 from report.sources import ROOT, notebooks
 
-TABLE = ROOT / "tests" / "sliders.md"
+TABLE = ROOT / "tests" / "audit" / "sliders.md"
 MOVES = 7
 PAUSE = 0.25  # s between two moves: there are a hundred sliders
 

@@ -13,7 +13,7 @@ from chromium import wait
 from report.live import planner
 from report.live.build import LIVE
 from report.sources import ROOT
-from tests.test_live_planner import quick, said
+from report.tests.test_live_planner import quick, said
 
 REFERENCE = ROOT / "notebooks" / "reference.toml"
 ANSWER = "document.getElementById('answer')"

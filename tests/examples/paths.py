@@ -27,7 +27,7 @@ CALLS = {
     "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
                   "line": "-"},
     "Circuit.knots": {"tolerance": 1e-3},
-    "Circuit.path_overcut": {"s": (0.0, 0.5, 1.0)},
+    "Circuit.path_overbreak": {"s": (0.0, 0.5, 1.0)},
     "ConeChord": {"f": 0.25},
     "GeodesicPoints.deviation": {"position": [(0.3, 0.2), (0.1, 0.1)]},
     "competing_geodesics": _ENDS,

@@ -95,7 +95,7 @@ def subjects():
     yield "lines", text, ["-DLINES", f"-DMOVES={MOVES}"], check_lines
     job = read_job(HERE / "reference_job.toml")
     job = replace(job, controller={**job.controller, "plant": "T3"})
-    for path in ("tangent spheres", "corrected chord"):
+    for path in ("projected chord", "corrected chord"):
         wanted = replace(job, plan={**job.plan, "path": path})
         few, *ends = few_rows(program(wanted.planned, wanted), wanted.planned)
         code = c99_text(few).replace('#include "controller.h"\n', "")
@@ -329,7 +329,7 @@ def measured(processor, run, unit):
             check(processor, said)
             (empty,) = costs.pop(1)
             for what, every in costs.items():
-                if what == 10 and name != "tangent spheres":
+                if what == 10 and name != "projected chord":
                     continue
                 every = np.array(every) - empty
                 part = PARTS[what].format(name)

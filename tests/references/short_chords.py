@@ -18,7 +18,7 @@ from mpmath import mp, mpf
 TABLE = Path(__file__).with_suffix(".csv")
 DIGITS, NODES, TERMS = 60, 40, 100
 PATHS = [
-    "tangent spheres",
+    "projected chord",
     "one-third rule",
     "corrected chord",
     "Simpson rule",

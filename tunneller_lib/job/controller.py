@@ -155,7 +155,7 @@ def chord_rows(plan):
     aside = np.cross(normals[:-1] + normals[1:], chords)
     aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
     # M is where the plane of chord and normals, moved aside, meets the normal line of its foot; by
-    # nothing for tangent spheres amid their chord.
+    # nothing for the projected chord amid its chord.
     feet = plan.setpoints[1:].T
     frame = np.stack([chords[knot], aside[knot], -torus.normal(*feet)], axis=-1)
     off = torus.point(*feet) - points[knot]

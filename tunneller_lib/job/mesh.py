@@ -13,7 +13,7 @@ from ..ream.wall import overbreak, standing
 from ..removal import DexelGrid
 
 MM = 1000.0
-SCALAR = "over-break / mm"
+SCALAR = "overbreak / mm"
 BLOCK = 2**16  # numbers or faces that are written at once
 STL = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -39,7 +39,7 @@ class Mesh:
 
 @checked
 def wall_surface(wall: DexelGrid, circuit: Circuit):
-    """Return the standing wall with its over-break.
+    """Return the standing wall with its overbreak.
 
     Parameters
     ----------

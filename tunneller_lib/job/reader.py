@@ -301,7 +301,7 @@ class Job:
 
     @property
     def limit(self):
-        """Return the over-break at which the colours of pictures end, in m."""
+        """Return the overbreak at which the colours of pictures end, in m."""
         return 1.5 * self.plan["tolerance"]
 
     @property

@@ -21,7 +21,7 @@ from .mesh import stl_blocks, vtp_blocks, wall_solid, wall_surface
 from .reader import Job
 from .remedies import halved_by
 
-SEVERAL = 3  # times the tolerance, from which on an over- or under-break is worth a warning
+SEVERAL = 3  # times the tolerance, from which on an over- or underbreak is worth a warning
 FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
          "factor", "left", "kind")  # fmt: skip
 SUMMARY = (
@@ -86,7 +86,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
         ``limits_used``: the
         greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
         and phi's valves are fully open; ``faults``: the error budget, each source switched on
-        alone, with its greatest over- and under-break, the closed form of its ``measure``, the
+        alone, with its greatest over- and underbreak, the closed form of its ``measure``, the
         ratio of what is simulated to it, the key of the job that halves it, as another simulation
         confirms, by which factor and what is left, and who answers for it, with None for what there
         isn't; ``machine``: what it has and needs, in the unit that each row names: as planned,
@@ -218,7 +218,7 @@ def _lap_line(row):
     """Return what a lap leaves and removes as a line for people."""
     which = "lap 1, in whole ground" if row["lap"] == 1 else f"lap {row['lap']}, beside another"
     return (
-        f"{which}: over-break {1e3 * row['over_m']:.3f} mm, under-break "
+        f"{which}: overbreak {1e3 * row['over_m']:.3f} mm, underbreak "
         f"{1e3 * row['under_m']:.3f} mm, {1e3 * row['removed_m3']:.2f} l"
     )
 
@@ -230,8 +230,8 @@ def summary_text(numbers: Summary):
         f"{numbers['knots']} knots, {numbers['setpoints']} setpoints, {numbers['ticks']} ticks",
         f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
         f"{1e3 * numbers['removed_m3']:.2f} l removed",
-        f"all together: over-break {1e3 * numbers['overbreak_m']:.3f} mm, "
-        f"under-break {1e3 * numbers['underbreak_m']:.3f} mm",
+        f"all together: overbreak {1e3 * numbers['overbreak_m']:.3f} mm, "
+        f"underbreak {1e3 * numbers['underbreak_m']:.3f} mm",
         *(_lap_line(row) for row in numbers["each_lap"]),
         "time in s: " + ", ".join(f"{name} {t:.2f}" for name, t in numbers["times_s"].items()),
         "limits used: "

@@ -15,7 +15,7 @@ WHOLE = 0.999  # of the depth of cut: ground that stands farther in is untouched
 
 
 def draw_unrolled(ax, cut, *, limit):
-    """Draw the standing wall as seen from within, with its over-break in colour.
+    """Draw the standing wall as seen from within, with its overbreak in colour.
 
     Parameters
     ----------
@@ -23,13 +23,13 @@ def draw_unrolled(ax, cut, *, limit):
     cut : Cut
         A simulated or carved cut.
     limit : float
-        Over- and under-break at the ends of the colour scale, in m. Untouched ground has the
+        Over- and underbreak at the ends of the colour scale, in m. Untouched ground has the
         tunnel's colour.
 
     Returns
     -------
     shades : matplotlib.collections.QuadMesh
-        Over-break in mm; along the section, from the roof in m, above zero to the right.
+        Overbreak in mm; along the section, from the roof in m, above zero to the right.
     """
     lines = cut.wall.lines
     along = _from_roof(cut.plan.circuit.section, np.arctan2(lines.sin, lines.cos))
@@ -61,7 +61,7 @@ def draw_laps(ax, cut, *, tolerance):
     Returns
     -------
     lines : list of matplotlib.lines.Line2D
-        Over-break in mm against the place along the offset section in m: of the first lap, in whole
+        Overbreak in mm against the place along the offset section in m: of the first lap, in whole
         ground, and of the last, which is cut beside another, if there are two.
     """
     plan = cut.plan
@@ -73,7 +73,7 @@ def draw_laps(ax, cut, *, tolerance):
         lines += ax.plot(places, deviations[-1], color=LAST, lw=0.8, label=beside)
     for side in (-1e3, 1e3):
         ax.axhline(side * tolerance, color=LIMITS, lw=0.5, ls="--")
-    ax.set(xlabel="place along the offset section / m", ylabel="over-break / mm")
+    ax.set(xlabel="place along the offset section / m", ylabel="overbreak / mm")
     ax.legend()
     return lines
 
@@ -81,7 +81,7 @@ def draw_laps(ax, cut, *, tolerance):
 def write_unrolled(path, cut, *, limit, stamp):
     """Write what `draw_unrolled` draws of a cut to a PNG file and return its path.
 
-    Over- and under-break end the colour scale at `limit`, in m; `stamp` goes to the file's head.
+    Over- and underbreak end the colour scale at `limit`, in m; `stamp` goes to the file's head.
     """
     figure = Figure(figsize=(SIZE, 3.6), layout="constrained")
     draw_unrolled(figure.subplots(), cut, limit=limit)

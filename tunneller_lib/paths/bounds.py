@@ -13,7 +13,7 @@ MOST_RATIO = 1e100  # of r and R, either way
 
 Count = Whole(2, 1_000_000)
 # Of `CHORD_PATHS`, those by which a machine may go from knot to knot.
-Way = Literal["tangent spheres", "corrected chord"]
+Way = Literal["projected chord", "corrected chord"]
 Row = Array("(n,) float")
 
 

@@ -73,7 +73,7 @@ class ChordPath:
         return positions(self.name, found)
 
 
-def _tangent_spheres(torus, p, q, t):
+def _projected(torus, p, q, t):
     """Return the document's path on a torus from p to q: M(t) along its own normal, 3.3."""
     m, _ = _chord(torus, p, q, t)
     return _joint(torus, m)
@@ -146,7 +146,7 @@ def _joint_line(_, p, q, t):
 CHORD_PATHS = {
     path.name: path
     for path in (
-        ChordPath("tangent spheres", _tangent_spheres, "tangent sphere", "-"),
+        ChordPath("projected chord", _projected, "tangent sphere", "-"),
         ChordPath("one-third rule", _one_third_rule, "correct", "--"),
         ChordPath("plane section", _plane_section, "offset", "-."),
         ChordPath("radial projection", _radial_projection, "printed", ":"),

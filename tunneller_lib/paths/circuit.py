@@ -240,7 +240,7 @@ class Circuit:
         return self.axes @ np.stack([c * level + s * left, c * left - s * level, up], axis=-1)
 
     @checked
-    def overcut(self, position: Positions):
+    def overbreak(self, position: Positions):
         """Return how far the cutter's centre lies outside the wanted profile.
 
         Parameters
@@ -250,42 +250,42 @@ class Circuit:
 
         Returns
         -------
-        overcut : (...) float
-            In m: over-break if positive, under-break if negative.
+        overbreak : (...) float
+            In m: overbreak if positive, underbreak if negative.
         """
         _, centre = self.arm(position)
         return -self.profile.depth(centre[..., 1], centre[..., 2])
 
     @checked
-    def path_overcut(self, s: Row, *, path: Way = "tangent spheres"):
-        """Return the over-break along the paths that join knots to a closed loop.
+    def path_overbreak(self, s: Row, *, path: Way = "projected chord"):
+        """Return the overbreak along the paths that join knots to a closed loop.
 
         Parameters
         ----------
         s : (n,) float
             Arc lengths of the knots, in m.
-        path : {"tangent spheres", "corrected chord"}
+        path : {"projected chord", "corrected chord"}
             Which of `CHORD_PATHS` joins them.
 
         Returns
         -------
-        overcut : (n, 33) float
+        overbreak : (n, 33) float
             At as many places of each path, both ends included, in m.
         """
         position = self.position(s)
         after = np.roll(position, -1, axis=0)
         way = CHORD_PATHS[path](self.machine.torus, position, after, np.linspace(0, 1, PLACES))
-        return self.overcut(way)
+        return self.overbreak(way)
 
     @checked
-    def knots(self, tolerance: Positive, *, path: Way = "tangent spheres"):
+    def knots(self, tolerance: Positive, *, path: Way = "projected chord"):
         """Return arc lengths of knots between which paths keep the depth.
 
         Parameters
         ----------
         tolerance : float
-            Largest over- or under-break allowed between knots, in m.
-        path : {"tangent spheres", "corrected chord"}
+            Largest over- or underbreak allowed between knots, in m.
+        path : {"projected chord", "corrected chord"}
             Which of `CHORD_PATHS` joins them.
 
         Returns
@@ -314,7 +314,7 @@ class Circuit:
             counts = counts.astype(int)
             arcs = zip(blends[:-1], blends[1:], counts, strict=True)
             s = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in arcs])
-            error = np.max(np.abs(self.path_overcut(s, path=path)), axis=-1)
+            error = np.max(np.abs(self.path_overbreak(s, path=path)), axis=-1)
             worst = np.maximum.reduceat(error, np.cumsum(counts) - counts)
             kept = worst <= tolerance
             if np.all(kept):

@@ -59,7 +59,7 @@ def budget(
     Returns
     -------
     faults : list of Fault
-        Knots, tangent spheres, corners, setpoints, counts, feed ripple, following, encoder and, if
+        Knots, projected chord, corners, setpoints, counts, feed ripple, following, encoder and, if
         asked for, both joints, the ground's mean force, its picks' ripple and pose. Their
         deviations across the path add up to that of all together, but for products: where the path
         turns a trailing axis cuts the corner, by more than its fault alone.

@@ -108,8 +108,8 @@ def knot_fault(plan: Plan):
 def tangent_sphere_fault(plan: Plan):
     """Return the `Fault` of the plan's paths in place of geodesics between the same knots.
 
-    The closed form is that of tangent spheres on short chords. Of corrected chords nothing of it
-    is left: the next power of the length decides, for which there is none.
+    The closed form is that of the projected chord where chords are short. Of corrected chords
+    nothing of it is left: the next power of the length decides, for which there is none.
     """
     check_unheld(plan)
     circuit = plan.circuit
@@ -161,7 +161,7 @@ def setpoint_fault(plan: Plan):
     sagitta = joint_bend(circuit, middle, circuit.position(middle), move) / 8
     return Fault(
         source="setpoints",
-        deviation=circuit.overcut(_between(plan, at)),
+        deviation=circuit.overbreak(_between(plan, at)),
         measure="largest",
         closed=float(np.abs(sagitta).max()),
         remedies=(("step", 2**-0.5),),
@@ -174,7 +174,7 @@ def count_fault(plan: Plan):
     circuit = plan.circuit
     at = circuit.position(plan.s)
     moves = Moves(setpoints=at, ticks=plan.ticks, tick=plan.tick, count=plan.count)
-    apart = circuit.overcut(moves.setvalues) - circuit.overcut(_between(plan, at))
+    apart = circuit.overbreak(moves.setvalues) - circuit.overbreak(_between(plan, at))
     slope = gradient(circuit, plan.places, circuit.position(plan.places))
     # A line's rounding is uniform over a count. A setpoint is off by a uniform half of a part, and
     # their mix on a line by 2/3 of its square.
@@ -362,13 +362,13 @@ def _between(plan, at):
 
 def _overbreak(plan, way):
     """Return the overbreak (ticks + 1,), in m, where another way has the places of each tick."""
-    return plan.circuit.overcut(way.at(way.length_at(plan.places)))
+    return plan.circuit.overbreak(way.at(way.length_at(plan.places)))
 
 
 def _followed(plan, plants, loops, wanted):
     """Return the overbreak (n,), in m, of axes that follow positions (n, 2), one a tick."""
     rates = np.diff(wanted, axis=0) / plan.tick
-    return plan.circuit.overcut(follow(plants, loops, wanted, slopes=rates).position)
+    return plan.circuit.overbreak(follow(plants, loops, wanted, slopes=rates).position)
 
 
 def _ideal(loops):

@@ -66,7 +66,7 @@ class LoadedLaps:
                 face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
                 push = face.push
             track = follow(self.plant, self.loop, wanted, slopes=rates, arm=arm, push=push)
-            self._found[key] = plan.circuit.overcut(track.position)
+            self._found[key] = plan.circuit.overbreak(track.position)
         return self._found[key]
 
 

@@ -63,7 +63,7 @@ class Plan(Moves):
         Which a lap would take without its rest if turning the joints cost no feed, in s.
     clearances : list of PartClearance
         How far arm, holder, box and cutter keep from the wall.
-    path : {"tangent spheres", "corrected chord"}
+    path : {"projected chord", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots.
     """
 
@@ -81,7 +81,7 @@ class Plan(Moves):
     advance: float
     straight_time: float
     clearances: list[PartClearance]
-    path: str = "tangent spheres"
+    path: str = "projected chord"
 
     @property
     def places(self):
@@ -177,7 +177,7 @@ def plan(
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
-    path: Way = "tangent spheres",
+    path: Way = "projected chord",
     blend: Length | None = None,
     clearance: Length0 = 5e-3,
 ):
@@ -207,7 +207,7 @@ def plan(
         Step of the machine out of the tunnel, towards -x, after each lap, in m.
     arm_radius : float
         Of a round-ended rod about the arm, in m, that must stay clear of the intact wall.
-    path : {"tangent spheres", "corrected chord"}
+    path : {"projected chord", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots: the paper's, or the one next to a geodesic.
     blend : float, optional
         By how much the rounded corners may miss their knots, in m; half the tolerance by default.
@@ -465,7 +465,7 @@ def _withdrawn(circuit, position, distance):
     for _ in range(NEWTON_STEPS):
         slope = torus.velocity(np.stack([found, found]), np.eye(2)) @ outward
         way = slope / levers(torus, found) ** 2
-        found = found - (distance + circuit.overcut(found)) * way / (slope @ way)
+        found = found - (distance + circuit.overbreak(found)) * way / (slope @ way)
     return found
 
 

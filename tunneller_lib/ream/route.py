@@ -145,7 +145,7 @@ def route_through(
     places = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(places)
     at[-1] = at[0]  # not off by a rounding
-    path = _walked(way or path_points(torus, "tangent spheres"), at[:-1], at[1:])
+    path = _walked(way or path_points(torus, "projected chord"), at[:-1], at[1:])
     splines = _splines(np.moveaxis(path, 1, 0))
     # Arcs are equal, so that any mean of the speed over the shares is the length.
     middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)

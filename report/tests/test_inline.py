@@ -1,0 +1,224 @@
+"""Formulas in running text: each is read where the reader knows its signs, equations are evaluated.
+
+What is whole, an equation or a condition on letters, is true at values that the library gives, as
+a display is (typeset_check.py): by the values of a display's letters, or by some of its own.
+The others are names, given sizes ("h = 0.5"), definitions of a letter for one sentence, or stand
+in `UNREAD`, with what the reader doesn't know.
+"""
+
+import re
+
+import numpy as np
+import pytest
+
+from report.tests.prose import sources
+from report.tests.typeset_check import Check
+from report.tests.typeset_worlds import WORLDS, numbered, signed, some_torus
+from report.tests.typst_math import parse
+from tests.symbols_envelopes import example
+from tunneller_lib.envelopes.isotropic import surface_points
+from tunneller_lib.motion import Integrator, Loop, Resonance
+from tunneller_lib.motion.stability import continuous_limit, eigenvalue_limit
+from tunneller_lib.paths import ConeChord, geodesic_direct
+from tunneller_lib.ream.wall import scallop_height
+from tunneller_lib.removal.volume import bowl, ring
+from tunneller_lib.surfaces import Egg, Rod
+from tunneller_lib.surfaces.rod_interval import frame
+
+READS = ["report/*.typ", "report/sections/*"]
+
+
+def formulas(path):
+    """Return the formulas of a source's running text."""
+    text = re.sub(r"\\\$|`[^`]*`|//[^\n]*", "", path.read_text("utf-8"))
+    return [" ".join(formula.split()) for formula in re.findall(r"\$([^$]*)\$", text)]
+
+
+USED = [formula for path in sources() for formula in formulas(path)]
+FORMULAS = list(dict.fromkeys(USED))
+
+# What the reader of displays doesn't know, and who has it.
+UNREAD = {
+    r"°": "angles in degrees",
+    r"#num": "a record",
+    r"[=<>]=?$|^<=": "the beginning of a sentence's number",
+    r"!=|plus\.minus|d_\+| : ": "signs that no display has",
+    r"\b(times|cot|max|min|sup|ceil|det|nabla|dif|Delta|integral|square|degree)\b": "other words",
+    r"bold\([a-z]+\)[_']": "a vector with an index or a dash",
+    r"\b[A-Z]\(": "a letter before a parenthesis: a function, or a product without a blank",
+    r"''": "a second derivative",
+    r"dot \[|[afg]\([rx]\b|\) t\^": "a product or function that could be read in two ways",
+}
+
+# Equations of letters that a display has, too.
+OF_DISPLAYS = {
+    r"S = sqrt(H^2 + R^2)": "eq17",
+    r"sigma = h S \/ H": "eq17",
+    r"P = (R, 0, -H)": "cone-point",
+    r"rho = r + R cos phi": "eq01",
+    r"m_1 n_3 = m_3 n_1": "eq08",
+    r"d_sigma = sqrt((rho - sigma r)^2 + m_2^2)": "feet",
+    r"s = m_1^2 + m_3^2": "eq11",
+    r"V_R = pi c^3 \/ 12": "groove-area",
+}
+OWN = {}
+
+
+def world(*sources):
+    """Register a function of a generator as what gives the letters of formulas their values."""
+
+    def register(make):
+        for source in sources:
+            OWN[source] = make
+        return make
+
+    return register
+
+
+@world(r"tan alpha = R\/H", r"Theta_f \/ Phi_f = S\/R")
+def chord_of_a_cone(rng):
+    chord = ConeChord(*rng.uniform(0.5, 2, 2), 0.3, rng.uniform(0.1, 0.4))
+    u = np.linspace(0, 1, 3)
+    developed = np.arctan2(*chord.geodesic(u)[-1, ::-1])
+    return {"R": chord.R, "H": chord.H, "alpha": chord.cone.half_angle,
+            "Theta_f": float(chord.azimuth(1.0)), "Phi_f": float(developed),
+            "S": float(chord.table(0.0)[2])}  # fmt: skip
+
+
+@world("c = rho sin alpha")
+def along_a_geodesic(rng):
+    torus = some_torus(rng)
+    start, alpha = rng.uniform(-0.6, 0.6, 2), rng.uniform(0.3, 2.5)
+    way = geodesic_direct(torus, start, alpha, 0.4)
+    far, near = (np.hypot(*torus.point(*way.position[i])[[0, 2]]) for i in (-1, 0))
+    return {"c": far * np.sin(way.azimuth[-1]), "rho": near, "alpha": alpha}
+
+
+@world('theta = "atan2"(-m_3, m_1)', 'phi = "atan2"(m_2, rho - r)')
+def angles_of_a_foot(rng):
+    torus, m = some_torus(rng), signed(rng, 0.4, 1.2, 3)
+    theta, phi = torus.angles(torus.foot(m))
+    return {"theta": float(theta), "phi": float(phi), "r": torus.r, "rho": np.hypot(m[0], m[2]),
+            **numbered("m", m)}  # fmt: skip
+
+
+@world(r"bold(q) = bold(a) + t (bold(b) - bold(a))",
+       "T_4 t^4 + T_3 t^3 + T_2 t^2 + T_1 t + T_0 = 0",
+       "t_4 = |bold(b) - bold(a)|^2", "t_3 = bold(a) dot (bold(b) - bold(a))",
+       "t_2 = |bold(a)|^2 - r^2 - R^2")  # fmt: skip
+def line_through_a_torus(rng):
+    torus, theta, phi = some_torus(rng), *rng.uniform(-0.5, 0.5, 2)
+    q, along = torus.point(theta, phi), signed(rng, 0.5, 1.5, 3)
+    a = q - 0.3 * along
+    values = WORLDS["eq05"](0)[0] | {"bold a": a, "bold b": a + along, "bold q": q, "t": 0.3}
+    # The product of the distances to both meridian circles, as a polynomial in t.
+    t = np.linspace(-1, 1, 5)
+    quartic = np.polynomial.Polynomial.fit(t, torus.implicit(a + t[:, None] * along), 4).convert()
+    return values | {"r": torus.r, "R": torus.R, "t_4": along @ along, "t_3": a @ along,
+                     "t_2": a @ a - np.hypot(torus.r, torus.R) ** 2,
+                     **numbered("T", quartic.coef, 0)}  # fmt: skip
+
+
+@world("V_C + V_R = V_L = pi B^2 c")
+def bowl_and_ring(rng):
+    B, c = rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)
+    cylinder = Rod((0, 0, 0), (0, 0, c), B)
+    x, y = np.meshgrid(*[(np.arange(400) + 0.5) * B / 200 - B] * 2)
+    lines = np.stack([x, y, 0 * x], axis=-1)
+    enter, leave = cylinder.meet_line(lines, (0, 0, 1))
+    volume = np.sum(np.where(enter < leave, leave - enter, 0)) * (B / 200) ** 2
+    return {"B": B, "c": c, "V_C": float(bowl(B, c)), "V_R": float(ring(B, c)),
+            "V_L": float(volume), "tolerance": 1e-4}  # fmt: skip
+
+
+@world(r"K_v T < 2 sin(pi\/(2(2m+1)))")
+def below_the_limit_with_a_delay(rng):
+    m, T = int(rng.integers(5)), rng.uniform(1e-3, 0.1)
+    limit = eigenvalue_limit(Integrator(0.5), Loop(0.1 / T, T, delay=m))
+    return {
+        "K_v": 0.999 * limit,
+        "T": T,
+        "m": m,
+        "outside": [{"K_v": 1.001 * limit}, {"T": 1.01 * T}, {"m": m + 1}],
+    }
+
+
+@world(r"K_i T < K_v < (4 + K_i T^2)\/(2T)")
+def between_the_limits_with_an_integral(rng):
+    T = rng.uniform(1e-3, 0.1)
+    K_i = (rng.uniform(0.2, 1) / T) ** 2
+    loop = Loop(1.5 / T, T, integral=K_i)
+    low, high = (eigenvalue_limit(Integrator(0.5), loop, side=side) for side in ("lower", "upper"))
+    near_low = rng.random() < 0.5
+    return {"K_v": 1.001 * low if near_low else 0.999 * high, "K_i": K_i, "T": T,
+            "outside": [{"K_v": 0.999 * low}, {"K_v": 1.001 * high}, {"T": 1.05 * T},
+                        {"K_i": (1.05 if near_low else 0.5) * K_i}]}  # fmt: skip
+
+
+@world("K_v < 2 zeta omega_h")
+def below_the_limit_of_a_resonance(rng):
+    omega, zeta = rng.uniform(30, 200), rng.uniform(0.05, 0.3)
+    limit = continuous_limit(Resonance(0.5, omega, zeta))
+    outside = [{"K_v": 1.001 * limit}, {"zeta": 0.99 * zeta}, {"omega_h": 0.99 * omega}]
+    return {"K_v": 0.999 * limit, "zeta": zeta, "omega_h": omega, "outside": outside}
+
+
+@world(r"h = B - sqrt(B^2 - p^2 \/ 4)")
+def cusp_between_passes(rng):
+    B, p = rng.uniform(0.1, 0.3), rng.uniform(0.02, 0.1)
+    return {"h": float(scallop_height(B, p)), "B": B, "p": p}
+
+
+@world("h = |(v_x, v_y)|", r"e = v_z \/ |bold(v)|", "w = sqrt((r - s)(r + s))", "k = e w")
+def rod_seen_along_a_line(rng):
+    v = np.append(signed(rng, 0.5, 1.5, 2), rng.uniform(0.5, 1.5))
+    seen = frame(np.zeros(3), v, np.array([0.0, 0, 1]))
+    # A point of the end's rim: s aside, w from the middle in the disc, k as the line sees that.
+    r, angle = rng.uniform(0.4, 0.8), rng.uniform(-1, 1)
+    within = np.cross(v / seen.length, seen.across)
+    w = r * np.cos(angle)
+    return {"v_x": v[0], "v_y": v[1], "v_z": v[2], "bold v": v, "h": float(seen.run), "w": w,
+            "e": float(seen.rise / seen.length), "r": r, "s": r * np.sin(angle),
+            "k": abs(w * float(within @ seen.flat))}  # fmt: skip
+
+
+@world("z (x^2 + y^2 + z^2) + 2 (x^2 + z^2) = 0")
+def point_of_the_cyclide(rng):
+    return dict(zip("xyz", surface_points(example, *signed(rng, 0.3, 1, 2)).tolist(), strict=True))
+
+
+@world(r"d = a\/2")
+def offset_that_uses_the_invert_up(rng):
+    a = rng.uniform(0.3, 2)
+    return {"d": float(Egg(a).least_radius), "a": a}
+
+
+def unread(formula):
+    return [why for pattern, why in UNREAD.items() if re.search(pattern, formula)]
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_formula_is_read(formula):
+    if not unread(formula):
+        assert parse(formula).statements
+
+
+@pytest.mark.parametrize("formula", [*OF_DISPLAYS, *OWN])
+def test_equation_in_running_text_is_right_and_every_letter_matters(formula):
+    assert formula in FORMULAS
+    make = OWN.get(formula)
+    found = [make(np.random.default_rng((5, i))) for i in range(4)] if make else None
+    check = Check(formula, found or WORLDS[OF_DISPLAYS[formula]](5))
+    assert check.right()
+    changed = {letter for change in check.worlds[0].get("outside", ()) for letter in change}
+    assert set(check.blind()) <= changed  # of a condition, those that make it false when changed
+
+
+@pytest.mark.parametrize("pattern", UNREAD)
+def test_every_kind_that_is_not_read_is_used(pattern):
+    assert any(re.search(pattern, formula) for formula in FORMULAS)
+
+
+def test_most_formulas_are_read():
+    read = [formula for formula in USED if not unread(formula)]
+    assert len(USED) > 400 and len(read) > 0.85 * len(USED)

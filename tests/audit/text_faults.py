@@ -1,0 +1,339 @@
+"""Plant faults in words, one at a time, and see whether the tests notice: `make words`.
+
+A fault changes what the study says and no number: a verdict, the proof of a row, a sign in a
+displayed equation, "at most" into "at least", "closer" into "farther", five into six, a record or a
+figure exchanged for another, an output in the README. Which ones is drawn with a seed. Each is
+judged in a copy of the checkout, under build/words, by the tests of its kind. The comparison of
+the PDFs with what they are made from judges nothing: it compares a text with a copy of itself. The
+result is tests/audit/text_faults.csv, with the score of each kind in its head.
+"""
+
+import argparse
+import csv
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from report.tests.prose import CALL, CAPTION, NUMBER, bracketed, sources
+from report.tests.typeset_faults import faults as equation_faults
+from report.tests.typst_math import tokens
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build" / "words"
+TABLE = ROOT / "tests" / "audit" / "text_faults.csv"
+REASONS = ROOT / "tests" / "audit" / "text_faults.toml"
+COLUMNS = ["kind", "file", "before", "after", "noticed by"]
+SEED = "tunneller"
+EACH = 15  # faults of a kind
+
+DOCUMENTS = ("tunneller", "line-cylinder", "cone-envelopes")
+VERDICTS = ("holds", "imprecise", "corrected", "refuted", "ambiguous", "not reproduced")
+STATISTICS = {
+    "at most": "at least", "at least": "at most", "worst": "median", "median": "worst",
+    "largest": "smallest", "smallest": "largest", "longest": "shortest", "shortest": "longest",
+    "up to": "at least", "rms": "mean", "mean": "rms",
+}  # fmt: skip
+ORDERS = {
+    "closer": "farther", "shorter": "longer", "longer": "shorter", "fewer": "more", "more": "less",
+    "less": "more", "smaller": "larger", "larger": "smaller", "better": "worse", "worse": "better",
+    "best": "worst", "faster": "slower", "slower": "faster", "greater": "less",
+    "most": "least", "least": "most", "farther": "closer", "never": "always",
+}  # fmt: skip
+COUNTS = "two three four five six seven eight nine ten".split()
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Words of a file put in the place of others; `tests` are pytest's arguments."""
+
+    kind: str
+    file: str
+    before: str
+    after: str
+    text: str
+    tests: tuple
+
+
+# The tests of words, the report's own that read them, and one that makes it.
+WORDS = ("report/tests/test_words.py",
+         "report/tests/test_report.py::test_every_record_is_used_and_every_use_recorded",
+         "report/tests/test_report.py::test_no_result_is_typed_in_the_report",
+         "report/tests/test_report.py::test_report_of_a_copy_has_the_same_bytes")  # fmt: skip
+
+
+def read(file):
+    return (ROOT / file).read_text(encoding="utf-8")
+
+
+def ledgers():
+    return [f"report/ledger/{document}.toml" for document in DOCUMENTS]
+
+
+def verdict_faults(rng):
+    """Another verdict for a row, its neighbours' more often: softened or sharpened."""
+    for file in rng.sample(ledgers() * EACH, EACH):
+        text = read(file)
+        name, row = rng.choice(sorted(tomllib.loads(text).items()))
+        new = rng.choice([word for word in VERDICTS if word != row["verdict"]])
+        place = text.index(f"[{name}]")
+        start = text.index(f'verdict = "{row["verdict"]}"', place)
+        old = f'verdict = "{row["verdict"]}"'
+        changed = text[:start] + f'verdict = "{new}"' + text[start + len(old) :]
+        yield Fault("verdict", file, f"{name}: {row['verdict']}", new, changed,
+                    (row["proof"], "report/tests/test_ledger.py"))  # fmt: skip
+
+
+def proof_faults(rng):
+    """The proofs of two rows exchanged."""
+    for file in rng.sample(ledgers() * EACH, EACH):
+        text = read(file)
+        rows = tomllib.loads(text)
+        while True:
+            one, other = rng.sample(sorted(rows), 2)
+            first, second = rows[one]["proof"], rows[other]["proof"]
+            if first != second and rows[one]["verdict"] == rows[other]["verdict"]:
+                break
+        changed = text.replace(f'"{first}"', '"@"').replace(f'"{second}"', f'"{first}"')
+        yield Fault("proof", file, f"{one}: {first.partition('::')[2]}", second.partition("::")[2],
+                    changed.replace('"@"', f'"{second}"'),
+                    ("report/tests/test_ledger.py", *sorted([first, second])))  # fmt: skip
+
+
+def equations(rng):
+    """A sign, an index, an exponent or a coefficient of a displayed equation."""
+    file = "report/equations.toml"
+    text = read(file)
+    entries = tomllib.loads(text)
+    for name in rng.sample(sorted(entries), EACH):
+        right = entries[name]["right"]
+        kind, place, changed = rng.choice(equation_faults(right, rng))
+        new = " ".join(token.text for token in changed)
+        start = text.index(right, text.index(f"[{name}]"))
+        yield Fault("equation", file, f"{name}: {tokens(right)[place].text} ({kind})", new,
+                    text[:start] + new + text[start + len(right) :],
+                    ("report/tests/test_typeset.py",))  # fmt: skip
+
+
+def whole(path):
+    return path.read_text("utf-8")
+
+
+def told(path):
+    """Return a file's captions and abstract, of the findings all; the rest is blanks."""
+    text = whole(path)
+    if path.stem == "findings":
+        return text
+    kept = [" "] * len(text)
+    for place in CAPTION.finditer(text):
+        start = place.end() + 1
+        stop = start + len(bracketed(text, place.end()))
+        kept[start:stop] = text[start:stop]
+    return "".join(kept)
+
+
+def comparing(path):
+    """Return the words that are read for comparisons: blanks where calls and comments stand.
+
+    The word that an order's call prints is read, the last in it.
+    """
+
+    def blank(match):
+        word = re.search(r"\w*(?=\"\)$)", match[0])
+        printed = match[0].startswith(("#than", "#compared"))
+        return " " * word.start() + word[0] + "  " if printed else " " * len(match[0])
+
+    text = re.sub(r"//[^\n]*", lambda match: " " * len(match[0]), whole(path))
+    return CALL.sub(blank, text)
+
+
+def in_prose(kind, pattern, change, rng, places=whole):
+    """Faults where a pattern finds words; `places` gives a file's text with blanks elsewhere."""
+    found = [(path, match) for path in sources() for match in re.finditer(pattern, places(path))]
+    for path, match in rng.sample(found, min(EACH, len(found))):
+        new, text = change(match), whole(path)
+        yield Fault(kind, str(path.relative_to(ROOT)), around(text, match.span()), new,
+                    text[: match.start()] + new + text[match.end() :], WORDS)  # fmt: skip
+
+
+def around(text, span, width=30):
+    return " ".join(text[max(0, span[0] - width) : span[1] + width].split())
+
+
+def statistics(rng):
+    """What a number is of those it stands for, right before it."""
+    words = "|".join(STATISTICS)
+    yield from in_prose("statistic", rf"\b({words})(?=[\s~]*#num\()",
+                        lambda match: STATISTICS[match[1]], rng)  # fmt: skip
+
+
+def orders(rng):
+    """A word that compares, in running text too; after "at" it is a statistic."""
+    yield from in_prose("order", rf"(?<!at\s)\b({'|'.join(ORDERS)})\b",
+                        lambda match: ORDERS[match[1]], rng, comparing)  # fmt: skip
+
+
+def counts(rng):
+    """A number word, or the record that it comes from."""
+
+    def another(match):
+        if match[1]:
+            return COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)]
+        numbers = json.loads(read(f"report/numbers/{match[2]}.json"))["numbers"]
+        names = [name for name in numbers if name != match[3]]
+        return f'#count("{match[2]}", "{rng.choice(names)}")'
+
+    pattern = rf'\b({"|".join(COUNTS)})\b|#count\("([^"]+)", "([^"]+)"\)'
+    yield from in_prose("count", pattern, another, rng, told)
+
+
+def records(rng):
+    """Two numbers of one section and notebook exchanged."""
+    for path in rng.choices(sources(), k=4 * EACH):
+        text = path.read_text("utf-8")
+        places = list(NUMBER.finditer(text))
+        pairs = [(a, b) for a in places for b in places if a.start() < b.start()
+                 and a[1] == b[1] and a[2] != b[2]]  # fmt: skip
+        if not pairs:
+            continue
+        a, b = rng.choice(pairs)
+        changed = text[: a.start()] + b[0] + text[a.end() : b.start()] + a[0] + text[b.end() :]
+        yield Fault("record", str(path.relative_to(ROOT)), a[2], b[2], changed, WORDS)
+
+
+def captions(rng):
+    """Two figures of one section exchanged under their captions."""
+    pattern = re.compile(r'#fig\(\s*"([^"]+)",\s*"([^"]+)"')
+    for path in rng.choices(sources(), k=4 * EACH):
+        text = path.read_text("utf-8")
+        places = list(pattern.finditer(text))
+        if len(places) < 2:
+            continue
+        a, b = sorted(rng.sample(places, 2), key=re.Match.start)
+        changed = text[: a.start()] + b[0] + text[a.end() : b.start()] + a[0] + text[b.end() :]
+        yield Fault("caption", str(path.relative_to(ROOT)), a[2], b[2], changed, WORDS)
+
+
+def readme(rng):
+    """A digit of what the README's lines print."""
+    text = read("README.md")
+    [block] = re.finditer(r"^```python\n(.*?)^```", text, re.M | re.S)
+    found = [m for m in re.finditer(r"  # .*$", text, re.M)
+             if block.start() < m.start() < block.end() and re.search(r"\d", m[0])]  # fmt: skip
+    digits = [m.start() + d.start() for m in found for d in re.finditer(r"\d", m[0])]
+    for place in rng.sample(digits, min(EACH, len(digits))):
+        new = str((int(text[place]) + rng.randint(1, 9)) % 10)
+        yield Fault("README", "README.md", around(text, (place, place + 1), 12), new,
+                    text[:place] + new + text[place + 1 :],
+                    ("report/tests/test_readme.py",))  # fmt: skip
+
+
+KINDS = (verdict_faults, proof_faults, equations, statistics, orders, counts, records, captions,
+         readme)  # fmt: skip
+
+
+def draw(seed=SEED):
+    """Return the faults of every kind."""
+    found = []
+    for kind in KINDS:
+        rng = random.Random(f"{seed} {kind.__name__}")
+        found += list(dict.fromkeys(kind(rng)))[:EACH]
+    return found
+
+
+def copy(place):
+    """Make a copy of what is committed or new."""
+    shutil.rmtree(place, ignore_errors=True)
+    names = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, text=True,
+                           capture_output=True, check=True).stdout.splitlines()  # fmt: skip
+    for name in names:
+        if (ROOT / name).is_file():
+            (place / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, place / name)
+
+
+def judge(fault, place):
+    """Return the test that notices a fault in a copy, or nothing."""
+    target = place / fault.file
+    before = target.read_text(encoding="utf-8")
+    try:
+        target.write_text(fault.text, encoding="utf-8")
+        done = run(fault.tests, place)
+    finally:
+        target.write_text(before, encoding="utf-8")
+    if done.returncode == 0:
+        return ""
+    said = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
+    if not said:
+        sys.exit(f"pytest could not be run at all.\n{done.stdout}{done.stderr}")
+    return said[1]
+
+
+def run(tests, place):
+    environment = os.environ | {"PYTHONPATH": str(place)}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "--tb=no", "-rfE",
+               "-p", "no:cacheprovider", *tests]  # fmt: skip
+    return subprocess.run(command, cwd=place, env=environment, text=True, capture_output=True)
+
+
+def head(rows, seed):
+    """Return what stands above the table: the seed, and the score of all and of each kind."""
+
+    def score(rows):
+        noticed = sum(bool(row["noticed by"]) for row in rows)
+        return f"{noticed} of {len(rows)}, {100 * noticed / len(rows):.1f} %"
+
+    lines = [f"seed {seed}", f"all: {score(rows)}"]
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        lines.append(f"{kind}: {score([row for row in rows if row['kind'] == kind])}")
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seed", default=SEED, help=f"of the draw, {SEED!r} unless told")
+    parser.add_argument("--kind", default="", help="only faults of this kind")
+    options = parser.parse_args()
+    faults = [fault for fault in draw(options.seed) if options.kind in fault.kind]
+    workers = len(os.sched_getaffinity(0))
+    places = [BUILD / f"copy-{number}" for number in range(workers)]
+    for place in places:
+        copy(place)
+    tests = dict.fromkeys(test for fault in faults for test in fault.tests)
+    if (done := run(tests, places[0])).returncode:
+        sys.exit(f"These must pass before a fault is planted.\n{done.stdout}")
+
+    def every(number):
+        rows = []
+        for fault in faults[number::workers]:
+            by = judge(fault, places[number])
+            print(
+                f"{fault.kind}: {fault.before} -> {fault.after}: {by or 'not noticed'}", flush=True
+            )
+            values = [fault.kind, fault.file, fault.before, fault.after, by]
+            rows.append(dict(zip(COLUMNS, values, strict=True)))
+        return rows
+
+    with ThreadPoolExecutor(workers) as pool:
+        shares = list(pool.map(every, range(workers)))
+    rows = sorted((row for share in shares for row in share), key=lambda row: list(row.values()))
+    print(head(rows, options.seed))
+    if not options.kind and options.seed == SEED:
+        with TABLE.open("w", encoding="utf-8", newline="") as file:
+            file.write(head(rows, options.seed))
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    for place in places:
+        shutil.rmtree(place)
+
+
+if __name__ == "__main__":
+    main()
