@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..kernels.exact import cross, dot, norm
+from ..surfaces.torus import torus_normal
 from .bounds import Row
 from .quadrature import gauss_rule
 
@@ -152,9 +153,7 @@ class ChordLaw:
 
 def _normals(position):
     """Return the outward unit normals (..., 3) at joint positions (..., 2), of any torus."""
-    theta, phi = np.moveaxis(position, -1, 0)
-    level = np.cos(phi)
-    return np.stack([level * np.cos(theta), np.sin(phi), -level * np.sin(theta)], axis=-1)
+    return torus_normal(*np.moveaxis(position, -1, 0))
 
 
 def _forced(sigma, level, steep):
