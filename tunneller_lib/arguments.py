@@ -35,11 +35,14 @@ class Rule:
         Of the argument's name and value: returns it as the function wants it, or raises ValueError.
     unit : str
         That docstrings give, or "" where it differs from use to use.
+    range : tuple
+        The least and the greatest number that passes, or none.
     """
 
     says: str
     check: Callable
     unit: str = ""
+    range: tuple = ()
 
     @functools.cached_property
     def own_axes(self):
@@ -208,7 +211,7 @@ def _any_of(kinds):
         return rules[0].check(name, value)
 
     says = " or ".join(rule.says for rule in rules)
-    return Rule(says, check, rules[0].unit)
+    return Rule(says, check, rules[0].unit, rules[0].range)
 
 
 def _sign(name, value):
@@ -392,7 +395,7 @@ def Number(low=-GREATEST, high=GREATEST, unit="", *, or_zero=False, why="", also
             raise ValueError(f"{name}: must be {span}{why}; got {shown(value)}.")
         return number
 
-    return Annotated[float, Rule("float", check, unit)]
+    return Annotated[float, Rule("float", check, unit, (low, high))]
 
 
 def Array(
@@ -433,7 +436,7 @@ def Array(
             raise ValueError(f"{name}: must {must}; got {shown(value)}.")
         return tuple(array.tolist()) if given else array
 
-    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit)]
+    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit, (low, high))]
 
 
 def _shape_rule(says, last=""):

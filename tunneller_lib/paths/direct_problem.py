@@ -270,12 +270,11 @@ def half_swing(torus: Torus, clairaut: Lengths):
             f"clairaut: must be above {narrow:g} m and at most r + R = {wide:g} m, or nothing "
             f"swings; got {clairaut.min():g} to {clairaut.max():g} m."
         )
-    sines = clairaut / wide
-    turned, length = np.empty((2, *clairaut.shape))
-    compiled.call_plain(
-        swing_each, torus.r / torus.R, sines.ravel().tolist(), *_plain_room(),
-        turned.reshape(-1), length.reshape(-1), **PLAIN,
-    )  # fmt: skip
+    halves = np.empty((2, clairaut.size))
+    sines = (clairaut.ravel() / wide).tolist()
+    arguments = torus.r / torus.R, sines, *_plain_room(), *halves
+    compiled.call_plain(swing_each, *arguments, **PLAIN)
+    turned, length = halves.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
 
