@@ -16,7 +16,7 @@ from report.site.chapter import Chapter, page_name, title
 from report.site.front import front_page
 from report.site.library import Reference, modules, room
 from report.site.markup import attribute, markdown, plain
-from report.site.paper import GROWTH, captions, report_page, tables
+from report.site.paper import captions, report_page, tables
 from report.site.proofs import proof_html, proof_page, proofs
 from report.site.scenes import add_viewer, name, scene_script
 from report.site.search import script, sections
@@ -99,9 +99,9 @@ def build(folder, chosen=None, live=None):
     site = Site(folder, live)
     chosen = notebooks() if chosen is None else chosen
     add_shared(site)
-    supplement = add_reports(site, chosen)
+    shown = add_reports(site, chosen)
     add_front(site, chosen)
-    add_chapters(site, chosen, captions(supplement[1]))
+    add_chapters(site, chosen, shown)
     add_proofs(site)
     add_library(site)
     add_guide(site)
@@ -113,7 +113,6 @@ def build(folder, chosen=None, live=None):
 def add_shared(site):
     """Write what pages share: figures, style, script and fonts."""
     shutil.copytree(ROOT / "figures", site.folder / "figures", ignore=lambda *_: ["README.md"])
-    shutil.copy(GROWTH, site.folder / "figures")
     style = "\n".join(f"@media {on} {{\n{colours(name)}\n}}" for on, name in CODE_STYLES.items())
     style += "\n" + (HERE / "style.css").read_text() + (site.live.style if site.live else "")
     site.write("style.css", style)
@@ -241,11 +240,14 @@ def follow(url, chosen, root):
 
 
 def add_reports(site, chosen):
-    """Write the pages of the report and of its supplement; return what the second is made of."""
-    made = {document: report_page(document) for document in ("report", "supplement")}
-    for document, parts in made.items():
-        add_report(site, document, parts, chosen)
-    return made["supplement"]
+    """Write the pages of the article and of its supplement; return the captions of both."""
+    shown = {}
+    for document, called in (("report", "article"), ("supplement", "supplement")):
+        made = report_page(document)
+        add_report(site, document, made, chosen)
+        for file, caption in captions(made[1], called).items():
+            shown[file] = caption.replace('href="#', f'href="{document}.html#')
+    return shown
 
 
 def add_report(site, name, made, chosen):

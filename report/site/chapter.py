@@ -119,7 +119,7 @@ class Chapter:
         if alt in self.figures:
             file = self.figures[alt]
             content = (ROOT / "figures" / file).read_bytes()  # shown in its stead
-            caption = self.captions[file].replace('href="', f'href="{self.to_root}supplement.html')
+            caption = self.captions[file].replace('href="', f'href="{self.to_root}')
         else:
             file, caption = f"{self.stem}-{len(self.pictures)}.webp", escape(alt)
             alt = f"Drawing: {self.heading}"  # what it shows is said below it

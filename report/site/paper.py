@@ -13,7 +13,6 @@ from report.site.markup import anchor
 from report.site.pictures import sizes
 from report.sources import ROOT, notebooks, records
 
-GROWTH = ROOT / "tests" / "bench" / "growth.svg"  # the one figure that no notebook makes
 STYLE = re.compile(r"<style>(.*?)</style>", re.S)
 BODY = re.compile(r"<body>(.*)</body>", re.S)
 EMBEDDED = re.compile(r'src="data:image/[\w+]+;base64,([^"]+)"')
@@ -40,8 +39,7 @@ def to_html(source):
 
 def report_page(name):
     """Return a document's body, its figures by their files, and the contents list's entries."""
-    made = [*(ROOT / "figures").iterdir(), GROWTH]
-    figures = {digest(path.read_bytes()): path.name for path in made}
+    figures = {digest(path.read_bytes()): path.name for path in (ROOT / "figures").iterdir()}
     style, body = to_html(ROOT / "report" / f"{name}.typ")
 
     def by_file(match):
@@ -71,10 +69,10 @@ def unused(name, names):
     return next(one for one in chain([name], numbered) if one not in names)
 
 
-def captions(body):
+def captions(body, called="supplement"):
     """Return each figure's caption, its number a link into the report, by the figure's file."""
     return {
-        file: NUMBERED.sub(rf'<a href="#{name}">\1</a> of the supplement: ', caption.strip())
+        file: NUMBERED.sub(rf'<a href="#{name}">\1</a> of the {called}: ', caption.strip())
         for name, content, caption in FIGURE.findall(body)
         for file in re.findall(r'src="figures/([^"]+)"', content)
     }

@@ -360,7 +360,7 @@ def test_sections_are_named_by_their_words_each_once(site):
     for name in ("report", "supplement"):
         text = (site / f"{name}.html").read_text()
         assert not re.search(r'id="section-\d', text)
-    assert '<h2 id="the-torus">6 The torus<a class="permalink" href="#the-torus"' in text
+    assert '<h2 id="the-torus">5 The torus<a class="permalink" href="#the-torus"' in text
 
 
 def test_pictures_have_their_size_and_keep_their_pixels(site):

@@ -2,7 +2,7 @@
 
 Each benchmark that calls the fixture `note` gives a row to times.csv, beside those of other
 benchmarks and in the place of its own older one. `python -m tests.bench.times` writes the table of
-the page anew; the supplement reads the file itself.
+the page anew.
 """
 
 import csv
