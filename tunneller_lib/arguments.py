@@ -575,8 +575,8 @@ _SQUARES = " in size, whose square is a number"
 
 # What arguments may be. One number:
 Finite = Number()
-Positive = Number(TINY)
-NotNegative = Number(0.0)
+Positive = Number(LEAST, MOST)
+NotNegative = Number(0.0, MOST)
 Size = Number(LEAST, MOST, why=_SQUARES)
 Length = Number(LEAST, MOST, "m", why=_SQUARES)
 Length0 = Number(LEAST, MOST, "m", why=_SQUARES, or_zero=True)
@@ -586,7 +586,7 @@ HalfAngle = Number(
     LEAST, np.pi / 2, "rad",
     also=("lie between 0 and pi/2, both left out", lambda angle: 0 < angle < np.pi / 2),
 )  # fmt: skip
-Duration = Number(TINY, unit="s")
+Duration = Number(LEAST, MOST, "s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")
 Direction = Annotated[tuple, Rule("(3,) float", _direction)]
