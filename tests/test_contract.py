@@ -317,21 +317,6 @@ def test_arguments_are_answered_or_refused_in_a_sentence(call, way):
         tried(call, draw(call, Random(f"{call.room}.{call.name}, {way}{case}")), case)
 
 
-ONCE_FOUND = {
-    "envelopes.fit_surface": 783,
-    "job.results.summarise": 245,
-    "motion.Hydraulics.loaded": 182,
-    "ream.gain_margins": 730,
-    "ream.route_through": 161,
-}  # by the long form, and mended
-
-
-@pytest.mark.parametrize("name", [name for name in ONCE_FOUND if name.partition(".")[0] in ROOMS])
-def test_cases_once_found_are_answered_or_refused_in_a_sentence(name):
-    case = ONCE_FOUND[name]
-    tried(EVERY[name], some_odd(EVERY[name], Random(f"{name}, {case}")), case)
-
-
 def tried(call, given, case):
     """Call with valid arguments but for those given, and no warning; assert that it ends soon."""
     begun = time.process_time()
@@ -376,8 +361,8 @@ def arrays_in(answer):
 
 
 WHOLE = {
-    "adapted_frames", "fit.tilted", "fit.mean_frame", "fit.fit_planes", "fit_surface", "frames_along",
-    "isotropic.isotropic_derivatives", "model_jet", "recognise", "Fit.jet_errors",
+    "adapted_frames", "fit.tilted", "fit.mean_frame", "fit.fit_planes", "fit_surface",
+    "Fit.jet_errors", "frames_along", "isotropic.isotropic_derivatives", "model_jet", "recognise",
     "GeodesicPoints.deviation", "DexelGrid",
 }  # of points that belong together, or to what has rows of its own  # fmt: skip
 

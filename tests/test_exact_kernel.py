@@ -5,13 +5,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from exhibits.rod_cases import whole_rotations
 from tests.audit.long import many
 from tests.exact_shapes import EPS, exact_interval, exact_intervals, full_size, judged, size_of
 from tests.hard_lines import (
     FAMILIES,
     KINDS,
-    TOUCHING,
     WITH_AXES,
     Whole,
     limits,
@@ -106,22 +104,6 @@ def test_one_line_has_the_bits_of_many(family, kind):
         np.testing.assert_array_equal(shape.meet_line(both, way), beside)
 
 
-@every_kind
-def test_a_raster_has_the_bits_of_single_lines(kind):
-    rng = np.random.default_rng(13)
-    edges = np.linalg.qr(rng.normal(size=(3, 3)))[0] * [[0.9], [1.2], [0.4]]
-    at = rng.normal(size=3)
-    row = [*at, *edges.ravel()] if kind == "box" else [*at, *(at + edges[0]), 0.25, 0.2, *[0] * 4]
-    shape = shape_of(kind, np.array(row))
-    x = np.linspace(-1.5, 1.5, 30)
-    raster = at + np.stack([*np.meshgrid(x, x), 0 * np.add.outer(x, x)], axis=-1)
-    for way in ((0.0, 0.0, 1.0), (0.1, -0.2, 0.9), tuple(edges[0])):
-        found = np.array(shape.meet_line(raster, way))
-        assert 5 < np.isfinite(found[0]).sum() < x.size**2
-        for i, j in np.ndindex(x.size, x.size):
-            np.testing.assert_array_equal(shape.meet_line(raster[i, j], way), found[:, i, j])
-
-
 def promised(kind, shapes, p, u):
     """Return for which lines (n,) the docstrings promise anything: those given near enough."""
     ends = [shapes[:, :3], shapes[:, 3:6]] if kind in WITH_AXES else [shapes[:, :3]]
@@ -148,26 +130,6 @@ def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(k
             wrong = judged(found, kind, rows, points, along)
             assert not np.any(wrong & near)
     assert asked > 0.8 * len(shapes[::every]) * (3 + len(u[::every]))
-
-
-THIN = [0.0, 1e-100, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6]
-
-
-@pytest.mark.parametrize("corner", THIN)
-def test_lines_given_by_a_point_of_a_thin_disc_meet_it_there(corner):
-    # Whole points of the disc, whole or any directions: exact arithmetic has nothing to say.
-    rng, n = np.random.default_rng(22), many(400, 20_000)
-    matrix, N = (part[0] for part in whole_rotations(rng, 1, most=4))
-    disc = RoundedDisc((5, -7, 9), matrix[:, 2], 9 * float(N), corner * 9 * float(N))
-    p = np.array(disc.centre) + rng.integers(-6, 7, (n, 2)) @ matrix[:, :2].T
-    assert np.all(np.sum((p - disc.centre) ** 2, axis=-1) <= disc.radius**2)
-    for u in (rng.normal(size=(n, 3)), some(rng, n) + np.array([0.0, 0.0, 30.0])):
-        enter, leave = disc.meet_line(p, u)
-        assert np.all(enter <= leave)
-        # As far from there as a surface that is off by the promise is, along so slanting a line.
-        slope = np.abs(u @ disc.unit)
-        off = (64 * EPS * (disc.radius + disc.corner) + disc.corner) / slope
-        assert np.all(enter <= off) and np.all(leave >= -off)
 
 
 def test_points_without_a_size_are_met_where_they_are():
@@ -295,14 +257,6 @@ def test_judge_notices_each_fault(kind):
     assert verdicts[2][missing].all() and missing.sum() >= 5
 
 
-@every_kind
-@pytest.mark.parametrize("family", TOUCHING, ids=lambda f: f.__name__)
-def test_touching_families_touch(family, kind):
-    lines = family(kind, np.random.default_rng(4), fewer(kind, 200))
-    enter, leave = exact_intervals(kind, *lines)
-    assert np.all(enter <= leave)
-
-
 def test_judge_by_hand():
     # A cone of radius 4 and height 3, in whole numbers; a ball; a unit box.
     cone = [0, 0, 0, 0, 0, 3, 4, 0, 0, 0, 0, 0]
@@ -323,16 +277,6 @@ def test_judge_by_hand():
     assert exact_interval("box", box, (-1, 1, 3), (1, 0, -1)) == [1, 3]
     assert exact_interval("box", box, (-1, 0, 5), (1, 0, -1)) == [3, 3]
     assert exact_interval("box", box, (-1, 0, 5.5), (1, 0, -1)) is None
-
-
-def test_frustum_is_met_at_a_rim_in_whole_numbers():
-    frustum = Frustum((-222, 802, -883), (6882, -974, -3695), 3445, 6890)
-    point, direction = (-742, -2513, -103), (7, 6, 14)
-    enter, leave = frustum.meet_line(point, direction)
-    assert enter <= leave
-    shape = np.array([[*frustum.a, *frustum.b, 3445, 6890, 0, 0, 0, 0]], dtype=float)
-    line = np.array([point], dtype=float), np.array([direction], dtype=float)
-    assert not np.any(judged((enter[None], leave[None]), "frustum", shape, *line))
 
 
 @pytest.mark.parametrize("height", [1e-3, 1e-6, 1e-9, 1e-12])
@@ -379,35 +323,6 @@ def test_meet_box_touches_flat_rods_at_their_sides(axis, side):
 
 
 BOX = Box((1, 2, 3), (2, 0, 0), (0, 2, 0), (0, 0, 2))
-WRONG = [
-    (lambda: Box((0, 0), *np.eye(3)), "corner: the last axis must hold x, y, z"),
-    (lambda: Box((0, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 1)), "x, y, z: must not be zero"),
-    (lambda: Box((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 0, 1)), "x, y, z: must be perpendicular"),
-    (lambda: Box((0, 0, 0), (1e-101, 0, 0), (0, 1, 0), (0, 0, 1)), "x, y, z: must be zero or from"),
-    (lambda: BOX.meet_line((0, 0, 0), (0, 0, 0)), "direction: must not be zero"),
-    (lambda: BOX.meet_line((0, 0, np.nan), (0, 0, 1)), "point: must hold finite numbers"),
-    (lambda: meet_frusta((0, 0, 0), (1, 0, 0), -1, 1, (0, 0, 0), (0, 0, 1)), "radius_a: must not"),
-    (lambda: meet_frusta((0, 0, 0), (1, 0, 0), 1, [1, 1e-200], (0, 0, 0), (0, 0, 1)), "radius_b"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("call", "message"), WRONG)
-def test_wrong_input_is_told(call, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        call()
-
-
-@every_kind
-def test_memory_a_line_is_at_most_64_bytes(kind):
-    rng = np.random.default_rng(8)
-    p, u = rng.normal(size=(2, 400_000 if kind != "rounded" else 200_000, 3))
-    row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
-    shape = shape_of(kind, np.array(row, dtype=float))
-    tracemalloc.start()
-    shape.meet_line(p, u)
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert most <= 64 * len(p)
 
 
 @every_kind
@@ -424,17 +339,6 @@ def test_memory_a_line_with_a_shape_of_its_own_is_at_most_64_bytes(kind):
     assert most <= 64 * n
 
 
-@every_kind
-def test_shapes_and_lines_broadcast_with_each_other(kind):
-    shapes, p, u = ordinary(kind, np.random.default_rng(12), 6)
-    found = meet(kind, shapes[:, None, None], p[:2, None], u[3:])
-    assert np.shape(found) == (2, 6, 2, 3)
-    for i, j, k in np.ndindex(6, 2, 3):
-        alone = meet(kind, shapes[i : i + 1], p[j : j + 1], u[3 + k : 4 + k])
-        np.testing.assert_array_equal(np.array(found)[:, i, j, k], np.ravel(alone))
-    assert np.shape(meet(kind, shapes[:0], p[0], u[0])) == (2, 0)
-
-
 def test_a_box_by_hand():
     cases = {
         ((0, 3, 4), (1, 0, 0)): (1, 3),
@@ -447,24 +351,6 @@ def test_a_box_by_hand():
     }
     for (p, u), expected in cases.items():
         assert BOX.meet_line(p, u) == expected
-
-
-def test_edges_of_a_box_may_be_of_either_hand():
-    rng = np.random.default_rng(9)
-    shapes, p, u = ordinary("box", rng, 300)
-    edges = shapes[:, 3:6], shapes[:, 6:9], shapes[:, 9:]
-    expected = meet_boxes(shapes[:, :3], *edges, p, u)
-    assert np.mean(np.isfinite(expected[0])) > 0.1
-    swapped = meet_boxes(shapes[:, :3], edges[1], edges[0], edges[2], p, u)
-    np.testing.assert_allclose(swapped, expected, rtol=1e-12, atol=1e-12)
-    for i in np.flatnonzero(np.isfinite(expected[0]))[:5]:
-        box = Box(shapes[i, :3], edges[2][i], edges[1][i], edges[0][i])
-        np.testing.assert_allclose(box.meet_line(p[i], u[i]), np.array(expected)[:, i], rtol=1e-12)
-
-
-def test_a_frustum_without_an_axis_is_empty():
-    enter, leave = meet_frusta((0, 0, 0), (0, 0, 0), 1, 1, (0, 0, -1), (0, 0, 1))
-    assert (enter, leave) == (np.inf, -np.inf)
 
 
 def test_a_rounded_disc_holds_the_points_within_its_corner_s_radius_of_the_disc():

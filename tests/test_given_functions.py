@@ -1,7 +1,5 @@
 """Functions that callers give to the envelopes: nonsense that they answer is told in a sentence."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,6 @@ from tunneller_lib.envelopes import (
     recognise,
 )
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
-from tunneller_lib.envelopes.functions import as_jet
 from tunneller_lib.envelopes.isotropic import isotropic_derivatives, surface_points
 from tunneller_lib.envelopes.jet import Jet
 
@@ -94,46 +91,6 @@ def test_a_constant_that_is_no_surface_is_told_from_a_wrong_call(value):
         model_jet(lambda s, t: [value, s, t], S, T)
     with pytest.raises(ValueError, match=r"^curve: must "):
         curve_derivatives(lambda s: [value, s, s], S)
-
-
-@pytest.mark.parametrize("value", [0.0, -2.5, np.full(14, 0.7)], ids=["zero", "one", "many"])
-def test_a_constant_that_a_function_answers_has_no_derivatives(value):
-    s, _ = jet_variables(S, T)
-    found = as_jet(value, s)
-    np.testing.assert_array_equal(found.value, np.broadcast_to(value, S.shape))
-    assert not found.c[1:].any() and as_jet(s, s) is s
-
-
-def test_ufuncs_and_partial_functions_are_functions():
-    from functools import partial
-
-    cones = hyperosculating_cones(np.hypot, S, T, half_angle=0.5)
-    assert re.fullmatch("regular|singular", cones.state[0])
-    surface = families.ruled(partial(families.helix_lines, twist=0.3))
-    assert recognise(surface, S, T, "ruled", model="space").verdict == "is"
-
-
-def test_points_of_jets_broadcast_as_arrays_do():
-    x, y = jet_variables(0.4, 0.9)
-    step = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    for one in (x * step, step * x, x + step, x / step, np.hypot(x, y + step)):
-        assert one.shape == (2, 3)
-    for k in np.ndindex(2, 3):
-        np.testing.assert_array_equal((x * y * step).c[:, *k], (x * y * step[k]).c)
-        np.testing.assert_array_equal((step - x).c[:, *k], (step[k] - x).c)
-    row, _ = jet_variables(np.arange(1.0, 4.0), 0.0)
-    np.testing.assert_array_equal((x * (row + step)).c[:, 1], (x * (row + step[1])).c)
-    fifteen = np.arange(15.0)  # as many points as coefficients
-    np.testing.assert_array_equal((x * fifteen).value, 0.4 * fifteen)
-    np.testing.assert_array_equal((x * fifteen).derivative(1, 0), fifteen)
-
-
-@pytest.mark.parametrize("half_angle", [-0.1, 0.0, np.pi / 2, 1.6])
-def test_half_angles_lie_between_a_line_and_a_plane(half_angle):
-    with pytest.raises(
-        ValueError, match=r"^half_angle: must lie between 0 and pi/2, both left out"
-    ):
-        families.moving_cone(lambda t: None, half_angle)
 
 
 def test_derivatives_need_unit_normals():
