@@ -136,7 +136,7 @@ def _joint_line(_, p, q, t):
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 
 
-# A further one is one entry here; the atlas (notebooks/atlas.csv) is then to be made anew.
+# A further one is one entry here; `make atlas` then adds it to the atlas of ratios.
 CHORD_PATHS = {
     path.name: path
     for path in (
