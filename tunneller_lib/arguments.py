@@ -261,7 +261,7 @@ def instance(name, value, kind):
 
 
 class _Briefly(reprlib.Repr):
-    """It doesn't look at every element of what is long."""
+    """A short form of values, made without a look at every element of long ones."""
 
     def repr_ndarray(self, array, level):
         # numpy would write some of each axis' rows: of many axes more than anybody reads.
@@ -322,7 +322,7 @@ def real(name, value):
 
 
 def as_array(value):
-    """Return a value as an array, of objects where it is none that numpy knows."""
+    """Return a value as an array, of objects where numpy has no type for it."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         return np.asarray(None)  # what a mask hides must not be taken for a number
     try:

@@ -67,9 +67,4 @@ def shifted(x, power):
 
 
 # What `compiled.call` puts in the place of what formulas call.
-FOR_LINES = {
-    **NUMBERS,
-    "square_root": root_or_none,
-    "power_above": power_of,
-    "scaled": shifted,
-}
+FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": shifted}

@@ -1,4 +1,4 @@
-"""The corrected chord: the tangent-sphere path less its error by the law of `ChordLaw`."""
+"""The corrected chord: the projected chord less its error by the law of `ChordLaw`."""
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def corrected_chord(torus: Torus, p: Positions, q: Positions, n: Count):
     1 ppm at R/r = 10 and 0.6 % at R = r, where the uncorrected chord has 458 ppm and 4.7 %. On
     rings, r > R, it is no longer small at the corners. Where `ChordLaw` has no gap, between
     normals that differ by less than 1e-5 rad, along meridians and for ends beyond |phi| = 90 deg,
-    this is the tangent-sphere path. Where a chord crosses the axis or the ring circle its foot
+    this is the projected chord. Where a chord crosses the axis or the ring circle its foot
     jumps, and there is no path.
 
     Examples

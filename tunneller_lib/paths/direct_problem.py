@@ -6,8 +6,8 @@ are integrals over one variable t (`geodesic_root`). Their integrands depend on 
 they repeat after half a swing between turning points, or after one round of a ring's tube, and
 backwards after half of that. So both integrals are wanted from t = 0 to pi/2 only, where
 t = width sinh(y) spreads their peak: panels of equal width in y have a series each, over x from -1
-to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length takes
-as long as a short one. Lengths are in tube radii below `followed`, rho = r + cos(phi).
+to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length costs
+the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
 
 `follow_each` is the loop over geodesics, in plain Python or compiled, with the same bits.
 """

@@ -28,7 +28,6 @@ from .geodesic_root import (
     NODES_OF_RING,
     NODES_OF_WORKING_SHEET,
     PI_REST,
-    Ends,
     Radii,
     ends_at,
     find_root,
@@ -453,7 +452,7 @@ def padded(count):
 
 @cache
 def listed(count):
-    """Return the same of a `rule` as it is, as lists for plain Python."""
+    """Return shares and weights of a `rule` as lists, for plain Python."""
     return [row.tolist() for row in rule(count)]
 
 
@@ -565,7 +564,7 @@ def _answers(size, ends):
 
 
 def _answers_by_arrays(size, ends):
-    """Return the same."""
+    """Return what `_answers` does, all pairs at once."""
     pair = normal_form(size, *ends.T)
     outside = _near_side(size, pair)
     # Over the inner equator only between opposite halves: else the outside is shorter.

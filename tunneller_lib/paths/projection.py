@@ -1,4 +1,4 @@
-"""The tangent-sphere path: a chord projected normally onto the torus (section 3.3)."""
+"""The projected chord: a chord projected normally onto the torus (section 3.3)."""
 
 import math
 from functools import partial
@@ -24,7 +24,7 @@ def project_chord(
     *,
     spacing: Literal["chord", "tangent", "arc"] = "chord",
 ):
-    """Return points of the tangent-sphere path between two joint positions.
+    """Return points of the projected chord between two joint positions.
 
     Parameters
     ----------
