@@ -13,7 +13,7 @@ import pytest
 
 from report.sources import ROOT, code
 
-READS = ["notebooks/*", "report/*.py", "README.md", "tunneller_lib/*"]
+READS = ["notebooks/*.ipynb", "report/*.py", "README.md", "tunneller_lib/*"]
 
 LIBRARY = ROOT / "tunneller_lib"
 ROOMS = sorted(

@@ -1,4 +1,4 @@
-"""The comparison of notebooks catches what is planted, and lets last bits pass."""
+"""The comparison of results notices what differs, and lets last bits and edges of pixels pass."""
 
 import re
 import shutil
@@ -25,14 +25,6 @@ READS = ["figures/circuit_tunnel.png"]
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
 
-SOURCES = [
-    "from kit import Record\nrecord = Record('01_test')",
-    "record('it', 1.25, 'm', digits=3)",
-    "from kit.style import figure\n"
-    "drawing, ax = figure(height=4)\nrecord.figure(drawing, 'axes', 'Empty axes.')",
-    "print(0.5)",
-]
-
 
 @pytest.mark.parametrize(
     ("a", "b", "equal"),
@@ -42,7 +34,6 @@ SOURCES = [
         ("1e-7", "1.0e-07", True),
         ("3 m", "4 m", False),
         ("1.0 m", "1.0 mm", False),
-        ("1.0, 2.0", "1.0", False),
         ("-1.5", "1.5", False),
     ],
 )
@@ -59,15 +50,11 @@ def test_text_is_compared_up_to_last_bits(a, b, equal):
         ({"a": 1}, {"a": 2}, False),
         ({"a": "m"}, {"a": "mm"}, False),
         ({"a": 1}, {"b": 1}, False),
-        ({"a": 1}, {}, False),
-        ([1.0, "x"], [1.0, "x"], True),
         ([1.0], [1.0, 2.0], False),
-        ([1.0], 1.0, False),
         ({"value": 1.2346, "digits": 2}, {"value": 1.2347, "digits": 2}, True),
         ({"value": 1.2346, "digits": 2}, {"value": 1.2348, "digits": 2}, False),
         ({"value": 1.2346, "digits": None}, {"value": 1.2347, "digits": None}, False),
         ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2347]], "text": [["1.2"]]}, True),
-        ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2349]], "text": [["1.2"]]}, False),
         ({"rows": [[1.2346]], "text": [["1.2"]]}, {"rows": [[1.2346]], "text": [["1.3"]]}, False),
     ],
 )
@@ -75,59 +62,52 @@ def test_records_are_compared(old, new, equal):
     assert (difference(old, new) is None) is equal
 
 
-@pytest.mark.parametrize(("changed", "equal"), [(0, True), (1, True), (40, True), (400, False)])
-def test_pictures_are_compared(tmp_path, changed, equal):
-    pixels = np.full((100, 100, 3), 255, np.uint8)
-    (tmp_path / "new").mkdir()
-    PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
-    pixels.reshape(-1, 3)[:changed] = 180
-    PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
-    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
-    assert (same is None) is equal
+def compared(folder, old, new):
+    """Return how two pictures, or arrays of pixels, differ."""
+    (folder / "new").mkdir()
+    for place, picture in (("a.png", old), ("new/a.png", new)):
+        made = PIL.Image.fromarray(picture) if isinstance(picture, np.ndarray) else picture
+        made.save(folder / place)
+    return picture_difference(folder / "a.png", folder / "new" / "a.png")
+
+
+def edge(at, height=100):
+    pixels = np.full((height, 100, 3), 255, np.uint8)
+    pixels[:, at:] = 60
+    return pixels
 
 
 @pytest.mark.parametrize(
-    ("edge", "height", "equal"),
-    [(51, 100, True), (50, 101, True), (53, 100, False), (50, 103, False)],
+    ("at", "height", "equal"),
+    [(50, 100, True), (51, 100, True), (50, 101, True), (53, 100, False), (50, 103, False)],
 )
-def test_edges_of_a_scene_may_lie_a_pixel_aside(tmp_path, edge, height, equal):
-    (tmp_path / "new").mkdir()
-    for name, begin, size in (("a.png", 50, 100), ("new/a.png", edge, height)):
-        pixels = np.full((size, 100, 3), 255, np.uint8)
-        pixels[:, begin:] = 60
-        PIL.Image.fromarray(pixels).save(tmp_path / name)
-    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
-    assert (same is None) is equal
+def test_edges_of_a_scene_may_lie_a_pixel_aside(tmp_path, at, height, equal):
+    assert (compared(tmp_path, edge(50), edge(at, height)) is None) is equal
+
+
+def scene():
+    return PIL.Image.open(ROOT / "figures" / "circuit_tunnel.png").convert("RGB")
 
 
 @pytest.mark.parametrize(("letters", "equal"), [("", True), (".", True), ("P", False)])
 def test_letter_in_a_scene_is_noticed(tmp_path, letters, equal):
     """A P of 8 points at 300 dpi: of the scene's pixels it changes a part in two thousand."""
-    (tmp_path / "new").mkdir()
-    scene = PIL.Image.open(ROOT / "figures" / "circuit_tunnel.png").convert("RGB")
-    scene.save(tmp_path / "a.png")
+    written = scene()
     font = PIL.ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 33)
-    PIL.ImageDraw.Draw(scene).text((300, 300), letters, fill=(30, 30, 30), font=font)
-    scene.save(tmp_path / "new" / "a.png")
-    same = picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png")
-    assert (same is None) is equal
-    assert equal or "about pixel (3" in same
+    PIL.ImageDraw.Draw(written).text((300, 300), letters, fill=(30, 30, 30), font=font)
+    said = compared(tmp_path, scene(), written)
+    assert said is None if equal else "about pixel (3" in said
 
 
 def test_scattered_pixels_of_a_scene_may_differ(tmp_path):
     """As many as another version of the GL library changes, strewn over lines and seams."""
-    (tmp_path / "new").mkdir()
-    scene = PIL.Image.open(ROOT / "figures" / "circuit_tunnel.png").convert("RGB")
-    scene.save(tmp_path / "a.png")
-    pixels = np.array(scene)
-    rng = np.random.default_rng(7)
-    rows, columns = rng.integers(0, pixels.shape[:2], (150, 2)).T
+    pixels = np.array(scene())
+    rows, columns = np.random.default_rng(7).integers(0, pixels.shape[:2], (150, 2)).T
     for step in range(4):  # short strokes, two pixels wide
         for wide in range(2):
             place = (rows + wide) % len(pixels), (columns + step) % pixels.shape[1]
             pixels[place] = 255 - pixels[place]
-    PIL.Image.fromarray(pixels).save(tmp_path / "new" / "a.png")
-    assert picture_difference(tmp_path / "a.png", tmp_path / "new" / "a.png") is None
+    assert compared(tmp_path, scene(), pixels) is None
 
 
 @pytest.mark.parametrize(
@@ -153,42 +133,31 @@ def test_missing_picture_is_told(tmp_path):
     assert picture_difference(tmp_path / "a.png", tmp_path / "b.png") == "a.png is not committed."
 
 
-def edit(path, old, new):
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
+# ---- what pytest says of a notebook -----------------------------------------------------------
 
-
-def built(root):
-    notebook = root / "notebooks" / "01_test.ipynb"
-    run_notebook(notebook, notebook_sources(notebook))
-
-
-def altered_since(root):
-    built(root)
-    edit(root / "figures" / "axes.svg", "M ", "M 9")
-
-
-def planted(root):
-    edit(root / "notebooks" / "01_test.ipynb", '"0.5\\n"', '"0.6\\n"')
-    edit(root / "report" / "numbers" / "01_test.json", '"value": 1.25', '"value": 1.26')
-    edit(root / "figures" / "axes.svg", "M ", "M 9")
-
-
-def dead(root):
-    edit(root / "notebooks" / "01_test.ipynb", "print(0.5)", "import os; os._exit(1)")
-
-
-def unrun(root):
-    edit(root / "notebooks" / "01_test.ipynb", '"execution_count": 4', '"execution_count": 5')
+SOURCES = [
+    "from kit import Record\nrecord = Record('01_test')",
+    "record('it', 1.25, 'm', digits=3)",
+    "from kit.style import figure\n"
+    "drawing, ax = figure(height=4)\nrecord.figure(drawing, 'axes', 'Empty axes.')",
+    "print(0.5)",
+]
+CHANGES = {
+    "planted": {
+        "notebooks/01_test.ipynb": ('"0.5\\n"', '"0.6\\n"'),
+        "report/numbers/01_test.json": ('"value": 1.25', '"value": 1.26'),
+        "figures/axes.svg": ("M ", "M 9"),
+    },
+    "dead": {"notebooks/01_test.ipynb": ("print(0.5)", "import os; os._exit(1)")},
+    "unrun": {"notebooks/01_test.ipynb": ('"execution_count": 4', '"execution_count": 5')},
+    "built": {},
+    "altered": {"figures/axes.svg": ("M ", "M 9")},
+}
 
 
 @pytest.fixture(scope="module")
 def said(tmp_path_factory, shared_kernels):
-    """Return what pytest says of a notebook that has been run, as it is and changed: by one run.
-
-    A part for each name, with what passed and failed of it.
-    """
+    """Return what passed and failed of a notebook, as it was run and after each change."""
     folder = tmp_path_factory.mktemp("checkouts")
     true = folder / "true" / "notebooks" / "01_test.ipynb"
     true.parent.mkdir(parents=True)
@@ -196,9 +165,15 @@ def said(tmp_path_factory, shared_kernels):
     nbformat.write(new_notebook(cells=cells), true)
     run_notebook(true)
     shutil.rmtree(folder / "true" / "build")
-    for change in (built, altered_since, planted, dead, unrun):
-        shutil.copytree(folder / "true", folder / change.__name__)
-        change(folder / change.__name__)
+    for name, changes in CHANGES.items():
+        shutil.copytree(folder / "true", folder / name)
+        if name in ("built", "altered"):
+            notebook = folder / name / "notebooks" / "01_test.ipynb"
+            run_notebook(notebook, notebook_sources(notebook))
+        for file, (old, new) in changes.items():
+            text = (folder / name / file).read_text()
+            assert old in text
+            (folder / name / file).write_text(text.replace(old, new))
     command = [sys.executable, "-m", "pytest", "-p", "report.tests.notebook_results", "-q", "-rA"]
     options = ["-p", "no:cacheprovider", "--rootdir", folder, "-c", ROOT / "pyproject.toml"]
     run = subprocess.run(
@@ -210,25 +185,18 @@ def said(tmp_path_factory, shared_kernels):
     return found, run.stdout
 
 
-def test_true_notebook_passes(said):
-    assert said[0]["true"] == {"PASSED": 7}
-
-
-def test_notebook_that_a_build_has_run_is_not_run_again(said):
-    assert said[0]["built"] == {"PASSED": 2}
-    assert said[0]["altered_since"]["FAILED"] == 1
-
-
-def test_planted_results_are_caught(said):
+def test_notebook_is_run_again_and_its_results_are_compared(said):
     found, output = said
+    assert found["true"] == {"PASSED": 7}
     assert found["planted"] == {"PASSED": 4, "FAILED": 3}
     assert "numbers, it, value: 1.26 is committed, 1.25 came out now." in output
     assert "axes.svg differs from the committed figure" in output
     assert "Cell outputs differ" in output
-
-
-def test_dead_kernel_and_unrun_notebook_are_told(said):
-    found, output = said
     assert found["dead"]["FAILED"] >= 1 and "The kernel died" in output
     assert found["unrun"] == {"PASSED": 6, "FAILED": 1}
     assert "isn't stored as run from top to bottom" in output
+
+
+def test_notebook_that_a_build_has_run_is_not_run_again(said):
+    assert said[0]["built"] == {"PASSED": 2}
+    assert said[0]["altered"]["FAILED"] == 1
