@@ -548,10 +548,19 @@ def point_on(orbit, start, begun, s, count, edges, series):
 
 
 def tabulate(orbit, shares, integral, values, edges, series):
-    """Fill in both integrals where panels begin and end, and their series; return how many panels.
+    """Return how many panels an orbit has, after filling in what both integrals are on each.
 
-    The rows of `edges` hold the arc length and the turned angle from t = 0, and what is left of
-    that angle to t = pi/2.
+    Parameters
+    ----------
+    orbit : Orbit
+        The geodesic's.
+    shares, integral, values
+        As of `follow_each`.
+    edges
+        Filled where panels begin and end: the arc length and the turned angle from t = 0, and what
+        is left of that angle to t = pi/2.
+    series
+        Filled with what both integrals gain on each panel.
     """
     count = int(orbit.panels)
     edges[0][0] = edges[1][0] = edges[2][count] = 0.0

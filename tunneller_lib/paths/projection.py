@@ -84,13 +84,13 @@ def project_chord(
 
 
 def chord_points(torus, p, q, t):
-    """Return the points M (..., n, 3), in m, of chords from p to q at shares t (n,) or (..., n)."""
+    """Return the points M (..., n, 3) on chords of a torus from p to q, at shares t (.., n)."""
     start, stop = (torus_point(torus, *np.moveaxis(end, -1, 0)) for end in (p, q))
     return start[..., None, :] + t[..., None] * (stop - start)[..., None, :]
 
 
 def feet(torus, m):
-    """Return the joint positions (..., 2), in rad, of the feet of points M (..., 3)."""
+    """Return the joint positions (..., 2) of the feet on a torus of points m (..., 3), in m."""
     return np.stack(torus_angles(torus, m), axis=-1)
 
 
