@@ -565,7 +565,7 @@ def tabulate(orbit, shares, integral, values, edges, series):
     count = int(orbit.panels)
     edges[0][0] = edges[1][0] = edges[2][count] = 0.0
     for panel in range(count):
-        length, turned = add_panel(orbit, panel, shares, integral, values, series)
+        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
         edges[0][panel + 1] = edges[0][panel] + length
         edges[1][panel + 1] = edges[1][panel] + turned
         edges[2][panel] = turned
@@ -574,7 +574,7 @@ def tabulate(orbit, shares, integral, values, edges, series):
     return count
 
 
-def add_panel(orbit, panel, shares, integral, values, series):
+def _add_panel(orbit, panel, shares, integral, values, series):
     """Fill in both series of a panel, and return their sums at its end.
 
     Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
@@ -587,8 +587,8 @@ def add_panel(orbit, panel, shares, integral, values, series):
     return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
-def add_panel_in_loops(orbit, panel, shares, integral, values, series):
-    """Do what `add_panel` does, compiled, with room for `values`."""
+def _in_loops(orbit, panel, shares, integral, values, series):
+    """Do what `_add_panel` does, compiled, with room for `values`."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
@@ -603,9 +603,9 @@ def add_panel_in_loops(orbit, panel, shares, integral, values, series):
 
 # ---- loops over geodesics ------------------------------------------------------
 
-PARTS = {**NUMBERS, "ratio": divided, "add_panel": add_panel_in_loops}
+PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
 # What becomes part of its caller, compiled, so that several nodes and terms go at once.
-INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "add_panel_in_loops"
+INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
 
 
 def trace(torus, given, s):
@@ -648,7 +648,7 @@ def trace(torus, given, s):
 
 
 def _plain_room():
-    """Return what `follow_each` gets in plain Python: `add_panel` needs no room for values."""
+    """Return what `follow_each` gets in plain Python: `_add_panel` needs no room for values."""
     shares, _ = panel_rule()
     edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
     return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
