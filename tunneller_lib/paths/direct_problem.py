@@ -273,7 +273,7 @@ def half_swing(torus: Torus, clairaut: Lengths):
     halves = np.empty((2, clairaut.size))
     sines = (clairaut.ravel() / wide).tolist()
     arguments = torus.r / torus.R, sines, *_plain_room(), *halves
-    compiled.call_plain(swing_each, *arguments, **PLAIN)
+    compiled.call_plain(_swing_each, *arguments, **PLAIN)
     turned, length = halves.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
@@ -706,7 +706,7 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
             azimuths[i][k] = found[2]
 
 
-def swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
+def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
     """Write down angles and lengths, in tube radii, of half swings across the outer equator.
 
     They cross it by azimuths with these sines; the rest is as of `follow_each`.
