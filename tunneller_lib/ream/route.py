@@ -99,7 +99,8 @@ class Route:
         first = u < 0.5
         corner = np.where(first, k, k + 1)
         h = self.halves[corner]
-        x = (length - self.ends[corner]) / np.where(h > 0, h, 1)
+        # Far from any knot there is no kink: a place at its end, whose powers are numbers.
+        x = np.clip((length - self.ends[corner]) / np.where(h > 0, h, 1), -1, 1)
         bump = np.where((h > 0) & (np.abs(x) < 1), _bump(x, np.where(first, 1.0, -1.0), order), 0)
         return k, corner, bump * np.where(h > 0, h, 1) ** (1.0 - order)
 

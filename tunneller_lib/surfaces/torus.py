@@ -81,7 +81,7 @@ class Torus:
 
     @checked
     def implicit(self, point: Points):
-        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4.
+        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4; infinite beyond 1e77 m.
 
         Written as the product over the two circles in which the meridian plane cuts the torus;
         the printed difference of fourth powers cancels where the ring is small against the tube.
@@ -89,7 +89,8 @@ class Torus:
         x, y, z = np.moveaxis(point, -1, 0)
         rho, excess = radius_and_excess(x, z, self.r)
         near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
-        return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
+        with np.errstate(over="ignore"):
+            return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
 
     @checked
     def normal(self, theta: Angles, phi: Angles):
