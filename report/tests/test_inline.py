@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from exhibits.envelope_equations import eq09
 from report.tests.prose import sources
 from report.tests.typeset_check import Check
 from report.tests.typeset_worlds import WORLDS, numbered, signed, some_torus
@@ -232,7 +231,13 @@ def top_circle_of_a_cone(rng):
     """The circle through a place, in a direction, that Eq. 9 knows as a cone's."""
     angle, turn, (x, y) = rng.uniform(0.3, 1), rng.uniform(0.3, 1.2), signed(rng, 0.1, 0.4, 2)
     w = np.array([-np.sin(turn), np.cos(turn)])
-    rho = brentq(lambda size: eq09(x, y, *(size * w), angle), 1e-3, 1 / np.tan(angle))
+
+    def eq09(size):
+        u, v = size * w
+        weight = 1 + x * x + y * y + 2 * x * u + 2 * y * v
+        return weight**2 - 4 * np.tan(angle) ** 2 * size**2
+
+    rho = brentq(eq09, 1e-3, 1 / np.tan(angle))
     u, v = rho * w
     p = 2 / (1 + plane_normal(x, y)[2])
     return {"kappa": 1 / rho, "rho": rho, "tau": np.tan(angle), "theta": angle, "bold w": w,

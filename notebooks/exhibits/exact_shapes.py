@@ -90,8 +90,10 @@ def _frustum(numbers, margin, p, u):
     parts = [_below(uv, vv + planes - qv), _below(-uv, planes + qv)]
     # Squares of the distance from the axis, times vv: A t^2 + 2 B t + C.
     A, B, C = _dot(u, u) * vv - uv * uv, _dot(q, u) * vv - qv * uv, _dot(q, q) * vv - qv * qv
+    widest = max(start, end) + margin
+    if start == end:  # a rod
+        return _common([*parts, _inside(A, B, C - vv * widest * widest)]) if widest >= 0 else None
     if margin >= 0:
-        widest = max(start, end) + margin
         parts.append(_inside(A, B, C - vv * widest * widest))
     # The wall's radius, times vv, is W + G t; a margin across the wall is more across the axis.
     gain = end - start
@@ -187,6 +189,11 @@ SHAPES = {"rod": _frustum, "capsule": _capsule, "frustum": _frustum, "box": _box
           "rounded": _rounded}  # fmt: skip
 
 
+def rod_rows(a, b, radius):
+    """Return rods as rows (n, 12), from ends (n, 3) and radii (n,)."""
+    return np.column_stack([a, b, radius, radius, np.zeros((len(radius), 4))])
+
+
 def whole(numbers):
     """Return floats, or fractions like them, as whole numbers over one power of two, and that."""
     pairs = [number.as_integer_ratio() for number in numbers]
@@ -234,10 +241,21 @@ def full_size(kind, shapes):
     return shapes[:, 6:8].max(axis=-1) + np.linalg.norm(shapes[:, 3:6] - shapes[:, :3], axis=-1)
 
 
-def judged(found, kind, shapes, p, u, roundings=64):
-    """Return which answers (n,) are missed, thin and thick, for a promise of so many roundings."""
+def judged_rods(found, lines, allowed=64 * EPS):
+    """Return what `judged` says of flat rods: of lines (a, b, radius, p, u), one rod a line."""
+    a, b, radius, p, u = lines
+    return judged(found, "rod", rod_rows(a, b, radius), p, u, allowed)
+
+
+def judged(found, kind, shapes, p, u, allowed=64 * EPS):
+    """Return which answers (n,) are missed, thin and thick.
+
+    Missed: the line meets the shape and nothing was found. Thin: even the shape shrunk by a margin
+    has more of the line. Thick: even the shape grown by it has less. The margin is the allowed
+    share of `size_of`.
+    """
     enter, leave = found
-    margin = roundings * EPS * size_of(kind, shapes, u)
+    margin = allowed * size_of(kind, shapes, u)
     exact = exact_intervals(kind, shapes, p, u)
     least = exact_intervals(kind, shapes, p, u, -margin)
     most = exact_intervals(kind, shapes, p, u, margin)
