@@ -156,9 +156,9 @@
     return figure;
   }
 
-  // The rows of budget.csv, which begins with a comment: lengths in mm.
+  // The rows of budget.csv, with lengths in mm.
   function budgetTable(csv) {
-    const [names, ...rows] = csv.trim().split("\n").slice(1).map((line) => line.split(","));
+    const [names, ...rows] = csv.trim().split("\n").map((line) => line.split(","));
     const rounded = (text, at) => +(text * (names[at].endsWith("_m") ? 1e3 : 1)).toFixed(4);
     const said = (text, at) => (text && !isNaN(text) ? rounded(text, at) : text || "-");
     const table = document.createElement("table");
