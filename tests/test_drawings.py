@@ -1,6 +1,6 @@
 """Plane drawings: what is drawn lies where the shapes, paths and tasks have it."""
 
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -96,22 +96,36 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
         assert ends == pytest.approx([arc.radius] * 2)
 
 
-def test_radii_stand_inside_their_arcs_and_off_the_rays(ax):
+def test_radii_stand_beside_their_rays_in_a_box_that_touches_the_section(ax):
     plot.draw_construction(ax, EGG)
-    rays = [line for line in ax.lines if len(line.get_xdata()) == 3]
-    written = [text.get_text() for text in ax.texts]
-    values = {"$a$": EGG.a, "$3a$": 3 * EGG.a, "$a/2$": EGG.a / 2}
-    assert [values[text] for text in written] == pytest.approx([arc.radius for arc in EGG.arcs])
-    for text in ax.texts:
-        place = np.array(text.get_position())
-        assert EGG.depth(*place) == pytest.approx(0.15 * EGG.a)
-        for ray in rays:
-            corners = ray.get_xydata()
-            for start, stop in pairwise(corners):
-                share = np.clip(
-                    (place - start) @ (stop - start) / np.sum((stop - start) ** 2), 0, 1
-                )
-                assert np.hypot(*(start + share * (stop - start) - place)) > 0.1 * EGG.a
+    rays = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 3]
+    names = {"$a$": EGG.a, "$3a$": 3 * EGG.a, "$a/2$": EGG.a / 2}
+    letters = [text for text in ax.texts if text.get_text() in names][:3]
+    assert {text.get_text() for text in letters} == set(names)
+    for text in letters:
+        apart = [
+            min(distance_from_segment(text.get_position(), one, ray[1]) for one in ray[::2])
+            for ray in rays
+        ]
+        nearest = min(apart)
+        assert 0.15 * EGG.a < nearest < 0.25 * EGG.a
+        radii = [
+            arc.radius for arc, off in zip(EGG.arcs, apart, strict=True) if off < 1.01 * nearest
+        ]
+        assert any(radius == pytest.approx(names[text.get_text()]) for radius in radii)
+    [box] = ax.patches
+    outline = EGG.point(np.linspace(0, EGG.perimeter, 20_001))
+    np.testing.assert_allclose(box.get_xy(), outline.min(axis=0), atol=1e-6)
+    np.testing.assert_allclose(
+        (box.get_width(), box.get_height()), np.ptp(outline, axis=0), atol=1e-6
+    )
+
+
+def distance_from_segment(place, start, stop):
+    """Return how far a place (2,) is from the segment between two points (2,)."""
+    along = np.subtract(stop, start)
+    share = np.clip(np.subtract(place, start) @ along / (along @ along), 0, 1)
+    return np.hypot(*(place - start - share * along))
 
 
 def test_pictures_have_their_titles():
