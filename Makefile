@@ -24,7 +24,7 @@ HEADLESS := $(ALONE) LP_NUM_THREADS=1 PYTHONHASHSEED=0 \
 	VTK_DEFAULT_OPENGL_WINDOW=vtkEGLRenderWindow PYVISTA_JUPYTER_BACKEND=static
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report stale site live test long check lab browser sliders atlas bench plc mutants words format lock clean
+.PHONY: help environment report stale site live dist test long check lab browser sliders atlas bench plc mutants words format lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\): [^#]*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -43,6 +43,9 @@ site: report ## the notebooks and the report as web pages, build/site/index.html
 
 live: report ## those pages with sliders that move without Python, build/live/index.html (fetches 39 MB of Pyodide once, or else open-webui's wheel with it, 106 MB)
 	@$(BIN)/python -m report.live
+
+dist: live ## the documents, the wheel and those pages in one archive for any static host, build/dist/
+	@$(BIN)/python -m report.dist
 
 # A worker takes a file at a time, in the order of testpaths: notebooks, which take longest, first,
 # and doctests, the shortest, last, so that none waits long for another at the end. A worker that

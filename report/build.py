@@ -2,16 +2,16 @@
 
 Every task is decided by content (report/sources.py): a notebook is left alone when its sources are
 those of its last run and its results are still those it left then. `make stale` only says what
-would be done, and why. What runs notebooks and compiles takes seconds to import: it is imported
-where there is something to do.
+would be done, and why. Modules that run notebooks or compile take seconds to import, so they are
+imported only where there is something to do.
 """
 
+import errno
 import os
 import shutil
 import sys
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import nullcontext
 
 from report.lists import (
@@ -35,116 +35,95 @@ from report.sources import (
     records,
     report_sources,
 )
-from report.state import State, replace
+from report.state import NotebookFailed, State
 
 DOCUMENTS = ("report", "supplement", "corrigenda")
 PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
-PDF = PDFS["report"]
-USUAL = 10.0  # s that a notebook may take of which nothing is known
-
-
-class Progress:
-    """Lines that say how many notebooks are done, and how long the rest may take."""
-
-    def __init__(self, seconds):
-        self.left, self.done = dict(seconds), 0
-        self.count, self.all = len(seconds), sum(seconds.values())
-        self.lock, self.begun = threading.Lock(), time.monotonic()
-
-    def end(self, name, text):
-        """Say how the notebook `name` ended."""
-        with self.lock:
-            self.done += 1
-            del self.left[name]
-            passed, left = time.monotonic() - self.begun, sum(self.left.values())
-            rest = passed * left / max(self.all - left, 1e-9)
-            more = f"; about {_duration(rest)} left" if self.left else ""
-            say(f"{self.done:2} of {self.count}  {text}{more}")
+ROOM = 300e6  # bytes of disk that must be free before a notebook is run
 
 
 def main():
     """Build what is stale; return the exit code."""
     with locked("make report"):
         recover(ROOT)
-        return write_report() if run_notebooks() else 1
+        index, *chapters = notebooks()
+        # The index comes last, because it shows what the others recorded.
+        if run_stale(chapters) and run_stale([index]):
+            return write_report()
+        say("The index and report/report.pdf are left as they were, because of the failure above.")
+        return 1
 
 
 def recover(root):
-    """Finish what a build that was killed had come to the end of, and remove what it hadn't."""
+    """Move into place what a killed build had finished, and remove what it hadn't."""
     shutil.rmtree(root / "build" / "staging", ignore_errors=True)
     for place in sorted((root / "build" / "ready").glob("*")):
         from report.execute import publish
 
         try:
             publish(place)
-        except (OSError, ValueError, KeyError):  # not left by us: what it belonged to is run again
+        except (OSError, ValueError, KeyError):  # damaged: its notebook is run again
             shutil.rmtree(place, ignore_errors=True)
 
 
-def run_notebooks():
-    """Run the notebooks that are stale, the longest first; tell whether all is well.
-
-    The index comes last, for it shows what the others recorded.
-    """
-    index, *chapters = notebooks()
-    sources = {notebook: notebook_sources(notebook) for notebook in chapters}
-    stale = [n for n in chapters if State(ROOT, n.stem).stale(sources[n])]
-    stale = without_scenes_that_cannot_be_drawn(stale)
-    seconds = {n: State(ROOT, n.stem).seconds or USUAL for n in stale}
-    progress = Progress(seconds | {index: State(ROOT, index.stem).seconds or USUAL})
-    stale.sort(key=seconds.get, reverse=True)
-    with shared_imports_of(stale):
-        # The work is done in the kernels' own processes. Ctrl-C isn't to wait for their end.
-        pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
-        ended = list(pool.map(lambda n: run(n, sources[n], progress), stale))
-        pool.shutdown()
-    if not all(ended):
-        say("The index and report/report.pdf are left as they were, because of the failure above.")
-        return False
-    sources = notebook_sources(index)
-    if State(ROOT, index.stem).stale(sources):
-        return run(index, sources, progress)
-    if stale:
-        progress.end(index, f"{index.stem} is up to date")
-    return True
-
-
-def shared_imports_of(stale):
-    """Return a context for notebooks to be run in: more than one share what they import."""
-    if len(stale) < 2:
-        return nullcontext()
+def run_stale(chosen):
+    """Run the stale ones among some notebooks; tell whether all is well."""
+    sources = {notebook: notebook_sources(notebook) for notebook in chosen}
+    stale = drawable([n for n in chosen if State(ROOT, n.stem).stale(sources[n])])
+    stale.reverse()  # the later ones take longer: then no processor waits for one at the end
+    if not stale:
+        return True
     from report.kernels import shared_imports
 
-    return shared_imports()
+    # The work is done in the kernels' own processes.
+    pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
+    with shared_imports() if len(stale) > 1 else nullcontext():
+        try:
+            futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
+            for number, future in enumerate(as_completed(futures), 1):
+                try:
+                    text = future.result()
+                except NotebookFailed as error:
+                    text, failed = f"failed: {error}", failed + 1
+                say(f"{number:2} of {len(stale)}  {text}")
+        finally:  # an interrupt or a full disk doesn't wait for the other notebooks
+            pool.shutdown(wait=False, cancel_futures=True)
+    return not failed
 
 
-def run(notebook, sources, progress):
-    """Run a notebook and say how that ended; tell whether it is well."""
-    from report.execute import NotebookFailed, run_notebook
+def run(notebook, sources):
+    """Run a notebook and return a few words about it.
 
+    Raises
+    ------
+    NotebookFailed
+        If it doesn't come to its end.
+    OSError
+        If the disk is too full to begin.
+    """
+    from report.execute import run_notebook
+
+    free = shutil.disk_usage(ROOT).free
+    if free < ROOM:
+        why = f"{free / 1e6:.0f} MB of disk are free, and a build needs {ROOM / 1e6:.0f} MB"
+        raise OSError(errno.ENOSPC, why, str(ROOT))
     begun = time.monotonic()
-    try:
-        kept = run_notebook(notebook, sources)
-    except NotebookFailed as error:
-        progress.end(notebook, f"failed: {error}")
-        return False
+    kept = run_notebook(notebook, sources)
+    same = " (unchanged, because the new ones differ in last bits only: {})"
     said = f"{notebook.stem}, {time.monotonic() - begun:.1f} s"
-    if kept:
-        said += f" (unchanged, because the new ones differ in last bits only: {', '.join(kept)})"
-    progress.end(notebook, said)
-    return True
+    return said + (same.format(", ".join(kept)) if kept else "")
 
 
-def without_scenes_that_cannot_be_drawn(stale):
-    """Return which notebooks can be run: without a GL library those that draw no scene."""
-    scenes = [notebook for notebook in stale if draws_scenes(notebook)]
+def drawable(chosen):
+    """Return the notebooks that can be run: without a GL library, those that draw no scene."""
+    scenes = [notebook for notebook in chosen if draws_scenes(notebook)]
     if scenes:
         from kit import gl
 
         if said := gl.problem():
             say(f"{said} {len(scenes)} notebooks draw some: they stay as they are committed.")
-            return [notebook for notebook in stale if notebook not in scenes]
-    return stale
+            return [notebook for notebook in chosen if notebook not in scenes]
+    return chosen
 
 
 def write_report():
@@ -164,30 +143,36 @@ def write_report():
         say(f"report/report.pdf left as it was: {error}")
         return 1
     from report.site.front import moving_file
+    from tunneller_lib.job.atomic_write import replacement
 
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
     lists[MOVING] = moving_file()
     # The README is somebody's text with findings in it, which they may edit meanwhile.
-    replace(README, with_findings(README.read_text(encoding="utf-8")).encode())
+    with replacement(README) as new:
+        new.write_text(with_findings(README.read_text(encoding="utf-8")), encoding="utf-8")
     contents = {PDFS[name]: pdf for name, pdf in made.items()}
     contents |= {path: text.encode() for path, text in lists.items()}
-    seconds = time.monotonic() - begun
-    publish_files("report", contents, sources, seconds, ROOT)
-    say(f"report/report.pdf, {seconds:.1f} s")
+    publish_files("report", contents, sources, ROOT)
+    say(f"report/report.pdf, {time.monotonic() - begun:.1f} s")
     return 0
 
 
 def tell_stale():
-    """Say what a build would do, and why; it changes nothing."""
+    """Say what a build would do and why, and change nothing; return the exit code."""
     reasons = {n: State(ROOT, n.stem).stale(notebook_sources(n)) for n in notebooks()}
-    for notebook in filter(reasons.get, reasons):
-        say(f"{notebook.stem}: {reasons[notebook]}")
-    number = sum(map(bool, reasons.values()))
-    say(f"{number} of {len(reasons)} notebooks would be run (and the index, if numbers change).")
+    lines = [f"{notebook.stem}: {reason}" for notebook, reason in reasons.items() if reason]
+    number = len(lines)
+    lines.append(
+        f"{number} of {len(reasons)} notebooks would be run (and the index, if numbers change)."
+    )
     if reason := State(ROOT, "report").stale(report_sources()):
-        say(f"report/report.pdf would be written: {reason}.")
+        lines.append(f"report/report.pdf would be written: {reason}.")
     elif not number:
-        say("report/report.pdf is up to date.")
+        lines.append("report/report.pdf is up to date.")
+    try:
+        say("\n".join(lines))
+    except BrokenPipeError:  # `make stale | head` has seen enough
+        os._exit(0)
     return 0
 
 
@@ -205,21 +190,17 @@ def say(text):
     print(text, flush=True)
 
 
-def _duration(seconds):
-    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{seconds:.0f} s"
-
-
 def told(task):
-    """Return the exit code of a task, which says in one sentence what stops it."""
+    """Return the exit code of a task; what stops the task is said in one sentence."""
     try:
         return task()
     except KeyboardInterrupt:
-        print("Interrupted; the next build goes on from here.", file=sys.stderr, flush=True)
-        os._exit(130)  # at once: the threads wait for kernels, which end when we are gone
+        print("Interrupted; the next build goes on from here.", file=sys.stderr)
+        return 130
     except OSError as error:
         where = f" ({error.filename})" if error.filename else ""
         print(
-            f"The build stopped: {error.strerror}{where}. What was there is whole; "
+            f"The build stopped: {error.strerror}{where}. Finished notebooks are kept; "
             "the next build goes on from here.",
             file=sys.stderr,
         )
@@ -227,4 +208,5 @@ def told(task):
 
 
 if __name__ == "__main__":
-    sys.exit(told(tell_stale if sys.argv[1:] == ["stale"] else main))
+    code = told(tell_stale if sys.argv[1:] == ["stale"] else main)
+    os._exit(code)  # at once: other threads may still wait for kernels, which end with us

@@ -35,12 +35,12 @@ def release_date(root=ROOT):
 
 
 def inputs(root=ROOT):
-    """Return what the report's source is told from outside."""
+    """Return the inputs that the report's sources read from Typst."""
     return {"hash": results_digest(root)[:16], "versions": json.dumps(versions(root))}
 
 
 def with_words(text):
-    """Return a text with each formula within a line in a call that gives it its words.
+    """Return a text with each formula within a line wrapped in the call that adds its words.
 
     Examples
     --------

@@ -22,7 +22,7 @@ from report.lock import ROOT, locked
 
 PINS = ROOT / "environment.txt"
 PEERS = ROOT / "pyproject.toml"  # its group "bench"
-NEEDED = 2e9  # bytes: 1.3 GB of packages, and what they unpack
+NEEDED = 2.2e9  # bytes: 1.6 GB of packages, and what they unpack
 GL_LIBRARY, GL_PACKAGES = "libEGL.so.1", ["libegl1", "libgl1-mesa-dri"]
 
 # Imported when Python starts: a notebook uses the library of the checkout that it lies in, and the
@@ -62,45 +62,34 @@ class Environment:
         self.stamp = self.folder / "stamp"
 
     def wanted(self):
-        """Return what the environment depends on; a moved checkout has to be set up again too."""
+        """Return a digest of what the environment depends on, the checkout's place included."""
         text = PINS.read_bytes() + str(ROOT).encode() + Path(__file__).read_bytes()
         text += PEERS.read_bytes() if self.peers else b""
         return hashlib.sha256(text).hexdigest()
 
     def is_whole(self):
-        """Tell whether it is the wanted one, and all is there as it was installed."""
+        """Tell whether it is what the pins want, with every file as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
-        wanted, *names = self.stamp.read_text().splitlines()
+        wanted, *packages = self.stamp.read_text().splitlines()
         if wanted != self.wanted():
             return False
-        if changed := self.changed(names):
-            say(f"{self.folder.name} isn't as it was set up: {', '.join(changed)}")
+        if lost := sorted(set(packages) - set(self.packages())):
+            say(f"{self.folder.name} isn't as it was set up: {', '.join(lost)} changed or missing")
             return False
         since = self.stamp.stat().st_mtime
         return not self.spoilt(since)
 
-    def versions(self):
-        """Return the version of each package that is installed, by its name."""
+    def packages(self):
+        """Return the packages that are installed, as ``name-version``, without Python's own."""
         records = self.folder.glob("lib/python3*/site-packages/*.dist-info/RECORD")
-        found = [
-            record.parent.name.removesuffix(".dist-info").rpartition("-") for record in records
-        ]
-        return {re.sub(r"[-_.]+", "-", name).lower(): version for name, _, version in found}
-
-    def changed(self, names):
-        """Return a few words on each of these packages that isn't there as it is pinned."""
-        found, pins = self.versions(), pinned_versions()
-        return [
-            f"{name} is {found.get(name, 'missing')}, not {pins[name]}"
-            for name in names
-            if found.get(name) != pins[name]
-        ]
+        names = (record.parent.name.removesuffix(".dist-info") for record in records)
+        return sorted(name for name in names if not name.startswith(("pip-", "setuptools-")))
 
     def spoilt(self, since=0.0):
-        """Return the names of the packages that miss a file or have another than they recorded.
+        """Return the names of the packages that lack a file or whose file isn't as they recorded.
 
-        Sizes are compared of all files, contents of those changed after `since`.
+        The sizes of all files are compared, and the contents of those changed after `since`.
         """
         names, read = set(), 0
         for packages in self.folder.glob("lib/python3*/site-packages"):
@@ -156,13 +145,9 @@ class Environment:
             run(*add, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
         if spoilt := self.spoilt():
             fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
-        # Of the pinned packages those that this Python and system ask for; a later look asks for
-        # them all, and leaves alone what somebody installed besides.
-        names = sorted(self.versions().keys() & pinned_versions().keys())
-        if changed := self.changed(names):
-            fail(f"Set-up stopped: {', '.join(changed)}. The next call tries again.")
         self.settle()
-        self.stamp.write_text("\n".join([self.wanted(), *names]))
+        # A later look asks for these packages, and leaves alone what somebody installed besides.
+        self.stamp.write_text("\n".join([self.wanted(), *self.packages()]))
 
     def settle(self):
         """Write, where it isn't there, what makes the checkout importable and JupyterLab quiet."""
@@ -175,11 +160,6 @@ class Environment:
             if not path.exists() or path.read_text() != content:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(content)
-
-
-def pinned_versions():
-    """Return the version of each package that environment.txt pins, by its name."""
-    return dict(re.findall(r"^([a-z0-9-]+)==([^ ]+)", PINS.read_text(), re.M))
 
 
 def main(environment):
@@ -203,14 +183,14 @@ def main(environment):
 
 
 def provide_libraries(*, for_venv):
-    """Install what the system lacks, all at once, or say how: before anything is fetched."""
+    """Install the system's packages that are missing, or say how, before anything is fetched."""
     venv = ["python3-venv"] if importlib.util.find_spec("ensurepip") is None else []
     missing = (venv if for_venv else []) + ([] if _loads(GL_LIBRARY) else GL_PACKAGES)
     if not missing:
         return
     command = ["apt-get", "install", "-y", "--no-install-recommends", *missing]
     if os.geteuid() == 0 and shutil.which("apt-get"):
-        say(f"Installing {' '.join(missing)}")
+        say(f"This set-up runs as root, so it installs Debian packages now: {' '.join(missing)}")
         environment = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
         run("apt-get", "update", stdout=subprocess.DEVNULL)
         run(*command, stdout=subprocess.DEVNULL, env=environment)

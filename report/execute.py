@@ -1,8 +1,8 @@
-"""Run one notebook and put what it made into place, all of it or nothing.
+"""Run one notebook and put all that it made into place, or nothing.
 
-A notebook runs in a folder of its own under build/staging. When it has come to its end, that
-folder, with a list of what it holds, is renamed to build/ready/<notebook>: from then on its results
-count. They are moved into place at once, or, when the build is killed meanwhile, by the next one.
+A notebook leaves its results in a folder under build/staging. At its end that folder, with a list
+of what it holds, is renamed to build/ready/<notebook>: from then on its results count. They are
+moved into place at once, or by the next build if this one is killed meanwhile.
 """
 
 import atexit
@@ -12,7 +12,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import nbformat
@@ -21,7 +21,7 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError, DeadKernel
 
 from report.compare import agree
 from report.sources import SCENES, cells, figure_files, file_digests, records, scene_files
-from report.state import State
+from report.state import NotebookFailed, State
 
 CELL_TIMEOUT = 120  # s
 LIST = "ready.json"  # in a finished folder: its files, those no longer made, the state to keep
@@ -39,10 +39,6 @@ METADATA = {
 }
 
 
-class NotebookFailed(Exception):
-    """A notebook that didn't run to its end; the message says where and why."""
-
-
 def run_notebook(notebook, sources=None):
     """Execute a notebook, then put it and its results into place together.
 
@@ -56,7 +52,7 @@ def run_notebook(notebook, sources=None):
     Returns
     -------
     kept : list of str
-        Names of results that differ from those that were there by less than counts: these stay.
+        Names of results that stay as they were, because the new ones differ in last bits only.
 
     Raises
     ------
@@ -64,39 +60,22 @@ def run_notebook(notebook, sources=None):
         If a cell fails, or the notebook was edited meanwhile; nothing is changed then.
     """
     root = notebook.parent.parent
-    begun = time.monotonic()
-    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f"{notebook.stem}-", dir=root / "build" / "staging"))
-    try:
+    with staging(root, notebook.stem) as folder:
         written = cells(notebook)
-        content = execute(notebook, staging)
+        content = execute(notebook, folder)
         if cells(notebook) != written:
             raise NotebookFailed(f"{notebook.name} was edited while it ran: build again.")
-        executed = staging / "notebooks" / notebook.name
+        executed = folder / "notebooks" / notebook.name
         executed.parent.mkdir()
         nbformat.write(content, executed)
-        kept = keep_what_agrees(staging, root)
-        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
+        kept = keep_what_agrees(folder, root)
         old = {*figure_files(notebook), *scene_files(notebook), records(notebook)[0]}
-        gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
-        place = finish(staging, notebook.stem, made, gone, sources or {}, time.monotonic() - begun)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        place = finish(folder, notebook.stem, old, sources or {})
     publish(place)
     return kept
 
 
-def finish(staging, task, made, gone, sources, seconds):
-    """Rename a folder of a task's results to build/ready: from then on they count; return it."""
-    ready = {"results": made, "gone": gone, "sources": sources, "seconds": seconds}
-    (staging / LIST).write_text(json.dumps(ready), encoding="utf-8")
-    place = staging.parents[1] / "ready" / task
-    place.parent.mkdir(exist_ok=True)
-    os.replace(staging, place)
-    return place
-
-
-def publish_files(task, contents, sources, seconds, root):
+def publish_files(task, contents, sources, root):
     """Put files of a task into place together, and note its state.
 
     Parameters
@@ -107,23 +86,43 @@ def publish_files(task, contents, sources, seconds, root):
         What each file is to hold.
     sources : dict of str to str
         What they are made from, to be kept in the state.
-    seconds : float
-        What making them took.
     root : pathlib.Path
         The checkout.
     """
-    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f"{task}-", dir=root / "build" / "staging"))
-    try:
+    with staging(root, task) as folder:
         for path, content in contents.items():
-            new = staging / path.relative_to(root)
+            new = folder / path.relative_to(root)
             new.parent.mkdir(parents=True, exist_ok=True)
             new.write_bytes(content)
-        made = file_digests(staging, [p for p in staging.rglob("*") if p.is_file()])
-        place = finish(staging, task, made, [], sources, seconds)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        place = finish(folder, task, (), sources)
     publish(place)
+
+
+@contextmanager
+def staging(root, task):
+    """Give a new folder for a task's results; it is removed unless `finish` has moved it."""
+    (root / "build" / "staging").mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=f"{task}-", dir=root / "build" / "staging"))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def finish(folder, task, old, sources):
+    """Move a folder of a task's results to build/ready, from where on they count; return it.
+
+    `old` are the files that the task left the last time: those it no longer makes are removed.
+    """
+    root = folder.parents[2]
+    made = file_digests(folder, [path for path in folder.rglob("*") if path.is_file()])
+    gone = sorted({str(path.relative_to(root)) for path in old} - made.keys())
+    ready = {"results": made, "gone": gone, "sources": sources}
+    (folder / LIST).write_text(json.dumps(ready), encoding="utf-8")
+    place = root / "build" / "ready" / task
+    place.parent.mkdir(exist_ok=True)
+    os.replace(folder, place)
+    return place
 
 
 def execute(notebook, staging):
@@ -185,8 +184,8 @@ def publish(place):
     Parameters
     ----------
     place : pathlib.Path
-        A folder of build/ready. What is no longer there has been moved before, by a build that
-        was killed. A notebook that was edited since keeps its edits, and is run again.
+        A folder of build/ready. Files that its list names and that aren't there were moved by a
+        build that was killed. A notebook that was edited since keeps its edits and is run again.
     """
     root = place.parents[2]
     ready = json.loads((place / LIST).read_bytes())
@@ -200,5 +199,5 @@ def publish(place):
                 os.replace(place / name, root / name)
         for name in ready["gone"]:
             (root / name).unlink(missing_ok=True)
-        State(root, place.name).save(ready["sources"], ready["results"], ready["seconds"])
+        State(root, place.name).save(ready["sources"], ready["results"])
     shutil.rmtree(place)

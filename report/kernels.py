@@ -19,6 +19,7 @@ import tempfile
 import threading
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 PACKAGES = (
     "ipykernel.kernelapp", "IPython.display", "ipywidgets", "matplotlib.pyplot",
@@ -55,7 +56,6 @@ def shared_imports():
         kernel = Path(folder, "kernels", "python3", "kernel.json")
         kernel.parent.mkdir(parents=True)
         kernel.write_text(json.dumps(spec), encoding="utf-8")
-        before = os.environ.get("JUPYTER_PATH")
         listener = socket.socket(socket.AF_UNIX)
         listener.bind(place)
         listener.listen(64)
@@ -65,16 +65,11 @@ def shared_imports():
             pass_fds=[listener.fileno()], start_new_session=True,
         )  # fmt: skip
         listener.close()
-        os.environ["JUPYTER_PATH"] = folder if before is None else f"{folder}{os.pathsep}{before}"
-        os.environ[NURSERY] = place
+        paths = os.pathsep.join(filter(None, [folder, os.environ.get("JUPYTER_PATH")]))
         try:
-            yield
+            with patch.dict(os.environ, {"JUPYTER_PATH": paths, NURSERY: place}):
+                yield
         finally:
-            del os.environ[NURSERY]
-            if before is None:
-                del os.environ["JUPYTER_PATH"]
-            else:
-                os.environ["JUPYTER_PATH"] = before
             nursery.stdin.close()
             nursery.wait()
 

@@ -1,6 +1,6 @@
-"""One build at a time in a checkout: a lock whose holder is told to whoever waits for it.
+"""A lock that lets one build at a time work in a checkout, and tells those who wait who holds it.
 
-Needs nothing but Python's standard library. As a program it runs a command under the lock:
+It needs only Python's standard library. As a program it runs a command under the lock:
 `python3 -m report.lock "make clean" rm -rf build`.
 """
 
@@ -9,14 +9,14 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
 @contextmanager
-def locked(task, *, shared=False, root=ROOT):
+def locked(task, *, shared=False, root=None):
     """Hold the checkout's lock, after waiting for whoever holds it.
 
     Parameters
@@ -25,8 +25,8 @@ def locked(task, *, shared=False, root=ROOT):
         What is done meanwhile, as those who wait are told: ``"make report"``.
     shared : bool
         Whether others that only read, such as tests, may hold it too.
-    root : pathlib.Path
-        The checkout.
+    root : pathlib.Path, optional
+        The checkout; this one by default.
 
     Raises
     ------
@@ -37,15 +37,12 @@ def locked(task, *, shared=False, root=ROOT):
     -----
     The system frees the lock when its holder ends, however it ends.
     """
-    path = root / "build" / "lock"
-    kind = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
-    with _taken(path, kind) as file:
-        try:
+    path = (root or ROOT) / "build" / "lock"
+    with _taken(path, fcntl.LOCK_SH if shared else fcntl.LOCK_EX) as file:
+        with suppress(OSError):  # on a full disk: the holder's name is only a courtesy
             file.truncate(0)
             file.write(f"`{task}`, process {os.getpid()}, since {time.strftime('%H:%M:%S')}")
             file.flush()
-        except OSError:
-            pass  # a full disk doesn't matter here: the name of the holder is a courtesy
         yield
 
 
@@ -62,15 +59,21 @@ def _taken(path, kind):
             print(f"Waiting for {holder}, which works in this checkout ...", flush=True)
             fcntl.flock(file, kind)
         # `make clean` removes the file together with its folder: then the lock is another one.
-        try:
+        with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 return file
-        except FileNotFoundError:
-            pass
         file.close()
 
 
+def main(task, *command):
+    """Run a command under the lock; return its exit code."""
+    try:
+        with locked(task):
+            return subprocess.run(command).returncode
+    except OSError as error:
+        print(f"`{task}` stopped: {error.strerror} ({error.filename}).", file=sys.stderr)
+        return 1
+
+
 if __name__ == "__main__":
-    task, *command = sys.argv[1:]
-    with locked(task):
-        sys.exit(subprocess.run(command).returncode)
+    sys.exit(main(*sys.argv[1:]))

@@ -131,12 +131,6 @@ def _of(*things):
     return digest(json.dumps(things).encode())
 
 
-def notebook_results(notebook):
-    """Return the digests of all that running a notebook leaves, its own stored outputs included."""
-    files = [notebook, records(notebook)[0], *figure_files(notebook), *scene_files(notebook)]
-    return file_digests(notebook.parent.parent, files)
-
-
 def results_digest(root=ROOT):
     """Return the one digest of the results that the report shows: its numbers and figures."""
     made = [file for n in notebooks(root) for file in (records(n)[0], *figure_files(n))]

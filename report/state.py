@@ -1,13 +1,16 @@
-"""What the last builds left: for each task its sources, its results and the time it took.
+"""What the last builds left: for each task its sources and its results.
 
-A file a task, build/state/<task>.json. What can't be read, or isn't such a file, is no state: the
-task is done again.
+Each task has a file, build/state/<task>.json. A file that is missing, cut short or something else
+counts as no state, and the task is done again.
 """
 
 import json
-import os
 
 from report.sources import file_digests
+
+
+class NotebookFailed(Exception):
+    """A notebook that didn't run to its end; the message says where and why."""
 
 
 class State:
@@ -27,9 +30,8 @@ class State:
         try:
             kept = json.loads(self.file.read_bytes())
             self.sources, self.results = dict(kept["sources"]), dict(kept["results"])
-            self.seconds = float(kept["seconds"])
         except (OSError, ValueError, TypeError, KeyError):
-            self.sources, self.results, self.seconds = {}, {}, None
+            self.sources, self.results = {}, {}
 
     def stale(self, sources):
         """Return why a task has to be done, in a few words, or None.
@@ -53,21 +55,11 @@ class State:
             return f"{_few(altered)} {'was' if len(altered) == 1 else 'were'} altered"
         return None
 
-    def save(self, sources, results, seconds):
-        """Keep what a task was made from, the digests of its results by name, and its time in s."""
-        kept = {"sources": sources, "results": results, "seconds": round(seconds, 1)}
-        replace(self.file, json.dumps(kept, indent=1).encode())
-
-
-def replace(path, content):
-    """Write a file atomically: readers see the old one or the new one, never a part."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.new")
-    try:
-        beside.write_bytes(content)
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
+    def save(self, sources, results):
+        """Keep the digests of what a task was made from, and of its results, by name."""
+        kept = {"sources": sources, "results": results}
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        self.file.write_text(json.dumps(kept, indent=1))
 
 
 def _few(names):

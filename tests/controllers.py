@@ -30,7 +30,7 @@ OUTPUTS = (
     "nSetTheta", "nSetPhi", "nState", "bBusy", "bDone", "bStepRequest", "bError", "nErrorId",
     "nScale", "nTick", "nAhead",
 )  # fmt: skip
-REALS = "rValveTheta", "rValvePhi", "rSlopeTheta", "rSlopePhi"
+REALS = "rValveTheta", "rValvePhi", "loopTheta.rSlope", "loopPhi.rSlope"
 ANSWER = struct.Struct(f"={len(OUTPUTS)}i{len(REALS)}d")
 DISABLED, STANDSTILL, MOVING, HOLDING, ERROR_STOP = range(5)
 FULL = 2**15
@@ -92,7 +92,7 @@ def c99_program(compiler, folder, controller, *options):
 
 
 WIRED = """
-static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
+static FB_Setpoints setpoints;
 static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
 static volatile T_Ring ring;
 """
@@ -161,8 +161,8 @@ def closed_loop(controller, wanted, made, scans, *, before=start):
         waiting.append((c.rValveTheta, c.rValvePhi))
         valves = waiting.pop(0)
         rows.append([c.nSetTheta, c.nSetPhi, *(s[0] for s in states), *valves, c.nState, c.bDone,
-                     c.nTick >= 0, c.nScale, c.rSlopeTheta * (c.nScale / FULL),
-                     c.rSlopePhi * (c.nScale / FULL)])  # fmt: skip
+                     c.nTick >= 0, c.nScale,
+                     *(vars(c)[name] * (c.nScale / FULL) for name in REALS[2:])])  # fmt: skip
         states = [step(s, u) for step, s, u in zip(steps, states, valves, strict=True)]
     return np.array(rows)
 

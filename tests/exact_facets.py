@@ -1,7 +1,7 @@
 """The judge of facets: whether one that is moved so far has a point in common with a solid.
 
 Each decision is of one place. An edge that is moved is a straight line, whose interval in the solid
-`tests.exact_shapes` finds in whole numbers. If no edge meets the solid, the solid's section by
+`exhibits.exact_shapes` finds in whole numbers. If no edge meets the solid, the solid's section by
 the facet's plane is inside the facet or apart from it, and one point tells which: that point is
 between the solid's outermost ones along the facet's normal, found in 60 digits.
 """
@@ -11,7 +11,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
-from tests.exact_shapes import EPS, exact_interval, full_size
+from exhibits.exact_shapes import EPS, exact_interval, full_size
 
 DIGITS = 60
 

@@ -1,7 +1,7 @@
 """Hard lines against rods, capsules, frusta, boxes and rounded discs, by family.
 
 A family takes a kind, a random generator and a number n, and returns shapes (n, 12) as
-`tests.exact_shapes` reads them, points and directions (n, 3). It uses sums, products, quotients
+`exhibits.exact_shapes` reads them, points and directions (n, 3). It uses sums, products, quotients
 and roots alone, whose last bits are the same on every processor.
 
 Most shapes are whole: a whole rotation, whose columns are N long, takes whole rims, corners and
@@ -11,6 +11,8 @@ touches to exact places.
 import numpy as np
 
 from exhibits.rod_cases import TRIPLES, whole_rotations
+from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces.rod import meet_rods
 
 EPS = np.finfo(float).eps
 KINDS = ("rod", "capsule", "frustum", "box", "rounded")
@@ -360,3 +362,25 @@ def limits(kind, rng, n):
 FAMILIES = (touches, tangents, rulings, ends, axial, tips, grazes, leaning, far, from_far, scaled,
             floats, proportions, sizes, ordinary, limits)  # fmt: skip
 TOUCHING = (touches, tangents, rulings, ends, axial, tips, far)
+
+
+def shape_of(kind, row):
+    """Return a shape of the library."""
+    a, b = row[:3], row[3:6]
+    if kind == "box":
+        return Box(a, b, row[6:9], row[9:])
+    if kind == "frustum":
+        return Frustum(a, b, *row[6:8])
+    if kind == "rounded":
+        return RoundedDisc(a, b, *row[6:8])
+    return Rod(a, b, row[6], ends="round" if kind == "capsule" else "flat")
+
+
+def meet(kind, shapes, p, u):
+    """Return where lines enter and leave shapes (n, 12), one shape a line, as the library says."""
+    if kind in ("rod", "capsule"):
+        ends = "round" if kind == "capsule" else "flat"
+        return meet_rods(shapes[:, :3], shapes[:, 3:6], shapes[:, 6], p, u, ends=ends)
+    lines = zip(shapes, p, u, strict=True)
+    found = [shape_of(kind, row).meet_line(point, way) for row, point, way in lines]
+    return tuple(np.array(found).reshape(-1, 2).T)

@@ -28,7 +28,7 @@ class Array(list):
         return self[: int(count)]
 
 
-def run(*, repaired=("continuation",), number=float, **given):
+def run(*, repaired=("continuation",), number=float, division=math.floor, **given):
     """Return the listing's variables, and its calls of graphics as `drawn`.
 
     Parameters
@@ -37,6 +37,8 @@ def run(*, repaired=("continuation",), number=float, **given):
         Names of `REPAIRS`.
     number : type
         Arithmetic of its numbers: float as in MATLAB, or Fraction.
+    division : function
+        What stands for its ``floor``.
     given : numbers
         What takes the place of the listing's own t1, t2, y1, y2 and T.
 
@@ -57,7 +59,7 @@ def run(*, repaired=("continuation",), number=float, **given):
         return [first + i * step for i in range(math.floor((last - first) / step) + 1)]
 
     memory = {n: graphics(n) for n in "plot rectangle xlabel ylabel axis hold grid".split()}
-    memory |= {"number": number, "floor": lambda x: number(math.floor(x)), "colon": colon}
+    memory |= {"number": number, "floor": lambda x: number(division(x)), "colon": colon}
     memory |= {"zeros": lambda rows, _: Array([0] * int(rows)), "y_ref": Array(), "drawn": drawn}
     for name, value in given.items():
         text = re.sub(rf"\b{name} = [^;]*;", f"{name} = {value};", text)

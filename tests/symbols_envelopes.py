@@ -44,6 +44,16 @@ LOWER = (6 * u * v**2 * F("xxx") + 6 * v * (v**2 - 2 * u**2) * F("xxy")
 EQ12 = (F("xxxx") * v**4 - 4 * F("xxxy") * v**3 * u + 6 * F("xxyy") * v**2 * u**2
         - 4 * F("xyyy") * v * u**3 + F("yyyy") * u**4 + LOWER)  # fmt: skip
 EQ9 = W**2 - 4 * tan**2 * (u**2 + v**2)
+EQ25 = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
+UT, VT = 2 * x * W - 4 * u * tan**2, 2 * y * W - 4 * v * tan**2  # Eq. 15, corrected
+
+
+def eq14(ut, vt):
+    """Return Eq. 14 with the derivatives (15) of (9) put in."""
+    return (F("xxx") * v**2 * ut + F("xxy") * v * (v * vt - 2 * u * ut)
+            + F("xyy") * u * (u * ut - 2 * v * vt) + F("yyy") * u**2 * vt
+            + (F("xx") - F("yy")) * (u * ut - v * vt)
+            + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
 
 
 def zero(expression):
@@ -60,8 +70,10 @@ def values(jet):
 
 
 def at(expression, jet, **more):
-    more = {sp.Symbol(name, real=True): value for name, value in more.items()}
-    return float(expression.subs(values(jet)).subs(more))
+    """Return an expression's value, or values, by a jet and by numbers or arrays for x, y, ..."""
+    given = {s: jet.derivative(*order) for order, s in NAMES.items()}
+    given |= {sp.Symbol(name, real=True): value for name, value in more.items()}
+    return np.squeeze(sp.lambdify(list(given), expression)(*given.values()))[()]
 
 
 def general_jet(surface, s, t):

@@ -1,36 +1,103 @@
-"""Adapted frames: unit axes in the tangent plane, and a graph that lies flat in them."""
+"""Adapted frames, and a surface's graph in them and in the model: by jets and by forms."""
 
 import numpy as np
 import pytest
 
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, model_jet
-from tunneller_lib.envelopes.jet import EXPONENTS
+from tests.envelopes_zoo import GENERAL, GRID
+from tunneller_lib.envelopes.adapted import (
+    adapted_frames,
+    frames_along,
+    isotropic_jet,
+    model_jet,
+    tangent_graph,
+)
+from tunneller_lib.envelopes.families import cyclide, ruled, saddle
+from tunneller_lib.envelopes.graph_forms import model_forms, space_forms
+from tunneller_lib.envelopes.isotropic import contact_point
+from tunneller_lib.envelopes.jet import EXPONENTS, differentiated, jet_variables
 
-S, T = np.random.default_rng(3).uniform(0.2, 0.8, (2, 40))
-SURFACES = {
-    "space": lambda s, t: [(2 + np.cos(t)) * np.cos(s), (2 + np.cos(t)) * np.sin(s), np.sin(t)],
-    "isotropic": lambda x, y: y**2 / (x**2 + y**2) + x * y / 7,
-}
+SURFACES = {"space": GENERAL["quartic graph"], "isotropic": cyclide}
+every_model = pytest.mark.parametrize("model", SURFACES)
+every_surface = pytest.mark.parametrize("name", GENERAL)
 
 
-@pytest.mark.parametrize("model", SURFACES)
+@every_model
 def test_axes_are_a_right_handed_frame_on_the_tangent_plane(model):
-    frames = adapted_frames(SURFACES[model], S, T, model)
+    frames = adapted_frames(SURFACES[model], *GRID, model)
     assert frames.smooth.all()
-    for axes in frames.axes:
-        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
-        assert np.linalg.det(axes) == pytest.approx(1)
-    # Along both parameters the surface leaves its point within the plane.
-    height = frames.r[2].c[:3]
-    np.testing.assert_allclose(height, 0, atol=1e-13)
+    right = frames.axes @ np.swapaxes(frames.axes, 1, 2)
+    np.testing.assert_allclose(right, np.broadcast_to(np.eye(3), right.shape), atol=1e-14)
+    np.testing.assert_allclose(np.linalg.det(frames.axes), 1)
+    np.testing.assert_allclose(frames.r[2].c[:3], 0, atol=1e-13)  # no height, no slope
 
 
-@pytest.mark.parametrize("model", SURFACES)
-def test_graph_in_its_own_frame_has_neither_height_nor_slope(model):
-    frames = adapted_frames(SURFACES[model], S, T, model)
+@every_surface
+def test_graph_in_the_frame_has_twice_the_principal_radii(name):
+    """f's Hessian is twice the inverse of the curvatures' matrix, that of the tangent graph."""
+    found = adapted_frames(GENERAL[name], *GRID, "space")
+    f, g = isotropic_jet(found, slice(None)), tangent_graph(found, slice(None))
+    hessian, bend = ([[j.derivative(2, 0), j.derivative(1, 1)],
+                      [j.derivative(1, 1), j.derivative(0, 2)]] for j in (f, g))  # fmt: skip
+    product = np.moveaxis(hessian, -1, 0) @ np.moveaxis(bend, -1, 0)
+    np.testing.assert_allclose(product, np.broadcast_to(2 * np.eye(2), product.shape), atol=1e-10)
+    assert np.abs(f.c[:3]).max() == 0 and np.abs(g.c[:3]).max() < 1e-14
+
+
+@pytest.mark.parametrize("shift", [0.0, 10.0])
+def test_both_models_give_the_same_jet(shift):
+    def f(x, y):
+        return cyclide(x, y) + shift * x
+
+    def space(x, y):
+        square = (x * x + y * y) ** 2
+        return contact_point(x, y, f(x, y), shift - 2 * x * y * y / square, 2 * x * x * y / square)
+
+    one, two = adapted_frames(f, *GRID, "isotropic"), adapted_frames(space, *GRID, "space")
+    np.testing.assert_allclose(one.contact, two.contact, atol=1e-12)
+    # r_s x r_t may point the other way: R changes its sign, and the frame is another.
+    jets = (isotropic_jet(found, slice(None)) for found in (one, two))
+    np.testing.assert_allclose(
+        *(np.abs(j.derivative(2, 0) + j.derivative(0, 2)) for j in jets), rtol=1e-9
+    )
+
+
+@every_model
+def test_forms_degree_by_degree_are_those_that_jets_compose(model):
+    surface = SURFACES[model]
+    frames = adapted_frames(surface, *GRID, model)
     f = isotropic_jet(frames, slice(None))
-    np.testing.assert_array_equal(f.c[:3], 0)
-    assert np.all(np.abs(f.c[3:6]).max(axis=0) > 1e-2)  # but it bends
+    x, y = jet_variables(*GRID)
+    if model == "space":
+        axes, _, curvature, forms = space_forms(*(one.c for one in surface(x, y)))
+    else:
+        contact, axes, curvature, forms = model_forms(*GRID, surface(x, y).c)
+        np.testing.assert_allclose(np.stack(contact, axis=-1), frames.contact, atol=1e-14)
+    np.testing.assert_allclose(np.moveaxis(axes, -1, 0), frames.axes, atol=1e-14)
+    np.testing.assert_allclose(curvature, frames.curvature, atol=1e-14)
+    for form, rows in zip(forms, (slice(3, 6), slice(6, 10), slice(10, 15)), strict=True):
+        np.testing.assert_allclose(form, f.c[rows], rtol=0, atol=1e-11 * np.abs(f.c).max())
+
+
+@pytest.mark.parametrize(("size", "curvature"), [(1e-13, 0.0), (1e-11, 0.5), (1.0, 0.5)])
+def test_second_derivatives_of_rounding_size_have_no_curvature(size, curvature):
+    def bowl(s, t):
+        return s + s * s, t + t * t, size * (s * s + t * t)
+
+    by_forms = space_forms(*(one.c for one in bowl(*jet_variables(0.0, 0.0))))[2]
+    by_jets = adapted_frames(bowl, 0.0, 0.0, "space").curvature.item()
+    assert (by_forms, by_jets) == pytest.approx((curvature, curvature), rel=1e-9)
+
+
+@every_surface
+def test_model_jet_is_the_surface_and_leads_to_its_neighbours(name):
+    x, y, f = model_jet(GENERAL[name], *GRID)
+    points = contact_point(x, y, f.value, f.derivative(1, 0), f.derivative(0, 1))
+    for got, c in zip(points, np.broadcast_arrays(*GENERAL[name](*GRID)), strict=True):
+        np.testing.assert_allclose(got, c, atol=1e-12)
+    there, beside, g = model_jet(GENERAL[name], GRID[0] + 1e-3, GRID[1] - 2e-3)
+    powers = zip(f.c, EXPONENTS, strict=True)
+    series = sum(c * (there - x) ** i * (beside - y) ** j for c, (i, j) in powers)
+    np.testing.assert_allclose(series, g.value, rtol=1e-8)
 
 
 def test_surfaces_without_a_graph_are_refused():
@@ -38,27 +105,24 @@ def test_surfaces_without_a_graph_are_refused():
         return [s, t, s + 2 * t]
 
     def kinked(s, t):
-        return [s, t, np.sqrt((s - 0.5) ** 2) + s * t]
+        return [s, t, np.sqrt((s - 0.15) ** 2) + s * t]
 
-    for surface, places in ((flat, S), (kinked, np.full(40, 0.5))):
-        with pytest.raises(
-            ValueError, match=r"^surface: must be smooth at every point, of a Gaussi"
-        ):
-            model_jet(surface, places, T)
+    for surface in (flat, kinked):
+        with pytest.raises(ValueError, match=r"^surface: must be smooth at every point, of a Gau"):
+            model_jet(surface, *GRID)
 
 
-def test_model_jet_is_the_series_of_the_tangent_planes():
-    """At a point nearby the series has the height over the plane there, to its fifth order."""
-    surface = SURFACES["space"]
-    x, y, f = model_jet(surface, S, T)
-    step = 1e-3
-    there, beside, g = model_jet(surface, S + step, T - 2 * step)
-    powers = zip(f.c, EXPONENTS, strict=True)
-    series = sum(c * (there - x) ** i * (beside - y) ** j for c, (i, j) in powers)
-    np.testing.assert_allclose(series, g.c[0], atol=1e-11)
-    # The value is what Eq. 6 makes of the plane: its distance from the origin over n_3 + 1.
-    n = np.stack([np.cos(T) * np.cos(S), np.cos(T) * np.sin(S), np.sin(T)], axis=-1)
-    turned = np.sign(x * n[:, 0])  # the normals' side is the surface's own
-    n = turned[:, None] * n
-    point = np.stack(surface(S, T), axis=-1)
-    np.testing.assert_allclose(f.c[0], -np.sum(point * n, axis=-1) / (n[:, 2] + 1), rtol=1e-13)
+def test_frames_along_a_line_have_it_for_their_first_axis():
+    t = np.linspace(-0.5, 1.0, 5)
+    found = frames_along(ruled(saddle), 0.7, t)
+    np.testing.assert_allclose(found.contact, np.stack([0.7 + 0 * t, t, 0.7 * t], axis=-1))
+    np.testing.assert_allclose(np.abs(found.axes[:, 0] @ [0, 1, 0.7]), np.hypot(1, 0.7))
+
+
+def test_derivative_of_a_jet_is_that_of_its_function():
+    x, y = jet_variables(0.4, 0.9)
+    f = np.sin(x * y) + x**3
+    for i, j in EXPONENTS[:10]:
+        one, other = differentiated(f, 0), differentiated(f, 1)
+        assert one.derivative(i, j) == pytest.approx(f.derivative(i + 1, j), rel=1e-14)
+        assert other.derivative(i, j) == pytest.approx(f.derivative(i, j + 1), rel=1e-14)

@@ -15,20 +15,6 @@ from tunneller_lib.kernels import exact
 
 numbers = st.floats(-1e9, 1e9).map(lambda x: round(x, 60))
 vectors = st.tuples(*[numbers] * 3)
-nan, inf = np.nan, np.inf
-
-
-@pytest.mark.parametrize(
-    "value", [1, 1.5, True + 1, [1, 2], [[1.0]], [], nan, [inf], np.float32(2)]
-)
-def test_real_takes_numbers_of_any_shape(value):
-    found = arguments.real("x", value)
-    assert found.dtype == float and found.shape == np.shape(value)
-
-
-def test_real_does_not_copy_what_is_float_already():
-    value = np.ones(3)
-    assert arguments.real("x", value) is value
 
 
 class Column:
@@ -78,49 +64,9 @@ def test_a_missing_number_is_refused(value):
         arguments.whole("x", value, 0, 9)
 
 
-@pytest.mark.parametrize("value", ["1", None, 1j, [1j], ["1"], [[1], [1, 2]], object(), {1: 2}])
-@pytest.mark.parametrize(
-    "take",
-    [
-        arguments.real, arguments.near_points, arguments.positions, arguments.finite,
-        arguments.positive,
-    ],
-)  # fmt: skip
-def test_real_refuses_what_is_no_number(take, value):
-    with pytest.raises(ValueError, match=r"^x: must hold real numbers in a regular array; got "):
-        take("x", value)
-
-
-@pytest.mark.parametrize("value", [0, -1, nan, inf, -inf, [1], []])
-def test_positive_refuses(value):
-    with pytest.raises(ValueError, match=r"^x: must be one finite number above zero; got .*[.]$"):
-        arguments.positive("x", value)
-
-
-@pytest.mark.parametrize("value", [nan, inf, -inf, [1], []])
-def test_finite_refuses(value):
-    with pytest.raises(ValueError, match=r"^x: must be one finite number; got .*[.]$"):
-        arguments.finite("x", value)
-
-
-@pytest.mark.parametrize("value", [3, 2.5, np.float64(1e-300), np.int8(1)])
+@pytest.mark.parametrize("value", [3, 2.5, np.float64(1e-100), np.int8(1)])
 def test_positive_and_finite_return_a_plain_float(value):
     assert type(arguments.positive("x", value)) is type(arguments.finite("x", value)) is float
-
-
-@pytest.mark.parametrize("take, size", [(arguments.near_points, 3), (arguments.positions, 2)])
-@pytest.mark.parametrize("shape", [(), (0,), (1,), (4,), (3, 1), (2, 3, 4)])
-def test_points_and_pairs_refuse_another_last_axis(take, size, shape):
-    with pytest.raises(
-        ValueError, match=rf"^x: the last axis must hold .* \(\.\.\., {size}\); got"
-    ):
-        take("x", np.zeros(shape))
-
-
-@pytest.mark.parametrize("lead", [(), (0,), (4,), (2, 0, 3)])
-def test_points_and_pairs_take_any_leading_axes(lead):
-    assert arguments.near_points("x", np.zeros((*lead, 3))).shape == (*lead, 3)
-    assert arguments.positions("x", np.zeros((*lead, 2))).shape == (*lead, 2)
 
 
 @given(numbers, numbers)
@@ -154,15 +100,6 @@ def test_cross_keeps_its_digits(a, b):
     np.testing.assert_allclose(found, [float(c) for c in truth], rtol=4 * EPS, atol=1e-14)
 
 
-@given(vectors, vectors)
-def test_dot_is_right_to_three_roundings_of_its_terms_and_norm_to_four(a, b):
-    terms = [Fraction(x) * Fraction(y) for x, y in zip(a, b, strict=True)]
-    found = Fraction(float(exact.dot(np.array(a), np.array(b))))
-    least = 3 * Fraction(5e-324)  # where products leave the range of normal numbers
-    assert abs(found - sum(terms)) <= 3 * Fraction(EPS) * sum(map(abs, terms)) + least
-    assert exact.norm(np.array(a)) == pytest.approx(float(np.linalg.norm(a)), rel=4 * EPS)
-
-
 @pytest.mark.parametrize("scale", [1e-3, 1, 1e6])
 @pytest.mark.parametrize("gap", [0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1, 1e3, 1e6])
 def test_radius_and_excess_against_mpmath(scale, gap):
@@ -189,21 +126,6 @@ def test_in_blocks_is_the_function_itself(shape):
     found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, 2, block=4)
     np.testing.assert_array_equal(found, 2 * rows)
     assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
-
-
-@pytest.mark.parametrize("value", [0.0, 1e-100, -1.0, 1e100])
-def test_sizes_and_near_points_take_what_has_a_square(value):
-    arguments.sizes("x", value)
-    assert arguments.near_points("x", [value] * 3).tolist() == [value] * 3
-
-
-@pytest.mark.parametrize("value", [9e-101, -9e-101, 2e100, 1e-320])
-def test_sizes_and_near_points_refuse_what_has_none(value):
-    with pytest.raises(ValueError, match=r"^x: must be zero or from 1e-100 to 1e[+]100 in size, "):
-        arguments.sizes("x", np.array([1.0, value]))
-    if abs(value) > 1:
-        with pytest.raises(ValueError, match=r"^x: must hold numbers of at most 1e[+]100 in size"):
-            arguments.near_points("x", [1.0, 0, value])
 
 
 def test_function_that_takes_other_arguments_is_refused():
@@ -237,19 +159,6 @@ def test_checked_call_refuses_what_the_function_itself_would(given, options, why
     assert add(1, 2, scale=3) == add(y=2, scale=3, x=1) == 9
     with pytest.raises(TypeError, match=why):
         add(*given, **options)
-
-
-@pytest.mark.parametrize("rows", [0, 1, 8192, 8193, 30_000])
-def test_blocks_that_fit_the_cache_hold_all_rows_in_order(rows):
-    sizes = []
-
-    def double(block):
-        sizes.append(len(block))
-        return 2 * block
-
-    given = np.arange(3.0 * rows).reshape(rows, 3)
-    np.testing.assert_array_equal(exact.in_blocks(double, given, given.shape[-1]), 2 * given)
-    assert max(sizes, default=0) * 3 * 8 <= 2**18  # a quarter of a MiB, of rows of three
 
 
 @pytest.mark.parametrize("axes", [4, 8, 64])

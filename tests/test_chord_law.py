@@ -214,12 +214,3 @@ def test_table_of_short_chords_is_what_its_script_writes():
     assert header == short_chords.COLUMNS
     assert len(rows) == 48
     assert rows[0] == next(short_chords.rows())
-
-
-def test_law_broadcasts():
-    law = ChordLaw(np.zeros((4, 1, 2)), np.full((3, 2), 0.3))
-    assert law.gap(U).shape == (4, 3, len(U))
-    assert law.excess.shape == law.aside.shape == law.angle.shape == (4, 3)
-    assert law.pole.shape == (4, 3, 3)
-    with pytest.raises(ValueError, match=r"^p: the last axis must hold theta, phi"):
-        ChordLaw((0, 0, 0), (0, 0))

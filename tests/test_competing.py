@@ -119,24 +119,6 @@ def test_competing_geodesics_on_a_meridian_are_its_two_arcs_first():
     assert list(rivals.kind[:2]) == ["meridian", "meridian"]
 
 
-def test_competing_geodesics_of_no_pairs_and_of_wrong_ends():
-    assert competing_geodesics(RING, np.empty((0, 2)), (0, 0)).length.shape == (8, 0)
-    assert np.all(competing_geodesics(SPINDLE, (0, 3), (0, 0)).kind == "none")
-    with pytest.raises(ValueError, match=r"^p: the last axis must hold theta, phi"):
-        competing_geodesics(RING, 1.0, (0, 0))
-
-
-@every_torus
-def test_competing_geodesics_do_not_depend_on_company(torus):
-    p, q = random_pairs(torus, 40, seed=2)
-    together = competing_geodesics(torus, p, q).length
-    ends = np.cumsum([1, 1, 1, 2, 3, 5, 8, 19])  # alone, and in companies of other sizes
-    assert ends[-1] == len(p)
-    parts = zip(np.split(p, ends[:-1]), np.split(q, ends[:-1]), strict=True)
-    apart = np.concatenate([competing_geodesics(torus, *part).length for part in parts], axis=1)
-    np.testing.assert_allclose(together, apart, rtol=1e-12)
-
-
 @pytest.mark.parametrize("torus", [Torus(1e60, 1e-60), Torus(1e-60, 1e60)], ids=str)
 def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
     for find in (geodesic_inverse, competing_geodesics):
@@ -147,11 +129,6 @@ def test_geodesics_of_a_torus_beyond_all_proportion_are_refused(torus):
 @pytest.mark.parametrize("torus", [Torus(1.0, 1e100), Torus(1.0, 1e-100)], ids=str)
 def test_geodesics_of_a_torus_at_the_bounds_of_proportion_are_found(torus):
     assert np.all(np.isfinite(geodesic_inverse(torus, (0, 0), (0.1, 0)).length))
-
-
-def test_competing_geodesics_broadcast():
-    rivals = competing_geodesics(RING, np.zeros((4, 1, 2)), np.ones((3, 2)))
-    assert rivals.length.shape == (8, 4, 3) and rivals.p.shape == (8, 4, 3, 2)
 
 
 # Certificates.

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.hard_lines import FAMILIES, KINDS
-from tests.test_exact_kernel import shape_of
+from tests.hard_lines import FAMILIES, KINDS, shape_of
 from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
@@ -22,7 +21,7 @@ from tunneller_lib.envelopes.jet import Jet
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
 from tunneller_lib.kernels import compiled
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
-from tunneller_lib.motion.arm import lift_inertia, weights
+from tunneller_lib.motion.arm import weights
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import direct_problem, geodesic_direct, geodesic_inverse, inverse_problem
@@ -48,8 +47,8 @@ PLANTS = {
 }
 LOOPS = {
     "usual": Loop(10.0, T, feedforward=1.0, delay=1, count=2 * np.pi / 2**16),
-    "integral, dead band": Loop(8.0, T, integral=5.0, dead_band=0.02, compensated=True),
-    "limited": Loop(30.0, T, delay=3, limit=0.05, dead_band=0.03),
+    "integral": Loop(8.0, T, integral=5.0),
+    "limited": Loop(30.0, T, delay=3, limit=0.05),
 }
 
 
@@ -108,27 +107,6 @@ def test_machine_in_ground_has_the_same_bits_both_ways(both_ways):
     assert_same_bits(both_ways(run))
 
 
-def pulled(moments, angles, answers):
-    """Fill rows of theta's inertia and of both weights at rows of angles."""
-    for i in range(len(angles)):
-        answers[i][0] = lift_inertia(moments, angles[i][1])
-        answers[i][1], answers[i][2] = weights(moments, angles[i][0], angles[i][1])
-
-
-def test_sines_have_the_same_bits_at_thousands_of_angles(both_ways):
-    angles = np.random.default_rng(2).uniform(-7, 7, (5000, 2))
-    moments = arm_of(REFERENCE_MACHINE, SIZES).moments
-
-    def run():
-        answers = np.zeros((len(angles), 3))
-        compiled.call(pulled, moments, angles, answers)
-        return answers
-
-    plain, fast = both_ways(run)
-    np.testing.assert_array_equal(plain, fast)
-    assert np.ptp(plain, axis=0).min() > 1
-
-
 GRIDS = {
     "block": lambda: DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (40, 50)),
     "wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (40, 60)),
@@ -172,25 +150,6 @@ def test_grid_is_cut_to_the_same_bits_both_ways(grid, path, both_ways):
     np.testing.assert_array_equal(plain.high, fast.high)
 
 
-def test_cases_of_grids_split_intervals_and_need_slots():
-    grid = GRIDS["block"]()
-    for path in PATHS.values():
-        grid.cut_path(*path)
-    assert grid.splits > 100 and len(grid.low) > 2
-
-
-def test_pieces_without_a_slot_are_the_same_both_ways(both_ways):
-    def run():
-        grid = GRIDS["block"]()
-        removed = [grid.cut_path(*path) for path in PATHS.values()]
-        return grid, removed
-
-    (plain, removed), (fast, removed_fast) = both_ways(run)
-    assert removed == removed_fast
-    np.testing.assert_array_equal(plain.low, fast.low)
-    np.testing.assert_array_equal(plain.high, fast.high)
-
-
 def of_all_families(kind, n):
     """Return shapes, points and directions of all kinds of hard lines."""
     rng = np.random.default_rng(12)
@@ -219,22 +178,6 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
 
 
-def test_no_lines_and_lines_that_lie_apart_are_met_compiled(both_ways):
-    solid = shape_of("rod", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
-    rng = np.random.default_rng(13)
-    points, directions = rng.normal(size=(2, 3, 40, 3))
-
-    def run():
-        return [
-            solid.meet_line(points[:, :0], directions[0, 0]),
-            solid.meet_line(points[..., ::-1], directions.transpose(0, 1, 2)[:, ::2].repeat(2, 1)),
-        ]
-
-    plain, fast = both_ways(run)
-    assert np.shape(fast[0]) == (2, 3, 0)
-    np.testing.assert_array_equal(plain[1], fast[1])
-
-
 def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
     monkeypatch.setattr(compiled._Work, "compiled", True)
     monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
@@ -246,16 +189,6 @@ def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
         rod.meet_line(many[0], many)
         ball.meet_line(many[0], many[0])  # few: they stay as they are
         assert len(loops) == expected
-
-
-def test_lines_one_by_one_are_few_until_there_are_many(monkeypatch):
-    monkeypatch.setattr(compiled._Work, "compiled", True)
-    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
-    ball = shape_of("ball", np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7]))
-    for _ in range(300):
-        ball.meet_line((0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
-    [expected] = compiled._Work.of_kind.values()
-    assert expected == pytest.approx(300 * blocks.PLAIN_CALL) and expected < compiled.LONG
 
 
 def test_chunks_of_a_push_are_one_run(both_ways):
@@ -293,20 +226,6 @@ def test_ticks_that_are_tried_again_leave_no_trace(both_ways):
     whole, again = (follow(OILY, loop, RAMP, slopes=slopes, push=push)
                     for push in (at_once, with_wrong_tries))  # fmt: skip
     assert_same_bits((whole, again))
-
-
-def test_axis_that_leaves_its_stroke_says_the_same_both_ways(both_ways):
-    far = np.linspace(0.3, 0.999 * AXES[0].high, 300)
-    eager = Loop(8.0, T, feedforward=2.0)
-    slopes = np.diff(far) / T
-
-    def message():
-        with pytest.raises(ValueError, match=r"^setvalues: an axis must stay within") as error:
-            follow(OILY[0], eager, far, slopes=slopes)
-        return str(error.value)
-
-    plain, fast = both_ways(message)
-    assert plain == fast
 
 
 CONES = {
@@ -482,20 +401,6 @@ def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
         assert rod.meet_line(point[i], direction[i]) == (enter[i], leave[i])
 
 
-@pytest.mark.parametrize("cores", [1, 3])
-def test_what_a_block_raises_reaches_the_caller(cores, monkeypatch):
-    numba = pytest.importorskip("numba")
-    go(True, monkeypatch)
-    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", cores)
-
-    def work(block):
-        if block.start == 20:
-            raise ArithmeticError("the third block")
-
-    with pytest.raises(ArithmeticError, match="the third block"):
-        compiled.each_block(work, 45, 10, "blocks")
-
-
 def test_little_work_loads_no_compiler():
     assert child(SHORT).split() == ["False"]
 
@@ -584,12 +489,6 @@ assert asked() == asked() == 0
 def test_a_kept_form_that_is_cut_short_or_another_is_compiled_anew_and_kept(tmp_path):
     pytest.importorskip("numba")
     child(SPOILT, NUMBA_CACHE_DIR=str(tmp_path))
-
-
-def test_a_folder_of_kept_forms_that_is_none_loses_no_answer(tmp_path):
-    pytest.importorskip("numba")
-    (tmp_path / "file").touch()
-    child(FULL, NUMBA_CACHE_DIR=str(tmp_path / "file"))
 
 
 FUSED = """

@@ -30,6 +30,7 @@ from tests.controllers import (
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import follow
+from tunneller_lib.motion.export import read_blocks
 from tunneller_lib.ream.moves import levers
 
 READS = ["tests/references/reference_job.toml"]
@@ -304,6 +305,7 @@ def test_start_within_the_trip_goes_straight_to_the_start_position(machine, feed
         one.scan(bEnable=0)
         one.scan(3, bEnable=1)
         one.at = first + (one.at - first) // 2
+        one.scan()
     c = one.scan(2, bStart=1)
     while c.nTick < 0:
         c = one.scan()
@@ -476,15 +478,12 @@ def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
     (tmp_path / "controller.h").write_text(c99_header(made))
     text = c99_text(made)
     if stride > 1:
-        start = text.index("void fb_setpoints(FB_Setpoints *c")
-        stop = text.index("\n}\n", start)
-        lines = text[start:stop].split("\n")
-        after = [f"{line} at_boundary();" if re.fullmatch(r"    .* = .*;", line) else line
-                 for line in lines]  # fmt: skip
-        assert sum("at_boundary" in line for line in after) > 20
-        text = text[:start] + "\n".join(after) + text[stop:]
-        text = text.replace('#include "controller.h"', '#include "controller.h"\n'
-                            "static void at_boundary(void);")  # fmt: skip
+        before, head, task = text.partition("void fb_setpoints(FB_Setpoints *c")
+        task, end, behind = task.partition("\n}\n")
+        task, boundaries = re.subn(r";$", "; at_boundary();", task, flags=re.M)
+        body = next(one.body for one in read_blocks(made.text) if one.name == "FB_Setpoints")
+        assert boundaries == len(re.findall(r"(?<!END_IF)(?<!END_WHILE);$", body, re.M))
+        text = f"static void at_boundary(void);\n{before}{head}{task}{end}{behind}"
     first = np.rint(wanted.planned.entry.setvalues[0] / wanted.planned.count).astype(int)
     given = {"BEGIN_THETA": first[0], "BEGIN_PHI": first[1], "STRIDE": stride,
              "INTERRUPTIONS": many(5_000, 50_000)}  # fmt: skip

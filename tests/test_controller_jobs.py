@@ -58,7 +58,9 @@ def random_job(rng):
             break
     return replace(
         whole,
-        controller={**whole.controller, "plant": "T0", "gain": min(10.0, 0.3 / tick)},
+        # The axes of this test are a tick behind.
+        controller={**whole.controller, "plant": "T0", "gain": min(10.0, 0.3 / tick),
+                    "trip": max(5e-3, 2 * feed * tick)},
         limits={**whole.limits, "feed": feed, "acceleration": 10 ** rng.uniform(-1, 0.5)},
         plan={
             **whole.plan, "tick": tick, "step": 10 ** rng.uniform(np.log10(2e-4), np.log10(0.02)),
@@ -146,9 +148,12 @@ def test_ideal_encoder_is_exported_with_the_counts_of_the_set_values():
 
 REFUSED = [
     ({"controller": {"integral": 0.5}}, r"^\[controller\] integral: must be 0 "),
-    ({"controller": {"trip": 1e-5}}, r"^\[controller\] trip: without a fault the loops are off by"),
+    ({"controller": {"trip": 1e-5}}, r"^\[controller\] trip: .* without a fault; got 1e-05 m, "),
     ({"controller": {"feedforward": 0.0, "gain": 4.0}}, r"^\[controller\] trip: .* would do\.$"),
     ({"controller": {"operations": 1e3}}, r"^\[controller\] operations: the slow task takes "),
+    ({"limits": {"feed": 0.3, "acceleration": 2.0}, "controller": {"trip": 0.05, "gain": 3.0},
+      "plan": {"tick": 0.05, "count": 1.5e-7, "step": 0.02}},
+     r"^\[plan\] tick: in one a joint moves \d+ counts, and may move 65534; "),
     ({"limits": {"acceleration": 1e-4, "feed": 0.3}, "plan": {"tick": 1e-3}},
      r"^\[plan\] tick: .* s would do\.$"),
 ]  # fmt: skip

@@ -1,7 +1,10 @@
 """Plane drawings: what is drawn lies where the shapes, paths and tasks have it."""
 
+<<<<<<< HEAD
 from itertools import combinations
 
+=======
+>>>>>>> main
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -10,7 +13,6 @@ from matplotlib.colors import to_rgba
 
 from exhibits import (
     cone_plot,
-    geodesic_plot,
     groove_plot,
     machine_plot,
     motion_plot,
@@ -22,9 +24,8 @@ from exhibits import (
 from kit import COLOURS, figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
-from tunneller_lib.paths import ConeChord, competing_geodesics
-from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus
+from tunneller_lib.paths import ConeChord
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 EGG = Egg(0.5)
 TORUS = REFERENCE_MACHINE.torus
@@ -42,10 +43,15 @@ def length(line):
     return np.hypot(*np.diff(line.get_xydata(), axis=0).T).sum()
 
 
-def area(patches):
-    """Return the area of all polygons of a collection, by the shoelace formula."""
-    x_and_y = [path.vertices.T for path in patches.get_paths()]
-    return sum(abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2 for x, y in x_and_y)
+def area(corners):
+    """Return the area inside a polygon, by the shoelace formula."""
+    x, y = np.transpose(corners)
+    return abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2
+
+
+def area_of(collection):
+    """Return the area of all polygons of a collection."""
+    return sum(area(path.vertices) for path in collection.get_paths())
 
 
 # ---- the machine and the section ------------------------------------------------------------
@@ -96,6 +102,7 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
         assert ends == pytest.approx([arc.radius] * 2)
 
 
+<<<<<<< HEAD
 def test_radii_stand_beside_their_rays_in_a_box_that_touches_the_section(ax):
     plot.draw_construction(ax, EGG)
     rays = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 3]
@@ -136,6 +143,8 @@ def test_pictures_have_their_titles():
     plt.close(drawing)
 
 
+=======
+>>>>>>> main
 # ---- the torus and its paths ----------------------------------------------------------------
 
 
@@ -163,59 +172,6 @@ def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
     geodesic, spheres, joints = (way.get_label() for way in ax.lines)
     assert geodesic.startswith("geodesic, ") and "longer by" in spheres and "longer by" in joints
     assert float(spheres.split()[-2]) > 0 and float(joints.split()[-2]) > 0
-
-
-def test_competing_geodesics_are_told_apart_from_the_shortest(ax):
-    p, q = (0.0, 0.8), (3.1, -0.3)
-    path_plot.draw_competing(ax, RING, p, q)
-    shortest, *longer = [line for line in ax.lines if line.get_linestyle() == "-"]
-    assert longer and all(line.get_linewidth() < shortest.get_linewidth() for line in longer)
-    assert all(line.get_color() != shortest.get_color() for line in longer)
-    for line in (shortest, *longer):
-        ends = np.radians(line.get_xydata()[[0, -1]]) - [p, q]
-        np.testing.assert_allclose(np.exp(1j * ends), 1, atol=1e-9)
-    # Ways over the inner equator have their lengths farther on, clear of the others'.
-    kinds = competing_geodesics(RING, p, q).kind
-    assert set(kinds) == {"inner", "outer"}
-    for text, line, kind in zip(ax.texts, (shortest, *longer), kinds, strict=False):
-        at = np.argmin(np.hypot(*(line.get_xydata() - text.xy).T))
-        assert at == (155 if kind == "inner" else 100)
-
-
-def test_deviations_vanish_at_both_ends(ax):
-    p, q = (0.0, 0.1), (0.4, -0.3)
-    rules = ["projected chord", "joint space"]
-    path_plot.draw_deviations(ax, TORUS, p, q, rules=rules)
-    *lines, _level = ax.lines
-    chord = np.linalg.norm(TORUS.point(*p) - TORUS.point(*q))
-    for line in lines:
-        x, y = line.get_data()
-        np.testing.assert_allclose([x[0], x[-1]], [-chord / 2, chord / 2], rtol=1e-12)
-        np.testing.assert_allclose(y[[0, -1]], 0, atol=1e-6)
-        assert np.abs(y).max() > 1e-3
-    assert [line.get_label() for line in lines] == rules
-
-
-def test_gap_of_rounder_tori_is_nearer_to_the_law(ax):
-    tori = [Torus(1 / ratio, 1.0) for ratio in (4, 10, 100)]
-    path_plot.draw_gap(ax, tori, (0.0, 0.6), (1.5, -0.6))
-    law, *dots = ax.lines
-    angle, gap = law.get_data()
-    gap = np.interp(dots[0].get_xdata(), angle, gap)
-    off = [np.abs(one.get_ydata() - gap).max() for one in dots]
-    assert off[0] > off[1] > off[2] and off[2] < 0.02 * np.abs(gap).max()
-    assert [one.get_label() for one in dots] == ["R/r = 4", "R/r = 10", "R/r = 100"]
-
-
-def test_ruling_is_dotted_where_it_meets_the_torus(ax):
-    y, z = 0.2, 0.3
-    path_plot.draw_ruling(ax, TORUS, y, z)
-    every, last = ax.lines[-2:]
-    x = every.get_xdata()
-    assert len(x) in (2, 4) and last.get_xdata() == x.max()
-    size = (TORUS.r + TORUS.R) ** 4
-    points = np.stack(np.broadcast_arrays(x, y, z), axis=-1)
-    assert np.all(np.abs(TORUS.implicit(points)) < 1e-12 * size)
 
 
 def test_cone_unrolls_with_a_straight_geodesic(ax):
@@ -270,38 +226,22 @@ def test_two_balls_leave_a_bowl_and_a_ring(ax):
     half = advance / 2
     lens = radius**2 * np.arccos(half / radius) - half * np.sqrt(radius**2 - half**2)
     bowl = np.pi * radius**2 / 2 - lens
-    assert area(bowls) == pytest.approx(bowl, rel=1e-3)
+    assert area_of(bowls) == pytest.approx(bowl, rel=1e-3)
     assert bowls.get_paths()[0].vertices[:, 0].min() == pytest.approx(half, abs=2e-3)
     under = half * np.sqrt(radius**2 - half**2) + radius**2 * np.arcsin(half / radius)
     ring = advance * radius - under
-    assert area(rings) == pytest.approx(ring, rel=1e-2)
+    assert area_of(rings) == pytest.approx(ring, rel=1e-2)
 
 
 @pytest.mark.parametrize("depth", [0.05, 0.5, 0.9])
 def test_sector_and_segment_of_a_groove_differ_by_a_triangle(ax, depth):
     radius = 0.5
     groove_plot.draw_sector_and_segment(ax, radius, depth)
-    sector, segment = (shoelace(patch.get_xy()) for patch in ax.patches)
+    sector, segment = (area(patch.get_xy()) for patch in ax.patches)
     beta = np.arccos((radius - depth) / radius)
     assert sector == pytest.approx(radius**2 * beta, rel=1e-3)
     triangle = (radius - depth) * radius * np.sin(beta)
     assert sector - segment == pytest.approx(triangle, rel=1e-6, abs=1e-12)
-
-
-def shoelace(corners):
-    """Return the area inside a polygon, counted backwards where it runs clockwise."""
-    x, y = corners.T
-    return abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2
-
-
-def test_half_lens_is_a_cap_of_the_ball_or_its_upper_half(ax):
-    radius, advance = 0.5, 0.2
-    groove_plot.draw_half_lens(ax, radius, advance)
-    groove_plot.draw_half_lens(ax, radius, advance, strip=0.2)
-    whole, upper, _strip = ax.collections
-    cap = radius**2 * np.arccos(advance / 2 / radius) - advance / 2 * np.sqrt(0.24)
-    assert area(whole) == pytest.approx(cap, rel=1e-2)
-    assert area(upper) == pytest.approx(cap / 2, rel=1e-2)
 
 
 @pytest.mark.parametrize("pitch", [0.1, 3.0])
@@ -321,56 +261,10 @@ def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
     expected = np.trapezoid(np.maximum(now - np.maximum(before, to_chord), 0), x)
     if pitch > 2 * radius:
         assert expected == pytest.approx(segment(to_chord), rel=1e-6)
-    assert area(taken) == pytest.approx(expected, rel=1e-2)
+    assert area_of(taken) == pytest.approx(expected, rel=1e-2)
     half = np.degrees(np.arccos(to_chord / radius))
     assert sector.theta2 - sector.theta1 == pytest.approx(2 * half)
     groove_plot.draw_passes(ax, radius, 2 * radius, pitch)
-
-
-def test_rod_and_box_are_drawn_where_they_touch(ax):
-    rod = Rod((0, 0, 0), (0.9, 0, 1.2), 0.25)
-    rod_plot.draw_rod_and_box(ax, rod, 0.1, 0.3, 0.2)
-    lines = ax.lines
-    x, top = lines[3].get_data()
-    corners = [(x, 0.2 + 0 * x), (x + 0.15, 0.1 + 0 * x), (x - 0.15, 0 * x)]
-    for line, over in ((1, (x, 0.1 + 0 * x)), *((3, corner) for corner in corners)):
-        there = rod.meet_line(np.stack([*over, 0 * x], axis=-1), (0, 0, 1))[1]
-        met = np.isfinite(there)
-        found = lines[line].get_ydata()[met]
-        assert np.all(found >= there[met] - 1e-12)
-        if line == 1:
-            assert np.allclose(found, there[met])
-    assert np.nanmax(top) == pytest.approx(1.2 + 0.25 * 0.6)
-
-
-def test_shares_are_squares_of_their_grade(ax):
-    shares = np.array([[0, 0.5, 5], [20, 80, 0]])
-    key = plot.draw_shares(ax, shares, ["a", "b", "c"], ["of", "7", "9"])
-    middles = [patch.get_path().vertices[:4].mean(axis=0).tolist() for patch in ax.patches]
-    assert middles == [[1, 0], [2, 0], [0, 1], [1, 1]]
-    assert [p.get_facecolor() for p in ax.patches] == [p.get_facecolor() for p in key[1:]]
-    assert [text.get_text() for text in ax.texts] == ["of", "7", "9"]
-
-
-def test_cut_row_draws_what_is_left_of_the_nearest_row(ax):
-    grid = DexelGrid.cartesian((-1, -1, -1), (1, 1, 1), (10, 10))
-    capsule = Rod((-0.2, 0.1, -0.1), (0.3, 0.1, 0.2), 0.4, ends="round")
-    grid.cut(capsule)
-    rod_plot.draw_cut_row(ax, grid, capsule)
-    [bars] = ax.collections
-    low, high = np.array(bars.get_segments())[..., 1].T
-    x = np.unique(np.array(bars.get_segments())[..., 0])
-    assert x.tolist() == grid.lines.x.tolist()
-    there = np.stack([x, 0 * x + 0.1, 0 * x], axis=-1)
-    enter, leave = capsule.meet_line(there, (0, 0, 1))
-    assert np.sum(high - low) == pytest.approx(20 - np.sum(np.clip(leave - enter, 0, None)))
-    [outline] = ax.patches
-    x, z = outline.get_xy().T
-    y = np.full_like(x, grid.lines.aside[np.argmin(np.abs(grid.lines.aside - 0.1))])
-    along = np.stack([x, y, z], axis=-1) - capsule.a
-    axis = np.subtract(capsule.b, capsule.a)
-    foot = np.clip(along @ axis / (axis @ axis), 0, 1)
-    np.testing.assert_allclose(np.linalg.norm(along - foot[:, None] * axis, axis=-1), 0.4)
 
 
 # ---- set-values and tasks -------------------------------------------------------------------
@@ -419,44 +313,6 @@ def test_hand_over_draws_each_segment_and_only_the_waits(ax):
     assert spans["preparation"] == [(0.0, 1.5), (1.5, 4.5)]
 
 
-def test_scheme_has_each_word_in_a_block_of_its_own(ax):
-    motion_plot.draw_scheme(ax)
-    boxes = [block.get_bbox() for block in ax.patches]
-    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
-    inside = [
-        next(text.get_text() for text in ax.texts if box.contains(*text.xy) and text.get_text())
-        for box in boxes
-    ]
-    words = ["circuit", "slow", "buffer", "fast"]
-    words += ["loop", "valve", "cylinder", "encoder"] * 2
-    assert len(inside) == len(words)
-    assert all(word in text for word, text in zip(words, inside, strict=True))
-    middles = [(box.x0 + box.x1) / 2 for box in boxes]
-    assert middles[4:8] == sorted(middles[4:8]) == middles[8:]
-    heads = [
-        text.xy for text in ax.texts if text.arrow_patch and text.arrowprops["arrowstyle"] != "-"
-    ]
-    assert len(heads) == 3 + 2 * 5
-    for x, y in heads:  # an arrow ends on a block's frame
-        assert any(
-            box.x0 - 1e-9 <= x <= box.x1 + 1e-9 and box.y0 - 1e-9 <= y <= box.y1 + 1e-9
-            for box in boxes
-        )
-
-
-# ---- tangent spheres -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("height", "words"), [(0.0, "both equators"), (0.35, "four feet")])
-def test_feet_along_the_axis_lie_on_a_line_through_it(ax, height, words):
-    m = np.array([0.5, height, 0.25])
-    plot.draw_feet_along_axis(ax, Torus(0.3, 0.8), m)
-    [dots] = [line for line in ax.lines if line.get_marker() == "o"]
-    x, z = dots.get_data()
-    np.testing.assert_allclose(x * m[2], z * m[0], atol=1e-12)
-    assert len(x) == 4 and words in ax.get_title()
-
-
 # ---- lines and rods --------------------------------------------------------------------------
 
 
@@ -466,40 +322,3 @@ def test_crossings_lie_on_the_ellipses(ax):
     np.testing.assert_allclose(dots.get_xdata(), [-16, 16, 74, 106], rtol=1e-12)
     ends = np.array([piece.get_xdata() for piece in pieces])
     np.testing.assert_allclose(ends, [[-16, 16], [16, 74], [74, 106]], rtol=1e-12)
-
-
-def test_an_axis_seen_from_the_other_end_runs_backwards(ax):
-    rod_plot.draw_crossings(ax, 25.0, -90.0, 0.8, 15.0)
-    np.testing.assert_allclose(np.sort(ax.lines[-1].get_xdata()), [-106, -74, -16, 16], rtol=1e-12)
-
-
-# ---- why a geodesic is the shortest way ------------------------------------------------------
-
-
-def test_half_swings_fall_to_that_of_the_outer_equator(ax):
-    geodesic_plot.draw_half_swings(ax, [TORUS, RING])
-    lines = ax.lines[::2]
-    for line, torus in zip(lines, (TORUS, RING), strict=True):
-        turned = line.get_ydata()
-        assert np.all(np.diff(turned) < 0)
-        assert turned[-1] == pytest.approx(180 / np.sqrt(1 + torus.r / torus.R), rel=1e-9)
-
-
-def test_arrivals_grow_with_the_direction(ax):
-    first, second = geodesic_plot.draw_arrivals(ax, RING, (0.0, 0.8), -0.3)
-    assert np.all(np.diff(first.get_xdata()) < 0) and np.all(np.diff(first.get_ydata()) > 0)
-    later = np.interp(second.get_xdata()[::-1], first.get_xdata()[::-1], first.get_ydata()[::-1])
-    assert np.all(second.get_ydata()[::-1] > later)
-
-
-def test_mirrored_way_has_a_corner_opposite_its_beginning(ax):
-    begin, end = (0.0, 0.8), (2.6, -0.3)
-    geodesic_plot.draw_mirrored(ax, RING, begin, end)
-    way, image = ax.lines[:2]
-    np.testing.assert_allclose(way.get_xydata()[0], np.degrees(begin), atol=1e-6)
-    np.testing.assert_allclose(way.get_xydata()[-1], np.degrees(end) - [360, 0], atol=1e-6)
-    np.testing.assert_allclose(image.get_xydata()[-1], np.degrees(end), atol=1e-6)
-    theta = image.get_xdata()
-    corner = np.argmax(theta)
-    assert 170 < theta[corner] <= 180 and np.all(np.diff(theta[:corner]) > 0)
-    assert np.all(np.diff(theta[corner + 1 :]) < 0)

@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike
 
 import tunneller_lib
 from tests.test_contract import INSTANCES, instance
-from tunneller_lib.paths import geodesic_inverse
-from tunneller_lib.surfaces import Torus
 
 # By the examples.
 READS = []
@@ -67,10 +65,3 @@ def test_object_can_be_compared_and_hashed(kind):
     # What is equal by the values of a dict has no hash, as a dict has none.
     if kind.__eq__ is object.__eq__ or not any(f.type is dict for f in dataclasses.fields(kind)):
         assert len({one, one}) == 1
-
-
-def test_geodesic_is_equal_to_itself_alone():
-    p, q = np.array([0.1, 0.2]), [(0.3, 0.4), (0.5, 0.6)]
-    one, other = (geodesic_inverse(Torus(0.1, 0.9), p, q) for _ in range(2))
-    assert one == one and one != other
-    assert {one: 1, other: 2}[one] == 1

@@ -21,11 +21,11 @@ from tests.symbols_envelopes import (
     x,
     y,
 )
-from tunneller_lib.envelopes import hyperosculating_cones, recognise
-from tunneller_lib.envelopes.blade import cone_distance
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
 from tunneller_lib.envelopes.conics import cone_vertex, osculating_conic
 from tunneller_lib.envelopes.families import moving_cone
-from tunneller_lib.envelopes.isotropic import contact_point, isotropic_derivatives, normal
+from tunneller_lib.envelopes.graph_forms import isotropic_derivatives
+from tunneller_lib.envelopes.isotropic import contact_point, normal
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
 
 READS = ["report/ledger/*"]
@@ -48,7 +48,7 @@ def test_theorem16_envelopes_of_cones(judge):
 def test_prop17_positive_curvature(judge):
     vertex, angle = np.array([0, 0, -2.0]), np.arcsin(0.5)
     sphere = directions(np.random.default_rng(5), 4000)
-    distance = cone_distance(sphere, vertex, (0, 0, 1), angle, 0.1, 10.0)
+    distance = ConePose(vertex, (0, 0, 1), angle, 0.1, 10.0).clearance(sphere)
     assert np.mean(distance < -1e-3) > 0.9
     ellipsoid, steps = GENERAL["ellipsoid"], np.array([-2, -1, 0, 1, 2]) * 1e-3
     cones = hyperosculating_cones(ellipsoid, *GRID, half_angle=0.3, model="space")
@@ -57,7 +57,7 @@ def test_prop17_positive_curvature(judge):
     for k, i in enumerate(cones.index):  # points of the surface next to the contact
         near = np.meshgrid(GRID[0][i] + steps, GRID[1][i] + steps)
         tool = cones.vertex[k], cones.axis[k], 0.3, 0.5 * cones.distance[k], 2 * cones.distance[k]
-        enters.append(cone_distance(np.stack(ellipsoid(*near), axis=-1), *tool).min() < -1e-9)
+        enters.append(ConePose(*tool).clearance(np.stack(ellipsoid(*near), -1)).min() < -1e-9)
     judge("cones-prop17", len(enters) >= 40 and all(enters))
     assert not hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE).gouges.all()  # K < 0
 

@@ -21,11 +21,14 @@ from tests.symbols_envelopes import (
     EQ13,
     LOWER,
     NAMES,
+    UT,
+    VT,
     F,
     W,
     at,
     circle_centre,
     cone_points,
+    eq14,
     example,
     f,
     g,
@@ -61,16 +64,6 @@ def on_circle(expression, order):
     for _ in range(order):
         expression = expression.diff(x) * xs + expression.diff(y) * ys + expression.diff(t)
     return sp.expand(expression.subs(t, 0))
-
-
-UT, VT = 2 * x * W - 4 * u * tan**2, 2 * y * W - 4 * v * tan**2  # Eq. 15, corrected
-
-
-def eq14(ut, vt):
-    return (F("xxx") * v**2 * ut + F("xxy") * v * (v * vt - 2 * u * ut)
-            + F("xyy") * u * (u * ut - 2 * v * vt) + F("yyy") * u**2 * vt
-            + (F("xx") - F("yy")) * (u * ut - v * vt)
-            + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
 
 
 def test_eq08_eq09_prop9_special_conics(judge):

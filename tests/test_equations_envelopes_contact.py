@@ -24,9 +24,8 @@ from tests.symbols_envelopes import (
     x,
     y,
 )
-from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
-from tunneller_lib.envelopes.blade import cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.isotropic import point_to_plane, surface_points
 from tunneller_lib.envelopes.jet import jet_variables
@@ -282,7 +281,7 @@ def milled_width(place, start, beta, tolerance=1e-5):
         picked[i] = there[np.argmin(steps)]
         assert steps.min() < 0.02
     left = np.array([
-        cone_distance(points, cones.vertex[k], cones.axis[k], ANGLE, 0.0, 3 * cones.distance[k])
+        ConePose(cones.vertex[k], cones.axis[k], ANGLE, 0, 3 * cones.distance[k]).clearance(points)
         for k in picked.values()
     ]).min(axis=0)  # fmt: skip
     assert left.min() > -1e-6 and left[[0, -1]].min() > tolerance

@@ -12,6 +12,7 @@ from tests.envelopes_zoo import CURVES, GENERAL, GRID, RULED, pipe, ruled
 from tests.shapes import directions
 from tests.symbols_envelopes import (
     EQ11,
+    EQ25,
     F,
     W,
     at,
@@ -27,12 +28,11 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.hyperosculate import order_four
-from tunneller_lib.envelopes.isotropic import isotropic_derivatives, plane_to_point, sphere_point
+from tunneller_lib.envelopes.forms import derivative_along
+from tunneller_lib.envelopes.graph_forms import isotropic_derivatives
+from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point
 
 READS = ["report/ledger/*"]
-
-EQ25 = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
 
 
 def circle_planes(centre, radius, rulings):
@@ -223,7 +223,7 @@ def test_contour_from_the_vertex_has_the_osculating_cones_circle(judge):
     surface, angle, a = GENERAL["quartic graph"], 0.5, 0.7
     found = adapted_frames(surface, np.array([0.3]), np.array([0.2]), "space")
     first, second, n = found.axes[0]
-    fee = order_four(isotropic_jet(found, slice(None)), np.array([[a]]), 1.0)[0][0, 0]
+    fee = derivative_along(isotropic_jet(found, slice(None)), np.array([[a]]), 2).item()
     w = np.cos(a) * second - np.sin(a) * first
     vertex = found.contact[0] - 0.5 / np.tan(angle) * fee * w
     axis = np.sign(fee) * (np.cos(angle) * w + np.sin(angle) * n)

@@ -39,7 +39,6 @@ from tests.symbols_envelopes import (
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.envelopes.fit import fit_planes, mean_frame, tilted
 from tunneller_lib.envelopes.isotropic import (
     contact_point,
     normal,
@@ -48,6 +47,7 @@ from tunneller_lib.envelopes.isotropic import (
     surface_points,
 )
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
+from tunneller_lib.envelopes.measured import mean_frame, noisy_planes, tilted
 from tunneller_lib.milling import (
     ConicalMill,
     CylinderMill,
@@ -132,7 +132,7 @@ def test_example31_four_principal_positions(judge):
     eleven = sp.factor(on_example31(EQ11))
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(contact_point.unchecked(x, y, f_, fx, fy))
+    r = sp.Matrix(contact_point(x, y, f_, fx, fy))
     touch, gouge = [], []
     for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
@@ -231,7 +231,7 @@ def test_example31_cyclide(judge):
                                  np.isclose(np.linalg.norm(axis), 1)]  # fmt: skip
     judge("cones-cyclide", len(are_cones[ANGLE]) == 21 and all(are_cones[ANGLE]))
     assert all(all(found) for found in are_cones.values())
-    X, Y, Z = contact_point.unchecked(x, y, EX31, EX31.diff(x), EX31.diff(y))
+    X, Y, Z = contact_point(x, y, EX31, EX31.diff(x), EX31.diff(y))
     assert zero(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2))
     quadratic = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
     quadratic, cubic = (on_example31(e) for e in (quadratic, EQ11 - 3 * quadratic))
@@ -244,32 +244,44 @@ def test_example31_cyclide(judge):
     assert all(zero(part) for part in n.cross(gradient))
 
 
+def _graph_of_planes(contact, n, scale, degree):
+    """Return a polynomial f(x, y) through planes' points: least squares, with Huber's weights."""
+    planes = plane_to_point(n, -(n * contact).sum(-1))
+    orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
+    px, py = (np.vander(c / scale, degree + 1, increasing=True).T for c in planes.T[:2])
+    basis = np.stack([px[i] * py[j] for i, j in orders], axis=-1)
+    weight = np.ones(len(planes))
+    for _ in range(4):
+        root = np.sqrt(weight)
+        c = np.linalg.lstsq(root[:, None] * basis, root * planes[:, 2], rcond=None)[0]
+        left = np.abs(basis @ c - planes[:, 2])
+        bound = 1.345 * 1.4826 * np.median(left)  # an efficiency of 95 % for normal errors
+        weight = 1 / np.maximum(1, left / bound)
+
+    def f(x, y):
+        powers = zip(c, orders, strict=True)
+        return sum(a * (x / scale) ** i * (y / scale) ** j for a, (i, j) in powers)
+
+    return f
+
+
 def _generators_from_noise(turn, seed, planes, degree, patch, place=(0.5, 0.3)):
     """Return how far the found cones' axes are from both generators', in degrees."""
-    rng, place = np.random.default_rng(seed), np.array(place)
     exact = hyperosculating_cones(example, *place, half_angle=ANGLE)
-    where, size = rng.uniform(0, 2 * np.pi, planes), patch * np.sqrt(rng.random(planes))
-    px, py = place[:, None] + size * np.array([np.cos(where), np.sin(where)])
-    n = tilted(np.stack(normal(px, py), axis=-1), turn, rng)
+    rng = np.random.default_rng(seed)
+    contact, n = noisy_planes(example, place, rng, turn=turn, count=planes, reach=patch)
     top = mean_frame(n)
-    contact = surface_points(example, px, py) - exact.contact[0]
-    graph, _ = fit_planes(contact @ top.T, n @ top.T, scale=patch, degree=degree)
+    graph = _graph_of_planes((contact - exact.contact[0]) @ top.T, n @ top.T, patch, degree)
     here = plane_to_point(top @ exact.normal[0], 0.0)[:2]
     found = hyperosculating_cones(graph, *here, half_angle=ANGLE)
     return np.degrees(np.arccos(np.abs(exact.axis[exact.undecided] @ (found.axis @ top).T).max(1)))
 
 
-def _six_from_contacts(turn, seed, place, planes=1400):
+def _six_from_contacts(turn, seed, place):
     """Return how far the worst of six exact axes is from those found, in degrees; 90 if not six."""
-    place = np.array(place)
-    rng = np.random.default_rng(seed)
-    angle, reach = rng.uniform(0, 2 * np.pi, planes), np.sqrt(rng.random(planes))
-    reach = reach * np.hypot(*place) / 4
-    px, py = place[:, None] + reach * np.array([np.cos(angle), np.sin(angle)])
-    n = tilted(np.stack(normal(px, py), axis=-1), turn, rng)
-    fit = fit_surface(
-        surface_points(example, px, py), n, contact_error=0, normal_error=turn / 2**0.5
-    )
+    around = {"turn": turn, "count": 1400, "reach": np.hypot(*place) / 4}
+    contact, n = noisy_planes(example, place, np.random.default_rng(seed), **around)
+    fit = fit_surface(contact, n, contact_error=0, normal_error=turn / 2**0.5)
     exact = hyperosculating_cones(example, *place, half_angle=ANGLE)
     here = fit.axes[:2] @ (exact.contact[0] - fit.origin)
     found = hyperosculating_cones(fit.surface, *here, half_angle=ANGLE, model="space")

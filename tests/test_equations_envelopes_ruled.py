@@ -4,11 +4,14 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import sympy as sp
 
+from exhibits.envelope_equations import eq04_terms
 from tests.envelopes_zoo import GENERAL, GRID, RULED, ruled
-from tests.symbols_envelopes import CUBIC, F, at, f, plain, u, v, values, x, y, zero
+from tests.symbols_envelopes import CUBIC, NAMES, F, at, f, plain, u, v, values, x, y, zero
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
 from tunneller_lib.envelopes.families import moving_cone
@@ -19,16 +22,8 @@ READS = ["report/ledger/*"]
 QUADRATIC = F("xx") * u**2 + 2 * F("xy") * u * v + F("yy") * v**2
 _a, _b, _c = F("xx"), F("xy"), F("yy")
 _k, _l, _m, _n = F("xxx"), F("xxy"), F("xyy"), F("yyy")
-EQ4 = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _m * _a
-       - 6 * _n * _m * _a**2 * _b + 9 * _c * _m**2 * _a**2 - 6 * _b * _c**2 * _l * _k
-       + 12 * _b**2 * _l * _n * _a - 18 * _b * _c * _l * _m * _a + 12 * _c * _m * _b**2 * _k
-       - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _l**2 - 6 * _c * _l * _n * _a**2
-       + _n**2 * _a**3)  # fmt: skip
-EQ4_PRINTED = (_c**3 * _k**2 + 6 * _c * _k * _n * _b * _a - 6 * _c**2 * _k * _b * _a
-               - 6 * _n * _b * _a**2 * _b + 9 * _c * _b**2 * _a**2 - 6 * _b * _c**2 * _b * _k
-               + 12 * _b**2 * _b * _n * _a - 18 * _b * _c * _b * _n * _a
-               + 12 * _c * _b * _b**2 * _k - 8 * _n * _b**3 * _k + 9 * _a * _c**2 * _b**2
-               - 6 * _c * _k * _n * _a**2 + _n**2 * _a**3)  # fmt: skip
+_GRAPH = SimpleNamespace(derivative=lambda i, j: NAMES[i, j])
+EQ4, EQ4_PRINTED = (eq04_terms(_GRAPH, printed=printed).sum() for printed in (False, True))
 
 
 def test_ruled_surfaces_as_limits(judge):

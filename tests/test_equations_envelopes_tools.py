@@ -25,9 +25,8 @@ from tests.symbols_envelopes import (
     y,
     zero,
 )
-from tunneller_lib.envelopes import hyperosculating_cones, recognise
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.blade import cone_distance
 from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.developable import osculating_cone
 from tunneller_lib.envelopes.isotropic import contact_point, point_to_plane
@@ -178,7 +177,7 @@ def test_cones_mill_a_hyperboloid(judge):
         assert np.max(np.abs(np.sum(vertex * axis, axis=-1))) < 1e-9
         points = np.stack(surface(around, heights), axis=-1)
         for k in range(0, len(which), 9):
-            distance = cone_distance(points, vertex[k], axis[k], angle, 0.0, 4.0)
+            distance = ConePose(vertex[k], axis[k], angle, 0.0, 4.0).clearance(points)
             assert -1e-12 < distance.min() < 1e-3
 
 

@@ -12,12 +12,9 @@ import pytest
 import sympy as sp
 
 from exhibits import rod_cases as cases
-from exhibits.rod_exact import exact_intervals
-from exhibits.rod_exact import judge as missed_thin_thick
+from exhibits.exact_shapes import exact_intervals, judged, judged_rods, rod_rows
 from exhibits.rod_methods import METHODS, crossings, three_surfaces
-from tests.exact_shapes import judged
-from tests.hard_lines import FAMILIES, KINDS
-from tests.test_exact_kernel import meet
+from tests.hard_lines import FAMILIES, KINDS, meet
 from tunneller_lib.kernels.vectors import differences, scalar_products
 from tunneller_lib.surfaces import Frustum, Rod, Torus, meet_box
 from tunneller_lib.surfaces.rod import meet_rods
@@ -47,6 +44,24 @@ def in_plane(expression):
     return expression.subs({vx: h, vy: 0, vz: sp.sqrt(L**2 - h**2), qx: m, qy: s})
 
 
+def exactly(a, b, radius, point, u):
+    """Return where lines enter and leave rods, judged in whole numbers."""
+    return exact_intervals("rod", rod_rows(a, b, radius), point, u)
+
+
+def distance_outside(a, b, radius, points, ends):
+    """Return how far points are outside the surface of rods, by the point."""
+    v, q = b - a, points - a
+    length = np.linalg.norm(v, axis=-1)
+    unit = v / np.where(length > 0, length, 1)[..., None]
+    along = np.einsum("...i,...i->...", q, unit)
+    off = np.linalg.norm(q - along[..., None] * unit, axis=-1)
+    beyond = np.maximum(-along, along - length)
+    if ends == "round":
+        return np.hypot(np.maximum(beyond, 0), off) - radius
+    return np.maximum(beyond, off - radius)
+
+
 def float_rods(seed, n=2_000):
     rng = np.random.default_rng(seed)
     a, b, point, aim = rng.normal(size=(4, n, 3))
@@ -74,7 +89,8 @@ def test_point_in_cylinder(judge):
     inside = (size <= 25) & (along >= 0) & (along <= 1)
     judge("rod-point", inside.any() and np.array_equal(claimed(made), inside))
     points = rng.uniform(-60, 160, (5_000, 3))
-    assert np.array_equal(ROD.contains(points), claimed(points))
+    enter, leave = ROD.meet_line(points, UP)
+    assert np.array_equal((enter <= 0) & (leave >= 0), claimed(points))
 
 
 def test_without_loss_of_generality(judge):
@@ -95,8 +111,8 @@ def test_without_loss_of_generality(judge):
     # In floats the turn rounds: of lines that touch, many then pass by, judged in whole numbers.
     a, b, radius, point, u = cases.tangents(np.random.default_rng(11), 500)
     turn = np.linalg.qr(np.random.default_rng(12).normal(size=(3, 3)))[0]
-    turned = exact_intervals(0 * a, (b - a) @ turn, radius, (point - a) @ turn, u @ turn)
-    assert np.all(np.less_equal(*exact_intervals(a, b, radius, point, u)))
+    turned = exactly(0 * a, (b - a) @ turn, radius, (point - a) @ turn, u @ turn)
+    assert np.all(np.less_equal(*exactly(a, b, radius, point, u)))
     assert 0.1 < np.mean(np.greater(*turned)) < 0.9
 
 
@@ -106,7 +122,7 @@ def test_convex_interval(judge, ends):
     enter, leave = meet_rods(a, b, radius, point, u, ends=ends)
 
     def inside(i, t):
-        return Rod(a[i], b[i], radius[i], ends=ends).contains(point[i] + t[:, None] * u[i])
+        return distance_outside(a[i], b[i], radius[i], point[i] + t[:, None] * u[i], ends) <= 0
 
     intervals, empty = [], []
     for i in np.flatnonzero(enter < leave)[:200]:
@@ -209,7 +225,7 @@ def test_disc_at_b(judge):
     line = np.array([ROD.a]), np.array([ROD.b]), np.array([25.0]), np.array([[80.0, 0, 0]])
     for scale in SCALES:
         arrays = [scale * array for array in line]
-        leaves = exact_intervals(*arrays, np.array([UP]))[1, 0], meet_rods(*arrays, UP)[1][0]
+        leaves = exactly(*arrays, np.array([UP]))[1, 0], meet_rods(*arrays, UP)[1][0]
         assert np.allclose(np.divide(leaves, scale), right, rtol=1e-14) and abs(right - wrong) > 1e4
     # A length plus an area: on a rod with vz = 1 alone the slip isn't seen.
     assert zero((printed - corrected).subs(vz, 1))
@@ -354,16 +370,9 @@ def test_chance_at_rims(judge):
         assert np.all(np.abs(np.mean(accepted, axis=0) - 0.5) > 0.03)
 
 
-def what_is_wrong(found, lines):
-    """Return which intervals are missed, thin or thick, by more than rounding."""
-    a, b, radius, _, u = lines
-    margin = 64 * np.finfo(float).eps * (radius + frame(a.T, b.T, u.T).run)
-    return missed_thin_thick(found, lines, margin)
-
-
 def failures(kind, method, n=1_500):
     lines = kind(np.random.default_rng(4), n)
-    return np.sum(what_is_wrong(METHODS[method](*lines), lines), axis=-1)
+    return np.sum(judged_rods(METHODS[method](*lines), lines), axis=-1)
 
 
 def three_accepted(kind, n=4_000):
@@ -371,7 +380,7 @@ def three_accepted(kind, n=4_000):
     lines = kind(np.random.default_rng(1), n)
     surplus = crossings(*lines)[1].sum(axis=0) >= 3
     lines = tuple(row[surplus] for row in lines)
-    return lines, what_is_wrong(three_surfaces(*lines), lines)
+    return lines, judged_rods(three_surfaces(*lines), lines)
 
 
 def test_surplus_is_masked(judge):
@@ -406,10 +415,10 @@ def test_crack_makes_it_thin(judge):
     lines = cases.float_rims(np.random.default_rng(4), 4_000)
     _, _, radius, _, u = lines
     wall, disc = accepted_at_rim(lines)
-    enter, leave = exact_intervals(*lines)
+    enter, leave = exactly(*lines)
     far_in = (leave - enter) * np.linalg.norm(u, axis=-1) > 1e-3 * radius
     crack = far_in & ~wall & ~disc
-    missed, thin, _ = what_is_wrong(three_surfaces(*lines), lines)
+    missed, thin, _ = judged_rods(three_surfaces(*lines), lines)
     assert np.count_nonzero(crack) > 100
     judge("rod-thin", np.all((missed | thin)[crack]))
     assert not failures(cases.float_rims, "exact").any()
@@ -545,7 +554,7 @@ def test_two_volumes_of_parallel_lines(judge):
         enter = np.maximum(steep * m_ - reach, -flat * m_)
         leave = np.minimum(steep * m_ + reach, rise + high - flat * m_)
         rods = np.broadcast_to(scale * np.array([ROD.a, ROD.b])[:, None], (2, 400, 3))
-        first, last = exact_intervals(*rods, np.full(400, size), lines * (1, 1, 0),
+        first, last = exactly(*rods, np.full(400, size), lines * (1, 1, 0),
                                       np.broadcast_to(np.array(UP, float), (400, 3)))  # fmt: skip
         clear = last - first > 1e-6 * scale
         assert np.array_equal(leave - enter > 1e-6 * scale, clear) and 100 < clear.sum() < 300
@@ -627,7 +636,7 @@ def test_miss_conditions(judge):
         rods = np.broadcast_to(scale * np.array([ROD.a, ROD.b])[:, None], (2, n, 3))
         lines = scale * np.stack([m_, s_, 0 * m_], axis=-1)
         up = np.broadcast_to(np.array(UP, float), (n, 3))
-        missed = np.greater(*exact_intervals(*rods, np.full(n, 25 * scale), lines, up))
+        missed = np.greater(*exactly(*rods, np.full(n, 25 * scale), lines, up))
         assert np.array_equal(sharp, missed) and np.all(missed[loose])
         assert 100 < np.count_nonzero(printed & ~missed)
 
@@ -688,7 +697,7 @@ def test_always_reliable(judge):
         a, b, _, point, u = lines
         axis = frame(a.T, b.T, u.T)
         side = np.abs(scalar_products(differences(point.T, axis.start), axis.across))
-        return side, np.less_equal(*exact_intervals(*lines))
+        return side, np.less_equal(*exactly(*lines))
 
     def unguarded(lines):
         side, meets = beside(lines)
@@ -732,15 +741,12 @@ def test_interval_between_the_planes(judge):
     # za = -v.q/vz and zb = (vsq - v.q)/vz: their difference has the sign of vz.
     za, zb = -vq / vz, (vsq - vq) / vz
     assert zero(zb - za - vsq / vz)
-    draws = np.random.default_rng(12).normal(size=(500, 5))
-    in_order = []
-    for numbers in draws:
-        at_ = dict(zip((vx, vy, vz, qx, qy), numbers, strict=True))
-        first, last = float(za.subs(at_)), float(zb.subs(at_))
-        in_order.append((first < last) == (numbers[2] > 0))
-        shares = [float((p.dot(v) / vsq).subs(at_ | {z: height})) for height in (first, last)]
-        np.testing.assert_allclose(shares, [0, 1], atol=1e-9)
-    judge("rod-slab", len(in_order) == 500 and all(in_order))
+    numbers = np.random.default_rng(12).normal(size=(5, 500))
+    ends = np.array(sp.lambdify((vx, vy, vz, qx, qy), [za, zb])(*numbers))
+    shares = sp.lambdify((vx, vy, vz, qx, qy, z), p.dot(v) / vsq)(*numbers, ends)
+    np.testing.assert_allclose(shares, np.repeat([[0], [1]], 500, axis=1), atol=1e-9)
+    in_order = (ends[0] < ends[1]) == (numbers[2] > 0)
+    judge("rod-slab", all(in_order))
     assert (vq / vz).subs(vz, 0).has(sp.zoo)
 
 

@@ -1,7 +1,6 @@
 """The exported texts, run: C by the machine's compiler, Structured Text on its syntax tree."""
 
 import ctypes
-import re
 import shutil
 import subprocess
 
@@ -88,30 +87,11 @@ def built(compiler, folder, text):
     return ctypes.CDLL(str(folder / "text.so"))
 
 
-def check_indents(text, opens, closes):
-    """Raise where lines of a text aren't indented as what they stand in is nested."""
-    depth = 0
-    for row in text.splitlines():
-        word = row.strip()
-        depth -= bool(re.match(closes, word))
-        assert not word or len(row) - len(row.lstrip()) == 4 * depth, row
-        depth += bool(re.search(opens, word))
-    assert depth == 0
-
-
 # ---- the line -------------------------------------------------------------------------------
 
 
-def test_line_in_structured_text_is_the_library_s_bit_for_bit():
-    block = FunctionBlock(line_text(parts=1))
-    long = [(-(2**31), -1, 9973), (2**30, -(2**30), 4096)]
-    for start, stop, ticks in moves(1, 12) + long:
-        expected = time_bresenham(start, stop, ticks)
-        assert line(block, start, stop, ticks) == expected.tolist(), (start, stop, ticks)
-
-
-@pytest.mark.parametrize("parts", [2, 3, 256, 4096, 2**16])
-def test_line_between_counts_is_the_polyline_bit_for_bit(parts):
+@pytest.mark.parametrize("parts", [1, 2, 3, 256, 4096, 2**16])
+def test_line_in_structured_text_is_the_polyline_bit_for_bit(parts):
     block = FunctionBlock(line_text(parts=parts))
     for move in EDGES + moves(parts, 40)[len(EDGES) :: many(100, 10)]:
         assert line(block, *move) == in_parts(*move, parts), move
@@ -143,29 +123,8 @@ def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, com
         assert values.tolist() == in_parts(start, stop, ticks, 4096)
 
 
-def test_texts_of_the_line_are_indented_as_they_are_nested():
-    text = line_text(parts=4096)
-    check_indents(
-        text.split("FB_Line\n")[1].removesuffix("END_FUNCTION_BLOCK\n"),
-        r"^(VAR|ELSE$)|THEN$", r"END_|ELSE|ELSIF",
-    )  # fmt: skip
-    check_indents(line_c99(), r"\{$", r"\}")
-
-
 def test_names_of_the_line_are_short_and_free():
     check_names(line_text(parts=1))
-
-
-@pytest.mark.parametrize("call", [line_text, line_c99])
-def test_line_refuses_parts_that_are_none(call):
-    for parts in (0, 2**16 + 1, 2.5, "up"):
-        with pytest.raises(ValueError, match=r"^parts: must be one whole number from 1 to 65536"):
-            call(parts=parts)
-
-
-def test_line_without_parts_is_for_a_text_that_has_them():
-    assert "VAR CONSTANT" not in line_text()
-    assert with_constants(line_text(), {"nParts": 5, "nOther": 6}) == line_text(parts=5)
 
 
 def test_interpreter_of_structured_text_is_strict():
@@ -304,11 +263,6 @@ def test_statements_do_in_c_what_they_say(tmp_path, compiler, sample):
     assert list(out) == [3, 4, 1, 0, 1, 44, 26, 129]
 
 
-def test_code_of_the_sample_is_indented_as_its_braces_are_nested(sample):
-    code = re.sub(r"(?s)/\*.*?\*/", "", c99_code(sample).partition("void ")[2])
-    check_indents(code, r"\{$", r"\}")
-
-
 def test_comments_are_kept(sample):
     assert "    int32_t nIn; /* without a call of more */\n" in c99_types(sample)
     assert (
@@ -320,23 +274,10 @@ def test_comments_are_kept(sample):
 def test_blocks_have_the_constants_that_they_use(sample):
     *_, inner, outer = sample
     assert inner.rows("VAR CONSTANT") == []
-    assert [(row.name, row.kind) for row in outer.rows("VAR CONSTANT")] == [
-        ("rSmall", "LREAL"),
-        ("aTable", "ARRAY [0..2] OF LREAL"),
-    ]
-    assert outer.rows("VAR_INPUT")[1][2:] == ("-7.9", "")
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [(5e-05, "5.0e-05"), (-1e300, "-1.0e+300"), (1.25e-7, "1.25e-07"), (3.0, "3.0"), (-3, "-3")],
-)
-def test_numbers_are_those_of_structured_text(value, text):
-    (block,) = read_blocks(with_constants("FUNCTION_BLOCK F\nx := k;\nEND_FUNCTION_BLOCK\n",
-                                          {"k": value}))  # fmt: skip
-    (row,) = block.rows("VAR CONSTANT")
-    assert (row.kind, row.begin) == ("LREAL" if isinstance(value, float) else "DINT", text)
-    assert float(row.begin) == value
+    assert [row[:3] for row in outer.rows("VAR CONSTANT")] == [
+        ("rSmall", "", "LREAL"), ("aTable", "2", "LREAL")
+    ]  # fmt: skip
+    assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
 
 
 COUNTED = """FUNCTION_BLOCK F

@@ -1,26 +1,39 @@
-"""Curves, rulings and motions that envelopes are made of: each with the derivatives it claims."""
+"""Curves, rulings and motions that envelopes are made of, and what callers give for them."""
+
+from functools import partial
 
 import numpy as np
 import pytest
 
 from tests.envelopes_zoo import CURVES, MOTIONS, RULED
-from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.adapted import frames_along
+from tunneller_lib.envelopes import (
+    adapted_frames,
+    families,
+    hyperosculating_cones,
+    jet_variables,
+    model_jet,
+    recognise,
+)
+from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import (
-    helicoid,
     helix,
     helix_lines,
     moving_cone,
     ruled,
-    saddle,
     screwing,
     swept_ball,
     tangent_lines,
     turning,
 )
+from tunneller_lib.envelopes.functions import as_jet
+from tunneller_lib.envelopes.isotropic import surface_points
+from tunneller_lib.envelopes.jet import Jet
 
 V = np.array([-0.8, 0.1, 1.3])
 STEP = 1e-5
+SCREW = screwing(1.5, -0.4, 0.6, start=2.0)
+SLOW = turning(lambda v: [v, v * v, 0 * v], lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.8, rate=-0.3)
+TWISTED = partial(helix_lines, twist=0.3, pitch=0.7)
 
 
 def rate(function, v):
@@ -29,24 +42,18 @@ def rate(function, v):
     return (ahead - back) / (2 * STEP)
 
 
-@pytest.mark.parametrize("name", CURVES)
-def test_curve_has_its_velocity_and_acceleration(name):
-    curve = CURVES[name]
+@pytest.mark.parametrize("curve", CURVES.values(), ids=CURVES)
+def test_curve_has_its_velocity_and_acceleration(curve):
     _, velocity, acceleration = curve(V)
     np.testing.assert_allclose(rate(lambda v: curve(v)[0], V), velocity, atol=1e-8)
     np.testing.assert_allclose(rate(lambda v: curve(v)[1], V), acceleration, atol=1e-8)
 
 
-@pytest.mark.parametrize("name", RULED)
-def test_rulings_have_their_derivatives(name):
-    lines = RULED[name]
+@pytest.mark.parametrize("lines", [*RULED.values(), TWISTED], ids=[*RULED, "twisted"])
+def test_rulings_have_their_derivatives(lines):
     _, velocity, _, turn = lines(V)
     np.testing.assert_allclose(rate(lambda v: lines(v)[0], V), velocity, atol=1e-8)
     np.testing.assert_allclose(rate(lambda v: lines(v)[2], V), turn, atol=1e-8)
-
-
-SCREW = screwing(1.5, -0.4, 0.6, start=2.0)
-SLOW = turning(lambda v: [v, v * v, 0 * v], lambda v: [1 + 0 * v, 2 * v, 0 * v], 0.8, rate=-0.3)
 
 
 @pytest.mark.parametrize(
@@ -58,48 +65,39 @@ def test_motion_turns_its_axes_as_it_says(motion):
     gram = np.einsum("ikn,jkn->nij", axes, axes)
     np.testing.assert_allclose(gram, np.broadcast_to(np.eye(3), (3, 3, 3)), atol=1e-15)
     for i, axis in enumerate(axes):
-        turned = np.cross(omega, axis, axis=0)
         found = rate(lambda v, i=i: motion(v)[2][i], V)
-        np.testing.assert_allclose(found, turned, atol=1e-8)
+        np.testing.assert_allclose(found, np.cross(omega, axis, axis=0), atol=1e-8)
 
 
-def test_turning_leans_from_z_and_starts_where_it_is_told():
-    axes = np.array(SLOW(0.0)[2])
-    assert axes[0] @ [0, 0, 1] == pytest.approx(np.cos(0.8))
-    np.testing.assert_allclose(axes[0, :2], np.sin(0.8) * np.array([np.cos(1), np.sin(1)]))
+def test_motions_lean_start_rise_and_turn_as_they_are_told():
+    axis = np.array(SLOW(0.0)[2][0])
+    expected = [np.sin(0.8) * np.cos(1), np.sin(0.8) * np.sin(1), np.cos(0.8)]
+    np.testing.assert_allclose(axis, expected)
+    x, y, z = SCREW(V)[0]
+    np.testing.assert_allclose(np.hypot(x, y), 1.5)
+    np.testing.assert_allclose(z, -0.4 * V)
+    axis = np.array(SCREW(0.0)[2][0])
+    assert (axis[2], np.arctan2(axis[1], axis[0])) == pytest.approx((np.cos(0.6), 2.0))
 
 
-def test_helicoid_moves_by_its_pitch():
-    point, *_ = helicoid(np.array([0, 2 * np.pi]), pitch=0.4)
-    np.testing.assert_allclose(point, [[0, 0.8 * np.pi], [0, 0], [0, 0]], atol=1e-15)
+def test_a_cone_that_opens_touches_its_envelope():
+    u, v = np.meshgrid(np.linspace(3.7, 4.4, 5), np.linspace(-0.3, 0.3, 4))
+    found = adapted_frames(moving_cone(MOTIONS["screw"], 0.35, rate=0.25), u, v, "space")
+    vertex, _, axes, _ = MOTIONS["screw"](v.ravel())
+    vertex, axis, *across = (np.stack(np.broadcast_arrays(*c), axis=-1) for c in (vertex, *axes))
+    angle = (0.35 + 0.25 * v).reshape(-1, 1)
+    turn = u.reshape(-1, 1)
+    out = np.cos(turn) * across[0] + np.sin(turn) * across[1]
+    n = np.sin(angle) * axis + np.cos(angle) * out
+    np.testing.assert_allclose(np.abs(np.sum(found.axes[:, 2] * n, axis=-1)), 1, rtol=1e-12)
+    np.testing.assert_allclose(np.sum((found.contact - vertex) * n, axis=-1), 0, atol=1e-12)
 
 
 def test_helix_lines_run_from_tangents_to_a_helicoid():
     s, t = np.linspace(-2, 3, 7), np.linspace(0.1, 1.7, 7)
     np.testing.assert_array_equal(ruled(helix_lines)(s, t), ruled(tangent_lines(helix))(s, t))
-    across = ruled(lambda s: helix_lines(s, np.pi / 2))
-    x, y, z = across(s, 1 + 0 * s)  # every line meets the axis at t = 1, level with its start
-    np.testing.assert_allclose([x, y, z - 0.4 * s], 0, atol=1e-15)
-
-
-@pytest.mark.parametrize("twist", [0.0, 0.3, np.pi / 2])
-def test_helix_lines_turn_as_their_directions_differ(twist):
-    s, h = np.linspace(-2, 3, 7), 1e-5
-    (*_, before, _), (*_, after, _) = (helix_lines(s + d, twist, pitch=0.7) for d in (-h, h))
-    turn = helix_lines(s, twist, pitch=0.7)[3]
-    np.testing.assert_allclose(np.subtract(after, before) / (2 * h), turn, atol=1e-9)
-
-
-def test_a_motion_that_answers_one_number_is_refused():
-    with pytest.raises(ValueError, match=r"^motion: must return .* angular velocity; got 3\.$"):
-        moving_cone(lambda t: 3, 0.3)(0.0, 0.0)
-
-
-def test_screwing_keeps_its_radius_and_rises_by_its_pitch():
-    x, y, z = SCREW(V)[0]
-    np.testing.assert_allclose(np.hypot(x, y), 1.5)
-    np.testing.assert_allclose(z, -0.4 * V)
-    assert np.array(SCREW(0.0)[2][0])[2] == pytest.approx(np.cos(0.6))
+    x, y, z = ruled(partial(helix_lines, twist=np.pi / 2))(s, 1 + 0 * s)
+    np.testing.assert_allclose([x, y, z - 0.4 * s], 0, atol=1e-15)  # they meet the axis, level
 
 
 def test_swept_ball_lies_at_its_radius_across_the_path():
@@ -109,13 +107,82 @@ def test_swept_ball_lies_at_its_radius_across_the_path():
     centre, velocity, _ = (np.array(part) for part in helix(s))
     np.testing.assert_allclose(np.linalg.norm(surface - centre, axis=0), 0.3, rtol=1e-14)
     np.testing.assert_allclose(np.sum((surface - centre) * velocity, axis=0), 0, atol=1e-15)
-    found = recognise(swept, s, t, "pipe", model="space")
-    assert found.verdict == "is" and abs(found.radius) == pytest.approx(0.3, abs=1e-9)
+    np.testing.assert_allclose(np.add(swept(s, t + np.pi), surface), 2 * centre, atol=1e-14)
 
 
-def test_frames_along_a_line_have_it_for_their_first_axis():
-    t = np.linspace(-0.5, 1.0, 5)
-    found = frames_along(ruled(saddle), 0.7, t)
-    np.testing.assert_allclose(found.contact, np.stack([0.7 + 0 * t, t, 0.7 * t], axis=-1))
-    way = np.array([0, 1, 0.7]) / np.hypot(1, 0.7)
-    np.testing.assert_allclose(np.abs(found.axes[:, 0] @ way), 1)
+# ---- functions that callers give ------------------------------------------------------------
+
+S, T = np.random.default_rng(0).uniform(0.2, 0.8, (2, 14))
+NONSENSE = {
+    "nothing": None,
+    "words": ["a", "b", "c"],
+    "complex numbers": [1j, 2j, 3j],
+    "a wrong shape": [np.ones(5), np.ones(5), np.ones(5)],
+    "a masked array": [np.ma.masked_array([1.0], [1]), 1.0, 1.0],
+    "four numbers": [1.0, 2.0, 3.0, 4.0],
+    "jets of other points": [*jet_variables(np.ones(3), 1.0), 1.0],
+    "a complex jet": [Jet(np.ones((15, 14), dtype=complex)), 1.0, 1.0],
+    "the class itself": Jet,
+}
+DOORS = {
+    "surface, space": lambda f: hyperosculating_cones(f, S, T, half_angle=0.5, model="space"),
+    "surface, graph": lambda f: hyperosculating_cones(f, S, T, half_angle=0.5),
+    "surface, frames": lambda f: adapted_frames(f, S, T, "space"),
+    "f": lambda f: surface_points(f, S, T),
+    "curve": lambda f: curve_derivatives(f, S),
+    "motion": lambda f: moving_cone(f, 0.3)(*jet_variables(S, T)),
+    "curve, channel": lambda f: families.channel(f, 0.3)(S, T),
+    "lines": lambda f: ruled(f)(S, T),
+    "vertex": lambda f: turning(f, f, 0.3)(S),
+}
+every_door = pytest.mark.parametrize("door", DOORS)
+
+
+@every_door
+def test_nonsense_that_a_function_answers_is_refused_in_a_sentence(door):
+    name = door.partition(",")[0]
+    for answer in NONSENSE.values():
+        with pytest.raises(ValueError, match=rf"^{name}: must return [^\n]*; got [^\n]*\.$"):
+            DOORS[door](lambda *given, answer=answer: answer)
+
+
+@every_door
+def test_what_is_no_function_of_so_many_variables_is_refused(door):
+    name = door.partition(",")[0]
+    wanted = "2 arguments" if name in ("surface", "f") else "one argument"
+    for given in (None, 1.0, "f", int, len, lambda: 0, lambda a, b, c: 0):
+        with pytest.raises(ValueError, match=rf"^{name}: must be a function of {wanted}; got "):
+            DOORS[door](given)
+
+
+@every_door
+def test_what_a_function_raises_itself_passes_through(door):
+    def faulty(*given):
+        return {}["no such key"]
+
+    with pytest.raises(KeyError, match="no such key"):
+        DOORS[door](faulty)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+def test_a_constant_that_is_no_surface_is_told_from_a_wrong_call(value):
+    cones = hyperosculating_cones(lambda s, t: value + 0 * s, S, T, half_angle=0.5)
+    assert set(cones.state) <= {"outside", "singular"} and not len(cones)
+    with pytest.raises(ValueError, match=r"^surface: must be smooth"):
+        model_jet(lambda s, t: [value, s, t], S, T)
+    for asked in (curve_derivatives, tangent_planes, osculating_cone):
+        with pytest.raises(ValueError, match=r"^curve: must be defined and smooth"):
+            asked(lambda s: [value, s, s], S)
+
+
+@pytest.mark.parametrize("value", [0.0, -2.5, np.full(14, 0.7)], ids=["zero", "one", "many"])
+def test_a_constant_that_a_function_answers_has_no_derivatives(value):
+    s, _ = jet_variables(S, T)
+    found = as_jet(value, s)
+    np.testing.assert_array_equal(found.value, np.broadcast_to(value, S.shape))
+    assert not found.c[1:].any() and as_jet(s, s) is s
+
+
+def test_ufuncs_and_partial_functions_are_functions():
+    assert (hyperosculating_cones(np.hypot, S, T, half_angle=0.5).state != "outside").all()
+    assert recognise(ruled(TWISTED), S, T, "ruled", model="space").verdict == "is"

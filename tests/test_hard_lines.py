@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from exhibits.exact_shapes import exact_interval
 from tests.audit.long import many
-from tests.exact_shapes import exact_interval
-from tests.hard_lines import FAMILIES, KINDS
+from tests.hard_lines import FAMILIES, KINDS, meet, shape_of
 from tests.references import hard_lines_peers, hard_lines_table
-from tests.test_exact_kernel import meet, shape_of
 
 READS = ["tests/references/*"]
 HERE = Path(__file__).parent / "references"

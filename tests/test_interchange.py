@@ -1,23 +1,21 @@
 """Files for other programs, written and read back."""
 
-from dataclasses import replace
-from functools import partial
-from xml.etree import ElementTree
-
 import numpy as np
 import pytest
 import pyvista
 
 from kit import scene
+from tests.examples.job import _JOB
+from tunneller_lib.job import read_job
 from tunneller_lib.job.atomic_write import replacement
-from tunneller_lib.job.csv_tables import knots_csv, read_csv, setpoints_csv, setvalues_csv
+from tunneller_lib.job.csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
-from tunneller_lib.job.mesh import MM, SCALAR, STL, stl, vtp, wall_solid, wall_surface
+from tunneller_lib.job.mesh import STL, stl, vtk, wall_solid
+from tunneller_lib.job.results import write_all
 from tunneller_lib.motion import polyline
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, carve, plan
 from tunneller_lib.ream.wall import standing
-from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 EGG = Egg(0.5)
@@ -38,115 +36,81 @@ def cut():
 # Tables
 
 
+def rows(text):
+    """Return a table as columns, as any reader of CSV with a heading has them."""
+    return np.genfromtxt(text.splitlines(), delimiter=",", names=True, dtype=None, encoding=None)
+
+
+ABOUT = rows(plan_csv(JOB, "a job"))
+
+
+def joints(table, unit):
+    return np.stack([table[f"theta_{unit}"], table[f"phi_{unit}"]], axis=-1)
+
+
 def test_setvalues_come_back_bit_for_bit():
-    about, columns = read_csv(setvalues_csv(JOB))
-    counts = np.stack([columns["theta"], columns["phi"]], axis=-1)
-    assert counts.dtype == np.int64
-    np.testing.assert_array_equal(about["count_rad"] * counts, JOB.setvalues)
-    np.testing.assert_array_equal(columns["tick"], np.arange(len(counts)))
-    np.testing.assert_allclose(columns["time_s"], JOB.tick * columns["tick"], atol=1e-9)
-    slopes = np.stack([columns["theta_slope_rad_s"], columns["phi_slope_rad_s"]], axis=-1)
-    np.testing.assert_array_equal(slopes[:-1], JOB.slopes)
-    assert about == {"tick_s": JOB.tick, "count_rad": JOB.count, "laps": 2, "advance_m": 0.04}
+    table = rows(setvalues_csv(JOB))
+    counts = joints(table, "counts")
+    assert counts.dtype.kind == "i" and ABOUT["job"] == "a job"
+    np.testing.assert_array_equal(ABOUT["count_rad"] * counts, JOB.setvalues)
+    np.testing.assert_array_equal(table["tick"], np.arange(len(counts)))
+    np.testing.assert_allclose(table["time_s"], ABOUT["tick_s"] * table["tick"], atol=1e-9)
+    np.testing.assert_array_equal(joints(table, "slope_rad_s")[:-1], JOB.slopes)
+    assert (ABOUT["laps"], ABOUT["advance_m"]) == (2, 0.04)
 
 
 def test_setpoints_make_the_setvalues():
-    about, columns = read_csv(setpoints_csv(JOB))
-    counts = np.stack([columns["theta"], columns["phi"]], axis=-1)
-    assert columns["ticks"][0] == 0 and columns["ticks"].sum() == len(JOB.setvalues) - 1
-    made = polyline(counts, columns["ticks"][1:], parts=int(about["parts"]))
-    np.testing.assert_array_equal(about["count_rad"] * made, JOB.setvalues)
-    np.testing.assert_array_equal(columns["feed_m_s"], JOB.feed)
-    np.testing.assert_allclose(columns["time_s"], JOB.tick * np.cumsum(columns["ticks"]), atol=1e-9)
+    table = rows(setpoints_csv(JOB))
+    assert table["ticks"][0] == 0 and table["ticks"].sum() == len(JOB.setvalues) - 1
+    made = polyline(joints(table, "parts"), table["ticks"][1:], parts=int(ABOUT["parts"]))
+    np.testing.assert_array_equal(ABOUT["count_rad"] * made, JOB.setvalues)
+    np.testing.assert_array_equal(table["feed_m_s"], JOB.feed)
+    np.testing.assert_allclose(table["time_s"], JOB.tick * np.cumsum(table["ticks"]), atol=1e-9)
 
 
 def test_knots_come_back_bit_for_bit():
-    about, columns = read_csv(knots_csv(JOB))
-    np.testing.assert_array_equal(columns["s"], JOB.knots)
-    at = about["count_rad"] * np.stack([columns["theta"], columns["phi"]], axis=-1)
+    table = rows(knots_csv(JOB))
+    np.testing.assert_array_equal(table["s_m"], JOB.knots)
+    at = ABOUT["count_rad"] * joints(table, "counts")
     assert np.max(np.abs(at - JOB.circuit.position(JOB.knots))) <= JOB.count / 2
-
-
-def test_tables_refuse_what_is_no_plan_and_rows_that_lack_numbers():
-    for table in (knots_csv, setpoints_csv, setvalues_csv):
-        with pytest.raises(ValueError, match=r"^plan: must be of class Plan; got None\.$"):
-            table(None)
-    for text in ("", "tick,theta\n0\n", "tick,theta\n0,left\n", "# tick_s = soon\ntick\n0\n"):
-        with pytest.raises(ValueError, match=r"^text: must be a table as of `knots_csv`"):
-            read_csv(text)
 
 
 # The wall
 
 
-def in_vtk(mesh):
-    """Return a Mesh as VTK has it."""
-    return pyvista.PolyData.from_regular_faces(mesh.points, mesh.faces)
-
-
-def test_wall_solid_is_closed_and_has_the_grids_volume(cut):
-    solid = in_vtk(wall_solid(cut.wall))
+def test_wall_solid_is_closed_faces_outwards_and_has_the_grids_volume(cut, tmp_path):
+    points, faces = wall_solid(cut.wall)
+    solid = pyvista.PolyData.from_regular_faces(points, faces)
     assert solid.is_manifold and solid.n_open_edges == 0
     # Rows of wedges between the first and the last ray, from the outermost piece on each ray.
     inner = np.linalg.norm(standing(cut.wall)[..., 1:], axis=-1)
     areas = np.sum(cut.wall.high.max(axis=0) ** 2 - inner**2, axis=1) / 2
-    facet = 2 * np.pi / inner.shape[1]
     length = np.diff(cut.wall.lines.x)
-    wedges = facet * np.sum((areas[1:] + areas[:-1]) / 2 * length)
+    wedges = 2 * np.pi / inner.shape[1] * np.sum((areas[1:] + areas[:-1]) / 2 * length)
     assert solid.volume == pytest.approx(wedges, rel=2e-3)
-    assert np.allclose(np.reshape(solid.bounds, (3, 2))[0], cut.wall.lines.x[[0, -1]])
-
-
-def test_meshes_refuse_a_block_and_quadrilaterals(cut):
-    block = DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (4, 4))
-    for make in (wall_solid, partial(wall_surface, circuit=JOB.circuit)):
-        with pytest.raises(ValueError, match=r"^wall: must be on .* rays; got 4 by 4 parallel"):
-            make(wall=block)
-    with pytest.raises(ValueError, match=r"^mesh: must be of triangles; got 4 corners a face\.$"):
-        stl(wall_surface(cut.wall, JOB.circuit))
-
-
-def test_vtp_escapes_the_names_of_values(cut):
-    mesh = wall_surface(cut.wall, JOB.circuit)
-    named = replace(mesh, values={'a"<b> & c': mesh.values[SCALAR]})
-    (array,) = ElementTree.fromstring(vtp(named)).findall(".//PointData/DataArray")
-    assert array.get("Name") == 'a"<b> & c'
-
-
-def test_wall_solid_faces_outwards(cut):
     # By the divergence theorem the signed volume is positive for outward triangles alone.
-    solid = wall_solid(cut.wall)
-    a, b, c = np.moveaxis(solid.points[solid.faces], 1, 0)
-    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(in_vtk(solid).volume, rel=1e-4)
-
-
-def test_stl_comes_back_in_millimetres(cut, tmp_path):
-    solid = in_vtk(wall_solid(cut.wall))
-    (tmp_path / "wall.stl").write_bytes(stl(wall_solid(cut.wall)))
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(solid.volume, rel=1e-4)
+    content = b"".join(stl(points, faces, "a job"))
+    assert content.startswith(b"in mm, a job")
+    (tmp_path / "wall.stl").write_bytes(content)
     read = pyvista.read(tmp_path / "wall.stl")
     assert read.volume == pytest.approx(1e9 * solid.volume, rel=1e-5)
     np.testing.assert_allclose(read.bounds, 1e3 * np.array(solid.bounds), rtol=1e-6)
     assert read.n_cells == solid.n_cells and read.is_manifold
+    written = np.frombuffer(content[84:], STL)
+    across = np.cross(b - a, c - a)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    np.testing.assert_allclose(written["normal"], across, atol=1e-3)
 
 
-def test_stl_has_outward_unit_normals(cut):
-    mesh = wall_solid(cut.wall)
-    faces = np.frombuffer(stl(mesh)[84:], STL)
-    np.testing.assert_allclose(np.linalg.norm(faces["normal"], axis=-1), 1, rtol=1e-6)
-    first = faces["corners"][0] / MM
-    across = np.cross(first[1] - first[0], first[2] - first[0])
-    assert np.dot(across, faces["normal"][0]) > 0
-
-
-def test_vtp_comes_back_with_its_errors(cut, tmp_path):
-    mesh = wall_surface(cut.wall, JOB.circuit)
-    (tmp_path / "wall.vtp").write_bytes(vtp(mesh))
-    read = pyvista.read(tmp_path / "wall.vtp")
-    np.testing.assert_array_equal(read[SCALAR], mesh.values[SCALAR])
-    np.testing.assert_array_equal(read.points, mesh.points)
-    np.testing.assert_array_equal(read.regular_faces, mesh.faces)
-    assert read[SCALAR].max() == 1e3 * cut.overbreak.max()
+def test_vtk_comes_back_with_its_overbreak(cut, tmp_path):
+    (tmp_path / "wall.vtk").write_bytes(b"".join(vtk(cut.wall, JOB.circuit, "a job")))
+    read = pyvista.read(tmp_path / "wall.vtk")
     points = standing(cut.wall)
+    np.testing.assert_array_equal(read.points, points.reshape(-1, 3))
+    assert read["overbreak_mm"].max() == 1e3 * cut.overbreak.max()
+    np.testing.assert_array_equal(read["overbreak_mm"], 1e3 * cut.overbreak.ravel())
     closed = np.concatenate([points, points[:, :1]], axis=1)
     assert read.area == pytest.approx(scene.surface(closed).area, rel=1e-5)
 
@@ -188,33 +152,25 @@ def test_dxf_closes_and_lies_on_the_section(section):
     np.testing.assert_allclose(points[:, 0], 1e3 * section.point(section.blends[:-1]), atol=1e-9)
     np.testing.assert_allclose(points[:, 1], np.roll(points[:, 0], -1, axis=0), atol=1e-9)
     assert {piece[8] for piece in pieces} == {"WALL"}
+    for piece, arc in zip(pieces, section.arcs, strict=True):
+        if isinstance(arc, Arc):
+            assert (piece[51] - piece[50]) % 360 == pytest.approx(np.degrees(arc.sweep), abs=1e-9)
 
 
-def test_dxf_of_arcs_turns_counter_clockwise_by_their_sweep():
-    for piece, arc in zip(entities(dxf({"WALL": EGG})), EGG.arcs, strict=True):
-        assert (piece[51] - piece[50]) % 360 == pytest.approx(np.degrees(arc.sweep), abs=1e-9)
-
-
-def test_dxf_of_a_circle_is_a_circle():
-    (circle,) = entities(dxf({"WALL": CIRCLE}))
-    assert circle[0] == "CIRCLE"
+def test_dxf_of_a_circle_is_a_circle_on_its_layer():
+    (circle, *arcs) = entities(dxf({"WALL": CIRCLE, "CENTRE": EGG}))
+    assert (circle[0], circle[8]) == ("CIRCLE", "WALL") and [e[8] for e in arcs] == ["CENTRE"] * 4
     assert [circle[code] for code in (10, 20, 40)] == pytest.approx([100, -200, 600])
 
 
-def test_dxf_keeps_layers_apart_and_refuses_other_things():
-    layers = [e[8] for e in entities(dxf({"SECTION": EGG, "CENTRE": JOB.circuit.profile}))]
-    assert layers == ["SECTION"] * 4 + ["CENTRE"] * 4
-    with pytest.raises(ValueError, match=r"^curves: must be of class Section"):
-        dxf({"SECTION": [1, 2]})
-
-
-@pytest.mark.parametrize(
-    "layer", ["", "A" * 32, "WALL\n0\nEOF", "\x1b[31mWALL", "TÜR", "A B", "A/B", None, 8]
-)
-def test_dxf_refuses_names_of_layers_that_are_none(layer):
-    with pytest.raises(ValueError, match=r"^curves: a layer's name must be 1 to 31 letters") as no:
-        dxf({layer: EGG})
-    assert str(no.value).isprintable()
+def test_drawing_of_a_job_has_the_section_the_wanted_wall_and_the_centre_s_path(tmp_path):
+    job = read_job(_JOB)
+    write_all(job, job.simulated(), tmp_path / "new", {"faults": [{"source": "none"}]}, str)
+    drawn = entities((tmp_path / "new" / "section.dxf").read_text().split("\n", 2)[2])
+    radii = np.reshape([entity[40] for entity in drawn], (3, 4))
+    assert [entity[8] for entity in drawn[::4]] == ["SECTION", "WALL", "CENTRE"]
+    # By the depth of cut, and less the cutter's radius, in mm.
+    np.testing.assert_allclose(radii[1:], radii[0] + [[20], [-180]])
 
 
 # Files

@@ -8,14 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tunneller_lib.envelopes.jet import (
-    EXPONENTS,
-    Jet,
-    compose,
-    differentiated,
-    inverse,
-    jet_variables,
-)
+from tunneller_lib.envelopes.jet import EXPONENTS, Jet, compose, inverse, jet_variables
 
 FUNCTIONS = {
     "rational": lambda m, x, y: y**2 / (x**2 + y**2),
@@ -25,83 +18,60 @@ FUNCTIONS = {
     "exponential": lambda m, x, y: m.exp(-x * y) * m.log(3 + x - y),
     "power of jets": lambda m, x, y: (1 + x) ** y,
     "base and jet": lambda m, x, y: 2.5 ** (x - y),
-    "trigonometric": lambda m, x, y: m.sin(2 * x) * m.cos(x - y) + m.tan(x * y / 2),
-    "hyperbolic": lambda m, x, y: m.sinh(x) * m.cosh(y) - m.tanh(x + 2 * y),
-    "angles": lambda m, x, y: m.atan(3 * x - y) + m.atan2(y + x, x - 2 * y),
+    "trigonometric": lambda m, x, y: m.sin(2 * x) * m.cos(x - y),
+    "angle": lambda m, x, y: m.atan(3 * x - y),
     "distance": lambda m, x, y: m.hypot(x, y - 2),
 }
+FIFTH = [(5 - j, j) for j in range(6)]
 
 
 class Numpy:
     """Numpy's functions under mpmath's names."""
 
-    atan, atan2 = np.arctan, np.arctan2
+    atan = np.arctan
 
     def __getattr__(self, name):
         return getattr(np, name)
 
 
-FIFTH = [(5 - j, j) for j in range(6)]
-
-
-def exact(function, x, y, exponents=EXPONENTS):
-    """Return derivatives, all to order 4, by 60-digit differences in mpmath."""
+def exact(function, x, y, exponents):
+    """Return derivatives by 60-digit differences in mpmath."""
     with mp.workdps(60):
         parts = [mp.diff(lambda a, b: function(mp, a, b), (mp.mpf(x), mp.mpf(y)), orders)
                  for orders in exponents]  # fmt: skip
         return np.array([float(part) for part in parts])
 
 
-def found(jet, exponents=EXPONENTS):
-    return np.array([jet.derivative(i, j) for i, j in exponents])
-
-
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_jet_of_order_five_has_the_same_and_six_more(name):
-    function = FUNCTIONS[name]
-    jet = function(Numpy(), *jet_variables(0.7, 0.4, order=5))
-    lower = function(Numpy(), *jet_variables(0.7, 0.4))
-    np.testing.assert_allclose(found(jet), found(lower), rtol=1e-12, atol=1e-12)
-    expected = exact(function, 0.7, 0.4, FIFTH)
-    scale = np.abs(expected).max() + np.abs(found(jet)).max()
-    np.testing.assert_allclose(found(jet, FIFTH), expected, rtol=0, atol=1e-12 * scale)
-
-
-def test_inverse_of_order_five_undoes():
-    x, y = jet_variables(0.3, 0.8, order=5)
-    one = np.exp(x) * np.cos(y)
-    other = np.sin(x + y * y)
-    back = compose([one, other], *inverse(one, other))
-    for jet, variable in zip(back, jet_variables(one.value, other.value, order=5), strict=True):
-        np.testing.assert_allclose(jet.c, variable.c, rtol=0, atol=1e-12)
-
-
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.parametrize("point", [(0.7, 0.4), (0.05, 1.3)])
 def test_jet_has_the_derivatives_of_mpmath(name, point):
     function = FUNCTIONS[name]
-    expected = exact(function, *point)
-    jet = function(Numpy(), *jet_variables(*point))
-    for degree in range(5):
-        of_degree = [i for i, exponents in enumerate(EXPONENTS) if sum(exponents) == degree]
-        bound = 1e-11 * np.abs(expected[of_degree]).max()
-        assert np.max(np.abs(found(jet) - expected)[of_degree]) <= bound
+    four = function(Numpy(), *jet_variables(*point))
+    five = function(Numpy(), *jet_variables(*point, order=5))
+    every = [*EXPONENTS, *FIFTH]
+    expected = exact(function, *point, every)
+    found = np.array([five.derivative(i, j) for i, j in every])
+    for degree in range(6):
+        of_degree = [k for k, exponents in enumerate(every) if sum(exponents) == degree]
+        bound = 1e-11 * np.abs(expected[of_degree]).max() + 1e-12
+        assert np.abs(found - expected)[of_degree].max() <= bound
+    np.testing.assert_allclose(four.c, five.c[:15], rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_jet_keeps_its_digits_at_any_scale(scale):
     def function(m, x, y):
         return m.sqrt((x / scale) ** 2 + (y / scale) ** 2 + 1)
 
-    x, y = 0.3 * scale, -0.8 * scale
-    expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8)
-    powers = np.array([scale ** (i + j) for i, j in EXPONENTS])
-    jet = function(Numpy(), *jet_variables(x, y))
-    np.testing.assert_allclose(found(jet) * powers, expected, rtol=1e-12, atol=1e-13)
+    expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8, EXPONENTS)
+    jet = function(Numpy(), *jet_variables(0.3 * scale, -0.8 * scale))
+    found = [jet.derivative(i, j) * scale ** (i + j) for i, j in EXPONENTS]
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
 
 
-def test_jet_of_many_points_is_that_of_each():
-    x, y = np.random.default_rng(1).uniform(0.2, 1, (2, 7))
+@pytest.mark.parametrize("count", [7, 400])
+def test_jet_of_many_points_is_that_of_each(count):
+    x, y = np.random.default_rng(1).uniform(0.2, 1, (2, count))
     for function in FUNCTIONS.values():
         every = function(Numpy(), *jet_variables(x, y)).c
         for k in range(7):
@@ -118,15 +88,25 @@ def test_jet_takes_numbers_and_arrays_on_either_side():
     np.testing.assert_allclose(np.square(x).c, np.power(x, 2).c)
 
 
-def test_whole_powers_are_smooth_at_zero():
-    x, y = jet_variables(0.0, 0.0)
-    assert np.isfinite((x**3 + y**0 + x**1).c).all()
-    assert (x**4).derivative(4, 0) == 24
+def test_points_of_jets_broadcast_as_arrays_do():
+    x, y = jet_variables(0.4, 0.9)
+    step = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    for one in (x * step, step * x, x + step, x / step, np.hypot(x, y + step)):
+        assert one.shape == (2, 3)
+    for k in np.ndindex(2, 3):
+        np.testing.assert_array_equal((x * y * step).c[:, *k], (x * y * step[k]).c)
+        np.testing.assert_array_equal((step - x).c[:, *k], (step[k] - x).c)
+    row, _ = jet_variables(np.arange(1.0, 4.0), 0.0)
+    np.testing.assert_array_equal((x * (row + step)).c[:, 1], (x * (row + step[1])).c)
+    fifteen = np.arange(15.0)  # as many points as coefficients
+    np.testing.assert_array_equal((x * fifteen).derivative(1, 0), fifteen)
 
 
-def test_jet_is_not_finite_where_the_function_is_not_smooth():
+def test_whole_powers_are_smooth_at_zero_and_others_are_not():
     x, y = jet_variables([0.0, 1.0], [0.0, 1.0])
-    for jet in (1 / x, np.sqrt(x - 1e-3 - x), np.log(x), (x * x + y * y) ** 0.5, x**0.5):
+    assert np.isfinite((x**3 + y**0 + x**1).c).all()
+    assert (x**4).derivative(4, 0)[0] == 24
+    for jet in (1 / x, np.log(x), (x * x + y * y) ** 0.5, x**0.5):
         assert not np.isfinite(jet.c[:, 0]).all()
 
 
@@ -134,9 +114,7 @@ def test_jet_is_not_finite_where_the_function_is_not_smooth():
     ("call", "got"),
     [
         (np.abs, "absolute"),
-        (np.arcsin, "arcsin"),
         (lambda x: x > 0, "greater"),
-        (lambda x: x // 2, "floor_divide"),
         (np.add.reduce, "add.reduce"),
         (lambda x: np.sin(x, where=True), "sin with where="),
         (lambda x: iadd(np.zeros(()), x), "add with out="),
@@ -160,18 +138,6 @@ def test_operators_in_place_make_another_jet():
     np.testing.assert_array_equal(x.c, kept)
 
 
-def test_d_is_the_derivative():
-    x, y = jet_variables(0.4, 0.9)
-    f = np.sin(x * y) + x**3
-    for i, j in EXPONENTS[:10]:
-        assert differentiated(f, 0).derivative(i, j) == pytest.approx(
-            f.derivative(i + 1, j), rel=1e-14
-        )
-        assert differentiated(f, 1).derivative(i, j) == pytest.approx(
-            f.derivative(i, j + 1), rel=1e-14
-        )
-
-
 def test_compose_is_substitution():
     h, k = jet_variables(np.zeros(2), np.zeros(2))
     s, t = np.sin(h + k**2), np.exp(2 * k - h) - 1
@@ -180,26 +146,19 @@ def test_compose_is_substitution():
     np.testing.assert_allclose(composed.c, (np.cos(0.5 + s) / (2 + t)).c, rtol=1e-13, atol=1e-14)
 
 
-@given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]))
-def test_inverse_is_undone_by_composition(seed, scale):
-    c = np.random.default_rng(seed).uniform(-1, 1, (2, 15, 1))
+@given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]), st.sampled_from([15, 21]))
+def test_inverse_is_undone_by_composition(seed, scale, count):
+    c = np.random.default_rng(seed).uniform(-1, 1, (2, count, 1))
     c[0, 1] += 3
     c[1, 2] += 3  # a Jacobian away from zero
-    scales = np.array([scale ** (i + j) for i, j in EXPONENTS])[:, None]
+    scales = np.array([scale ** (i + j) for i, j in [*EXPONENTS, *FIFTH][:count]])[:, None]
     x, y = Jet(c[0] / scales), Jet(c[1] / scales)
     back = compose([x - x.value, y - y.value], *inverse(x, y))
     for jet, place in zip(back, (1, 2), strict=True):
-        expected = np.zeros((15, 1))
-        expected[place] = 1.0
-        np.testing.assert_allclose(jet.c, expected, atol=1e-11)
+        np.testing.assert_allclose(jet.c, np.eye(count)[:, [place]], atol=1e-11)
 
 
 def test_inverse_is_not_finite_where_the_jacobian_vanishes():
     x, y = jet_variables([0.0, 1.0], [0.0, 1.0])
     s, _ = inverse(x * x, y)
     assert not np.isfinite(s.c[:, 0]).all() and np.isfinite(s.c[:, 1]).all()
-
-
-def test_variables_refuses_what_is_no_number():
-    with pytest.raises(ValueError, match="s: must hold real numbers"):
-        jet_variables("a", 1.0)

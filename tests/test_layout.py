@@ -154,17 +154,6 @@ def test_classes_of_fields_document_each_of_them(path):
             assert section is not None, f"{name} has no section Parameters"
 
 
-@every_module
-def test_tuples_with_names_document_each_of_them(path):
-    """But for those that hold a documented class "as plain numbers", for loops to be compiled."""
-    for name, node in public(tree_of(path)):
-        if isinstance(node, ast.ClassDef) and "NamedTuple" in map(ast.unparse, node.bases):
-            text = ast.get_docstring(node)
-            fields = [] if "plain numbers" in text else signature(node)
-            left = [one for one in fields if not re.search(rf"\b{one}\b", text)]
-            assert not left, f"{name} doesn't document {left}"
-
-
 def child(code):
     return subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, text=True,
                           capture_output=True).stdout  # fmt: skip
@@ -208,53 +197,17 @@ def test_import_brings_nothing_heavy():
     assert not heavy & set(child(code.format(f"import {rooms}")).split())
 
 
-def cells(path, kind):
-    """Return the sources of a notebook's cells of a kind."""
-    every = json.loads(path.read_text())["cells"]
-    return ["".join(cell["source"]) for cell in every if cell["cell_type"] == kind]
-
-
 @every_notebook
-def test_notebook_title_is_a_question(path):
-    title = cells(path, "markdown")[0].split("\n")[0]
-    assert title.startswith("# ") and title.endswith("?")
-
-
-def code_cells(path):
-    """Return a notebook's code cells."""
-    return [c for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"]
-
-
-def is_hidden(cell):
-    """Tell whether a cell's code is folded on the pages; in JupyterLab it must be as well."""
-    marks = cell["metadata"]
-    on_pages = "hide-input" in marks.get("tags", [])
-    assert on_pages == marks.get("jupyter", {}).get("source_hidden", False), cell["source"][:1]
-    return on_pages
-
-
-@every_notebook
-def test_no_code_stands_before_the_first_picture(path):
-    for cell in code_cells(path):
-        assert is_hidden(cell), "".join(cell["source"])[:80]
-        if any({"image/png", "text/html"} & output.get("data", {}).keys()
-               for output in cell["outputs"]):  # fmt: skip
-            return
-    pytest.fail("no picture: run the notebook")
-
-
-@every_notebook
-def test_imports_stand_in_one_hidden_cell(path):
-    imports = (ast.Import, ast.ImportFrom)
-    having = [cell for cell in code_cells(path)
-              if any(isinstance(node, imports)
-                     for node in ast.walk(ast.parse("".join(cell["source"]))))]  # fmt: skip
-    assert len(having) == 1 and is_hidden(having[0])
-
-
-@every_notebook
-def test_notebook_is_numbered(path):
-    assert re.fullmatch(r"\d\d_[a-z0-9_]+", path.stem)
+def test_cells_before_the_first_picture_are_hidden_on_pages_and_in_jupyterlab(path):
+    way = 'give the cell the tag "hide-input" and "jupyter": {"source_hidden": true}'
+    cells = [c for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"]
+    shows = [any("image/png" in o.get("data", {}) or "text/html" in o.get("data", {})
+                 for o in cell["outputs"]) for cell in cells]  # fmt: skip
+    assert any(shows), "no picture: run the notebook"
+    for number, cell in enumerate(cells):
+        tagged = "hide-input" in cell["metadata"].get("tags", [])
+        folded = cell["metadata"].get("jupyter", {}).get("source_hidden", False)
+        assert tagged == folded and (tagged or number > shows.index(True)), way
 
 
 def own_names(path):
@@ -273,10 +226,3 @@ def test_a_name_has_one_meaning_in_the_library():
         for name in own_names(path):
             where.setdefault(name, []).append(name_of(path))
     assert not {name: paths for name, paths in where.items() if len(paths) > 1}
-
-
-def test_no_module_hides_behind_a_name_of_its_room():
-    for package in LIBRARY.rglob("__init__.py"):
-        modules = {path.stem for path in package.parent.glob("*.py")}
-        names = {name for path in package.parent.glob("*.py") for name in own_names(path)}
-        assert not modules & names, f"{name_of(package)}: {modules & names}"

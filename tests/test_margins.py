@@ -1,25 +1,32 @@
-"""What a machine has, and what its loops need, before anything is planned."""
+"""What a machine has, and what its loops need: gain, resonance, and picks that are in step."""
+
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Lag, Loop, reference_axes
-from tunneller_lib.motion.sizing import usual_sizes
+from tunneller_lib.job import read_job
+from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, reference_axes
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Limits, plan
-from tunneller_lib.ream.ground_faults import ground_fault
-from tunneller_lib.ream.margins import capability, gain_margins
-from tunneller_lib.removal import Ground
+from tunneller_lib.ream.front import engaged_areas
+from tunneller_lib.ream.margins import chatter_limit, gain_margins
+from tunneller_lib.ream.moves import levers
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
+READS = ["notebooks/reference.toml"]
+
+JOB = Path(__file__).resolve().parents[1] / "notebooks" / "reference.toml"
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
 AXES = reference_axes(REFERENCE_MACHINE)
-PLANT = tuple(Compressible(axis) for axis in AXES)
+PLANTS = [Compressible(axis) for axis in AXES]
+LOOP = Loop(10.0, 5e-4, delay=1)
+ANGLE, TICKS = 0.1, 6000
 
 
 def test_margins_are_of_gain_and_resonance_of_each_joint():
     gain = 8.0
-    found = {one.what: one for one in gain_margins(CIRCUIT, PLANT, (Loop(gain, 0.005),) * 2)}
+    found = {one.what: one for one in gain_margins(CIRCUIT, PLANTS, (Loop(gain, 0.005),) * 2)}
     assert list(found) == ["gain of theta", "resonance of theta", "gain of phi",
                            "resonance of phi"]  # fmt: skip
     angles = CIRCUIT.position(np.linspace(0, CIRCUIT.profile.perimeter, 500))
@@ -39,18 +46,81 @@ def test_margins_are_of_gain_and_resonance_of_each_joint():
 
 
 def test_only_axes_with_cylinders_have_margins():
-    planned = plan(CIRCUIT, Limits(feed=0.2, acceleration=1.0), tolerance=1e-2)
-    loop = (Loop(8.0, planned.tick),) * 2
-    lag = (Lag(0.5, 0.02),) * 2
     with pytest.raises(ValueError, match=r"^plant: must have cylinders; got Lag, without\.$"):
-        capability(planned, lag, loop, usual_sizes(REFERENCE_MACHINE))
-    with pytest.raises(ValueError, match=r"^plant: must have cylinders; got Lag, without\.$"):
-        gain_margins(CIRCUIT, lag, loop)
-    with pytest.raises(ValueError, match=r"^plant: must be of class Compressible, .* got Lag and"):
-        ground_fault(planned, lag, loop, Ground(2e7, 2.0))
+        gain_margins(CIRCUIT, Lag(0.5, 0.02), Loop(8.0, 0.005))
 
 
-@pytest.mark.parametrize("number", [0.0, -1.0, [1.0, 2.0]])
-def test_bounds_are_numbers_above_zero(number):
-    with pytest.raises(ValueError, match=r"^joint_speed: must be one number above zero; got "):
-        Limits(feed=0.1, acceleration=1.0, joint_speed=number)
+# Picks that cut what the picks before them left
+
+
+def swing(joint, picks, damper, lever):
+    """Return by how much a swing grows in a second, and its frequency in Hz, run tick by tick."""
+    before = round(1 / picks / LOOP.tick)
+    way = np.full(before + TICKS + 1, ANGLE)
+
+    def push(tick, tried):
+        if tried is not None:
+            way[before + tick + 1] = tried[-1, joint]
+            return None
+        torque = np.zeros((1, 2))
+        torque[0, joint] = damper * lever**2 * picks * (way[before + tick] - way[tick])
+        return Push(torque=torque)
+
+    wanted = np.full((TICKS + 1, 2), ANGLE)
+    wanted[1:] += 1e-5
+    off = follow(PLANTS, [LOOP] * 2, wanted, push=push).position[1:, joint]
+    _, middle, end = off.reshape(3, -1) - off.reshape(3, -1).mean(axis=-1, keepdims=True)
+    frequencies = np.fft.rfftfreq(len(end), LOOP.tick)
+    return end.std() / middle.std(), frequencies[np.abs(np.fft.rfft(end)).argmax()]
+
+
+@pytest.mark.parametrize(("joint", "picks", "lever"), [(0, 12.0, 0.88), (1, 20.0, 0.8)])
+def test_joint_swings_up_beyond_the_limit_and_not_below(joint, picks, lever):
+    limit, frequency = chatter_limit(PLANTS[joint], LOOP, ANGLE, lever, picks)
+    assert swing(joint, picks, 0.85 * limit, lever)[0] < 0.6
+    grown, found = swing(joint, picks, 1.15 * limit, lever)
+    assert grown > 2 and found == pytest.approx(frequency, abs=1.0)
+
+
+def test_limit_falls_with_the_square_of_the_lever():
+    near, far = (chatter_limit(PLANTS[0], LOOP, ANGLE, lever, 12.0) for lever in (0.4, 0.8))
+    assert near[0] == pytest.approx(4 * far[0], rel=1e-9) and near[1] == far[1]
+
+
+def test_margins_of_a_job_are_the_least_of_its_joints():
+    job = read_job(JOB)
+    theta, phi = job.in_step
+    circuit = job.planned.circuit
+    at = circuit.position(np.linspace(0, circuit.profile.perimeter, 41))
+    lever = levers(circuit.machine.torus, at)
+    for joint, margin in enumerate((theta, phi)):
+        plant, loop = (both[joint] for both in job.axes)
+        limits = [
+            chatter_limit(plant, loop, angle, length, 12.0)[0]
+            for angle, length in zip(at[:, joint], lever[:, joint], strict=True)
+        ]
+        assert margin.has == pytest.approx(min(limits), rel=0.02)
+    # In concrete, 20 MJ/m^3 and 2 m/s, the damper is 10 N s/m for each square millimetre.
+    most = engaged_areas(circuit, np.linspace(0, circuit.profile.perimeter, 400)).max()
+    assert theta.needs == phi.needs == pytest.approx(1e7 * most, rel=0.02)
+    assert not theta.enough and not phi.enough
+
+
+def test_nothing_is_in_step_where_nothing_pushes_in_turn():
+    job = read_job(JOB)
+    for ground in ({}, job.ground | {"ripple_frequency": 0.0}):
+        assert replace(job, ground=ground).in_step == []
+
+
+def test_many_picks_are_a_damper_that_nothing_swings_up_in():
+    assert chatter_limit(PLANTS[0], LOOP, ANGLE, 0.88, 1e4) == (np.inf, 0.0)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_held_command_is_late_by_half_a_tick_beside_its_delay(joint):
+    """One and a half ticks of 2 ms are half a tick of 6 ms, and no other sum of ticks is."""
+    short, long = (Loop(10.0, tick, delay=n) for tick, n in ((2e-3, 1), (6e-3, 0)))
+    found = [chatter_limit(PLANTS[joint], loop, ANGLE, 0.8, 15.0) for loop in (short, long)]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    other = chatter_limit(PLANTS[joint], Loop(10.0, 2e-3, delay=0), ANGLE, 0.8, 15.0)
+    assert abs(other[0] / found[0][0] - 1) > 1e-3

@@ -87,7 +87,7 @@ def test_a_tick_takes_at_most_what_the_guard_counts(tmp_path, monkeypatch):
         with traced() as most:
             cut = job.simulated()
             numbers = results.summarise(job, cut)
-            results.write_all(job, cut, tmp_path / "out", numbers, lambda text: None)
+            results.write_all(job, cut, tmp_path / f"out {tick} {len(ticks)}", numbers, str)
             peaks.append(most())
     a_tick, _ = np.polyfit(ticks[1:], peaks[1:], 1)
     assert 0.5 * reader.A_TICK < a_tick < reader.A_TICK
@@ -109,14 +109,11 @@ def test_job_that_takes_too_much_is_refused_with_what_fits(tmp_path, monkeypatch
 
 
 def test_wall_is_written_in_blocks_as_it_is_at_once(monkeypatch):
-    job = read_job(_JOB)
-    cut = job.simulated()
-    solid, surface = mesh.wall_solid(cut.wall), mesh.wall_surface(cut.wall, job.planned.circuit)
-    at_once = mesh.stl(solid, "a"), mesh.vtp(surface, "a")
-    for block in (1, 7):
-        monkeypatch.setattr(mesh, "BLOCK", block)
-        assert (mesh.stl(solid, "a"), mesh.vtp(surface, "a")) == at_once
-        assert len(list(mesh.stl_blocks(solid, "a"))) == 2 + -(-len(solid.faces) // block)
+    points, faces = mesh.wall_solid(read_job(_JOB).simulated().wall)
+    at_once = b"".join(mesh.stl(points, faces, "a"))
+    monkeypatch.setattr(mesh, "BLOCK", 7)
+    blocks = list(mesh.stl(points, faces, "a"))
+    assert b"".join(blocks) == at_once and len(blocks) == 2 + -(-len(faces) // 7)
 
 
 def test_endless_file_is_refused_before_it_is_read(tmp_path, capsys):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from exhibits import envelope_equations as eq
+from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, at, eq14
 from tests.symbols_open import (
     D,
     a,
@@ -79,13 +79,12 @@ def test_fifth_coefficient_of_the_gap(angle, start):
 def test_example31_has_an_isolated_double_root_whose_conic_stays():
     """So f_ew = 0 can't be asked of a double root at one point; (I) needs it on an open set."""
     x, y = 1.2, 1.6  # on |(x, y)| = cot(theta), for tan(theta) = 1/2
-    half_angle = np.arctan(0.5)
     f = cyclide(*jet_variables(x, y))
     u, v = -x / 2, -y / 2  # the contained conic, Example 10
-    assert abs(eq.eq09(x, y, u, v, half_angle)) < 1e-14
-    for left in (eq.eq11(f, u, v), eq.eq12(f, u, v), eq.eq14(f, x, y, u, v, half_angle)):
-        assert abs(left) < 1e-14
-    assert abs(eq.eq25(f, u, v)) == pytest.approx(6 / 25, rel=1e-12)  # f_ew, for |(u, v)| = 1
+    here = {"x": x, "y": y, "u": u, "v": v, "tan": 0.5}
+    for left in (EQ9, EQ11, EQ12, eq14(UT, VT)):
+        assert abs(at(left, f, **here)) < 1e-14
+    assert abs(at(EQ25, f, **here)) == pytest.approx(6 / 25, rel=1e-12)  # f_ew, for |(u, v)| = 1
 
 
 @pytest.mark.parametrize("half_angle", HALF_ANGLES)
@@ -103,11 +102,11 @@ def test_pseudo_envelope_solves_the_documents_equations_twice(half_angle):
         size = (1 + x * x + y * y) / 2 / (np.tan(half_angle) - x * across[0] - y * across[1])
         u, v = size * across
         weight = np.abs(jet.c).max(axis=0) * (1 + np.hypot(u, v)) ** 4
-        assert np.abs(eq.eq09(x, y, u, v, half_angle)).max() < 1e-12 * weight.max()
-        for left in (eq.eq11(jet, u, v), eq.eq12(jet, u, v)):
-            assert np.abs(left / weight).max() < 1e-13
-        assert np.abs(eq.eq14(jet, x, y, u, v, half_angle) / weight).max() < 1e-13
-        assert np.abs(eq.eq25(jet, u, v) / weight).min() > 1e-6
+        here = {"x": x, "y": y, "u": u, "v": v, "tan": np.tan(half_angle)}
+        assert np.abs(at(EQ9, jet, **here)).max() < 1e-12 * weight.max()
+        for left in (EQ11, EQ12, eq14(UT, VT)):
+            assert np.abs(at(left, jet, **here) / weight).max() < 1e-13
+        assert np.abs(at(EQ25, jet, **here) / weight).min() > 1e-6
 
 
 @pytest.mark.parametrize("degrees", [1, 5, 20, 45, 80, 89])

@@ -8,16 +8,16 @@ import re
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
-from itertools import islice
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.controllers import random_jobs, with_program
+from tests.structured_text import IEC_KEYWORDS
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import plcopen_xml
 from tunneller_lib.motion.export import _number as number
@@ -33,22 +33,7 @@ SECTIONS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
     "VAR": "localVars", "VAR CONSTANT": "localVars",
 }  # fmt: skip
-KEYWORDS = set(
-    """ACTION ARRAY AT BY CASE CONFIGURATION CONSTANT CONTINUE DO ELSE ELSIF EN END_ACTION END_CASE
-    END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_PROGRAM END_REPEAT
-    END_RESOURCE END_STEP END_STRUCT END_TRANSITION END_TYPE END_VAR END_WHILE ENO EXIT FALSE FINAL
-    FOR FROM FUNCTION FUNCTION_BLOCK F_EDGE IF INITIAL_STEP INTERVAL NON_RETAIN NULL OF ON OVERRIDE
-    PRIORITY PROGRAM READ_ONLY READ_WRITE REF REPEAT RESOURCE RETAIN RETURN R_EDGE SINGLE STEP
-    STRUCT TASK THEN THIS TO TRANSITION TRUE TYPE UNTIL USING VAR VAR_ACCESS VAR_CONFIG VAR_EXTERNAL
-    VAR_GLOBAL VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WHILE WITH ANY ANY_NUM ANY_REAL ANY_INT BOOL
-    BYTE CHAR DATE DATE_AND_TIME DINT DT DWORD INT LINT LREAL LTIME LWORD REAL SINT STRING TIME TOD
-    UDINT UINT ULINT USINT WCHAR WORD WSTRING ABS ACOS ADD AND ASIN ATAN ATAN2 CONCAT COS DELETE DIV
-    EQ EXP EXPT FIND GE GT INSERT LE LEFT LEN LIMIT LN LOG LT MAX MID MIN MOD MOVE MUL MUX NE NOT OR
-    REPLACE RIGHT ROL ROR SEL SHL SHR SIN SQRT SUB TAN TRUNC XOR CTD CTU CTUD F_TRIG RS RTC R_TRIG
-    SEMA SR TOF TON TP ANDN CAL CALC CALCN JMP JMPC JMPCN LD LDN ORN R RET RETC RETCN S ST STN
-    XORN""".split()
-)
-JOBS = ("the reference job", "oil, corrected chords, two laps", "random 1", "random 2", "random 3")
+JOBS = ("the reference job", "oil, corrected chords, two laps", "a random job")
 
 
 @cache
@@ -61,17 +46,9 @@ def made(name):
         controller = {**whole.controller, "plant": "T3"}
         plan = {**whole.plan, "path": "corrected chord", "laps": 2}
         return with_program(replace(whole, controller=controller, plan=plan))
-    return random_programs()[int(name[-1]) - 1]
-
-
-@cache
-def random_programs():
-    def kept():
-        for wanted in random_jobs(21):
-            with suppress(ValueError):
-                yield with_program(wanted)
-
-    return list(islice(kept(), 3))
+    for wanted in random_jobs(21):
+        with suppress(ValueError):
+            return with_program(wanted)
 
 
 @pytest.fixture(params=JOBS)
@@ -231,21 +208,13 @@ def test_external_variables_are_the_globals_one_a_line(texts):
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
+@example(-5e-05)
+@example(1e22)
+@example(-0.0)
 def test_any_float_is_a_legal_literal_and_the_same_number(value):
     text = number(value)
     assert re.fullmatch(REAL, text)
     assert float(text).hex() == value.hex()
-
-
-@pytest.mark.parametrize("value", [5e-05, -5e-05, 1e22, -1e22, 5e-324, 1.7976931348623157e308, -0.0,
-                                   0.1, 1e16, 123456789012345680.0])  # fmt: skip
-def test_floats_whose_shortest_form_has_no_point_are_legal_literals(value):
-    assert re.fullmatch(REAL, number(value)) and float(number(value)).hex() == value.hex()
-
-
-@given(st.integers(-(2**31), 2**31 - 1))
-def test_any_whole_number_is_a_legal_literal_and_the_same_number(value):
-    assert re.fullmatch(WHOLE, number(value)) and int(number(value)) == value
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=40))
@@ -289,40 +258,17 @@ def test_intervals_are_the_ticks_even_where_they_are_read_in_single_precision(ti
     assert [round(1e6 * float(text)) for text in texts] == wanted
 
 
-def test_branches_and_loops_are_balanced_and_indented_as_they_are_nested(texts):
-    _, text = texts
-    ends = {"END_IF;": "IF", "END_WHILE;": "WHILE"}
-    for name, _, body in units(text):
-        lines = without_comments(body).splitlines()
-        assert body.count("(*") == body.count("*)")
-        stack, seen, begun = [], 0, ""
-        for line in lines:
-            word = line.strip().partition(" ")[0]
-            if not word:
-                continue
-            if begun:  # a statement goes on
-                assert len(line) - len(line.lstrip()) == 4 * len(stack) + 4, (name, line)
-            elif word in ends:
-                assert stack.pop() == ends[word], (name, line)
-            elif word in ("ELSE", "ELSIF"):
-                assert stack[-1] == "IF", (name, line)
-            if not begun:
-                depth = len(stack) - (word in ("ELSE", "ELSIF"))
-                assert len(line) - len(line.lstrip()) == 4 * depth, (name, line)
-            begun = f"{begun} {line.strip()}".strip()
-            if re.search(r"(;| THEN| DO|^ELSE)$", begun):
-                assert begun.count("(") == begun.count(")"), (name, begun)
-                assert begun.count("[") == begun.count("]"), (name, begun)
-                if re.match(r"(IF|WHILE)\b", begun):
-                    stack.append(begun.split()[0])
-                    seen += 1
-                begun = ""
-        assert not stack and not begun, name
-        counted = {end: len(re.findall(rf"\b{end}\b", without_comments(body)))
-                   for end in ("IF", "END_IF", "WHILE", "END_WHILE", "FOR")}  # fmt: skip
-        assert counted["IF"] == counted["END_IF"] and counted["WHILE"] == counted["END_WHILE"]
-        assert seen == counted["IF"] + counted["WHILE"]
-        assert counted["FOR"] == 0  # one compiler runs no call of it where its bounds are equal
+def test_branches_and_loops_are_closed_by_their_own_ends(texts):
+    for name, _, body in units(texts[1]):
+        statements, open_ = without_comments(body), []
+        for end, word in re.findall(r"\b(END_)?(IF|WHILE|FOR)\b", statements):
+            assert open_.pop() == word if end else not open_.append(word), name
+        assert not open_
+        heads = len(re.findall(r"\b(?:ELS)?IF\b", statements))
+        assert len(re.findall(r"\bTHEN$", statements, re.M)) == heads
+        assert (
+            "FOR " not in statements
+        )  # one compiler runs no call of it where its bounds are equal
 
 
 def test_names_are_short_free_and_unique_within_a_block_whatever_their_case(texts):
@@ -337,6 +283,6 @@ def test_names_are_short_free_and_unique_within_a_block_whatever_their_case(text
     for names in blocks:
         upper = [name.upper() for name in names]
         assert len(set(upper)) == len(upper), names
-        assert not set(upper) & KEYWORDS
+        assert not set(upper) & IEC_KEYWORDS
         for name in names:
             assert re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name) and len(name) <= 24

@@ -11,10 +11,11 @@ from mpmath import mp, mpf
 from scipy.integrate import quad
 
 from tests.shapes import log_uniform
-from tunneller_lib.paths import project_chord, projected_length
+from tunneller_lib.paths import CHORD_PATHS, path_length, project_chord
 from tunneller_lib.surfaces import Torus
 
 MACHINE = Torus(0.08, 0.8)
+PROJECTED = CHORD_PATHS["projected chord"]
 P, Q = (-0.9, -0.6), (0.5, 0.4)
 SPACINGS = ("chord", "tangent", "arc")
 every_spacing = pytest.mark.parametrize("spacing", SPACINGS)
@@ -30,25 +31,6 @@ def points(torus, path):
 def steps(torus, path):
     """Return the straight distances between successive points."""
     return np.linalg.norm(np.diff(points(torus, path), axis=-2), axis=-1)
-
-
-def from_ring(torus, p, q):
-    """Return how near to the ring circle a chord comes, to a thousandth of its length."""
-    start, stop = torus.point(*p), torus.point(*q)
-    x, y, z = np.moveaxis(start + np.linspace(0, 1, 1001)[:, None] * (stop - start), -1, 0)
-    return np.hypot(np.hypot(x, z) - torus.r, y).min()
-
-
-@every_spacing
-@given(working, joints, joints)
-def test_project_chord_begins_and_ends_at_its_ends(spacing, torus, p, q):
-    try:
-        path = project_chord(torus, p, q, 5, spacing=spacing)
-    except ValueError:  # a chord by the ring circle, whose foot moves too fast for the quadrature
-        assert spacing == "arc"
-        assert from_ring(torus, p, q) < 0.01 * torus.R
-        return
-    np.testing.assert_allclose(path[[0, -1]], [p, q], rtol=0, atol=1e-13)
 
 
 @every_spacing
@@ -75,12 +57,6 @@ def test_project_chord_backwards_is_the_same_path(spacing, torus, p, q):
     np.testing.assert_allclose(back[::-1], forth, rtol=0, atol=1e-11)
 
 
-@every_spacing
-def test_project_chord_is_symmetric_about_the_planes_of_symmetry(spacing):
-    path = project_chord(MACHINE, (-0.4, -0.3), (0.4, 0.3), 9, spacing=spacing)
-    np.testing.assert_allclose(path[::-1], -path, atol=1e-13)
-
-
 @pytest.mark.parametrize("spacing", ["tangent", "arc"])
 def test_project_chord_on_a_sphere_is_an_even_great_circle(spacing):
     sphere = Torus(1e-12, 1)
@@ -90,7 +66,7 @@ def test_project_chord_on_a_sphere_is_an_even_great_circle(spacing):
     turns = np.arccos(np.sum(path[1:] * path[:-1], axis=-1))
     np.testing.assert_allclose(turns, np.mean(turns), rtol=1e-10)
     total = np.arccos(path[0] @ path[-1])
-    assert projected_length(sphere, P, Q) == pytest.approx(total, rel=1e-11)
+    assert path_length(sphere, PROJECTED, P, Q) == pytest.approx(total, rel=1e-11)
 
 
 def test_project_chord_with_chord_spacing_takes_even_steps_along_the_chord():
@@ -99,13 +75,6 @@ def test_project_chord_with_chord_spacing_takes_even_steps_along_the_chord():
     for k in range(1, 4):
         m = start + k / 4 * (stop - start)
         np.testing.assert_allclose(MACHINE.foot(m), path[k], atol=1e-14)
-
-
-def test_project_chord_spacings_are_ever_more_even():
-    spread = [np.ptp(np.log(steps(MACHINE, project_chord(MACHINE, P, Q, 101, spacing=s))))
-              for s in SPACINGS]  # fmt: skip
-    assert spread[0] > 0.1 > spread[1] > spread[2]
-    assert spread[2] < 1e-5  # what is left is that chords are shorter than arcs
 
 
 @pytest.mark.parametrize("torus, p, q", [
@@ -126,7 +95,7 @@ def test_project_chord_with_arc_spacing_splits_the_length_evenly(torus, p, q):
     t = [share_of_chord(start, stop, torus, point) for point in path]
     arcs = [arc_length(foot, *ends) for ends in pairwise(t)]
     np.testing.assert_allclose(arcs, np.mean(arcs), rtol=1e-10)
-    assert np.sum(arcs) == pytest.approx(projected_length(torus, p, q), rel=1e-11)
+    assert np.sum(arcs) == pytest.approx(path_length(torus, PROJECTED, p, q), rel=1e-11)
 
 
 def path_by_mpmath(torus, start, stop):
@@ -162,41 +131,12 @@ def arc_length(foot, low, high):
     return quad(speed, low, high, epsabs=0, epsrel=1e-11)[0]
 
 
-@given(working, joints, joints)
-def test_projected_length_against_a_polyline(torus, p, q):
-    half, whole = (np.sum(steps(torus, project_chord(torus, p, q, n))) for n in (501, 1001))
-    polyline = whole + (whole - half) / 3  # Richardson
-    found = projected_length(torus, p, q)
-    assert found == pytest.approx(polyline, rel=1e-8, abs=1e-11 * (torus.r + torus.R))
-
-
-@given(joints, joints)
-def test_projected_length_is_no_shorter_than_the_chord(p, q):
-    chord = np.linalg.norm(MACHINE.point(*q) - MACHINE.point(*p))
-    assert projected_length(MACHINE, p, q) >= chord - 1e-15
-
-
-@pytest.mark.parametrize("p, q, length", [
-    ((0, -0.5), (0, 0.7), 0.8 * 1.2),  # a meridian
-    ((-0.9, 0), (0.5, 0), 0.88 * 1.4),  # the equator
-    ((0.1, 0.2), (0.1, 0.2), 0),
-])  # fmt: skip
-def test_projected_length_of_geodesics_and_of_a_point(p, q, length):
-    assert projected_length(MACHINE, p, q) == pytest.approx(length, abs=1e-13)
-
-
 @every_spacing
 def test_project_chord_along_a_meridian_and_the_equator_stays_there(spacing):
     meridian = project_chord(MACHINE, (0.2, -0.5), (0.2, 0.7), 9, spacing=spacing)
     np.testing.assert_allclose(meridian[:, 0], 0.2, atol=1e-14)
     equator = project_chord(MACHINE, (-0.9, 0), (0.5, 0), 9, spacing=spacing)
     np.testing.assert_allclose(equator[:, 1], 0, atol=1e-14)
-
-
-@every_spacing
-def test_project_chord_from_a_point_to_itself_stays_there(spacing):
-    path = project_chord(MACHINE, P, P, 4, spacing=spacing)
-    np.testing.assert_allclose(path, [P] * 4, atol=1e-14)
 
 
 @pytest.mark.parametrize("spacing", ["chord", "tangent"])
@@ -207,65 +147,9 @@ def test_project_chord_through_the_axis_gives_finite_points(spacing, torus):
     np.testing.assert_allclose(path[[0, -1]], [(0, 0.3), (np.pi, -0.3)], atol=1e-13)
 
 
-@pytest.mark.parametrize(
-    "torus, p, q",
-    [
-        (MACHINE, (0, 0.3), (np.pi, -0.3)),  # through the axis
-        (Torus(1, 2), (0, 0), (np.pi, 0)),
-        (Torus(1, 0.2), (-np.pi, 0), (0, np.pi)),  # through the axis, along a meridian
-    ],
-    ids=str,
-)
-def test_length_of_a_path_that_jumps_is_refused(torus, p, q):
-    for call in (projected_length, partial(project_chord, n=5, spacing="arc")):
-        with pytest.raises(
-            ValueError, match=r"^p, q: must be ends whose path doesn't jump.*, or ne"
-        ):
-            call(torus, p, q)
-
-
-def test_projected_length_of_an_unknown_position_is_refused():
-    with pytest.raises(ValueError, match=r"^p: must hold finite numbers; got nan"):
-        projected_length(MACHINE, (0, np.nan), Q)
-
-
-def test_project_chord_refuses_more_points_than_memory_holds():
-    with pytest.raises(ValueError, match=r"^n: must ask for at most 5000000 points of all paths"):
-        project_chord(MACHINE, np.zeros((1000, 2)), Q, 10_001)
-
-
-def test_spacing_by_arc_is_monotone_and_even_on_the_longest_chords():
-    low, high = (-1.05, -0.7), (0.61, 0.7)
-    path = project_chord(MACHINE, low, high, 2001, spacing="arc")
-    found = steps(MACHINE, path)
-    assert np.ptp(found) <= 1e-6 * found.mean()
-
-
-@every_spacing
-def test_project_chord_broadcasts(spacing):
-    p, q = np.zeros((4, 1, 2)), np.full((5, 2), 0.3)
-    path = project_chord(MACHINE, p, q, 6, spacing=spacing)
-    assert path.shape == (4, 5, 6, 2)
-    one = project_chord(MACHINE, p[0, 0], q[0], 6, spacing=spacing)
-    np.testing.assert_allclose(path[1, 2], one, atol=1e-14)
-    assert projected_length(MACHINE, p, q).shape == (4, 5)
-
-
-@pytest.mark.parametrize("n", [1, 0, -3, 2.0, "2", None])
-def test_project_chord_refuses_another_number_of_points(n):
-    with pytest.raises(ValueError, match=r"^n: must be one whole number from 2 to 1000000; got "):
-        project_chord(MACHINE, P, Q, n)
-
-
-@pytest.mark.parametrize("spacing", ["equal", "", None, 1])
-def test_project_chord_refuses_another_spacing(spacing):
-    with pytest.raises(ValueError, match=r'^spacing: must be "chord", "tangent" or "arc"; got '):
-        project_chord(MACHINE, P, Q, 3, spacing=spacing)
-
-
 @pytest.mark.parametrize("name", ["p", "q"])
 def test_end_beyond_the_node_is_refused(name):
     ends = {"p": P, "q": Q} | {name: (0, 3.0)}
-    for call in (projected_length, partial(project_chord, n=5)):
+    for call in (partial(path_length, path=PROJECTED), partial(project_chord, n=5)):
         with pytest.raises(ValueError, match=rf"^{name}: must lie on the working sheet.*3 rad"):
-            call(MACHINE, **ends)
+            call(torus=MACHINE, **ends)

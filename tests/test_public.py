@@ -13,7 +13,7 @@ import pytest
 
 from report.sources import ROOT, code
 
-READS = ["notebooks/*", "report/*.py", "README.md", "tunneller_lib/*"]
+READS = ["notebooks/*.ipynb", "report/*.py", "README.md", "tunneller_lib/*"]
 
 LIBRARY = ROOT / "tunneller_lib"
 ROOMS = sorted(
@@ -64,8 +64,13 @@ def kept():
 def test_every_public_name_has_a_user_or_is_a_kind_of_argument(room, kept):
     used, kinds = kept
     package = importlib.import_module(f"tunneller_lib.{room}")
-    unused = {name for name in package.__all__ if (room, name) not in used}
-    assert unused <= kinds, sorted(unused - kinds)
+    unused = []
+    for name in package.__all__:
+        # A class is a kind of argument by itself, or by a class that it derives from.
+        derived = getattr(getattr(package, name, None), "__mro__", ())[:-1]
+        if (room, name) not in used and not kinds & {name, *(one.__name__ for one in derived)}:
+            unused.append(name)
+    assert not unused
 
 
 @pytest.mark.parametrize("room", ROOMS)

@@ -1,12 +1,10 @@
 """Six classes of envelopes recognised, at least six members of each, and told from others."""
 
-import csv
-
 import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.audit.recognise_many import HEAD, TABLE, tried
+from tests.audit.recognise_many import tried
 from tests.envelopes_random import member, placed, window
 from tests.envelopes_zoo import (
     CURVES,
@@ -23,8 +21,6 @@ from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import FLAT, adapted_frames
 from tunneller_lib.envelopes.families import channel, cyclide, helix, moving_cone, screwing
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
-
-READS = ["tests/audit/recognised.csv"]
 
 ANGLE, RADIUS = np.radians(20), 0.1
 MEMBERS = {
@@ -45,76 +41,57 @@ OTHERS = {
     "pipe": ("cylinder", "channel", "cone"),
     "cone": ("ruled", "cylinder", "pipe"),
 }
-EVERY = [(kind, k) for kind, members in MEMBERS.items() for k in range(len(members))]
 
 
 def verdict(surface, kind, **options):
     return recognise(surface, *GRID, kind, model="space", **options)
 
 
-@pytest.mark.parametrize(("kind", "k"), EVERY)
-def test_members_are_recognised(kind, k):
-    found = verdict(MEMBERS[kind][k], kind)
-    assert found.verdict == "is" and found.residual < 1e-10
-
-
 @pytest.mark.parametrize("kind", MEMBERS)
-def test_there_are_six_members_and_as_many_others(kind):
+def test_members_are_recognised(kind):
     assert len(MEMBERS[kind]) >= 6
-
-
-@pytest.mark.parametrize(("kind", "other", "k"), [(kind, other, k) for kind, others in
-                         OTHERS.items() for other in others for k in range(6)])  # fmt: skip
-def test_others_are_told_apart(kind, other, k):
-    found = verdict(MEMBERS[other][k], kind)
-    assert found.verdict == "is not" and found.residual > 1e-3
+    for surface in MEMBERS[kind]:
+        found = verdict(surface, kind)
+        assert found.verdict == "is" and found.residual < 1e-10
 
 
 @pytest.mark.parametrize("kind", MEMBERS)
-@pytest.mark.parametrize("name", GENERAL)
-def test_general_surfaces_are_nothing(kind, name):
-    assert verdict(GENERAL[name], kind).residual > 1e-3
+def test_others_are_told_apart(kind):
+    others = [surface for other in OTHERS[kind] for surface in MEMBERS[other][:6]]
+    for surface in (*others, *GENERAL.values()):
+        found = verdict(surface, kind)
+        assert found.verdict == "is not" and found.residual > 1e-3
 
 
-@pytest.mark.parametrize("k", range(6))
-def test_cylinder_radius_is_found(k):
-    for radius in (0.1, 0.05):
-        surface = ruled(list(RULED)[k], radius)
-        assert abs(abs(verdict(surface, "cylinder").radius) - radius) < 1e-9 * radius * 10
-    # Normals of these surfaces point away from the axes; on the other side is none.
-    sign = np.sign(verdict(surface, "cylinder").radius)
-    assert verdict(surface, "cylinder", radius=sign * radius).residual < 1e-10
-    assert verdict(surface, "cylinder", radius=-sign * radius).residual > 1e-3
-    assert verdict(surface, "cylinder", radius=sign * 2 * radius).residual > 1e-3
+@pytest.mark.parametrize("name", RULED)
+def test_cylinder_radius_is_found_on_its_side(name):
+    surface = ruled(name, 0.05)
+    radius = verdict(surface, "cylinder").radius
+    assert abs(radius) == pytest.approx(0.05, rel=1e-8)
+    assert verdict(surface, "cylinder", radius=radius).residual < 1e-10
+    assert verdict(surface, "cylinder", radius=-radius).residual > 1e-3
+    assert verdict(surface, "cylinder", radius=2 * radius).residual > 1e-3
 
 
-@pytest.mark.parametrize("k", range(6))
-def test_pipe_radius_is_found(k):
-    surface = MEMBERS["pipe"][k]
-    assert verdict(surface, "pipe").radius == pytest.approx(0.3, rel=1e-9)
+@pytest.mark.parametrize("surface", MEMBERS["pipe"], ids=CURVES)
+def test_pipe_radius_is_found_and_that_of_cylinders_along_it(surface):
+    for kind in ("pipe", "cylinder"):
+        assert verdict(surface, kind).radius == pytest.approx(0.3, rel=1e-9)
     assert verdict(surface, "pipe", radius=0.3).residual < 1e-10
     assert verdict(surface, "pipe", radius=0.33).residual > 1e-3
     assert verdict(surface, "channel").residual < 1e-10
-    assert verdict(surface, "cylinder").radius == pytest.approx(0.3, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
-def test_half_angle_is_found(name):
+def test_half_angle_is_found_and_wrong_and_varying_ones_are_refused(name):
     surface = moving_cone(MOTIONS[name], ANGLE)
-    found = verdict(surface, "cone")
-    if name == "rotation":  # of revolution: cones of the axis' lean exchange with the half-angle
-        assert min(abs(found.half_angle - a) for a in (ANGLE, np.pi / 2 - 1)) < 1e-9
-    else:
-        assert found.half_angle == pytest.approx(ANGLE, rel=1e-9)
+    # Of revolution: cones of the axis' lean exchange with the half-angle.
+    right = (ANGLE, np.pi / 2 - 1) if name == "rotation" else (ANGLE,)
+    found = verdict(surface, "cone").half_angle
+    assert min(abs(found - angle) for angle in right) < 1e-9
     assert verdict(surface, "cone", half_angle=ANGLE).residual < 1e-10
-
-
-@pytest.mark.parametrize("name", MOTIONS)
-def test_wrong_and_varying_half_angles_are_refused(name):
-    surface = moving_cone(MOTIONS[name], ANGLE)
     assert verdict(surface, "cone", half_angle=ANGLE + np.radians(5)).residual > 1e-3
-    varying = moving_cone(MOTIONS[name], ANGLE, rate=RATE)
-    assert verdict(varying, "cone").residual > 1e-3
+    assert verdict(moving_cone(MOTIONS[name], ANGLE, rate=RATE), "cone").residual > 1e-3
 
 
 def test_channels_of_constant_slope_are_envelopes_of_cones():
@@ -124,11 +101,6 @@ def test_channels_of_constant_slope_are_envelopes_of_cones():
     assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-4)
     assert found.residual < 1e-8
     assert verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone").residual > 1e-3
-
-
-def test_example_31_by_its_graph():
-    found = recognise(lambda x, y: y**2 / (x**2 + y**2), *GRID, "cone", half_angle=np.radians(30))
-    assert found.verdict == "is" and found.half_angle == np.radians(30)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
@@ -151,12 +123,11 @@ def cone_of(seed):
     return placed(surface, rng, 10.0 ** rng.uniform(-3, 3)), points, motion["half_angle"], rng
 
 
-def nearly_ruled(s, t):
-    x, y, z = MEMBERS["ruled"][0](s, t)
-    return [x, y, z + 1e-5 * s * s * t**3]
-
-
 def test_small_residual_beyond_rounding_refutes():
+    def nearly_ruled(s, t):
+        x, y, z = MEMBERS["ruled"][0](s, t)
+        return [x, y, z + 1e-5 * s * s * t**3]
+
     found = verdict(nearly_ruled, "ruled")
     assert found.verdict == "is not" and 1e-8 < found.residual < 1e-3
 
@@ -175,16 +146,14 @@ def test_spheres_are_everything_that_rolls():
 
 @pytest.mark.parametrize("kind", ["cylinder", "channel", "pipe", "cone"])
 def test_developable_surfaces_have_no_isotropic_model(kind):
-    with pytest.raises(
-        ValueError, match=rf"^surface: must have a Gaussian curvature .* {kind}; got"
-    ):
+    with pytest.raises(ValueError, match=rf"^surface: must have a Gaussian .* {kind}; got"):
         verdict(DEVELOPABLE["cylinder"], kind)
 
 
 # ---- what fooled the recogniser once --------------------------------------------------------
 
 
-@pytest.mark.parametrize("degrees", [5, 20, 30, 45, 70])
+@pytest.mark.parametrize("degrees", [5, 20, 70])
 def test_double_cones_everywhere_are_no_envelope(degrees):
     """Problem 15: Eqs 9, 11 and 12 hold at every point, and no cone touches along a curve."""
     half_angle = np.radians(degrees)
@@ -197,7 +166,7 @@ def test_double_cones_everywhere_are_no_envelope(degrees):
     assert recognise(f, x, y, "cone").verdict != "is"
 
 
-def test_points_on_one_orbit_are_refused():
+def test_points_on_one_orbit_tell_nothing():
     """A surface of revolution has the same derivatives all along a parallel."""
     s = np.linspace(0, 6, 40)
 
@@ -205,21 +174,20 @@ def test_points_on_one_orbit_are_refused():
         r = 1 + 0.3 * np.sin(t) + 0.1 * t * t
         return [r * np.cos(s), r * np.sin(s), t]
 
-    for kind in ("cone", "pipe", "cylinder", "channel"):
-        found = recognise(surface, 0.4, s, kind, model="space")
-        assert found.verdict != "is", kind
-    cone = recognise(surface, 0.4, s, "cone", model="space")
-    assert cone.verdict == "cannot tell" and "one curve" in cone.because
-
     def graph(x, y):  # the same parallel is a circle here
         return np.sin(x * x + y * y) + 0.3 * (x * x + y * y) ** 2
 
-    found = recognise(graph, 0.4 * np.cos(s), 0.4 * np.sin(s), "cone")
-    assert found.verdict == "cannot tell" and "one curve" in found.because
+    for kind in ("pipe", "cylinder", "channel"):
+        assert recognise(surface, 0.4, s, kind, model="space").verdict != "is"
+    for found in (
+        recognise(surface, 0.4, s, "cone", model="space"),
+        recognise(graph, 0.4 * np.cos(s), 0.4 * np.sin(s), "cone"),
+    ):
+        assert found.verdict == "cannot tell" and "one curve" in found.because
 
 
 @pytest.mark.parametrize("kind", ["cone", "cylinder", "pipe"])
-@pytest.mark.parametrize("size", [1e-8, 1e-7, 1e-6])
+@pytest.mark.parametrize("size", [1e-8, 1e-6])
 def test_general_surface_in_a_small_window_is_nothing(kind, size):
     s = 0.3 + size * (GRID[0] - 0.45)
     t = 0.2 + size * (GRID[1] - 0.35)
@@ -250,34 +218,33 @@ def test_isolated_double_root_doesn_t_refute():
     """Example 31 on |x| = cot(theta) has contained double conics with f_ew != 0."""
     half_angle = np.arctan(0.5)
     angle = np.linspace(0.2, 1.3, 6)
-    x = np.r_[2 * np.cos(angle), 1.1 * np.cos(angle), 1.6 * np.cos(angle), 0.7 * np.cos(angle)]
-    y = np.r_[2 * np.sin(angle), 1.1 * np.sin(angle), 1.6 * np.sin(angle), 0.7 * np.sin(angle)]
+    x, y = (
+        np.outer([2, 1.1, 1.6, 0.7], [np.cos(angle), np.sin(angle)]).reshape(4, 2, 6).swapaxes(0, 1)
+    )
     assert recognise(cyclide, x, y, "cone", half_angle=half_angle).verdict == "is"
     # It is enveloped by cones of every angle, and without one no point tells all of them.
     assert recognise(cyclide, x, y, "cone").verdict != "is not"
 
 
-@pytest.mark.parametrize("off", [1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize("seed", [30, 199, 250])
-def test_wrong_half_angle_near_the_parabolic_curve_is_not_confirmed(seed, off):
+def test_wrong_half_angle_near_the_parabolic_curve_is_not_confirmed(seed):
     """Derivatives across the ruling are a million times those along it, and once hid all angles."""
     surface, points, half_angle, _ = cone_of(seed)
-    found = recognise(surface, *points, "cone", half_angle=half_angle + off, model="space")
-    assert found.verdict != "is"
+    for off in (1e-3, 1e-2, 1e-1):
+        found = recognise(surface, *points, "cone", half_angle=half_angle + off, model="space")
+        assert found.verdict != "is"
 
 
-@pytest.mark.parametrize(("half_angle", "confirmed"), [
-    (0.3, True), (0.3001, False), (0.301, False), (0.31, False), (0.35, False),
-])  # fmt: skip
-def test_window_of_a_thousandth_confirms_no_angle_but_its_own(half_angle, confirmed):
+def test_window_of_a_thousandth_confirms_no_angle_but_its_own():
     surface = moving_cone(screwing(1.0, 0.4, 0.5), 0.3)
     some = 1e-3 * np.linspace(-0.5, 0.5, 6)
     s, t = np.meshgrid(3.1 + some[:5], 0.3 + some)
-    found = recognise(surface, s, t, "cone", half_angle=half_angle, model="space")
-    assert (found.verdict == "is") == confirmed
+    for half_angle in (0.3, 0.3001, 0.31, 0.35):
+        found = recognise(surface, s, t, "cone", half_angle=half_angle, model="space")
+        assert (found.verdict == "is") == (half_angle == 0.3)
 
 
-@pytest.mark.parametrize("share", [1.0, 1.001, 1.01, 1.1])
+@pytest.mark.parametrize("share", [1.0, 1.001, 1.1])
 @pytest.mark.parametrize("kind", ["cylinder", "pipe"])
 def test_wrong_radius_near_the_parabolic_curve_is_not_confirmed(kind, share):
     some = 1e-5 * np.linspace(0.9, 1.1, 5)
@@ -294,21 +261,13 @@ def test_lines_are_cylinders_of_radius_nothing_and_of_no_small_one():
 # ---- thousands of random surfaces ------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [352, 413])
-def test_direction_that_is_hardly_known_proves_nothing(seed):
-    """Near-misses next to a double zero, whose wide bounds once passed for agreement."""
-    assert tried("cone", False, seed, smallest=-3)[2] != "is"
-
-
-@pytest.mark.parametrize("seed", [272, 273])
-def test_gradient_that_is_small_near_the_parabolic_curve_proves_nothing(seed):
-    """Near-misses whose half-angle seemed to stand still, among derivatives that grow there."""
-    assert tried("cone", False, seed)[2] != "is"
-
-
-def test_asymptotic_directions_that_nearly_coincide_prove_no_ruling():
-    """A near-miss next to an edge of regression, where only derivatives across are large."""
-    assert tried("ruled", False, 5024)[2] != "is"
+@pytest.mark.parametrize(("kind", "seed", "smallest"), [
+    ("cone", 352, -3), ("cone", 413, -3),  # next to a double zero, whose wide bounds agreed
+    ("cone", 272, -8), ("cone", 273, -8),  # whose half-angle seemed to stand still
+    ("ruled", 5024, -8),  # at an edge of regression, where only derivatives across are large
+])  # fmt: skip
+def test_near_misses_that_once_passed_are_refused(kind, seed, smallest):
+    assert tried(kind, False, seed, smallest)[2] != "is"
 
 
 @pytest.mark.parametrize("part", range(6))
@@ -338,33 +297,10 @@ def test_half_angle_off_by_twice_what_is_promised_is_not_confirmed(share):
         assert recognise(surface, *points, "cone", half_angle=off, model="space").verdict != "is"
 
 
-def test_table_of_verdicts_on_thousands_has_no_wrong_one_and_tells_nearly_always():
-    """What the report shows; `python -m tests.audit.recognise_many` makes it."""
-    lines = [line for line in TABLE.read_text("utf-8").splitlines() if not line.startswith("#")]
-    rows = list(csv.DictReader(lines))
-    total = sum(int(row[verdict]) for row in rows for verdict in HEAD[3:])
-    assert total >= 5000 and {row["class"] for row in rows} == set(MEMBERS)
-    for exact in (True, False):
-        part = [row for row in rows if (row["surface"] == "member") == exact]
-        assert sum(int(row[verdict]) for row in part for verdict in HEAD[3:]) == total / 2
-        assert sum(int(row["is not" if exact else "is"]) for row in part) == 0
-        for kind in MEMBERS:
-            clear = [
-                row for row in part if row["class"] == kind and row["near parabolic"] == "False"
-            ]
-            untold = sum(int(row["cannot tell"]) for row in clear)
-            assert untold <= 0.05 * sum(int(row[verdict]) for row in clear for verdict in HEAD[3:])
-
-
 @pytest.mark.parametrize(("options", "message"), [
-    ({"kind": "torus"}, r"^kind: must be .developable., .* or .cone.; got 'torus'\.$"),
     ({"kind": "cone", "radius": 1.0}, r"^radius: belongs to cylinder and pipe only; got .*\.$"),
     ({"kind": "pipe", "half_angle": 1.0}, r"^half_angle: belongs to cone only; got it with .*\.$"),
-    ({"kind": "cone", "half_angle": np.pi / 2}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
-    ({"kind": "cone", "half_angle": 0}, r"^half_angle: must lie between 0 and pi/2, .*\.$"),
-    ({"kind": "pipe", "radius": np.nan}, r"^radius: must be one finite number; got nan\.$"),
     ({"kind": "pipe", "s": GRID[0][:11], "t": 0.3}, r"^s, t: must hold at least 12"),
-    ({"kind": "pipe", "s": GRID[0] * np.nan}, r"^s: must hold finite numbers; got nan\.$"),
     ({"kind": "pipe", "s": GRID[0] + 9e9}, r"^surface: must be defined and smooth at every"),
 ])  # fmt: skip
 def test_wrong_questions_are_refused(options, message):

@@ -59,20 +59,6 @@ def test_body_of_the_machine_is_drawn_where_the_wall_is_kept_clear_of_it():
     assert not any(look is machine_scene.CASE for _, look in usual)
 
 
-def test_letters_of_the_machine_stand_at_its_joints_and_angles():
-    machine, theta, phi = REFERENCE_MACHINE, -0.5, 0.3
-    lines, letters = machine_scene.machine_letters(machine, theta, phi)
-    named = {text: point for text, (point, _) in letters.items()}
-    axis = named[r"axis of $\theta$"]
-    np.testing.assert_allclose(axis[[0, 2]], 0, atol=1e-12)
-    hinge = machine.r * np.array([np.cos(theta), 0.0, -np.sin(theta)])
-    upwards = named[r"axis of $\varphi$"] - hinge
-    assert np.dot(upwards, hinge) == pytest.approx(0, abs=1e-12) and upwards[2] > 0
-    rise = np.arctan2(-named[r"$\theta$"][2], named[r"$\theta$"][0])
-    assert theta < rise < 0
-    assert len(lines) == 6 and all(mesh.n_cells for mesh, _ in lines)
-
-
 @pytest.mark.parametrize("parallel", [True, False])
 def test_letters_are_written_where_the_scene_has_their_point(parallel):
     def shot(letters):

@@ -1,10 +1,15 @@
-"""Sections made of arcs and lines: circle, horseshoe, and what is refused."""
+"""Sections made of arcs and lines: circle, horseshoe, egg, and what is refused."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from tests.audit.long import many
+from tests.shapes import log_uniform
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 QUARTER = np.pi / 2
@@ -53,12 +58,6 @@ def test_closed_profile_has_its_area_and_perimeter(pieces, area, perimeter):
     y, z = section.point(np.linspace(0, perimeter, 40_001)).T
     assert np.sum(y * np.roll(z, -1) - z * np.roll(y, -1)) / 2 == pytest.approx(area, rel=1e-4)
     np.testing.assert_allclose(section.box, [(y.min(), z.min()), (y.max(), z.max())], atol=1e-6)
-
-
-@pytest.mark.parametrize("turns", [-3, -1, 1, 2, 5])
-def test_box_of_an_arc_that_starts_after_some_turns(turns):
-    moved = closed_profile([replace(CIRCLE[0], start=2 * np.pi * turns)])
-    np.testing.assert_allclose(moved.box, [(-0.6, -0.6), (0.6, 0.6)], atol=1e-13)
 
 
 def test_depth_over_a_gap_that_is_accepted():
@@ -190,13 +189,6 @@ def test_gap_may_be_what_snap_says_and_no_more():
         assert section.least_radius == 0.25
 
 
-def test_turn_of_a_corner_stays_one():
-    leaning = [Line(-0.5, -0.5, 1e-5, 1.0), *SQUARE[1:]]
-    leaning[1] = Line(0.5, -0.5 + 1e-5, QUARTER, 1.0 - 1e-5)
-    assert closed_profile(leaning).least_radius == 0
-    assert closed_profile(SQUARE).least_radius == 0 == closed_profile(SQUARE).slack
-
-
 def test_snap_beyond_a_thousandth_of_the_perimeter_is_refused():
     perimeter = closed_profile(mouth()).perimeter
     assert closed_profile(mouth(9), snap=perimeter / 1000 * (1 - 1e-12)).slack < 1e-8
@@ -239,13 +231,6 @@ def test_closed_profile_refuses_with_a_reason(pieces, message):
         closed_profile(pieces)
 
 
-def test_pieces_are_of_finite_numbers():
-    with pytest.raises(ValueError, match="z: must be one finite number; got nan"):
-        Arc(0.0, np.nan, 1.0, 0.0, 7.0)
-    with pytest.raises(ValueError, match="y: must hold real numbers"):
-        Line("a", 0.0, 0.0, 1.0)
-
-
 def test_ray_needs_the_origin_inside():
     with pytest.raises(ValueError, match="must have the origin of its plane inside"):
         closed_profile([Arc(2.0, 0.0, 0.6, 0.0, 2 * np.pi)]).ray(0.0)
@@ -254,3 +239,98 @@ def test_ray_needs_the_origin_inside():
 def test_requirements_of_a_section_with_a_corner_fail_at_its_bend():
     need = REFERENCE_MACHINE.requirements(closed_profile(SQUARE))[0]
     assert not need.met and need.right == 0
+
+
+# ---- the egg ----------------------------------------------------------------------------------
+
+SCALES = pytest.mark.parametrize("a", [1e-3, 0.5, 1e6])
+OFFSETS = pytest.mark.parametrize("share", [-2, 0, 0.36, 0.4999, 0.5, 0.75, 0.999])
+eggs = st.builds(Egg, log_uniform(1e-3, 1e6))
+
+
+def polygon(section, n=20_000):
+    """Return points of a section, evenly over each arc, so that every blend is one of them."""
+    arcs = pairwise(section.blends)
+    return section.point(np.concatenate([np.linspace(*arc, n, endpoint=False) for arc in arcs]))
+
+
+def shoelace(points):
+    y, z = points.T
+    return np.sum(y * np.roll(z, -1) - z * np.roll(y, -1)) / 2
+
+
+def to_curve(curve, points):
+    """Return the distances of points from a polygon's corners."""
+    return np.array([np.min(np.linalg.norm(curve - p, axis=-1)) for p in points])
+
+
+@SCALES
+def test_point_at_the_blends_and_extremes(a):
+    egg, sides = Egg(a), np.arctan2(3, 4)
+    roof, wall = np.pi * a, 3 * a * sides
+    invert = egg.perimeter - roof - 2 * wall
+    np.testing.assert_allclose(np.diff(egg.blends), [roof, wall, invert, wall], rtol=1e-14)
+    corners = [(1, 0), (-1, 0), (-0.4, -1.8), (0.4, -1.8), (1, 0)]
+    np.testing.assert_allclose(egg.point(egg.blends), np.multiply(a, corners), atol=1e-15 * a)
+    crown_and_invert = egg.point([roof / 2, roof / 2 + egg.perimeter / 2])
+    np.testing.assert_allclose(crown_and_invert, [(0, a), (0, -2 * a)], atol=2e-15 * a)
+
+
+@OFFSETS
+def test_point_is_continuous_and_smooth_over_the_blends(share):
+    section = Egg(0.5).offset(0.5 * share)
+    gap = 1e-12
+    before, after = section.blends[:-1] - gap, section.blends[:-1] + gap
+    np.testing.assert_allclose(section.point(before), section.point(after), atol=1e-11)
+    turn = np.linalg.norm(section.normal(before) - section.normal(after), axis=-1)
+    corner = np.arange(len(section.arcs)) == 2
+    if share >= 0.5:  # the walls meet below in a corner, as straight as they come to it
+        assert np.all(turn[~corner] <= 1e-8) and turn[2] > (0.1 if share > 0.5 else 1)
+    else:
+        assert np.all(turn <= 1e-6)
+
+
+@given(eggs, st.floats(-3, 3), st.floats(0, 1e-3))
+def test_point_moves_by_arc_length_along_the_tangent(egg, turns, step):
+    s = turns * egg.perimeter
+    chord = egg.point(s + step * egg.a) - egg.point(s)
+    length = np.linalg.norm(chord)
+    assert length <= step * egg.a * (1 + 1e-9) + 1e-14 * egg.a
+    assert length >= step * egg.a * (1 - step**2) - 1e-14 * egg.a
+    assert abs(chord @ egg.normal(s)) <= 2 * step**2 * egg.a + 1e-14 * egg.a
+
+
+@SCALES
+@OFFSETS
+def test_area_and_perimeter_against_a_polygon(a, share):
+    section = Egg(a).offset(share * a)
+    points = polygon(section)
+    sides = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=-1)
+    assert section.perimeter == pytest.approx(np.sum(sides), rel=1e-8)
+    assert section.area == pytest.approx(shoelace(points), rel=1e-8)
+
+
+@SCALES
+@OFFSETS
+def test_offset_is_at_its_distance_inside(a, share):
+    egg = Egg(a)
+    section = egg.offset(share * a)
+    points = section.point(np.linspace(0, section.perimeter, many(100, 400)))
+    np.testing.assert_allclose(egg.depth(*points.T), share * a, atol=1e-12 * a)
+    far = to_curve(polygon(egg, 4000), points)
+    np.testing.assert_allclose(far, abs(share) * a, atol=1e-3 * a)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.6, 0.75, 0.99])
+def test_offset_beyond_degeneration_has_its_corner(share):
+    a, d = 0.7, 0.7 * share
+    section = Egg(a).offset(d)
+    assert len(section.arcs) == 3
+    corner = (0, -np.sqrt((3 * a - d) ** 2 - 4 * a**2))
+    np.testing.assert_allclose(section.point(section.blends[2]), corner, atol=1e-15)
+
+
+@pytest.mark.parametrize("share", [1, 1 + 1e-15, 2, 1e9])
+def test_offset_of_the_roof_radius_or_more_is_refused(share):
+    with pytest.raises(ValueError, match=r"^d: must be below the roof's radius a = 0.5 m, or noth"):
+        Egg(0.5).offset(0.5 * share)

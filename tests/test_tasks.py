@@ -102,22 +102,15 @@ def test_hand_over_is_what_happens_unit_by_unit(segments, depth):
     costs, ticks = zip(*segments, strict=True)
     run = hand_over(tasks, costs, ticks, depth=depth)
     assert (run.ready, run.started) == by_events(tasks, costs, ticks, depth)
+    enough = background_response(tasks, max(costs)) <= 10 * min(ticks)
+    assert not (enough and any(run.starved[1:]))
     for k, wait in enumerate(run.starved):
         assert (wait > 0) == (run.ready[k] > run.needed[k])
         assert run.started[k] == run.needed[k] + 10 * wait
 
 
-@given(st.lists(st.tuples(st.integers(1, 50_000), st.integers(1, 40)), min_size=2, max_size=12))
-def test_hand_over_of_a_sufficient_double_buffer_never_starves(segments):
-    costs, ticks = zip(*segments, strict=True)
-    run = hand_over(FAST, costs, ticks)
-    if background_response(FAST, max(costs)) <= min(ticks) * FAST[0].period:
-        assert not any(run.starved[1:])
-
-
 def test_buffer_depth_evens_out_segments():
     costs, ticks = [10_000] * 8, [10, 10, 10, 1, 1, 10, 10, 10]
-    assert hand_over(FAST, costs, ticks).starved[1:] != (0,) * 7
     depth = buffer_depth(FAST, costs, ticks)
     assert depth > 1
     assert not any(hand_over(FAST, costs, ticks, depth=depth).starved[1:])
@@ -125,48 +118,19 @@ def test_buffer_depth_evens_out_segments():
     assert buffer_depth(FAST, [100_000] * 8, ticks) is None
 
 
-def test_starvation_costs_time_and_nothing_else():
-    run = hand_over(FAST, [40_000] * 4, [2] * 4)
-    assert all(wait > 0 for wait in run.starved)
-    total = run.started[-1] + 2 * 5000
-    assert total == (sum(run.starved) + 4 * 2) * 5000
-
-
-@pytest.mark.parametrize("value", [0, -1, 0.5, None, "1", [1, 2]], ids=repr)
-def test_tasks_refuse_wrong_times(value):
-    for name, call in [("period", lambda x: Task("a", x, 1)), ("cost", lambda x: Task("a", 1, x)),
-                       ("cost", lambda x: background_response(FAST, x)),
-                       ("horizon", lambda x: schedule(FAST, x)),
-                       ("depth", lambda x: hand_over(FAST, [1], [1], depth=x)),
-                       ("costs", lambda x: hand_over(FAST, [x], [1])),
-                       ("ticks", lambda x: hand_over(FAST, [1], [x]))]:  # fmt: skip
-        with pytest.raises(ValueError, match=f"^{name}: must "):
-            call(value)
-
-
 def test_tasks_refuse_what_cannot_be():
     full = [Task("a", 10, 10)]
-    for call in (lambda: background_response(full, 1), lambda: hand_over(full, [1], [1])):
-        with pytest.raises(ValueError, match=r"^tasks: must keep their periods and leave time"):
-            call()
-    for tasks in ([], None, 3):
-        with pytest.raises(ValueError, match=r"^tasks: must be a list of Task, one at least"):
-            response_times(tasks)
-    with pytest.raises(ValueError, match=r"^tasks\[0\]: must be of class Task"):
-        utilisation(["a"])
-    with pytest.raises(ValueError, match=r"^ticks: needs one entry for each cost"):
-        hand_over(FAST, [1, 2], [1])
-    with pytest.raises(ValueError, match=r"^costs: must be a list, not empty"):
-        hand_over(FAST, np.array([], dtype=int), np.array([], dtype=int))
-    for call in (lambda: hand_over(FAST, [], []), lambda: buffer_depth(FAST, [], [])):
-        with pytest.raises(ValueError, match=r"^costs: must hold whole numbers"):
-            call()
-
-
-def test_runs_that_would_not_end_are_refused():
-    with pytest.raises(ValueError, match=r"^horizon: must be after at most 200000 releases"):
-        schedule(FAST, 2**40)
     coprime = [Task("a", 9973, 1), Task("b", 9967, 1), Task("c", 9949, 1)]
-    for call in (hand_over, buffer_depth):
-        with pytest.raises(ValueError, match=r"^tasks: their pattern must repeat after at most"):
-            call(coprime, [1], [1])
+    for call, said in [
+        (lambda: background_response(full, 1), r"tasks: must keep their periods and leave time"),
+        (lambda: hand_over(full, [1], [1]), r"tasks: must keep their periods and leave time"),
+        (lambda: hand_over(FAST, [1, 2], [1]), r"ticks: needs one entry for each cost"),
+        (
+            lambda: buffer_depth(FAST, np.array([], int), np.array([], int)),
+            r"costs: must be a list",
+        ),
+        (lambda: schedule(FAST, 2**40), r"horizon: must come after at most 200000 releases"),
+        (lambda: hand_over(coprime, [1], [1]), r"tasks: their pattern must repeat after at most"),
+    ]:
+        with pytest.raises(ValueError, match=f"^{said}"):
+            call()

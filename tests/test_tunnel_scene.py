@@ -68,14 +68,6 @@ def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
     assert mesh.array_names == [SCALAR]
 
 
-def test_wall_and_tunnel_leave_a_part_out(cut):
-    whole_angle = 2 * np.pi - np.ptp(OPENED)
-    for mesh in (wall_mesh(cut.wall, cut.plan.circuit),
-                 tunnel_mesh(EGG, -1.0, 0.5)):  # fmt: skip
-        angle = np.mod(np.arctan2(mesh.points[:, 2], mesh.points[:, 1]) - OPENED[1], 2 * np.pi)
-        assert angle[angle < 6.28].max() == pytest.approx(whole_angle, abs=0.08)
-
-
 def test_tunnel_mesh_lies_on_the_section():
     mesh = tunnel_mesh(EGG, -1.0, 0.5)
     np.testing.assert_allclose(EGG.depth(*mesh.points[:, 1:].T), 0, atol=1e-6)

@@ -12,7 +12,7 @@ import pytest
 from tests.references.controller_cycles import waypoints_c99, waypoints_text
 from tests.references.waypoint_operations import COLUMNS, TABLE, rows
 from tests.structured_text import FunctionBlock, check_names
-from tests.test_export import built, check_indents, compilers
+from tests.test_export import built, compilers
 from tunneller_lib.paths import corrected_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
@@ -90,12 +90,6 @@ def test_c_agrees_to_a_tenth_of_a_count(tmp_path, compiler):
     assert np.max(np.abs(found - corrected_chord(MACHINE.torus, p, q, 9))) < COUNT / 10
 
 
-@pytest.mark.parametrize("points", [3, 1000])
-@compilers
-def test_c_of_fewest_and_most_waypoints_compiles(tmp_path, compiler, points):
-    built(compiler, tmp_path, waypoints_c99(points))
-
-
 def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     counted = list(rows())
     with TABLE.open(newline="") as file:
@@ -105,9 +99,3 @@ def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
 
 def test_names_are_short_and_free():
     check_names(waypoints_text(9))
-
-
-def test_texts_are_indented_as_they_are_nested():
-    check_indents(waypoints_c99(9), r"\{$", r"\}")
-    block = waypoints_text(9).split("FB_Waypoints\n")[1].removesuffix("END_FUNCTION_BLOCK\n")
-    check_indents(block, r"^(VAR|ELSE$)|(THEN|DO)$", r"END_|ELSE")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-READS = ["notebooks/reference.toml", "tunneller_lib/*"]
+READS = ["tunneller_lib/*"]
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
@@ -80,10 +80,11 @@ def quick(text):
 
 
 def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_path):
-    text = (ROOT / "notebooks" / "reference.toml").read_text(encoding="utf-8")
+    command = [sys.executable, "-c", COMMAND, str(installed)]
+    text = subprocess.run([*command, "example"], text=True, capture_output=True).stdout
     (tmp_path / "reference.toml").write_text(quick(text), encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, "-c", COMMAND, str(installed), "cut", "reference.toml", "--out", "cut"],
+        [*command, "cut", "reference.toml", "--out", "cut"],
         cwd=tmp_path, text=True, capture_output=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -92,7 +93,7 @@ def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_pa
     )
     files = {file.name for file in (tmp_path / "cut").iterdir() if file.stat().st_size}
     assert files == {
-        "budget.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st", "line.c",
-        "controller.st", "controller.c", "controller.h", "controller.xml", "section.dxf",
-        "wall.vtp", "wall.stl", "manifest.txt",
+        "budget.csv", "plan.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
+        "line.c", "controller.st", "controller.c", "controller.h", "controller.xml", "section.dxf",
+        "wall.vtk", "wall.stl", "manifest.txt",
     }  # fmt: skip

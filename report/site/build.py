@@ -48,9 +48,9 @@ GUIDE = ROOT / "report" / "guide"
 
 
 class Site:
-    """A folder of pages, and what the search shall find in them.
+    """A folder of pages, and the entries of their search.
 
-    `live` is what pages have more if they run the study (report/live), else None.
+    `live` describes what pages that run the study have in addition (report/live), or is None.
     """
 
     def __init__(self, folder, live=None):
@@ -122,7 +122,7 @@ def add_shared(site):
 
 
 def in_a_box(match):
-    """Return a formula in a line, which browsers break behind it alone, before a comma, too.
+    """Return a formula within a line in a box, because browsers break the line before a comma.
 
     A long one scrolls on a narrow screen; a short one keeps the signs that follow it.
     """
@@ -133,9 +133,9 @@ def in_a_box(match):
 
 
 def named_by_its_letters(match):
-    """Return a link or head that is a formula alone, with its letters for programs that read out.
+    """Return a link or a table's head that is a formula alone, with its letters for screen readers.
 
-    For a link they are its name. A head has text; else it counts as empty.
+    They are a link's label; in a head they are hidden text, without which it counts as empty.
     """
     tag, attributes, math = match.groups()
     letters = unicodedata.normalize("NFKD", plain(math))

@@ -10,7 +10,7 @@ import numpy as np
 from report.site.chapter import page_name, title
 from report.site.markup import attribute
 from report.site.pictures import packed
-from report.site.publish import NotToBeHad
+from report.site.publish import Unavailable
 from report.sources import INDEX, ROOT
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -113,7 +113,7 @@ def first_picture(notebook):
         for output in cell.get("outputs", []):
             if content := output.get("data", {}).get("image/png"):
                 return packed(base64.b64decode(content), WIDE)
-    raise NotToBeHad(f"{notebook.name}: it holds no picture.")
+    raise Unavailable(f"{notebook.name}: it holds no picture.")
 
 
 def front_page(chosen, doors):

@@ -4,6 +4,7 @@ import ast
 import re
 from dataclasses import dataclass, field
 from html import escape
+from textwrap import dedent
 
 from report.site.markup import breakable, code
 from report.sources import ROOT
@@ -19,7 +20,7 @@ ROOMS = [
 
 @dataclass
 class Entry:
-    """Something public: where it is, how it is called, what its docstring says."""
+    """A public name: how it is called and what its docstring says."""
 
     name: str
     signature: str
@@ -165,7 +166,7 @@ class Reference:
         parts = []
         for block in re.split(r"\n(?=\S)", text.strip("\n")):
             term, _, told = block.partition("\n")
-            parts.append(f"<dt>{escape(term)}</dt><dd>{self.text(dedented(told), scope)}</dd>")
+            parts.append(f"<dt>{escape(term)}</dt><dd>{self.text(dedent(told), scope)}</dd>")
         return f"<dl>{''.join(parts)}</dl>"
 
     def text(self, text, scope):
@@ -173,19 +174,12 @@ class Reference:
         parts = []
         for block in re.split(r"\n\s*\n", text.strip("\n")):
             if block.lstrip().startswith(">>>"):
-                parts.append(code(dedented(block), "pycon"))
+                parts.append(code(dedent(block), "pycon"))
             elif block.startswith("    "):
-                parts.append(f"<pre>{escape(dedented(block))}</pre>")
+                parts.append(f"<pre>{escape(dedent(block))}</pre>")
             elif block.strip():
                 parts.append(f"<p>{inline(block, scope)}</p>")
         return "\n".join(parts)
-
-
-def dedented(text):
-    """Return text without the indentation that all its lines share."""
-    lines = text.split("\n")
-    share = min((len(s) - len(s.lstrip()) for s in lines if s.strip()), default=0)
-    return "\n".join(line[share:] for line in lines)
 
 
 def inline(text, scope=None):

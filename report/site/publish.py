@@ -9,8 +9,8 @@ from report.site.links import faults
 from report.sources import ROOT
 
 
-class NotToBeHad(Exception):
-    """Something that pages need isn't there, and can't be fetched."""
+class Unavailable(Exception):
+    """Something that the pages need is missing and can't be fetched."""
 
 
 def publish(build, folder, largest):
@@ -34,7 +34,7 @@ def publish(build, folder, largest):
     beside = folder.with_name(f".{folder.name}.new")
     try:
         build(beside)
-    except NotToBeHad as error:
+    except Unavailable as error:
         sys.exit(str(error))
     if told := faults(beside):
         sys.exit("\n".join(told))

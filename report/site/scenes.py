@@ -9,7 +9,7 @@ from pathlib import Path
 
 import trame_vtk.tools
 
-from report.site.publish import NotToBeHad
+from report.site.publish import Unavailable
 
 LICENCES = Path(__file__).with_name("licences")
 ICON = "https://kitware.github.io/vtk-js/icon/favicon-${t}x${t}.png"
@@ -45,7 +45,7 @@ def add_viewer(site):
     """Write the viewer as a script, with the licences of vtk.js and of the page around it."""
     page = viewer_page()
     if ICON not in page:
-        raise NotToBeHad("The viewer isn't the one whose only address from elsewhere is known.")
+        raise Unavailable("The viewer isn't the one whose only address from elsewhere is known.")
     viewer = VIEWER.search(page)[1].replace(ICON, "data:,")
     # As a module it would be loaded by a server only; its names are kept to itself.
     site.write("scenes/viewer.js", f"window.global ??= window;\n(() => {{{viewer}}})();\n")

@@ -2,13 +2,16 @@
 
 A changed module reaches the tests and notebooks that import it, directly or through others, and
 its own doctests. A changed file, or module, reaches the tests that say that they read it, in a list
-`READS`, and a file the notebooks that name it. Where only docstrings of a module changed nothing is
-reached through imports; where only comments or form did, nothing at all but the linter. Changes
-count against the last commit, or against the one that is named: `make check SINCE=main`.
+`READS`, and a table the notebooks that name it. Where only docstrings of a module changed, nothing
+is reached through imports; where only comments or form did, nothing at all but the linter. A
+notebook of which only text changed isn't run: it counts as the file "NAME.ipynb text", which
+"notebooks/*" matches, and "notebooks/*.ipynb", the list of tests that read its code, doesn't.
+Changes count against the last commit, or against another: `make check SINCE=main`.
 """
 
 import ast
 import fnmatch
+import json
 import re
 import subprocess
 import sys
@@ -21,15 +24,6 @@ from report.sources import ROOT, code, notebook_sources, notebooks
 
 # New files elsewhere are a visitor's own: an environment, notes.
 STUDY = ("figures", "notebooks", "report", "tests", "tunneller_lib")
-# Files of tests that take long are begun first, so that no worker waits for another at the end.
-LONGEST = (
-    "report/tests/test_site",
-    "report/tests/test_report",
-    "report/tests/test_paper_pages",
-    "tests/test_layout",
-    "report/tests/test_live_programs",
-    "report/tests/test_typeset",
-)
 # Workers take some seconds to start, which so few files, without a notebook, don't win back.
 FEW = 8
 # What every test depends on: then all of them are meant.
@@ -44,6 +38,8 @@ def git(*arguments):
 
 def changed(since):
     """Return the names of the files that differ from a commit, and of new ones in the study."""
+    if git("rev-parse") is None:
+        sys.exit("`make check` compares with a commit of git, and here is none: use `make test`.")
     known = git("diff", "--name-only", since)
     new = git("ls-files", "-o", "--exclude-standard", "--", *STUDY)
     if known is None:
@@ -81,6 +77,19 @@ def without_comments(text):
     return ast.dump(ast.parse(text))
 
 
+def only_text(name, since):
+    """Tell whether of a notebook only text changed since a commit: its code and outputs didn't."""
+
+    def code(content):
+        return [cell for cell in json.loads(content)["cells"] if cell["cell_type"] != "markdown"]
+
+    before = git("show", f"{since}:{name}")
+    try:
+        return bool(before) and code(before) == code((ROOT / name).read_text(encoding="utf-8"))
+    except (OSError, ValueError, KeyError):  # gone, or no notebook
+        return False
+
+
 def reads(text):
     """Return the patterns of the files that a file of tests says it reads."""
     said = re.search(r"^READS = (\[.*?\])(?:  # fmt: skip)?$", text, re.M | re.S)
@@ -101,29 +110,29 @@ def reached(names, since="HEAD"):
         return ["notebooks", "report/tests", "tests", "tunneller_lib"]
     python = {name for name in names if name.endswith(".py")}
     said = since_then(without_comments, python, since)
-    names = names - python | said
+    prose = {name for name in names if name.endswith(".ipynb") and only_text(name, since)}
+    names = names - python - prose | said | {f"{name} text" for name in prose}
     python, code_changed = said, since_then(meaning, said, since)
     # Data of the library come with the modules that read them.
     code_changed |= {name for name in names - python if name.startswith("tunneller_lib/")}
 
-    def reaches(text, *inside):  # imports are followed only if there is something to meet
-        files = needed(text, ROOT, inside) if code_changed else ()
+    def reaches(text):  # imports are followed only if there is something to meet
+        files = needed(text, ROOT) if code_changed else ()
         return any(str(file.relative_to(ROOT)) in code_changed for file in files)
 
     tables = {name for name in names if name.endswith(".csv")}
-    found = []  # what takes longest first
+    found = []
     for notebook in notebooks():
         name = str(notebook.relative_to(ROOT))
         data = tables and tables & notebook_sources(notebook).keys()
         if name in names or data or reaches(code(notebook)):
             found.append(name)
-    first = [ROOT / f"{name}.py" for name in LONGEST]
     shelves = "report/tests", "tests"
     tests = [test for shelf in shelves for test in sorted((ROOT / shelf).glob("test_*.py"))]
-    for test in dict.fromkeys([*first, *tests]):
+    for test in tests:
         name, text = str(test.relative_to(ROOT)), test.read_text(encoding="utf-8")
         read = any(fnmatch.filter(names, pattern) for pattern in reads(text))
-        if name in names or read or reaches(text, "tests", "report/tests"):
+        if name in names or read or reaches(text):
             found.append(name)
     library = [name for name in sorted(python) if name.startswith("tunneller_lib/")]
     found += [name for name in library if (ROOT / name).exists()]

@@ -4,30 +4,19 @@ import errno
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
+from types import SimpleNamespace
 
 import nbformat
 import pytest
-from ipykernel.ipkernel import IPythonKernel
-from jupyter_client.kernelspec import KernelSpecManager
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
+from report import build, lock
 from report.build import recover, told
-from report.execute import METADATA, NotebookFailed, run_notebook
+from report.execute import NotebookFailed, run_notebook
 from report.lock import locked
-from report.sources import (
-    ROOT,
-    cells,
-    file_digests,
-    is_run,
-    notebook_results,
-    notebook_sources,
-    notebooks,
-    records,
-)
+from report.sources import ROOT, cells, file_digests, is_run, notebook_sources, notebooks, records
 from report.state import State
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
@@ -84,20 +73,6 @@ def test_running_puts_results_into_place(run_before):
     assert not is_run(run_before)
 
 
-def test_running_twice_gives_the_same_bytes(run_before):
-    first = files(run_before)
-    run_notebook(run_before)
-    assert files(run_before) == first
-
-
-def test_outputs_are_results_and_not_sources(notebook):
-    write(notebook, RECORD.format(value=1))
-    sources, results = notebook_sources(notebook), notebook_results(notebook)
-    run_notebook(notebook)
-    assert notebook_sources(notebook) == sources
-    assert notebook_results(notebook) != results
-
-
 def test_change_of_cell_module_data_or_environment_is_seen(notebook):
     root = notebook.parent.parent
     (root / "tunneller_lib").mkdir()
@@ -122,19 +97,6 @@ def test_change_of_cell_module_data_or_environment_is_seen(notebook):
     before = notebook_sources(notebook)
     write(notebook, "2")
     assert notebook_sources(notebook) != before
-
-
-def test_file_times_are_not_looked_at(notebook):
-    write(notebook, "1")
-    before = notebook_sources(notebook), notebook_results(notebook)
-    os.utime(notebook, (1, 1))
-    assert (notebook_sources(notebook), notebook_results(notebook)) == before
-
-
-def test_missing_result_is_seen(run_before):
-    before = notebook_results(run_before)
-    (run_before.parent.parent / "figures" / "axes.svg").unlink()
-    assert notebook_results(run_before) != before
 
 
 def test_result_no_longer_made_is_removed(run_before):
@@ -191,42 +153,31 @@ def test_edit_while_running_is_kept(notebook):
     assert notebook.read_bytes() == edited.read_bytes()
 
 
-def test_interruption_changes_nothing(run_before):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2), DRAW, "import time; time.sleep(60)")
-    before = files(notebook)
-    code = (
-        "import sys; from pathlib import Path; from report.execute import run_notebook;"
-        "run_notebook(Path(sys.argv[1]))"
-    )
-    command = [sys.executable, "-c", code, notebook]
-    build = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-    staging = notebook.parent.parent / "build" / "staging"
-    limit = time.monotonic() + 60
-    while not any(staging.glob("*/figures/axes.svg")) and time.monotonic() < limit:
-        time.sleep(0.1)
-    build.send_signal(signal.SIGINT)
-    assert build.wait(30) != 0
-    assert files(notebook) == before
-
-
-READY = """import os, sys; from pathlib import Path
+KILLED = """import os, sys; from pathlib import Path
 import report.execute as execute
 moved, replace = [], os.replace
 def killed(source, target):
-    if Path(target).name in ("axes.svg", "01_test.json", "01_test.ipynb"):
+    if "ready" not in Path(target).parts:
         if len(moved) == {after}: os._exit(9)
         moved.append(target)
     replace(source, target)
 execute.os.replace = killed
-execute.run_notebook(Path(sys.argv[1]), {{"a": "1"}})"""
+root = Path(sys.argv[1])
+"""
+NOTEBOOK = 'execute.run_notebook(root / "notebooks" / "01_test.ipynb", {"a": "1"})'
+
+
+def build_killed(root, work, after):
+    """Run a build that is killed when it has moved so many of its results into place."""
+    command = [sys.executable, "-c", KILLED.format(after=after) + work, root]
+    assert subprocess.run(command, cwd=ROOT).returncode == 9
 
 
 @pytest.mark.parametrize("after", [0, 1, 2])
 def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after):
     write(notebook, RECORD.format(value=1), DRAW)
-    subprocess.run([sys.executable, "-c", READY.format(after=after), notebook], cwd=ROOT)
     root = notebook.parent.parent
+    build_killed(root, NOTEBOOK, after)
     assert not records(notebook)[0].exists()  # it comes last
     recover(root)
     assert is_run(notebook) and records(notebook)[1]["numbers"]["it"]["value"] == 1
@@ -235,39 +186,9 @@ def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after
     assert not any((root / "build" / "ready").iterdir())
 
 
-PARTS = """import os, sys; from pathlib import Path
-import report.execute as execute
-moved, replace = [], os.replace
-def killed(source, target):
-    if Path(target).name in ("a.pdf", "b.pdf", "list.csv"):
-        if len(moved) == {after}: os._exit(9)
-        moved.append(target)
-    replace(source, target)
-execute.os.replace = killed
-root = Path(sys.argv[1])
-files = {{root / name: b"new" for name in ("report/a.pdf", "report/b.pdf", "figures/list.csv")}}
-execute.publish_files("report", files, {{"a": "1"}}, 1.0, root)"""
-
-
-@pytest.mark.parametrize("after", [0, 1, 2])
-def test_parts_of_a_report_whose_move_was_killed_are_put_in_place_by_the_next_build(
-    tmp_path, after
-):
-    parts = [tmp_path / name for name in ("report/a.pdf", "report/b.pdf", "figures/list.csv")]
-    for part in parts:
-        part.parent.mkdir(exist_ok=True)
-        part.write_bytes(b"old")
-    command = [sys.executable, "-c", PARTS.format(after=after), tmp_path]
-    assert subprocess.run(command, cwd=ROOT).returncode == 9
-    assert [part.read_bytes() for part in parts].count(b"new") == after
-    recover(tmp_path)
-    assert [part.read_bytes() for part in parts] == [b"new"] * 3
-    assert State(tmp_path, "report").stale({"a": "1"}) is None
-
-
 def test_edit_after_a_killed_build_is_kept(notebook):
     write(notebook, RECORD.format(value=1), DRAW)
-    subprocess.run([sys.executable, "-c", READY.format(after=0), notebook], cwd=ROOT)
+    build_killed(notebook.parent.parent, NOTEBOOK, 0)
     write(notebook, "'edited'")
     before = files(notebook)
     recover(notebook.parent.parent)
@@ -288,20 +209,50 @@ def test_disk_that_takes_no_more_changes_nothing_and_is_told(
     monkeypatch.setattr(nbformat, "write", refuse)
     assert told(lambda: run_notebook(notebook)) == 1
     assert capsys.readouterr().err == (
-        f"The build stopped: {os.strerror(reason)} (a.svg). What was there is whole; "
+        f"The build stopped: {os.strerror(reason)} (a.svg). Finished notebooks are kept; "
         "the next build goes on from here.\n"
     )
     assert files(notebook) == before
     assert list((notebook.parents[1] / "build" / "staging").iterdir()) == []
 
 
-def test_what_is_no_finished_notebook_is_removed(tmp_path):
-    place = tmp_path / "build" / "ready" / "01_test"
-    place.mkdir(parents=True)
-    (place / "ready.json").write_text("{")
-    (tmp_path / "build" / "staging" / "01_test-x").mkdir(parents=True)
-    recover(tmp_path)
-    assert not place.exists() and not (tmp_path / "build" / "staging").exists()
+@pytest.fixture
+def three(tmp_path, monkeypatch):
+    """Return a study of three notebooks, of which the build works on one at a time."""
+    for number in (1, 2, 3):
+        path = tmp_path / "notebooks" / f"0{number}_test.ipynb"
+        path.parent.mkdir(exist_ok=True)
+        write(path, "1 / 0")
+    (tmp_path / "environment.txt").touch()
+    monkeypatch.setattr(build, "ROOT", tmp_path)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
+    return notebooks(tmp_path)
+
+
+def test_low_disk_stops_the_build_at_its_first_notebook_with_a_sentence(three, monkeypatch, capsys):
+    monkeypatch.setattr(build.shutil, "disk_usage", lambda _: SimpleNamespace(free=2e8))
+    assert told(lambda: build.run_stale(three)) == 1
+    said, told_ = capsys.readouterr()
+    assert said == "" and told_.count("\n") == 1
+    assert "200 MB of disk are free, and a build needs 300 MB" in told_
+
+
+def test_notebooks_that_fail_are_told_and_do_not_stop_the_others(three, monkeypatch, capsys):
+    def fail(notebook, sources):
+        raise NotebookFailed(notebook.name)
+
+    monkeypatch.setattr(build, "run", fail)
+    assert not build.run_stale(three)
+    said = capsys.readouterr().out.splitlines()
+    assert said == [f" {k} of 3  failed: 0{4 - k}_test.ipynb" for k in (1, 2, 3)]
+
+
+def test_stale_notebooks_are_told_to_a_reader_who_reads_one_line_alone():
+    told_ = subprocess.run(
+        f"{sys.executable} -m report.build stale | head -1", shell=True, cwd=ROOT,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert told_.stdout.count("\n") == 1 and told_.stderr == ""
 
 
 def test_results_that_agree_are_kept_as_they_are(run_before):
@@ -319,9 +270,8 @@ def test_state_tells_why_a_task_is_stale(tmp_path):
     made.parent.mkdir()
     made.write_text("a")
     assert State(tmp_path, "it").stale({"a": "1"}) == "not built here yet"
-    State(tmp_path, "it").save({"a": "1", "b": "1"}, file_digests(tmp_path, [made]), 2)
+    State(tmp_path, "it").save({"a": "1", "b": "1"}, file_digests(tmp_path, [made]))
     assert State(tmp_path, "it").stale({"a": "1", "b": "1"}) is None
-    assert State(tmp_path, "it").seconds == 2
     assert State(tmp_path, "it").stale({"a": "2", "b": "1"}) == "a changed"
     assert State(tmp_path, "it").stale({"a": "1"}) == "b changed"
     assert State(tmp_path, "it").stale({"c": "1"}) == "c and 2 more changed"
@@ -333,7 +283,7 @@ def test_state_tells_why_a_task_is_stale(tmp_path):
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "null", "{}", '{"sources": 1}', "\x00\xff"])
 def test_state_that_is_none_is_no_state(tmp_path, text):
-    State(tmp_path, "it").save({"a": "1"}, {}, 1)
+    State(tmp_path, "it").save({"a": "1"}, {})
     State(tmp_path, "it").file.write_text(text)
     assert State(tmp_path, "it").stale({"a": "1"}) == "not built here yet"
 
@@ -363,11 +313,12 @@ def test_lock_outlives_the_removal_of_its_folder(tmp_path):
         assert (tmp_path / "build" / "lock").read_text().startswith("`b`, process")
 
 
-def test_only_numbered_notebooks_belong_to_the_study(tmp_path):
-    (tmp_path / "notebooks").mkdir()
-    for name in ("01_torus.ipynb", "Untitled.ipynb"):
-        (tmp_path / "notebooks" / name).touch()
-    assert [path.name for path in notebooks(tmp_path)] == ["01_torus.ipynb"]
+def test_checkout_that_cannot_be_written_is_told_in_a_sentence(tmp_path, monkeypatch, capsys):
+    (tmp_path / "build").touch()  # no folder can be made there, not even by root
+    monkeypatch.setattr(lock, "ROOT", tmp_path)
+    assert lock.main("make clean", "true") == 1
+    said = capsys.readouterr().err
+    assert said.startswith("`make clean` stopped: ") and said.count("\n") == 1
 
 
 def test_broken_notebook_is_named(tmp_path):
@@ -375,12 +326,3 @@ def test_broken_notebook_is_named(tmp_path):
     broken.write_text("{")
     with pytest.raises(SystemExit, match=r"^01_torus.ipynb is no notebook"):
         cells(broken)
-
-
-def test_metadata_are_what_jupyterlab_writes_but_for_the_version():
-    said = IPythonKernel.language_info
-    assert METADATA["language_info"] == {k: said[k] for k in said if k != "version"}
-    spec = KernelSpecManager().get_kernel_spec("python3")
-    assert METADATA["kernelspec"] == {
-        "display_name": spec.display_name, "language": spec.language, "name": "python3"
-    }  # fmt: skip

@@ -44,21 +44,8 @@ def test_kernel_has_its_own_folder_and_environment_and_others_imports(kernel, tm
     assert not any(name.startswith("tunneller_lib") for name in modules)
 
 
-def test_kernel_ends_when_it_is_told_to(kernel):
-    _, client = kernel
-    pid = int(printed(client, ABOUT)[0])
-    client.shutdown()
-    assert gone(pid)
-
-
 def test_kernel_ends_with_the_process_that_asked_for_it(kernel):
     manager, client = kernel
     pid = int(printed(client, ABOUT)[0])
     os.kill(manager.provisioner.pid, 9)
     assert gone(pid)
-
-
-def test_kernel_that_dies_is_noticed(kernel):
-    manager, client = kernel
-    client.execute("import os; os._exit(1)")
-    assert any(time.sleep(0.1) or not manager.is_alive() for _ in range(100))

@@ -82,12 +82,6 @@ def test_detail_belongs_to_a_row_that_is_as_wrong_as_the_worst_of_them(id):
     assert LEDGER[whole]["severity"] == max((p["severity"] for p in parts), key=SEVERITIES.index)
 
 
-def test_slip_that_stands_twice_names_where_it_stands_first():
-    for row in LEDGER.values():
-        if "same_as" in row:
-            assert "same_as" not in LEDGER[row["same_as"]]
-
-
 @cache
 def recorded(notebook):
     return json.loads((ROOT / "report" / "numbers" / f"{notebook}.json").read_text())
@@ -149,17 +143,6 @@ def test_every_numbered_item_has_a_row(document, kind, item):
         assert f"{kind} {item}" in found
     else:
         assert any(re.search(rf"(^|, | and ){re.escape(item)}(,|$)", place) for place in found)
-
-
-@pytest.mark.parametrize("number", range(1, 20))
-def test_every_equation_of_the_robot_has_a_row_of_its_name(number):
-    row = LEDGER[f"eq{number:02}"]
-    assert re.search(rf"\bEq\. {number}$", row["where"])
-
-
-def test_every_listing_line_that_is_mended_has_a_row():
-    rows = " ".join(id for id in LEDGER if id.startswith("listing-"))
-    assert all(str(number) in rows for number in REPAIRS)
 
 
 def test_repairs_as_they_are_printed_are_those_that_run():

@@ -32,8 +32,8 @@ PLANTS = [
 ]
 LOOPS = [
     Loop(10.0, TICK, feedforward=1.0, delay=1, count=2 * np.pi / 2**16),
-    Loop(8.0, TICK, integral=5.0, dead_band=0.02, compensated=True),
-    Loop(30.0, TICK, delay=3, limit=0.05, dead_band=0.03),
+    Loop(8.0, TICK, integral=5.0),
+    Loop(30.0, TICK, delay=3, limit=0.05),
 ]
 # Rows of floats are handed over in one piece, as a page's are.
 RUN = """

@@ -1,7 +1,7 @@
 """The planner and the calculator of the pages: the same answers as the command and the library."""
 
 import re
-from dataclasses import astuple, fields
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -10,11 +10,11 @@ from report.live import planner
 from report.sources import ROOT
 from tests.pictures import pixels
 from tunneller_lib.__main__ import main
-from tunneller_lib.job import read_job, reader
+from tunneller_lib.job import reader
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
 
-READS = ["notebooks/*"]
+READS = ["notebooks/*.toml"]
 
 REFERENCE = (ROOT / "notebooks" / "reference.toml").read_text()
 
@@ -83,21 +83,6 @@ def test_reference_job_has_a_line_for_each_name_of_a_job_which_says_its_unit_fir
         unit = getattr(known[table][key], "unit", known[table][key])
         unit = unit.replace("rad", "deg" if name != key else "rad")
         assert unit in ("1", reader.TEXT) or line.startswith(f"{unit}, "), (table, name)
-
-
-def test_hydraulics_left_out_of_the_reference_job_are_the_usual_ones(tmp_path):
-    begin, end = REFERENCE.index("# [hydraulics]"), REFERENCE.index("[plan]")
-    counted = re.sub("^# ", "", REFERENCE[begin:end], flags=re.M)
-    path = tmp_path / "all.toml"
-    path.write_text(REFERENCE[:begin] + counted + REFERENCE[end:])
-    job, usual = read_job(path), read_job(ROOT / "notebooks" / "reference.toml").sizes
-    assert len(job.hydraulics) == len(reader.HYDRAULICS)
-    assert flat(job.sizes) == pytest.approx(flat(usual), rel=1e-3)
-
-
-def flat(sizes):
-    cylinders = [astuple(sizes.lift), astuple(sizes.swing)]
-    return [number for row in (*cylinders, astuple(sizes)[2:]) for number in row]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,9 @@ from report.live.program import exercises, programs
 from report.sources import INDEX, ROOT, cells, notebooks
 from tests.pictures import pixels
 
-READS = ["figures/*", "notebooks/*", "report/numbers/*", "tunneller_lib/*"]
+READS = [
+    "figures/*", "notebooks/*.ipynb", "notebooks/*.toml", "report/numbers/*", "tunneller_lib/*"
+]  # fmt: skip
 
 CALL = "sliders("
 WRITTEN = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}

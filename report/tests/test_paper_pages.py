@@ -21,7 +21,7 @@ from report.tests.test_site import (  # noqa: F401 - asked of the pages that are
     test_site_sets_formulas_in_a_font_that_it_brings_along,
 )
 
-READS = ["report/*", "figures/*", "notebooks/*", "tests/*", "environment.txt", "CITATION.cff"]
+READS = ["report/*", "figures/*", "notebooks/*.ipynb", "tests/*", "environment.txt", "CITATION.cff"]
 
 
 @pytest.fixture(scope="module")

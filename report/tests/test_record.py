@@ -1,6 +1,5 @@
 """Records: what is printed, what is stored, what is refused."""
 
-import io
 import json
 import os
 import re
@@ -9,12 +8,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import PIL.Image
 import pytest
 
-from kit import Record, figure, preview
-from kit.number_format import decimals_of
-from kit.record import PREVIEW, PRINTED, drawing_svg
+from kit import Record, figure
+from kit.record import drawing_svg
 
 
 @pytest.fixture
@@ -124,17 +121,6 @@ def test_last_bits_are_not_stored(record, root):
     assert stored(root)["tables"]["t"]["rows"] == [[0.6667], [0.0]]
 
 
-def test_order_of_records_leaves_no_trace(root):
-    contents = []
-    for order in ("ab", "ba"):
-        for name in order:
-            Record("01_test")(name, 1, "")
-        file = root / "report" / "numbers" / "01_test.json"
-        contents.append(file.read_bytes())
-        file.unlink()
-    assert contents[0] == contents[1]
-
-
 def test_table_is_printed_with_its_decimals(record, root):
     rows = [["a", 1, 0.02024, -0.0001], ["b", 2, 1.0, 0.0]]
     text = record.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
@@ -165,44 +151,6 @@ def test_table_is_shown_below_its_headings(record):
 def test_table_is_refused(record, rows, decimals, message):
     with pytest.raises(ValueError, match=message):
         record.table("t", ["x"], rows, decimals=decimals)
-
-
-def test_results_of_a_run_by_hand_go_where_git_looks_at_nothing(monkeypatch):
-    monkeypatch.delenv("TUNNELLER_RESULTS", raising=False)
-    checkout = Path(__file__).parents[2]
-    assert Record("01_test").root == checkout / "build" / "lab"
-    assert "build/" in (checkout / ".gitignore").read_text().splitlines()
-
-
-def test_drawing_has_the_same_bytes_twice(record, root):
-    contents = []
-    for _ in range(2):
-        drawing, ax = figure(height=4)
-        ax.plot([0, 1], [0, 1], label="a")
-        ax.legend()
-        preview = record.figure(drawing, "line", "A\n  line.")
-        contents.append((root / "figures" / "line.svg").read_bytes())
-    assert contents[0] == contents[1]
-    assert preview.alt == "A\n  line."
-    assert PIL.Image.open(io.BytesIO(preview.data)).width == preview.width == 800
-    assert stored(root)["figures"]["line"] == {"alt": "A line.", "file": "line.svg"}
-
-
-def test_pixels_are_saved_but_for_the_lowest_bit(record, root):
-    pixels = np.arange(196, 256, dtype=np.uint8).reshape(4, 5, 3)
-    record.figure(pixels, "pixels", "Stripes.")
-    saved = np.asarray(PIL.Image.open(root / "figures" / "pixels.png"))
-    np.testing.assert_array_equal(saved // 2, pixels // 2)
-    assert np.all(saved % 2 == 1)
-
-
-def test_places_in_a_drawing_are_rounded_and_scales_are_not():
-    drawing, ax = figure(height=4)
-    ax.plot([0, 1 / 3], [0, 1 / 7])
-    text = drawing_svg(drawing).decode()
-    places = " ".join(re.findall(r' [dxy]="[^"]*|translate[^)]*', text))
-    assert re.search(r"\.\d\d ", places) and not re.search(r"\.\d{3}", places)
-    assert "scale(0.015625)" in text  # of letters
 
 
 def full_of_names(push=0.0):
@@ -263,12 +211,6 @@ def test_drawing_has_the_same_bytes_in_two_processes_whose_memory_differs():
     assert len(contents[0].stdout) > 10_000 and contents[0].stdout == contents[1].stdout
 
 
-def test_pixels_are_no_wider_than_print_can_show(record, root):
-    record.figure(np.full((40, 2 * PRINTED, 3), 80, dtype=np.uint8), "wide", "Grey.")
-    with PIL.Image.open(root / "figures" / "wide.png") as saved:
-        assert saved.size == (PRINTED, 20)
-
-
 def test_figure_needs_an_alternative_text(record):
     with pytest.raises(ValueError, match=r"line: needs an alternative text\."):
         record.figure(figure(height=4)[0], "line", " ")
@@ -280,25 +222,3 @@ def test_file_name_is_refused(record, name):
         Record(name)
     with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
         record.figure(figure(height=4)[0], name, "A line.")
-
-
-def test_preview_is_what_matplotlib_saves():
-    def drawn():
-        drawing, (left, right) = figure(1, 2, height=5)
-        left.plot([1, 2], [3, 1])
-        left.set(title="a title, $x^2$", xlabel="$t$ / s")
-        right.loglog([1e-3, 1e3], [1e-9, 1], label=r"$\varphi$")
-        right.legend()
-        return drawing
-
-    saved, first = io.BytesIO(), drawn()
-    first.savefig(saved, format="png", dpi=PREVIEW / first.get_figwidth())
-    pictures = [np.asarray(PIL.Image.open(io.BytesIO(content)))
-                for content in (saved.getvalue(), preview(drawn()).data)]  # fmt: skip
-    assert np.array_equal(*pictures)
-
-
-def test_decimals_of_significant_digits():
-    found = [decimals_of(value, 3) for value in (12345.678, -99.95, 1.0, 0.0042, 0.0)]
-    assert found == [-2, 1, 2, 5, 0]
-    assert decimals_of(12.3, None) == 0

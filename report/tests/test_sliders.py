@@ -1,25 +1,21 @@
 """Sliders: none without a screen, one for each value with one."""
 
 import asyncio
-import gc
 import json
 import os
 import re
 import subprocess
 import sys
 import threading
-import weakref
 from pathlib import Path
 from types import SimpleNamespace
 
 import ipywidgets
-import numpy as np
 import pytest
 from IPython.display import Image
 
 from kit import figure, scene, sliders
-from kit.camera import live, refill
-from kit.interactive import ROOM
+from kit.camera import live
 
 ROOT = Path(__file__).resolve().parents[2]
 SLIDERS = "kit.interactive"
@@ -66,48 +62,6 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert calls[-1] == {"loop_gain": 10.0, "delay": 3}
     assert shown[-1].alt.endswith("Drawn for loop gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
-
-
-@pytest.mark.parametrize(("kept", "alive", "moves"), [(0, 0, 10), (1, 20, 30)])
-def test_moved_drawings_are_swept_up_while_young(monkeypatch, shown, kept, alive, moves):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    drawn, recent, swept = weakref.WeakSet(), [], []
-
-    def remembered(gain):
-        drawn.add(drawing := draw(gain=gain))
-        recent[:] = [drawing] * kept  # until the next is drawn
-        return drawing
-
-    def watch(phase, about):
-        swept.append(about["generation"])
-
-    sliders(remembered, gain=(1, 20, 10))
-    [slider, _] = shown[-1].children
-    gc.collect()
-    gc.callbacks.append(watch)
-    try:
-        for slider.value in [1, 2] * (moves // 2):
-            assert len(drawn) <= alive
-    finally:
-        gc.callbacks.remove(watch)
-    assert 0 in swept and 2 not in swept
-
-
-def test_drawing_that_is_refused_leaves_the_collector_on(monkeypatch, shown):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    switched_on = []
-
-    def refused(gain):
-        switched_on.append(gc.isenabled())
-        if gain == 20:
-            raise ValueError("too much")
-        return draw(gain=gain)
-
-    sliders(refused, gain=(1, 20, 10))
-    [slider, _] = shown[-1].children
-    with pytest.raises(ValueError, match="too much"):
-        slider.value = 20
-    assert gc.isenabled() and switched_on == [True, False, False]
 
 
 def test_scene_to_turn_has_a_title_and_is_smoothed_the_fast_way():
@@ -184,53 +138,11 @@ def test_word_for_scenes_is_random_and_differs_from_process_to_process(served):
         assert re.fullmatch("s[0-9a-f]{32}", word)  # 128 bits, and nothing that a page changes
 
 
-def test_sliders_keep_the_places_of_axes(monkeypatch, shown):
-    monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    drawings = []
-
-    def labelled(lines, axes=2):
-        drawing, panels = figure(1, axes, height=4, width=16, squeeze=False,
-                                 width_ratios=range(1, axes + 1))  # fmt: skip
-        panels[0, 0].set_ylabel("\n".join(["a line"] * lines))  # takes room from the axes
-        drawings.append(drawing)
-        return drawing
-
-    def places(drawing):
-        return [ax.get_position().bounds for ax in drawing.axes]
-
-    sliders(labelled, lines=(1, 3, 1), axes=(2, 3, 2))
-    *_, (lines, axes, _) = [box.children for box in shown if isinstance(box, ipywidgets.VBox)]
-    first = drawings[0]
-    small, large, roomy = labelled(1), labelled(3), labelled(1)
-    roomy.set_layout_engine("constrained", rect=ROOM)
-    for drawing in (first, small, large, roomy):
-        drawing.draw_without_rendering()
-    assert places(large)[0][0] > 0.04 + places(small)[0][0]
-    # There is room for labels that grow a little; what was drawn first is as it was.
-    for lines.value in (3, 2):
-        np.testing.assert_allclose(places(drawings[-1]), places(roomy), rtol=1e-12)
-    assert drawings[-1].get_tightbbox().x0 > 0
-    np.testing.assert_allclose(places(first), places(small), rtol=1e-12)
-    axes.value = 3  # other axes have places of their own
-    assert len(drawings[-1].axes) == 3 and places(drawings[-1])[1][2] < places(roomy)[1][2]
-
-
 def balls(radius):
     plotter = scene.empty()
     plotter.add_mesh(scene.ball((0, 0, 0), 1))
     plotter.add_mesh(scene.ball((2, 0, 0), radius))
     return scene.look(plotter, (1, -2, 1))
-
-
-def test_refilled_scene_looks_like_the_other_one():
-    plotter, other = balls(1), balls(1)
-    plotter.add_mesh(scene.ball((1, 0, 1), 0.5), reset_camera=False)
-    before, wanted = (p.screenshot(return_img=True) for p in (plotter, other))
-    refill(plotter, given := balls(1))
-    plotter.render()
-    assert given._closed
-    assert np.array_equal(plotter.screenshot(return_img=True), wanted)
-    assert not np.array_equal(before, wanted)
 
 
 @pytest.mark.parametrize("thing", [draw, balls])
@@ -270,22 +182,6 @@ def test_sliders_with_a_screen_refill_the_scene_that_is_turned(shown, turned):
     assert turned == [threading.get_ident()] * 2  # at the start, too
     assert (bounds[1], bounds_after[1]) == pytest.approx((2.5, 3.0), rel=1e-3)
     assert camera == camera_after
-
-
-def test_sliders_leave_out_scenes_that_the_hand_has_passed(shown, turned):
-    drawn = []
-
-    async def moved():
-        sliders(lambda radius: drawn.append(radius) or balls(radius), alt="Two balls.",
-                radius=(0.1, 1.0, 0.5))  # fmt: skip
-        await asyncio.sleep(0.01)
-        worker = threading.Thread(target=push, args=(shown[-1].children[0], 0.6, 0.7, 0.8))
-        worker.start()
-        worker.join()  # the main thread is busy meanwhile
-        await asyncio.sleep(0.01)
-
-    asyncio.run(moved())
-    assert drawn == [0.5, 0.5, 0.8]
 
 
 def test_sliders_say_why_a_scene_cannot_be_drawn(shown, turned):

@@ -1,11 +1,10 @@
-"""The reader of Typst math: what it reads, what it refuses, and what it says aloud."""
+"""The reader of Typst math: what it reads and what it refuses."""
 
 import pytest
 
 from report.tests.typeset_marks import changed, marked, visible
 from report.tests.typst_math import Token, UnknownMath, parse, tokens
 from report.tests.typst_values import to_sympy
-from report.tests.typst_words import spoken
 
 VECTORS = {"bold v": 2, "bold q": 2}
 
@@ -20,39 +19,26 @@ def value(source, **options):
 @pytest.mark.parametrize(
     ("source", "expected"),
     [
-        ("a b + 2 c - 3", "a*b + 2*c - 3"),
-        ("-a^2", "-a**2"),
         ("a - b - c", "a - b - c"),
         ("a / b c", "a*c/b"),
         ("a b\\/c d", None),
         ("pi s\\/N", "pi*s/N"),
-        ("1 / 2 / 2", "1/4"),
         ("(a + b) / (c d)", "(a + b)/(c*d)"),
         ("x^2 y^(3 \\/ 2)", "x**2*y**(3/2)"),
         ("m_(0 1)^2", "m_01**2"),
         ("f_(x x y) R_12", "R_12*f_xxy"),
-        ("[a (b + 1)]^2", "a**2*(b + 1)**2"),
-        ("2 dot 3", "6"),
         ("sqrt(x) floor(y)", "sqrt(x)*floor(y)"),
         ("abs(x) |y|", "Abs(x)*Abs(y)"),
-        ("|a| b |c|", "b*Abs(a)*Abs(c)"),
         ("|a (|b| - 1)|", "Abs(a*(Abs(b) - 1))"),
         ("cos phi sin phi", "sin(phi)*cos(phi)"),
         ("cos a b", "b*cos(a)"),
-        ("cos(a b) c", "c*cos(a*b)"),
         ("arcsin y / R", "asin(y/R)"),
-        ("sin(y)/2", "sin(y)/2"),
         ("arccos (R - g) / R", "acos((R - g)/R)"),
         ("tan^2 alpha dot x", "x*tan(alpha)**2"),
         ('"atan2"(y, x)', "atan2(y, x)"),
         ('"LN" + p\'', "LN + p'"),
-        ("phi + phi.alt", "phi + phi.alt"),
-        ("tilde(u)", "tilde u"),
-        ("2 upright(i)", "2*I"),
         ("bold(v) dot bold(q)", "bold q.0*bold v.0 + bold q.1*bold v.1"),
-        ("bold(v)^2", "bold v.0**2 + bold v.1**2"),
         ("|bold(v)|", "sqrt(bold v.0**2 + bold v.1**2)"),
-        ("(x, y)", "Matrix([[x], [y]])"),
         ("2 vec(x, y)", "Matrix([[2*x], [2*y]])"),
         ("sum_(i+j=1) k_(i j) x^i", "k_01 + k_10*x"),
         ("integral_0^sqrt(a) y dif y", "Integral(y, (y, 0, sqrt(a)))"),
@@ -87,29 +73,17 @@ def test_statements_and_words():
         ("", "Expected a number or a letter or a parenthesis, found: the end"),
         ("a +", "found: the end"),
         ("a + * b", "Unknown sign '\\*'"),
-        ("a = = b", "found: = b"),
         ("(a + b", r"Expected \), found: the end"),
-        ("[a + b)", r"Expected \], found: \)"),
-        ("a + b)", "Expected , or quad, found: \\)"),
-        ("|a + b", r"Expected \|, found: the end"),
         ("frac(a, b)", "Unknown word 'frac'"),
-        ("sine x", "Unknown word 'sine'"),
         ("x^2_1", "index before the power"),
-        ("x^2^3", "one of each"),
         ("x_(a + b)", "letters and numbers"),
-        ("x_()", "letters and numbers"),
         ("f(x)", r"f\(: a function or a product"),
         ("n_1(x)/2", r"n\(: a function or a product"),
         ("sqrt x", "right behind it"),
         ('"atan2"(y)', "Expected 2 arguments, found 1"),
-        ("upright(d)", "imaginary unit only"),
         ("bold(a b)", "bold must hold one letter"),
         ("bold(v) bold(q)", "side by side"),
-        ("bold(w)", "The vector bold w isn't known"),
-        ("bold(v)^3", "A vector to the power 3"),
-        ("integral_0^1 y", "Expected dif"),
         ("sum_(i=3) x^i mended(", "isn't closed"),
-        ("a $ b", "Unknown sign"),
         ('__import__("os")', "found: _"),
     ],
 )
@@ -134,20 +108,3 @@ def test_what_is_seen_and_what_differs():
     assert marked(right) == changed(right, printed) == {1: "f_xy", 4: "^2"}
     assert changed("a + b", "a - b") == {1: "+"}
     assert changed("a + b", "a + b + c") == {}  # what is too much can't be marked
-
-
-@pytest.mark.parametrize(
-    ("source", "expected"),
-    [
-        ("n_1^2 + n_2^4", "n sub 1 squared plus n sub 2 to the power 4"),
-        ("R = r", "capital r equals r"),
-        ("(a + b)^2 <= 1 / 2", "open paren a plus b close paren squared is at most 1 over 2"),
-        ("sqrt(a b) c", "the square root of a b end root c"),
-        ("cos(a + b)", "the cosine of open paren a plus b close paren"),
-        ("bold(v) dot bold(q)", "vector v dot vector q"),
-        ('a < b quad "or" quad c > d', "a is less than b or c is greater than d"),
-        ("a = 1, quad b = 2", "a equals 1; b equals 2"),
-    ],
-)
-def test_what_is_said(source, expected):
-    assert spoken(source) == expected

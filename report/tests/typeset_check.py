@@ -9,6 +9,7 @@ from report.tests.typst_values import to_sympy
 NUMPY = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos,
     "atan": np.arctan, "atan2": np.arctan2, "Abs": np.abs, "floor": np.floor,
+    "cot": lambda x: 1 / np.tan(x),  # what sympy makes of tan(pi/4 - x)
 }  # fmt: skip
 TOLERANCE = 1e-9
 COMPARED = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}

@@ -27,8 +27,7 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
-from exhibits import envelope_equations
-from tests.symbols_envelopes import example
+from tests.symbols_envelopes import EQ11, EQ12, EQ25, at, example
 from tunneller_lib.envelopes import jet_variables
 from tunneller_lib.envelopes.conics import top_circle
 from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surface_points
@@ -600,8 +599,13 @@ def circle_of_cone(rng):
     turn = rng.uniform(0.3, 1.2)
     x, y = centre + radius * np.array([np.cos(turn), np.sin(turn)])
     u, v = centre - [x, y]
-    W = float(envelope_equations.eq23(x, y, u, v))
+    W = 1 + x * x + y * y + 2 * x * u + 2 * y * v
     return {"x": x, "y": y, "u": u, "v": v, "theta": angle, "W": W}
+
+
+def over_circle(equation, jet, centre):
+    """Return an equation's left side for a circle about a centre (u, v)."""
+    return at(equation, jet, u=centre[0], v=centre[1])
 
 
 def along_circle(jet, u, v, order):
@@ -621,8 +625,8 @@ def along_circle(jet, u, v, order):
 
 def contact_world(rng, order):
     place, (u, v) = signed(rng, 0.3, 0.9, 2), signed(rng, 0.4, 1, 2)
-    by_library = {3: envelope_equations.eq11, 4: envelope_equations.eq12}[order]
-    jet = with_term(wavy(*jet_variables(*place)), place, order, lambda jet: by_library(jet, u, v))
+    printed = {3: EQ11, 4: EQ12}[order]
+    jet = with_term(wavy(*jet_variables(*place)), place, order, lambda f: at(printed, f, u=u, v=v))
     assert abs(along_circle(jet, u, v, order)) < 1e-9
     return {"u": u, "v": v, **derivatives(jet)}
 
@@ -644,14 +648,14 @@ def in_adapted_frame(rng):
     w, e = np.array([np.cos(turn), np.sin(turn)]), np.array([np.sin(turn), -np.cos(turn)])
     place = np.zeros(2)
     jet = with_term(wavy(*jet_variables(*place)), place, 3,
-                    lambda jet: envelope_equations.eq11(jet, *(rho * w)))  # fmt: skip
+                    lambda jet: over_circle(EQ11, jet, rho * w))  # fmt: skip
     a, b = jet_variables(0.0, 0.0)
     X, Y = (e[i] * a + w[i] * b for i in (0, 1))
     turned = sum(jet.derivative(i, j) / float(mp.factorial(i) * mp.factorial(j)) * X**i * Y**j
                  for i in range(5) for j in range(5 - i))  # fmt: skip
     found = {name.translate(str.maketrans("xy", "ew")): value
              for name, value in derivatives(turned).items()}  # fmt: skip
-    return {"rho": rho, **found, "R_12": envelope_equations.eq12(jet, *(rho * w)) / rho**2}
+    return {"rho": rho, **found, "R_12": over_circle(EQ12, jet, rho * w) / rho**2}
 
 
 @worlds("multiple-field")
@@ -671,11 +675,11 @@ def along_a_double_root(rng):
 
     def q(a):
         rho = np.linalg.norm(centre(a, place))
-        return p * envelope_equations.eq11(f(*jet_variables(*place)), *centre(a, place)) / rho**3
+        return p * over_circle(EQ11, f(*jet_variables(*place)), centre(a, place)) / rho**3
 
     a, p, h = field(place), 1 + place @ place, 1e-3
     e, rho = np.array([np.cos(a), np.sin(a)]), np.linalg.norm(centre(a, place))
-    few = envelope_equations.eq25(f(*jet_variables(*place)), *centre(a, place)) / rho**2
+    few = over_circle(EQ25, f(*jet_variables(*place)), centre(a, place)) / rho**2
     bend = (q(a + h) + q(a - h) - 2 * q(a)) / h**2
     bend = (4 * bend - (q(a + 2 * h) + q(a - 2 * h) - 2 * q(a)) / (4 * h**2)) / 3
     turn = (field(place + h * e) - field(place - h * e)) / (2 * h)
@@ -709,12 +713,16 @@ def half_gradient(rng):
     x, y, u, v = signed(rng, 0.4, 1, 4)
     angle = rng.uniform(0.4, 1)
 
+    def weight(u, v):
+        return 1 + x * x + y * y + 2 * x * u + 2 * y * v
+
     def left(du, dv):
-        return float(envelope_equations.eq09(x, y, u + du, v + dv, angle))
+        square = (u + du) ** 2 + (v + dv) ** 2
+        return weight(u + du, v + dv) ** 2 - 4 * np.tan(angle) ** 2 * square
 
     # A quadratic in u and in v: its difference is its derivative.
     return {"x": x, "y": y, "u": u, "v": v, "theta": angle,
-            "W": float(envelope_equations.eq23(x, y, u, v)),
+            "W": weight(u, v),
             "tilde u": (left(1, 0) - left(-1, 0)) / 4,
             "tilde v": (left(0, 1) - left(0, -1)) / 4}  # fmt: skip
 
@@ -725,5 +733,5 @@ def generator(rng):
     centre, turn = signed(rng, 0.4, 1, 2), rng.uniform(0.5, 2)
     x, y = centre + np.linalg.norm(centre) * np.array([np.cos(turn), np.sin(turn)])
     u, v = centre - [x, y]
-    assert abs(envelope_equations.eq11(example(*jet_variables(x, y)), u, v)) < 1e-11
+    assert abs(at(EQ11, example(*jet_variables(x, y)), u=u, v=v)) < 1e-11
     return {"x": x, "y": y, "u": u, "v": v}

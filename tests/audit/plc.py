@@ -188,8 +188,9 @@ def planned(compiler):
         plan = wanted.planned
         counts = np.rint(moved(plan)[0] / plan.count)
         # To the start position at up to a trip's way, and a full ring.
-        approach = int(re.search(r"nApproach : DINT := (\d+)", made.text)[1])
-        before = 2 * approach + (made.ring // made.at_once + 2) * made.slow
+        approach, ring, at_once = (int(re.search(rf"{name} : DINT := (\d+)", made.text)[1])
+                                   for name in ("nApproach", "nRing", "nAtOnce"))  # fmt: skip
+        before = 2 * approach + (ring // at_once + 3) * made.slow
         with (
             tempfile.TemporaryDirectory() as folder,
             closing(Both(compiler, Path(folder), made)) as both,
@@ -199,7 +200,7 @@ def planned(compiler):
             raise ValueError(f"{name}: not at its end after {both.scans} scans")
         ran, wrong = compared(track, plan, counts)
         yield (
-            name, f"{1e3 * made.tick:g} and {1e3 * made.tick * made.slow:g}", f"{both.scans:,}",
+            name, f"{1e3 * plan.tick:g} and {1e3 * plan.tick * made.slow:g}", f"{both.scans:,}",
             both.different, f"{len(counts) - 1:,}", f"{ran:,}", wrong,
         )  # fmt: skip
 

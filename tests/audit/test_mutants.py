@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from tests.audit import mutants
-from tests.audit.mutant_kinds import KINDS, Places, draws, more, rules_in
+from tests.audit.mutant_kinds import KINDS, Places, rules_in
 from tests.audit.mutants import REASONS, TABLE
 
 READS = ["tests/audit/mutants.*", "tunneller_lib/*"]
@@ -46,38 +46,24 @@ def test_of_planted_faults_at_most_a_twentieth_survives():
     ("source", "kind", "after"),
     [
         ("a - b", "sign", "a + b"),
-        ("-a", "sign", "+a"),
-        ("a -= b", "sign", "a += b"),
         ("a * b", "factor", "a * 2 * b"),
         ("(a) / (b)", "exponent", "(a) * (b)"),
         ("a**2", "exponent", "a**3"),
         ("a[..., 1]", "index", "a[..., 0]"),
-        ("a[0:]", "index", "a[1:]"),
-        ("a[:-1]", "index", "a[:-2]"),
         ("a < b", "branch", "a >= b"),
         ("a and b and c", "branch", "a or b and c"),
         ("a = 0.99", "constant", "a = 1.00"),
-        ("a = 3", "constant", "a = 4"),
         ("a = 1e-9", "tolerance", "a = 1e-6"),
-        ("a = 1e-9", "tolerance", "a = 1e-12"),
         ("A = 8 * np.finfo(float).eps", "tolerance", "A = 8 * (1e3 * np.finfo(float).eps)"),
-        ("A = 8 * np.finfo(float).eps", "tolerance", "A = 8 * (1e-3 * np.finfo(float).eps)"),
-        ("a < 4 * EPS", "tolerance", "a < 4 * (1e3 * EPS)"),
-        ("a = 2.0**-26", "tolerance", "a = 2.0**-16"),
-        ("def f(a, *, tol=1e-8): pass", "tolerance", "def f(a, *, tol=1e-5): pass"),
         ("def f(a, n=48): pass", "default", "def f(a, n=2 * 48): pass"),
-        ("def f(a, *, up=True): pass", "default", "def f(a, *, up=False): pass"),
         ("def f(*, w: Literal['u', 'd'] = 'u'): pass", "default",
          "def f(*, w: Literal['u', 'd'] = \"d\"): pass"),
         ("class A:\n    n: int = 3", "default", "    n: int = 2 * 3"),
         ("if a <= 0: raise E", "range", "if a < 0: raise E"),
-        ("if not 0 < a < 9: raise E", "range", "if not 0 < a <= 9: raise E"),
-        ("if not 0 < a < 9: raise E", "range", "if not 0 < a < 10: raise E"),
         ("if a == 0 or b: raise E", "range", "if a == 0 and b: raise E"),
         ("if a: raise E(b)", "guard", "if a: E(b)"),
         ("rods.check_differ(a, b)", "guard", "0 and rods.check_differ(a, b)"),
         ('raise E("a, b: must differ.")', "message", 'raise E("a, b: need not differ.")'),
-        ('raise E(f"it: no {a}; got {b}.")', "message", 'raise E(f"it: no {a}; wanted {b}.")'),
         ('raise E("size: above 0.")', "message", 'raise E("argument: above 0.")'),
     ],
 )  # fmt: skip
@@ -142,12 +128,3 @@ def test_guards_against_zero_are_never_drawn(divisor):
     places = Places(f"def f(a, n):\n    return a / {divisor} - 2\n")
     drawn = {(kind, old) for *_, kind, old, _ in set(places.found) - set(places.idle)}
     assert drawn == {("factor", "/"), ("exponent", "/"), ("sign", "-"), ("constant", "2")}
-
-
-def test_pictures_have_logic_and_tastes():
-    assert draws("import matplotlib.pyplot as plt") and not draws("import numpy as np")
-
-
-def test_last_digit_of_a_constant():
-    assert [more(n) for n in ("1", "0.5", "1.09", "9.9", "0.050")] == [
-        "2", "0.6", "1.10", "10.0", "0.051"]  # fmt: skip

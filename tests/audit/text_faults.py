@@ -1,16 +1,18 @@
 """Plant faults in words, one at a time, and see whether the tests notice: `make words`.
 
-A fault changes what the study says and no number: a verdict, the proof of a row, a sign in a
-displayed equation, "at most" into "at least", "closer" into "farther", five into six, a record or a
-figure exchanged for another, an output in the README. Which ones is drawn with a seed. Each is
+A fault changes a verdict, the proof of a row, a sign in a displayed equation, "closer" of a record
+into "farther", or an output in the README. Which ones is drawn with a seed. Each is
 judged in a copy of the checkout, under build/words, by the tests of its kind. The comparison of
 the PDFs with what they are made from judges nothing: it compares a text with a copy of itself. The
 result is tests/audit/text_faults.csv, with the score of each kind in its head.
+
+What no test sees, and nobody plants here: another meaning of words that compare nothing, "at most"
+for "at least" beside a number, the record of another number of the same unit, a figure under the
+caption of another.
 """
 
 import argparse
 import csv
-import json
 import os
 import random
 import re
@@ -22,9 +24,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from report.tests.prose import CALL, CAPTION, NUMBER, bracketed, sources
-from report.tests.typeset_faults import faults as equation_faults
+from report.tests.prose import sources
 from report.tests.typst_math import tokens
+from tests.audit.typeset_faults import faults as equation_faults
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "words"
@@ -36,18 +38,12 @@ EACH = 15  # faults of a kind
 
 DOCUMENTS = ("tunneller", "line-cylinder", "cone-envelopes")
 VERDICTS = ("holds", "imprecise", "corrected", "refuted", "ambiguous", "not reproduced")
-STATISTICS = {
-    "at most": "at least", "at least": "at most", "worst": "median", "median": "worst",
-    "largest": "smallest", "smallest": "largest", "longest": "shortest", "shortest": "longest",
-    "up to": "at least", "rms": "mean", "mean": "rms",
-}  # fmt: skip
 ORDERS = {
     "closer": "farther", "shorter": "longer", "longer": "shorter", "fewer": "more", "more": "less",
     "less": "more", "smaller": "larger", "larger": "smaller", "better": "worse", "worse": "better",
     "best": "worst", "faster": "slower", "slower": "faster", "greater": "less",
     "most": "least", "least": "most", "farther": "closer", "never": "always",
 }  # fmt: skip
-COUNTS = "two three four five six seven eight nine ten".split()
 
 
 @dataclass(frozen=True)
@@ -60,13 +56,6 @@ class Fault:
     after: str
     text: str
     tests: tuple
-
-
-# The tests of words, the report's own that read them, and one that makes it.
-WORDS = ("report/tests/test_words.py",
-         "report/tests/test_report.py::test_every_record_is_used_and_every_use_recorded",
-         "report/tests/test_report.py::test_no_result_is_typed_in_the_report",
-         "report/tests/test_report.py::test_report_of_a_copy_has_the_same_bytes")  # fmt: skip
 
 
 def read(file):
@@ -122,103 +111,23 @@ def equations(rng):
                     ("report/tests/test_typeset.py",))  # fmt: skip
 
 
-def whole(path):
-    return path.read_text("utf-8")
-
-
-def told(path):
-    """Return a file's captions and abstract, of the findings all; the rest is blanks."""
-    text = whole(path)
-    if path.stem == "findings":
-        return text
-    kept = [" "] * len(text)
-    for place in CAPTION.finditer(text):
-        start = place.end() + 1
-        stop = start + len(bracketed(text, place.end()))
-        kept[start:stop] = text[start:stop]
-    return "".join(kept)
-
-
-def comparing(path):
-    """Return the words that are read for comparisons: blanks where calls and comments stand.
-
-    The word that an order's call prints is read, the last in it.
-    """
-
-    def blank(match):
-        word = re.search(r"\w*(?=\"\)$)", match[0])
-        printed = match[0].startswith(("#than", "#compared"))
-        return " " * word.start() + word[0] + "  " if printed else " " * len(match[0])
-
-    text = re.sub(r"//[^\n]*", lambda match: " " * len(match[0]), whole(path))
-    return CALL.sub(blank, text)
-
-
-def in_prose(kind, pattern, change, rng, places=whole):
-    """Faults where a pattern finds words; `places` gives a file's text with blanks elsewhere."""
-    found = [(path, match) for path in sources() for match in re.finditer(pattern, places(path))]
-    for path, match in rng.sample(found, min(EACH, len(found))):
-        new, text = change(match), whole(path)
-        yield Fault(kind, str(path.relative_to(ROOT)), around(text, match.span()), new,
-                    text[: match.start()] + new + text[match.end() :], WORDS)  # fmt: skip
+COMPILED = "test_report_of_a_copy_has_the_same_bytes"
 
 
 def around(text, span, width=30):
     return " ".join(text[max(0, span[0] - width) : span[1] + width].split())
 
 
-def statistics(rng):
-    """What a number is of those it stands for, right before it."""
-    words = "|".join(STATISTICS)
-    yield from in_prose("statistic", rf"\b({words})(?=[\s~]*#num\()",
-                        lambda match: STATISTICS[match[1]], rng)  # fmt: skip
-
-
 def orders(rng):
-    """A word that compares, in running text too; after "at" it is a statistic."""
-    yield from in_prose("order", rf"(?<!at\s)\b({'|'.join(ORDERS)})\b",
-                        lambda match: ORDERS[match[1]], rng, comparing)  # fmt: skip
-
-
-def counts(rng):
-    """A number word, or the record that it comes from."""
-
-    def another(match):
-        if match[1]:
-            return COUNTS[(COUNTS.index(match[1]) + 1) % len(COUNTS)]
-        numbers = json.loads(read(f"report/numbers/{match[2]}.json"))["numbers"]
-        names = [name for name in numbers if name != match[3]]
-        return f'#count("{match[2]}", "{rng.choice(names)}")'
-
-    pattern = rf'\b({"|".join(COUNTS)})\b|#count\("([^"]+)", "([^"]+)"\)'
-    yield from in_prose("count", pattern, another, rng, told)
-
-
-def records(rng):
-    """Two numbers of one section and notebook exchanged."""
-    for path in rng.choices(sources(), k=4 * EACH):
-        text = path.read_text("utf-8")
-        places = list(NUMBER.finditer(text))
-        pairs = [(a, b) for a in places for b in places if a.start() < b.start()
-                 and a[1] == b[1] and a[2] != b[2]]  # fmt: skip
-        if not pairs:
-            continue
-        a, b = rng.choice(pairs)
-        changed = text[: a.start()] + b[0] + text[a.end() : b.start()] + a[0] + text[b.end() :]
-        yield Fault("record", str(path.relative_to(ROOT)), a[2], b[2], changed, WORDS)
-
-
-def captions(rng):
-    """Two figures of one section exchanged under their captions."""
-    pattern = re.compile(r'#fig\(\s*"([^"]+)",\s*"([^"]+)"')
-    for path in rng.choices(sources(), k=4 * EACH):
-        text = path.read_text("utf-8")
-        places = list(pattern.finditer(text))
-        if len(places) < 2:
-            continue
-        a, b = sorted(rng.sample(places, 2), key=re.Match.start)
-        changed = text[: a.start()] + b[0] + text[a.end() : b.start()] + a[0] + text[b.end() :]
-        yield Fault("caption", str(path.relative_to(ROOT)), a[2], b[2], changed, WORDS)
+    """The word that a comparison prints, beside the record that bears it out."""
+    pattern = rf'#(?:than|compared)\((?:"[^"]+", )+"({"|".join(ORDERS)})"\)'
+    texts = {path: path.read_text("utf-8") for path in sources()}
+    found = [(path, match) for path in texts for match in re.finditer(pattern, texts[path])]
+    for path, match in rng.sample(found, min(EACH, len(found))):
+        text, new = texts[path], ORDERS[match[1]]
+        changed = text[: match.start(1)] + new + text[match.end(1) :]
+        yield Fault("order", str(path.relative_to(ROOT)), around(text, match.span(1)), new, changed,
+                    (f"report/tests/test_report.py::{COMPILED}",))  # fmt: skip
 
 
 def readme(rng):
@@ -235,8 +144,7 @@ def readme(rng):
                     ("report/tests/test_readme.py",))  # fmt: skip
 
 
-KINDS = (verdict_faults, proof_faults, equations, statistics, orders, counts, records, captions,
-         readme)  # fmt: skip
+KINDS = (verdict_faults, proof_faults, equations, orders, readme)
 
 
 def draw(seed=SEED):

@@ -1,4 +1,4 @@
-"""How fast geodesics are found, against a boundary value solver, shooting, and meshes.
+"""How fast geodesics are found, against a boundary value solver and meshes.
 
 The lengths of `geodesic_inverse` are right to rounding (tests/test_geodesic.py), so that what the
 others return is off by as much as it differs from them; each line tells by how much.
@@ -137,14 +137,6 @@ def test_direct_against_c(benchmark, say, note, bound_of_direct, n):
     )  # fmt: skip
 
 
-def test_direct_by_arrays(benchmark, say, monkeypatch):
-    p, q = random_pairs(MACHINE, 100_000)
-    monkeypatch.setattr(compiled, "ready", lambda kind: False)
-    benchmark.pedantic(geodesic_direct, (MACHINE, p, q[:, 0], 1.0))
-    (time,) = best_times(lambda: geodesic_direct(MACHINE, p, q[:, 0], 1.0), rounds=3)
-    say("geodesic_direct on the working sheet in numpy, us for an end", 1e6 * time / len(p))
-
-
 # Geodesics of an ellipsoid, a simpler problem: no quadrature is needed.
 
 
@@ -263,55 +255,6 @@ def test_against_solve_bvp_on_a_ring(benchmark, say):
     assert ours >= 20 * theirs
 
 
-# Shooting at all pairs at once, a rival that uses arrays too: Runge and Kutta's method with a fixed
-# number of steps, corrected by Newton's. How far the end moves aside when the azimuth turns is the
-# solution of Jacobi's equation, integrated with the rest.
-
-
-def shot_rates(torus, state, length):
-    """Return the derivatives of theta, phi, azimuth, Jacobi's field and its derivative."""
-    theta, phi, alpha, field, slope = state
-    rho = torus.r + torus.R * np.cos(phi)
-    bending = -np.cos(phi) / (torus.R * rho) * field
-    way = rates(torus, None, (theta, phi, alpha), length)
-    return np.concatenate([way, [length * slope, length * bending]])
-
-
-def shot_lengths(torus, p, q, steps):
-    """Return the lengths after four corrections; more change no digit that is shown."""
-    (theta1, phi1), (theta2, phi2) = p.T, q.T
-    east = (torus.r + torus.R * np.cos((phi1 + phi2) / 2)) * (theta2 - theta1)
-    north = torus.R * (phi2 - phi1)
-    azimuth, length, zero = np.arctan2(east, north), np.hypot(east, north), np.zeros_like(phi1)
-    for _ in range(4):
-        state, rate = np.stack([theta1, phi1, azimuth, zero, zero + 1]), partial(shot_rates, torus)
-        for _ in range(steps):
-            one = rate(state, length / steps)
-            two = rate(state + one / 2, length / steps)
-            three = rate(state + two / 2, length / steps)
-            four = rate(state + three, length / steps)
-            state = state + (one + 2 * two + 2 * three + four) / 6
-        theta, phi, alpha, _, _ = state
-        east = (torus.r + torus.R * np.cos(phi)) * (theta2 - theta)
-        north, sine, cosine = torus.R * (phi2 - phi), np.sin(alpha), np.cos(alpha)
-        azimuth = azimuth + (east * cosine - north * sine) / state[3]
-        length = length + east * sine + north * cosine
-    return length
-
-
-@pytest.mark.parametrize("steps", [16, 64])
-def test_against_shooting(benchmark, say, steps):
-    p, q = random_pairs(MACHINE, 2_000)  # as many as the cache holds
-    length = benchmark.pedantic(shot_lengths, (MACHINE, p, q, steps))
-    ours, theirs = paces(MACHINE, lambda: shot_lengths(MACHINE, p, q, steps), len(p))
-    accuracy = off(length, geodesic_inverse(MACHINE, p, q).length)
-    say(
-        f"geodesic_inverse on the working sheet, pairs per second over those of shooting with "
-        f"{steps} steps of order 4, {accuracy}", ours / theirs,
-    )  # fmt: skip
-    assert np.allclose(length, geodesic_inverse(MACHINE, p, q).length, rtol=1e-5)
-
-
 # Meshes. Making the mesh and a solver's own preparations aren't counted, ends are vertices within
 # the joints' limits, and the mesh goes on beyond these where shortest geodesics do (53 degrees).
 
@@ -388,26 +331,3 @@ def test_against_a_mesh(installed, benchmark, say, package, solver, sizes, n, le
     say(f"{solver.__name__}, order of its error in the edges' length", order[-1], package)
     assert np.all(order < 1) if solver is heat else np.allclose(order, 2, atol=0.3)
     assert ratio[1] >= least  # on ten thousand vertices
-
-
-@pytest.mark.parametrize("package", ["pygeodesic.geodesic"])
-def test_one_start_against_a_mesh(installed, benchmark, say):
-    """One run of the exact polyhedral method serves every end that has the same start."""
-    joint, points, triangles = mesh(1e4)
-    solver = installed.PyGeodesicAlgorithmExact(points, triangles)
-    start = vertex_pairs(joint, 1)[0, 0]
-
-    def ours():
-        return geodesic_inverse(MACHINE, joint[start], joint).length
-
-    def theirs():
-        return solver.geodesicDistances(np.array([start]))[0]
-
-    length, there = benchmark.pedantic(theirs), np.arange(len(joint)) != start
-    fast, slow = best_times(ours, theirs, rounds=3)
-    say(
-        f"geodesic_inverse from one start to {len(joint):,} vertices, pairs per second over those "
-        f"of one run of exact_polyhedral, {off(length[there], ours()[there])}",
-        slow / fast, "pygeodesic",
-    )  # fmt: skip
-    assert np.median(np.abs(length - ours())[there]) < 1e-4

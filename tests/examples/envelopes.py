@@ -6,19 +6,16 @@ from tunneller_lib.envelopes import ConePose, fit_surface, hyperosculating_cones
 from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.cone_pose import TouchingCone
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
-from tunneller_lib.envelopes.isotropic import normal, surface_points
 from tunneller_lib.envelopes.jet import Jet
-from tunneller_lib.envelopes.measured import Fit
+from tunneller_lib.envelopes.measured import Fit, noisy_planes
 from tunneller_lib.envelopes.rough import RoughJet
 
 SIZES = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
          "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 RNG = np.random.default_rng(1)
 S, T = RNG.uniform(0.2, 0.8, (2, 14))
-POINTS = RNG.normal(size=(30, 3))
-PLACES = RNG.uniform(0.3, 0.6, (2, 260))
-MEASURED = {"contact": surface_points(cyclide, *PLACES), "n": np.stack(normal(*PLACES), axis=-1),
-            "contact_error": 0.0, "normal_error": 1e-6}  # fmt: skip
+CONTACT, NORMALS = noisy_planes(cyclide, (0.5, 0.3), RNG, turn=0.0, count=260, reach=0.1)
+MEASURED = {"contact": CONTACT, "n": NORMALS, "contact_error": 0.0, "normal_error": 1e-6}
 
 
 def graph(s, t):
@@ -43,11 +40,10 @@ INSTANCES = {
 
 CALLS = {
     "ConePose": POSE,
+    "Fit.surface": {"x": 0.1, "y": -0.2},
     "Jet.derivative": {"i": 2, "j": 1},
     "adapted_frames": {"surface": graph, "model": "space"},
     "blade.BladeRing": SIZES,
-    "blade.blade_distances": {"half_angle": 0.2, "near": 0.1, "far": 0.2, "n": 5},
-    "blade.cone_distance": {"half_angle": 0.2, "near": 0.1, "far": 0.2},
     "conics.conic": {"centre": (0.4, -0.7)},
     "conics.cone_vertex": {"centre": (0.4, -0.7)},
     "conics.osculating_conic": {"centre": (0.4, -0.7)},
@@ -60,15 +56,13 @@ CALLS = {
     "families.swept_ball": {"path": lambda s: helix(s)[:2]},
     "families.tangent_lines": {"curve": helix},
     "families.turning": {"vertex": edge, "velocity": edge},
-    "fit.fit_planes": {"contact": POINTS, "n": POINTS * [1, 1, 0] + [0, 0, 3], "scale": 1.0},
-    "fit.noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "fit_surface": MEASURED,
-    "fit.tilted": {"n": (0.0, 0.6, 0.8)},
     "frames_along": {"surface": graph},
     "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
-    "isotropic.isotropic_derivatives": {"r": (0.3, 0.2, 0.1), "n": (0.0, 0.6, 0.8)},
     "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
+    "noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
+    "tilted": {"n": (0.0, 0.6, 0.8)},
 }

@@ -14,7 +14,7 @@ from tunneller_lib.motion import (
 )
 from tunneller_lib.motion.arm import Arm
 from tunneller_lib.motion.hydraulics import Hydraulics
-from tunneller_lib.motion.plant import LinearPlant, ValveResonance
+from tunneller_lib.motion.plant import LinearPlant, Plant, ValveResonance
 from tunneller_lib.motion.servo import Track
 from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
@@ -33,6 +33,7 @@ INSTANCES = {
     Integrator: Integrator(0.5),
     Lag: Lag(0.5, 0.02),
     LinearPlant: Lag(0.5, 0.02),
+    Plant: Lag(0.5, 0.02),
     Loop: Loop(10.0, 0.005),
     Release: Release("line", 0, 400),
     Resonance: Resonance(0.5, 100.0, 0.15),
@@ -47,18 +48,13 @@ INSTANCES = {
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
 LOGGED = np.tile(np.repeat([0.0, 0.3], 15), 3)
 LAGGED = np.concatenate([[0.0], np.convolve(LOGGED, 0.1 * 0.8 ** np.arange(90))[:89]])
-WANTED = 0.005 * np.cumsum(LOGGED)
-FOLLOWED = follow(Lag(1.0, 0.02), Loop(10.0, 0.005), WANTED).position
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
     "Arm": {"r": 0.08, "R": 0.80, "head": 30.0, "beam": 60.0},
-    "Arm.coriolis": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
-    "Arm.energy": {"position": (0.1, 0.2), "rate": (0.3, 0.4)},
     "Hydraulics.loaded": {"angle": 0.1, "rate": 0.2, "torque": 100.0, "opened": 0.8},
     "sizing.Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
     "Track.between": {"first": 1, "last": 3},
-    "Compressible.derivative": {"state": (0.1, 0.2, 8e6, 9e6, 0.1)},
     "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
     "Hydraulics.natural_frequency": {"angle": 0.1},
     "Hydraulics.sides": {"angle": 0.1},
@@ -66,12 +62,8 @@ CALLS = {
     "follow": {"plant": INSTANCES[Rigid], "loop": INSTANCES[Loop], "setvalues": RAMP},
     "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
-    "rest_to_rest": {"ticks": 8},
-    "rest_to_rest_ticks": {"ticks": 8},
     "rounding_spectrum": {"difference": 5, "ticks": 12},
     "identify_axis": {"valve": LOGGED, "measured": LAGGED, "tick": 0.005},
-    "identify_loop": {"setvalue": WANTED, "actual": FOLLOWED, "tick": 0.005},
-    "stability.closed_loop": LINEAR,
     "stability.continuous_limit": LINEAR,
     "stability.eigenvalue_limit": LINEAR,
     "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},

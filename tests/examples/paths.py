@@ -36,5 +36,4 @@ CALLS = {
     "half_swing": {"clairaut": [0.5, 0.8]},
     "path_length": _ENDS,
     "project_chord": _ENDS,
-    "projected_length": _ENDS,
 }  # fmt: skip

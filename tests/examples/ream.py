@@ -9,11 +9,10 @@ from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.ream import Limits, Pose, carve, plan, simulate
+from tunneller_lib.ream import Case, Limits, Pose, carve, plan, simulate
 from tunneller_lib.ream.clearance import PartClearance
 from tunneller_lib.ream.cutting import Cut
-from tunneller_lib.ream.faults import Fault, knot_fault
-from tunneller_lib.ream.ground_faults import LoadedLaps
+from tunneller_lib.ream.error_budget import Fault
 from tunneller_lib.ream.moves import Moves
 from tunneller_lib.ream.planning import Plan
 from tunneller_lib.ream.route import Route, route_through
@@ -34,14 +33,14 @@ MOVES = {"lengths": [0.1, 0.2], "positions": np.zeros((3, 2)), "ground": [0.001,
 
 INSTANCES = {
     Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
+    Case: Case(PLAN, **OILY),
     Circuit: CIRCUIT,
     Cut: CUT,
-    Fault: knot_fault(PLAN),
+    Fault: Case(PLAN).fault("knots"),
     Ground: Ground(20e6, 2.0),
     Hydraulics: AXES[0],
     Integrator: AXIS["plant"],
     Limits: LIMITS,
-    LoadedLaps: LoadedLaps(PLAN, **OILY),
     Moves: PLAN.entry,
     Loop: AXIS["loop"],
     PartClearance: PLAN.clearances[0],
@@ -53,25 +52,20 @@ INSTANCES = {
 }
 
 CALLS = {
+    "Case.fault": {"source": "knots"},
     "Limits": {"feed": 0.1, "acceleration": 0.5, "axes": AXES},
     "Limits.bounds": MOVES,
     "Limits.profile": MOVES,
-    "LoadedLaps": OILY,
     "Plan.centres": {"position": IDEAL},
-    "arm_fault": OILY,
     "budget": AXIS,
     "capability": OILY,
     "carve": {"position": IDEAL, "shape": (6, 12)},
-    "faults.encoder_fault": AXIS,
     "expected_seconds": AXIS | {"shape": (6, 12)},
-    "faults.following_fault": AXIS,
-    "ground_fault": OILY,
     "halving": {"again": lambda what, factor: None},
     "route_through": {"knots": [0.0, 0.5, 1.2, 2.0]},
     "wall.intact_wall": {"start": -0.3, "shape": (6, 12)},
     "wall.lap_volume": {"advance": 0.05},
     "wall.overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
-    "picks_fault": OILY,
     "plan": COARSE,
     "wall.scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},

@@ -8,7 +8,6 @@ from tunneller_lib.surfaces import (
     Body,
     Box,
     Cone,
-    Cutter,
     Egg,
     Frustum,
     Line,
@@ -20,6 +19,7 @@ from tunneller_lib.surfaces import (
 )
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
 from tunneller_lib.surfaces.section import Profile
+from tunneller_lib.surfaces.touching import Solid
 
 _ROD = Rod((0, 0, 0), (4, 0, 1), 1)
 _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
@@ -29,15 +29,6 @@ INSTANCES = {
     Body: Body(1.2, 0.3, -0.2, 0.1),
     Box: Box((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)),
     Cone: Cone(0.5),
-    Cutter: Cutter(
-        (
-            Rod((0, 0, 1), (0, 0, 5), 1),
-            Rod((0, 0, 1), (0, 0, 4), 1, ends="round"),
-            Frustum((0, 0, 0), (0, 0, 1), 0, 1),
-            RoundedDisc((0, 0, 1), (0, 0, 1), 0.5, 0.5),
-            Box((-0.5, -0.5, 0.5), *np.eye(3)),
-        )
-    ),
     Egg: Egg(0.5),
     Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
     Line: Line(0.0, 0.0, 0.3, 1.0),
@@ -47,6 +38,7 @@ INSTANCES = {
     Rod: _ROD,
     RoundedDisc: RoundedDisc((0, 0, 0), (0, 0, 1), 1, 0.3),
     Section: Egg(0.5),
+    Solid: _ROD,
     Torus: Torus(0.08, 0.8),
 }
 
@@ -54,15 +46,6 @@ CALLS = {
     "Arc.depth": {"slack": 0.0},
     "Body": {"low": -0.2, "high": 0.1},
     "Box": _EDGES,
-    "Cutter": {"parts": (Rod((0, 0, 1), (0, 0, 2), 1),)},
-    "Cutter.ball": {"radius": 1.0, "length": 5.0},
-    "Cutter.bull": {"radius": 1.0, "corner": 0.3, "length": 5.0},
-    "Cutter.cone": {"radius": 1.0, "half_angle": 0.5, "length": 5.0, "tip": 0.2},
-    "Cutter.drop": {
-        "points": [(0.1, 0.2, 0.3), (0.2, 0, 0), (0, 1, 0)],
-        "places": (0.1, 0.1),
-        "faces": [(0, 1, 2)],
-    },
     "Egg.offset": {"d": 0.2},
     "Frustum": {"b": (1.0, 2.0, 3.0)},
     "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
@@ -77,8 +60,6 @@ CALLS = {
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
-    "meet_boxes": _EDGES,
     "meet_facets": {"solid": _ROD, "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
-    "meet_frusta": {"b": (1.0, 2.0, 3.0)},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

@@ -157,7 +157,7 @@ static void all(void)
 #endif
 
 #ifdef CONTROLLER
-static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
+static FB_Setpoints setpoints;
 static FB_Tunneller c = FB_TUNNELLER_BEGIN;
 static volatile T_Ring ring;
 PART slow(void) { fb_setpoints(&setpoints, &ring); }

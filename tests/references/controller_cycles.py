@@ -158,7 +158,7 @@ def few_rows(whole, plan):
     # The one before them is the way to the start position.
     rows = slice(middle - ROWS // 2 - 1, middle + ROWS // 2)
     knots = slice(int(knot[rows].min()), int(knot[rows].max()) + 1)
-    moves, places = len(knot), len(constants["aKnotX"])
+    moves, places, ring = len(knot), len(constants["aKnotX"]), constants["nRing"]
     for name, values in constants.items():
         if isinstance(values, list) and len(values) == moves:
             constants[name] = values[rows]
@@ -173,9 +173,8 @@ def few_rows(whole, plan):
     constants |= {"nRing": SMALL_RING, "nAtOnce": 1, "nFirst": 1, "nExit": ROWS + 1,
                   "nRows": ROWS + 1}  # fmt: skip
     text = re.sub(r"VAR CONSTANT\n.*?END_VAR\n", "", whole.text, flags=re.S)
-    text = text.replace(f"[0..{whole.ring - 1}]", f"[0..{SMALL_RING - 1}]")
-    text = text.replace(f"nRow : DINT := {moves}", f"nRow : DINT := {ROWS + 1}")
-    few = replace(whole, text=with_constants(text, constants), ring=SMALL_RING)
+    text = text.replace(f"[0..{ring - 1}]", f"[0..{SMALL_RING - 1}]")
+    few = replace(whole, text=with_constants(text, constants))
     return few, ends, constants["nParts"]
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.controllers import Driven, c99_program, with_program
+from tests.controllers import REALS, Driven, c99_program, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.ream.moves import levers
 
@@ -32,18 +32,19 @@ def run(path, wanted, made, paused):
     plan = wanted.planned
     c.nActualTheta, c.nActualPhi = np.rint(plan.entry.setvalues[0] / plan.count).astype(int)
     rows = []
-    for scan in range(SHOWN.stop):
+    # Time begins where the slow task does with the run, a call after it is asked for.
+    for scan in range(-made.slow, SHOWN.stop):
         if scan % made.slow == 0 and not (paused and scan in PAUSE):
             driven.slow()
-        c.bEnable, c.bStart = 1, int(scan > 1)
+        c.bEnable, c.bStart = 1, int(scan > 1 - made.slow)
         driven.fast()
         c.nActualTheta, c.nActualPhi = c.nSetTheta, c.nSetPhi
         at = plan.count * np.array([c.nSetTheta, c.nSetPhi])
-        slope = np.array([c.rSlopeTheta, c.rSlopePhi]) * c.nScale / 2**15
+        slope = np.array([vars(c)[name] for name in REALS[2:]]) * c.nScale / 2**15
         speed = np.linalg.norm(levers(plan.circuit.machine.torus, at) * slope)
         rows.append([c.nScale / 2**15, c.nAhead, speed])
     driven.close()
-    return np.array(rows)[SHOWN]
+    return np.array(rows)[made.slow :][SHOWN]
 
 
 def rows():

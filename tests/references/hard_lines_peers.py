@@ -79,7 +79,7 @@ def ray_of(row):
 
 def write_rays(folder):
     """Write the rays for the others, and this library's own answers."""
-    from tests.test_exact_kernel import shape_of
+    from tests.hard_lines import shape_of
 
     rays = [ray_of(row) for row in asked(cases())]
     (folder / "rays.json").write_text(json.dumps(rays))

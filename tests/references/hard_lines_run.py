@@ -11,9 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.exact_shapes import judged
-from tests.hard_lines import FAMILIES, KINDS
-from tests.test_exact_kernel import meet
+from exhibits.exact_shapes import judged
+from tests.hard_lines import FAMILIES, KINDS, meet
 
 TABLE = Path(__file__).with_suffix(".csv")
 COLUMNS = ["kind", "family", "lines", "met", "missed", "thin", "thick"]

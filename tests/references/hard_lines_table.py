@@ -2,7 +2,7 @@
 
     python -m tests.references.hard_lines_table
 
-The shapes and lines are those of `tests.hard_lines`, the answers of `tests.exact_shapes`.
+The shapes and lines are those of `tests.hard_lines`, the answers of `exhibits.exact_shapes`.
 """
 
 import csv
@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from exhibits.exact_shapes import EPS, exact_interval, exact_intervals
 from tests import hard_lines as lines
-from tests.exact_shapes import EPS, exact_interval, exact_intervals
 
 TABLE = Path(__file__).with_name("hard_lines.csv.gz")
 SEED = 23

@@ -1,6 +1,6 @@
 """Envelopes of moving cones: which surfaces are some, and which cones hyperosculate a surface."""
 
-from . import blade, conics, developable, families, fit, isotropic
+from . import blade, conics, developable, families, isotropic
 from .adapted import adapted_frames, model_jet
 from .cone_pose import ConePose
 from .hyperosculate import hyperosculating_cones
@@ -15,7 +15,6 @@ __all__ = [
     "conics",
     "developable",
     "families",
-    "fit",
     "fit_surface",
     "hyperosculating_cones",
     "isotropic",

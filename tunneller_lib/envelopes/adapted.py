@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .graph_forms import contact_over, normal_over, seen_in_model
+from .graph_forms import contact_point, isotropic_derivatives, normal
 from .jet import Jet, compose, differentiated, inverse, jet_variables, places
 from .triples import cross_product
 
@@ -18,7 +18,7 @@ from .triples import cross_product
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
 FLAT = 1e-6
 _NOISE = 1e-12
-MOST = 1e90  # of a jet's coefficients, whose third powers and their sums are sound floats
+MOST = 1e90  # of a jet's coefficients: products of three, and their sums, are then numbers
 
 
 class AdaptedFrames(NamedTuple):
@@ -82,7 +82,7 @@ def adapted_frames(surface: Function(2), s: Reals, t: Reals, model: Literal["iso
 
 @checked
 def frames_along(surface: Function(2), s: Finite, t: Reals):
-    """Return the frames along one line of a surface of lines, their first axis along it.
+    """Return frames along one line of a ruled surface, whose first axes point along the line.
 
     The `surface` returns three coordinates, in m, by the line s and the place t (...) along it.
     """
@@ -113,12 +113,13 @@ def frames_by(surface, s, t, model):
             # The graph's point (x, y, f) stands for a plane: its normal depends on x and y alone,
             # and the point of contact follows from f and its slopes.
             f = as_jet(one_number("surface", answer, s), s)
-            n = normal_over(s, t)
-            r = contact_over(s, t, f, differentiated(f, 0), differentiated(f, 1))
+            n = normal(s, t)
+            r = contact_point(s, t, f, differentiated(f, 0), differentiated(f, 1))
             tangent = [differentiated(c, 0) for c in n]
             known = 1.0  # the tangent's length is 2/(x^2 + y^2 + 1), never zero
         else:
-            # Two tangents span the plane, unless they are parallel within rounding.
+            # Two tangents span the plane, unless they are parallel within rounding; `known` is the
+            # sine of their angle.
             r = [as_jet(c, s) for c in coordinates("surface", answer, s)]
             tangent = [differentiated(c, 0) for c in r]
             other = [differentiated(c, 1) for c in r]
@@ -126,7 +127,8 @@ def frames_by(surface, s, t, model):
             n = cross_product(tangent, other)
             length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n = [c / length for c in n]
-        # The frame: along one tangent, across it, along the normal. The jets are turned into it.
+        # The frame's axes: along one tangent, across it, along the normal. The jets are turned
+        # into it, which makes the surface's height and slope vanish at the point.
         third = np.stack([c.value for c in n], axis=-1)
         first = np.stack([c.value for c in tangent], axis=-1)
         first = first / np.linalg.norm(first, axis=-1, keepdims=True)
@@ -155,18 +157,18 @@ def isotropic_jet(frames, where):
     """
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
-    x, y, _, fx, fy = seen_in_model(r, n)
+    x, y, _, fx, fy = isotropic_derivatives(r, n)
     return _integrated(*compose([fx, fy], *inverse(x, y)))
 
 
 def sound(f):
-    """Return where (n,) a jet's coefficients are numbers that can be reckoned with."""
+    """Return where (n,) all coefficients of a jet f are at most `MOST` in size."""
     return np.abs(f.c).max(axis=0) <= MOST
 
 
 @checked
 def model_jet(surface: Function(2), s: Reals, t: Reals):
-    """Return a surface in the isotropic model as it stands, without an adapted frame.
+    """Return a surface's graph in the isotropic model, in the document's own coordinates.
 
     Parameters
     ----------
@@ -193,7 +195,7 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     r = _turned(back, found.r)
     n = _turned(back, found.n)
     r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
-    x, y, value, fx, fy = seen_in_model(r, n)
+    x, y, value, fx, fy = isotropic_derivatives(r, n)
     f = _integrated(*compose([fx, fy], *inverse(x, y)))
     f.c[0] = value.value
     if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):
@@ -207,7 +209,8 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
 def _integrated(fx, fy):
     """Return a jet from its first derivatives, its value left 0."""
     f = np.zeros_like(fx.c)
-    # f itself would need the surface to a higher order; its derivatives don't (Eqs 18 and 19).
+    # The normal is a derivative of the surface, so it is known to one order less, and so are the
+    # slopes by Eqs 18 and 19. Integrated they give f to the full order, where Eq. 17 doesn't.
     at = places(fx)
     for (i, j), place in at.items():
         if i:
@@ -244,7 +247,7 @@ def _curvature(r, n):
     a, b = ns * yt - nt * ys, nt * xs - ns * xt
     c, d = ms * yt - mt * ys, mt * xs - ms * xt
     square = a * a + b * b + c * c + d * d
-    # Normals that turn no more than the second derivatives' rounding don't turn.
+    # Normals count as constant where they turn by no more than rounding in second derivatives.
     bend = sum(np.abs(part.c[3:6]).sum(axis=0) for part in r[:2])
     turn = np.hypot(np.hypot(ns, nt), np.hypot(ms, mt))
     run = np.hypot(np.hypot(xs, xt), np.hypot(ys, yt))

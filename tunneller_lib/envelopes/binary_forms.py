@@ -76,6 +76,7 @@ def replaced3(p, h, k, squares):
 
     Their `squares` are as for `replaced2`.
     """
+    # p is (p0 h + p1 k) h^2 + (p2 h + p3 k) k^2; `none` is a zero of the points' shape.
     none = 0.0 * p[0]
     first = plus12((none, none, none, none), sum1(p[0], h, p[1], k), squares[0])
     return plus12(first, sum1(p[2], h, p[3], k), squares[2])
@@ -83,6 +84,7 @@ def replaced3(p, h, k, squares):
 
 def replaced4(p, squares):
     """Return what `replaced2` does, of a form p of degree 4."""
+    # p is (p0 h^2 + p1 h k + p2 k^2) h^2 + (p3 h k + p4 k^2) k^2.
     none = 0.0 * p[0]
     first = plus(sum2(p[0], squares[0], p[1], squares[1]), p[2], squares[2])
     second = sum2(p[3], squares[1], p[4], squares[2])

@@ -1,26 +1,14 @@
-"""A ring of blades to place cones on, and how near a truncated cone comes to points.
+"""A ring of blades to place cones on, and how near a tool comes to them.
 
-A substitute: the industrial impeller of the document (Example 33, Fig. 11) isn't public.
+It stands for the industrial impeller of the document (Example 33, Fig. 11), which isn't public.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import (
-    Angle,
-    Coordinate,
-    Direction,
-    Directions,
-    HalfAngle,
-    Length,
-    Length0,
-    Point,
-    Points,
-    Whole,
-    checked,
-)
-from ..kernels.exact import dot, norm
+from ..arguments import Angle, Coordinate, Length, Whole, checked
+from .cone_pose import ConePose
 from .functions import Varying
 from .jet import Jet
 
@@ -98,6 +86,7 @@ class BladeRing:
         radius = self.hub + self.height * s
         slope = self.stagger + self.twist * s
         along = self.chord * (t - 0.5)
+        # A blade is straight on the unrolled cylinder of a radius, but for the camber's parabola.
         arc = along * np.sin(slope) + 4 * self.camber * t * (1 - t) + self.bow * s**2
         return (radius * np.cos(arc / radius), radius * np.sin(arc / radius), along * np.cos(slope))
 
@@ -113,94 +102,20 @@ class BladeRing:
         x, y, z = self.coordinates(s, t)
         return np.stack([c * x - d * y, d * x + c * y, z], axis=-1)
 
+    @checked
+    def clearances(self, tool: ConePose, *, n: Whole(2, 500) = 121):
+        """Return how far a tool stays from the first blade and from both its neighbours.
 
-@checked
-def blade_distances(
-    ring: BladeRing,
-    vertex: Point,
-    axis: Direction,
-    half_angle: HalfAngle,
-    near: Length0,
-    far: Length,
-    *,
-    n: Whole(2, 500) = 121,
-):
-    """Return how far a truncated cone stays from the first blade and from both its neighbours.
+        Parameters
+        ----------
+        tool : ConePose
+            Where it touches the first blade, or nearly.
+        n : int
+            Points are compared on a grid n by n of each blade; from 2 to 500.
 
-    Parameters
-    ----------
-    ring : BladeRing
-        The blades.
-    vertex : (3,) float
-        In m.
-    axis : (3,) float
-        A vector along the axis into the cone.
-    half_angle : float
-        Between axis and rulings, in rad.
-    near, far : float
-        Where the rulings begin and end, as distances from the vertex, in m.
-    n : int
-        Points are compared on a grid n by n of each blade; from 2 to 500.
-
-    Returns
-    -------
-    distance : (3,) float
-        In m, negative within the cone: to the first blade, the next and the last.
-    """
-    tool = vertex, axis, half_angle, near, far
-    return np.array([cone_distance(ring.mesh(n, k), *tool).min() for k in (0, 1, -1)])
-
-
-@checked
-def cone_distance(
-    point: Points,
-    vertex: Points,
-    axis: Directions,
-    half_angle: HalfAngle,
-    near: Length0,
-    far: Length,
-):
-    """Return how far points are from a truncated cone, negative within it.
-
-    Parameters
-    ----------
-    point : (..., 3) float
-        In m.
-    vertex, axis : (..., 3) float
-        Vertex in m, and a vector along the axis into the cone.
-    half_angle : float
-        Between axis and rulings, in rad.
-    near, far : float
-        Where the rulings begin and end, as distances from the vertex, in m.
-
-    Returns
-    -------
-    distance : (...) float
-        In m: to the nearest of wall and two flat ends.
-
-    Raises
-    ------
-    ValueError
-        If the half-angle isn't between 0 and pi/2, or `near` not below `far`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> cone_distance((0, 0, 3), (0, 0, 0), (0, 0, 1), 0.5, 1 / np.cos(0.5), 2 / np.cos(0.5))
-    np.float64(1.0)
-    """
-    if near >= far:
-        raise ValueError(f"near: must be below far; got {near:g} and {far:g}.")
-    axis = axis / norm(axis)[..., None]
-    height = dot(point - vertex, axis)
-    radius = norm(point - vertex - height[..., None] * axis)
-    c = np.cos(half_angle)
-    s = np.sin(half_angle)
-    # In the half plane of the axis: the wall is a segment, the ends are the levels near c, far c.
-    along = np.clip(height * c + radius * s, near, far)
-    wall = np.hypot(height - along * c, radius - along * s)
-    outside = radius * c - height * s
-    ends = [np.hypot(height - end * c, np.maximum(radius - end * s, 0.0)) for end in (near, far)]
-    inside = (outside < 0) & (height > near * c) & (height < far * c)
-    nearest = np.minimum(wall, np.minimum(*ends))
-    return np.where(inside, -nearest, nearest)[()]
+        Returns
+        -------
+        distance : (3,) float
+            In m, negative within the tool: to the first blade, the next and the last.
+        """
+        return np.array([tool.clearance(self.mesh(n, k)).min() for k in (0, 1, -1)])

@@ -9,6 +9,34 @@ _NEARLY_REAL = 1e-3
 _ZERO = 1e-11  # of the coefficients' sum
 
 
+class Waves:
+    """Trigonometric polynomials of a degree, (n,) of them, by their harmonics.
+
+    Parameters
+    ----------
+    function : callable
+        As for `real_zeros`.
+    degree : int
+        Of the polynomials.
+    """
+
+    def __init__(self, function, degree):
+        count = 2 * degree + 1
+        self.places = 2 * np.pi * np.arange(count) / count
+        self.samples = function(self.places[None])
+        self.orders = np.arange(-degree, degree + 1)  # harmonic k is at place k modulo the count
+        self.c = (np.fft.fft(self.samples, axis=-1) / count)[:, self.orders]
+
+    def derivative(self, angle, k):
+        """Return the k-th derivatives (n, m) at angles (n, m)."""
+        factor = self.c * (1j * self.orders) ** k
+        return np.real(np.sum(factor[:, None] * np.exp(1j * self.orders * angle[..., None]), -1))
+
+    def most(self, k):
+        """Return a bound (n, 1) of the k-th derivatives."""
+        return np.sum(np.abs(self.c) * np.abs(self.orders) ** k, axis=-1)[:, None]
+
+
 def real_zeros(function, degree, *, unit):
     """Return all real zeros of trigonometric polynomials, with their multiplicities.
 
@@ -39,26 +67,25 @@ def real_zeros(function, degree, *, unit):
     `cone_directions.circle_zeros` finds those of degree 3, in loops that may be compiled.
     """
     n = 2 * degree
-    samples = 2 * np.pi * np.arange(n + 1)[None] / (n + 1)
-    values = function(samples)
-    harmonics = np.fft.fft(values, axis=-1) / (n + 1)  # harmonic k at place k modulo n + 1
-    scale = np.sum(np.abs(harmonics), axis=-1, keepdims=True)
+    waves = Waves(function, degree)
+    scale = waves.most(0)
     vanishes = scale[:, 0] <= 1e-12 * unit
     # `at` lies opposite the greatest sample, which the half angle's tangent sends to infinity.
-    at = np.take(samples[0], np.argmax(np.abs(values), axis=-1))[:, None] + np.pi
-    orders = np.arange(-degree, degree + 1)
-    line = ((harmonics[:, orders] * np.exp(1j * orders * at)) @ _line(degree)).real
+    greatest = np.argmax(np.abs(waves.samples), axis=-1)
+    at = np.take(waves.places, greatest)[:, None] + np.pi
+    line = ((waves.c * np.exp(1j * waves.orders * at)) @ _line(degree)).real
     line[vanishes] = np.eye(n + 1)[-1]  # any polynomial that divides soundly: no zero is kept
     companion = np.zeros((len(line), n, n))
     companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
     companion[:, :, -1] = -line[:, :-1] / line[:, -1:]
     tangent = np.linalg.eigvals(companion)
-    # Rounding may part a double zero into a complex pair, off the axis by its square root.
+    # Rounding may turn a double zero into a complex pair, off the axis by the root of a rounding.
     nearly = np.abs(tangent.imag) < _NEARLY_REAL * (1 + np.abs(tangent) ** 2)
-    # Seen from `at` no zero lies near -pi or pi, where the polynomial is greatest.
-    angle = _polished(harmonics, orders, at + 2 * np.arctan(tangent.real))
-    left = np.abs(_evaluate(harmonics, orders, angle)[0])
-    # That bound lets pairs in that do miss the axis: there the polynomial keeps off zero.
+    # Angles are counted from `at`: there no zero lies near -pi or pi, where the polynomial is
+    # greatest, so that none is torn apart when they are sorted.
+    angle = _polished(waves, at + 2 * np.arctan(tangent.real))
+    left = np.abs(waves.derivative(angle, 0))
+    # That bound also lets pairs pass that miss the axis: there the polynomial keeps off zero.
     found = nearly & (left <= _ZERO * scale) & ~vanishes[:, None]
     angle, multiplicity = _merged(np.where(found, angle - at, np.nan))
     angle = np.angle(np.exp(1j * (angle + at)))
@@ -78,15 +105,10 @@ def _line(degree):
     return np.array(rows)
 
 
-def _evaluate(harmonics, orders, angle):
-    waves = harmonics[:, None, orders] * np.exp(1j * orders * angle[..., None])
-    return waves.sum(axis=-1).real, (1j * orders * waves).sum(axis=-1).real
-
-
-def _polished(harmonics, orders, angle):
+def _polished(waves, angle):
     """Return angles after two Newton steps, none of which may lead to another zero."""
     for _ in range(2):
-        value, slope = _evaluate(harmonics, orders, angle)
+        value, slope = (waves.derivative(angle, k) for k in (0, 1))
         with np.errstate(all="ignore"):
             step = value / slope
         angle = angle - np.where(np.abs(step) < 0.1 * SAME, step, 0.0)

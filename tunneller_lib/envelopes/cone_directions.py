@@ -1,9 +1,9 @@
-"""Directions of the cones in contact of order 3 with a graph: numbers or arrays.
+"""Directions of the cones in contact of order 3 with a graph, of numbers or arrays.
 
-They are the zeros on the circle of a form of degree 3 and one of degree 2 together, all of them,
-with their multiplicities. The tangent of the half angle makes a polynomial of degree 6 of it. Its
-real zeros are parted by those of its derivative, and these by those of the next: from degree 1
-on each interval holds one zero at most, which bisection can't miss and Newton's steps find soon.
+They are the zeros on the circle of the sum of two forms, of degree 3 and 2. In the tangent of half
+the angle that sum is a polynomial of degree 6. Between neighbouring zeros of its derivative it has
+one zero at most, and so have all derivatives down to the linear one: from there upwards bisection
+can't miss a zero, and Newton's steps find it soon.
 """
 
 import math
@@ -95,7 +95,7 @@ def _value(p, x):
 
 
 def _parted(p, slope, ends):
-    """Return `_zero` of six intervals, whose ascending `ends` are those of the derivative."""
+    """Return `_zero` of p in six intervals between the ascending zeros `ends` of its derivative."""
     return (
         _zero(p, slope, -FAR, ends[0][0]),
         _zero(p, slope, ends[0][0], ends[1][0]),
@@ -109,7 +109,7 @@ def _parted(p, slope, ends):
 def _zero(p, slope, low, high):
     """Return the zero between two places of a polynomial that is monotone there, and True.
 
-    Where it has the same sign at both, return the one where it is less, and False.
+    Where it has the same sign at both, return the place where it is smaller in size, and False.
     """
     at_low = _value(p, low)
     at_high = _value(p, high)
@@ -122,9 +122,10 @@ def _zero(p, slope, low, high):
         if not some(moving):
             break
         y = _value(p, x)
-        before = begins_below == (y < 0)
+        before = begins_below == (y < 0)  # the zero lies after x
         low = where(before, x, low)
         high = where(before, high, x)
+        # Newton's step, or bisection where that would leave the interval.
         newton = x - ratio(y, _value(slope, x))
         within = (low <= newton) & (newton <= high)
         after = where(within, newton, 0.5 * (low + high))
@@ -158,10 +159,10 @@ def _found(every, places, at_c, at_s):
 def _multiple(every, place, last):
     """Return a zero near a `place`, how many zeros it is, and the last zero so far.
 
-    `every` holds a polynomial and its derivatives. Of its Taylor polynomial at x that term which
-    is greatest at a distance of `SAME` says how many complex zeros lie about as near (Pellet's
-    theorem); of m of them the middle is a simple zero of the derivative of order m - 1. None
-    counts that is the same as the last.
+    `every` holds a polynomial and its derivatives. The greatest term of its Taylor polynomial at
+    the distance `SAME` tells how many complex zeros lie about as near (Pellet's theorem): m of
+    them if that is the term of order m. Their middle is a simple zero of the derivative of order
+    m - 1. A zero that is the same as the last one isn't counted again.
     """
     x, crosses = place
     reach = 0.5 * SAME * (1 + x * x)

@@ -1,7 +1,7 @@
-"""All cones in contact of order 3 with a surface at a point: numbers or arrays, and loops of them.
+"""All cones in contact of order 3 with a surface at a point, of numbers or arrays, and loops.
 
-The loops go from point to point, for `compiled.call`; with arrays the formulas take all points at
-once. Every bit is the same.
+The loops go from point to point and can be compiled (`compiled.call`); with arrays the formulas
+take all points at once, with the same bits.
 """
 
 from ..kernels.compiled import root
@@ -77,7 +77,8 @@ def cones_of(shape, rho):
     two = 3 * norm2(f2)
     directions, multiplicity, greatest = circle_zeros(cubic, across)
     vanishes = greatest <= VANISHES * (three + two)
-    # All terms may vanish together: then rounding is compared with the forms as a whole.
+    # All terms of Eq. 12 may vanish together: then what rounding leaves is compared with a
+    # thousandth of the forms as a whole.
     floor = 1e-3 * (rho * rho * _norm4(f4) + 6 * three + two)
     forms = (f2, f3, f4)
     return (

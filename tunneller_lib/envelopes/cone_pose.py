@@ -1,11 +1,11 @@
-"""A cone of revolution where it stands: what can be asked of it without the surface it touches."""
+"""A truncated cone of revolution in space, and one that touches a surface."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arguments import Angles, Direction, HalfAngle, Length, Length0, Point, Points, Whole, checked
-from .blade import cone_distance
+from ..kernels.exact import dot, norm
 from .conics import top_circle
 from .isotropic import cone_planes, cone_rulings
 
@@ -73,8 +73,13 @@ class ConePose:
     @checked
     def clearance(self, point: Points):
         """Return how far points (..., 3) are from the cone, in m (...), negative within it."""
-        size = self.half_angle, self.near, self.far
-        return cone_distance(point, self.vertex, self.axis, *size)
+        axis = np.array(self.axis) / norm(np.array(self.axis))
+        away = point - self.vertex
+        height = dot(away, axis)
+        radius = norm(away - height[..., None] * axis)
+        above = height - self.near * np.cos(self.half_angle)
+        first = self.near * np.sin(self.half_angle)
+        return distance_to_cone(above, radius, first, self.half_angle, self.far - self.near)
 
     @checked
     def mesh(self, n: Whole(2, 1000) = 25, m: Whole(3, 1000) = 73):
@@ -83,6 +88,42 @@ class ConePose:
         rulings = cone_rulings(self.axis, self.half_angle, azimuth)
         along = np.linspace(self.near, self.far, n)[:, None, None]
         return np.array(self.vertex) + along * rulings
+
+
+def distance_to_cone(height, radius, first, half_angle, ruling):
+    """Return how far points are from a truncated cone or cylinder, negative within it.
+
+    Parameters
+    ----------
+    height, radius : (...) float
+        Of the points: above the lower end, and from the axis, in m.
+    first, half_angle, ruling : float
+        The lower end's radius in m, half the opening angle in rad, 0 for a cylinder, and the
+        length along the wall in m.
+
+    Returns
+    -------
+    distance : (...) float
+        In m: to the nearest of wall and two flat ends.
+    """
+    # In the half plane of the axis the wall is a segment. `along` runs on its line and `side`
+    # across it; `over` is how far a point lies beyond the segment's ends.
+    c = np.cos(half_angle)
+    s = np.sin(half_angle)
+    off = radius - first
+    side = off * c - height * s
+    along = height * c + off * s
+    over = np.maximum(np.maximum(-along, along - ruling), 0.0)
+    # Roots of sums of squares, as `hypot` takes several times as long: sizes are lengths from
+    # 1e-100 to 1e100 m, whose squares are numbers.
+    square = side * side + over * over
+    length = ruling * c
+    for level, wide in ((height, off), (height - length, off - ruling * s)):
+        beyond = np.maximum(wide, 0.0)
+        square = np.minimum(square, level * level + beyond * beyond)
+    inside = (side < 0) & (height > 0) & (height < length)
+    nearest = np.sqrt(square)
+    return np.where(inside, -nearest, nearest)[()]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Conics over circles, which stand for cones among the planes (Envelopes of cones, section 5)."""
+"""Conics over circles, which stand for the tangent planes of cones (Envelopes, section 5)."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ..kernels.exact import norm
 from .functions import Centre
 from .jet import Jet, derivative
 
-_MOST = 1e60  # of numbers whose products of four, over one small divisor, are sound floats
+_MOST = 1e60  # size of numbers, of which products of four over a small divisor are numbers
 
 
 @checked
@@ -143,7 +143,8 @@ def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
     weight = x * x + y * y + 1 + 2 * u * x + 2 * v * y
     if weight == 0:
         raise ValueError("centre: must not be that of a cylinder, which has no vertex; got one.")
-    # a and b, by axes through the point that point to the centre and across, turned to x and y.
+    # The conic's slopes a and b belong to the directions across the centre's and towards it;
+    # turned into x and y they are these, times u^2 + v^2.
     along = a * v + b * u
     across = b * v - a * u
     vertex = [

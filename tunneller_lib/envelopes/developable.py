@@ -1,4 +1,4 @@
-"""Developable surfaces as the tangents of a curve: their planes and osculating cones."""
+"""Developable surfaces made by the tangents of a curve: their planes and osculating cones."""
 
 import numpy as np
 

@@ -1,16 +1,17 @@
-"""What a surface's points say for or against a tool, with the error of what they say.
+"""What a surface's points say for or against a tool, when all is known to some error only.
 
 A tool envelops a surface if two forms of a direction, `first` and `second`, have a common zero at
-each point. Both are known to some error. A zero of `first` is then known to some angle, and
-`second` there to some bound: where it is beyond that bound at every zero the point refutes; where
-it is within a small one at some zero the point agrees; else it doesn't tell.
+each point. Their errors leave a zero of `first` uncertain by an angle, and so the value of `second`
+there by a bound. A point refutes the tool where that value exceeds the bound at every zero. It
+agrees where at some zero the value is within the bound and the bound is small. Else it doesn't
+tell.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from .circle_roots import real_zeros
+from .circle_roots import Waves, real_zeros
 
 LEAST_POINTS = 12  # that must agree
 SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
@@ -60,26 +61,8 @@ class Evidence(NamedTuple):
     several: np.ndarray
 
 
-class Waves:
-    """Trigonometric polynomials of a degree, (n,) of them, by their harmonics."""
-
-    def __init__(self, function, degree):
-        places = 2 * np.pi * np.arange(2 * degree + 1)[None] / (2 * degree + 1)
-        self.orders = np.arange(-degree, degree + 1)
-        self.c = (np.fft.fft(function(places), axis=-1) / (2 * degree + 1))[:, self.orders]
-
-    def derivative(self, angle, k):
-        """Return the k-th derivatives (n, m) at angles (n, m)."""
-        factor = self.c * (1j * self.orders) ** k
-        return np.real(np.sum(factor[:, None] * np.exp(1j * self.orders * angle[..., None]), -1))
-
-    def most(self, k):
-        """Return a bound (n, 1) of the k-th derivatives."""
-        return np.sum(np.abs(self.c) * np.abs(self.orders) ** k, axis=-1)[:, None]
-
-
 def zeros(function, degree, off):
-    """Return where polynomials that may be `off` (n,) can vanish, how sure, and whether severally.
+    """Return where polynomials that may be `off` (n,) can vanish, and to which angle.
 
     Parameters
     ----------
@@ -107,11 +90,14 @@ def zeros(function, degree, off):
     angle = np.hstack([angle, np.where(near, turning, np.nan)])
     value, slope, bend, third = (np.abs(waves.derivative(angle, k)) for k in range(4))
     off = off + value  # two zeros that nearly fall together come as one amid them, which is none
+    # A polynomial that is off by e has its zero off by e/slope if it is simple, by the square root
+    # of 2 e/bend if it is double, by the cube root of 6 e/third if it is triple. The factors leave
+    # room for what the next derivative does on that way.
     with np.errstate(divide="ignore", invalid="ignore"):
         simple = 4 * off / slope
         double = 2 * np.sqrt(8 * off / bend) + 4 * slope / bend
         triple = 2 * np.cbrt(24 * off / third) + 4 * np.sqrt(2 * slope / third) + 4 * bend / third
-        # What vanishes times what is unbounded says nothing: no comparison holds.
+        # 0 times infinity is NaN, for which no comparison holds: then the next case is taken.
         single = bend * simple + third * simple**2 <= slope
         spread = np.where(single, simple, np.where(third * double <= bend, double, triple))
     spread = np.where(np.isfinite(spread), np.minimum(spread, np.pi), np.pi)
@@ -119,7 +105,7 @@ def zeros(function, degree, off):
 
 
 def weigh(forms, sharp):
-    """Return what points say of a pair of forms.
+    """Return what each point says of a pair of forms.
 
     Parameters
     ----------

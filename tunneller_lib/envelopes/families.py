@@ -1,8 +1,8 @@
-"""Surfaces that tools envelop, made from their motions, as functions for the recognisers.
+"""Surfaces that tools envelop, as functions made from the tools' motions.
 
-Coordinates are lists of three numbers, arrays or jets: what `moving_cone`, `channel` and `ruled`
-return is a surface for `recognise` and `hyperosculating_cones` with model="space". Curves, lines
-and motions to give them stand below.
+Coordinates are lists of three numbers, arrays or jets. What `moving_cone`, `channel`, `swept_ball`
+and `ruled` return is a surface for `recognise` and `hyperosculating_cones` with model="space". The
+other functions are curves, lines and motions to make them from.
 """
 
 import numpy as np
@@ -35,8 +35,8 @@ def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Angle = 0.0
 
     Notes
     -----
-    The planes T, T_u and T_v of Eq. 5 by Cramer's rule. The surface isn't regular where the
-    characteristic isn't: for a translation, whose characteristic is two rulings, nowhere.
+    The point in the planes T, T_u and T_v of Eq. 5, by Cramer's rule. The surface is regular only
+    where the characteristic is: for a translation, whose characteristic is two rulings, nowhere.
     """
 
     def surface(u, v):
@@ -51,7 +51,8 @@ def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Angle = 0.0
         nu = times(cosine, add(times(-s, axes[1]), times(c, axes[2])))
         opening = add(times(cosine, axes[0]), times(-sine, across))
         nv = add(cross_product(omega, n), times(rate, opening))
-        # n.x = n.m and nu.x = nu.m by the vertex; nv.x = nv.m + n.m' adds along the ruling.
+        # With the vertex m, T and T_u say n.x = n.m and nu.x = nu.m: x is on a ruling through m.
+        # T_v, nv.x = nv.m + n.m', tells how far along it.
         ruling = cross_product(n, nu)
         return add(vertex, times(dot_product(n, velocity) / dot_product(nv, ruling), ruling))
 
@@ -96,7 +97,8 @@ def channel(curve: Function(1), radius: Length, *, growth: Coordinate = 0.0):
         e1 = unit_vector(velocity)
         e3 = unit_vector(cross_product(velocity, acceleration))
         size = radius + growth * s
-        # Sine of the circle's lag on the sphere's equator: the next sphere is greater.
+        # The circle of contact lags behind the sphere's equator, as the next sphere is greater:
+        # the sine of that angle.
         lag = growth / np.sqrt(dot_product(velocity, velocity))
         around = add(times(np.cos(t), cross_product(e3, e1)), times(np.sin(t), e3))
         return add(centre, times(-size * lag, e1), times(size * np.sqrt(1 - lag * lag), around))
@@ -106,7 +108,9 @@ def channel(curve: Function(1), radius: Length, *, growth: Coordinate = 0.0):
 
 @checked
 def swept_ball(path: Function(1), radius: Length):
-    """Return the envelope of a ball that moves on a curve: a pipe surface, by the velocity alone.
+    """Return the envelope of a ball that moves on a curve, a pipe surface.
+
+    As `channel` with congruent spheres, for a path whose acceleration isn't known.
 
     Parameters
     ----------
@@ -125,6 +129,7 @@ def swept_ball(path: Function(1), radius: Length):
     def surface(s, t):
         centre, velocity = vectors("path", path(s), 2, s)
         x, y, z = velocity
+        # Two unit vectors across the velocity, the first across the x axis as well.
         n = np.sqrt(y * y + z * z)
         m = np.sqrt(dot_product(velocity, velocity))
         first = [0 * s, -z / n, y / n]
@@ -137,7 +142,7 @@ def swept_ball(path: Function(1), radius: Length):
 
 @checked
 def ruled(lines: Function(1), *, offset: Coordinate = 0.0):
-    """Return a ruled surface, or one at a distance: the envelope of cylinders about its rulings.
+    """Return a ruled surface, or its offset: the envelope of cylinders about its rulings.
 
     Parameters
     ----------
@@ -155,6 +160,7 @@ def ruled(lines: Function(1), *, offset: Coordinate = 0.0):
 
     def surface(s, t):
         point, velocity, direction, turn = vectors("lines", lines(s), 4, s)
+        # The derivatives by s and t are velocity + t turn and the direction.
         n = unit_vector(cross_product(add(velocity, times(t, turn)), direction))
         return add(point, times(t, direction), times(offset, n))
 
@@ -235,7 +241,7 @@ def saddle(s: Varying):
 
 @checked
 def helicoid(s: Varying, pitch: Coordinate = 1.0):
-    """Return lines across the x axis that move along it as they turn, for `ruled`.
+    """Return lines that cross the x axis and move along it as they turn, for `ruled`.
 
     Parameters
     ----------
@@ -257,7 +263,7 @@ def helicoid(s: Varying, pitch: Coordinate = 1.0):
 
 @checked
 def helix_lines(s: Varying, twist: Angle = 0.0, pitch: Coordinate = 0.4):
-    """Return lines from a helix: its tangents, turned in the osculating planes, for `ruled`.
+    """Return the tangents of a helix, turned in the osculating planes, for `ruled`.
 
     Parameters
     ----------
@@ -276,6 +282,7 @@ def helix_lines(s: Varying, twist: Angle = 0.0, pitch: Coordinate = 0.4):
     c = np.cos(twist)
     d = np.sin(twist)
     point, velocity, acceleration = helix(s, pitch)
+    # On a helix velocity and acceleration are at right angles: they span the osculating plane.
     jerk = [np.sin(s), -np.cos(s), 0 * s]
     direction = add(times(c, velocity), times(d, acceleration))
     return point, velocity, direction, add(times(c, acceleration), times(d, jerk))
@@ -313,6 +320,7 @@ def turning(
         d = np.sin(rate * v + start)
         p = np.cos(lean)
         q = np.sin(lean)
+        # The second axis leans a right angle more than the first, the third is level.
         axes = [q * c, q * d, p + 0 * v], [p * c, p * d, -q + 0 * v], [-d, c, 0 * v]
         at = coordinates("vertex", vertex(v), v)
         return at, coordinates("velocity", velocity(v), v), axes, [0 * v, 0 * v, rate + 0 * v]

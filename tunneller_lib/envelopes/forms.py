@@ -28,6 +28,7 @@ def derivative_along(f, angle, e, w=0):
     c, s = np.cos(angle), np.sin(angle)
     degree = e + w
     form = [derivative(f, degree - k, k)[:, None] for k in range(degree + 1)]
+    # Each way takes one index of the symmetric tensor of derivatives: a degree less is left.
     for x, y in [(c, s)] * e + [(-s, c)] * w:
         form = [x * first + y * second for first, second in pairwise(form)]
     return form[0]
@@ -36,6 +37,7 @@ def derivative_along(f, angle, e, w=0):
 def frobenius(f, degree):
     """Return the Frobenius norms (n,) of a jet's tensors of derivatives of one degree."""
     form = [derivative(f, degree - k, k) for k in range(degree + 1)]
+    # As often as a derivative is an entry of the tensor: binomial coefficients.
     weights = np.cumprod([1.0, *((degree - k) / (k + 1) for k in range(degree))])
     return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form, strict=True)))
 

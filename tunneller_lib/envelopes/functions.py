@@ -1,13 +1,11 @@
 """What callers may give for a function or for its variables, and what such functions must answer.
 
-An exception that a caller's own function raises passes through as it is: the fault is to be seen
-where it lies. What the function answers is looked at once a call, never within the arithmetic.
+An exception that a caller's own function raises passes through as it is, so that the fault is seen
+where it lies. What the function answers is checked once a call, never within the arithmetic.
 """
 
 import inspect
 from collections.abc import Callable
-from functools import lru_cache
-from types import FunctionType, MethodType
 from typing import Annotated
 
 import numpy as np
@@ -25,7 +23,9 @@ def Function(count):
     wanted = "one argument" if count == 1 else f"{count} arguments"
 
     def check(name, value):
-        if not callable(value) or not _takes(value, count):
+        # Classes make no numbers, and what is built into Python, as `math.sin`, takes no jets.
+        no_function = isinstance(value, type) or inspect.isbuiltin(value) or not callable(value)
+        if no_function or not _takes(value, count):
             raise ValueError(f"{name}: must be a function of {wanted}; got {shown(value)}.")
         return value
 
@@ -33,64 +33,18 @@ def Function(count):
 
 
 def _takes(function, count):
-    # Classes make no numbers, and what is built into Python, as those of `math`, takes no jets.
-    if isinstance(function, type) or inspect.isbuiltin(function):
-        return False
-    if isinstance(function, MethodType) and isinstance(function.__func__, FunctionType):
-        # A shape's method is asked for at every point; the functions of classes aren't many.
-        return _method_binds(function.__func__, count + 1)
-    return _binds(function, count)
-
-
-def _binds(function, count):
     try:
         inspect.signature(function).bind(*[None] * count)
     except TypeError:
         return False
-    except ValueError:  # one of numpy's, without a signature to ask
+    except ValueError:  # one of numpy's, which has no signature to ask
         return True
     return True
 
 
-_method_binds = lru_cache(32)(_binds)
-
-
 def _varying(name, value):
+    """Return `value`, a jet or an array; a jet's numbers are the caller's own."""
     return value if isinstance(value, Jet) else bounded_array(name, value)
-
-
-class _Three(list):
-    """Three coordinates, with the shape of the points that they are of."""
-
-    @property
-    def shape(self):
-        return np.broadcast_shapes(*map(np.shape, self))
-
-
-def _three(name, value):
-    try:
-        x, y, z = value
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: must hold three coordinates; got {shown(value)}.") from None
-    three = _Three(_varying(f"{name}[{i}]", part) for i, part in enumerate((x, y, z)))
-    shapes = [np.shape(part) for part in three]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError:
-        came = ", ".join(map(str, shapes))
-        raise ValueError(f"{name}: the coordinates must broadcast; got {came}.") from None
-    return three
-
-
-def _normals(name, value):
-    three = _three(name, value)
-    x, y, z = (part.value if isinstance(part, Jet) else part for part in three)
-    length = np.sqrt(x * x + y * y + z * z)
-    if not np.all(np.abs(length - 1) <= _UNIT):
-        raise ValueError(f"{name}: must have the length 1; got one that hasn't.")
-    if not np.all(z + 1 > 0):
-        raise ValueError(f"{name}: must not be (0, 0, -1), which has no point; got one that is.")
-    return three
 
 
 def _are_units(array):
@@ -98,16 +52,14 @@ def _are_units(array):
 
 
 Centre = Array("(2,) float", last="x, y")
-Three = Annotated[list, Rule("(...) float or Jet, three of them", _three)]
-UnitThree = Annotated[list, Rule("(...) float or Jet, three of them", _normals)]
 UnitVectors = Array("(..., 3) float", last="x, y, z", also=("have the length 1", _are_units))
 Varying = Annotated[ArrayLike | Jet, Rule("(...) float or Jet", _varying)]
 
 
 def coordinates(name, value, like):
-    """Return the three coordinates that the caller's function `name` answered.
+    """Return the three coordinates that the caller's function `name` answered to `like`.
 
-    Each must be a number, an array or a jet that goes with the points of `like`, its argument.
+    Each must be a number, an array or a jet that goes with the points of `like`.
     """
     try:
         x, y, z = value
@@ -123,9 +75,9 @@ def coordinates(name, value, like):
 
 
 def vectors(name, value, count, like):
-    """Return the `count` vectors of the answer `value` of the caller's function `name`.
+    """Return the `count` vectors in the `value` that the caller's function `name` answered.
 
-    Each is of three coordinates that go with the points of `like`, as those of `coordinates`.
+    Each holds three coordinates that go with the points of `like`, as for `coordinates`.
     """
     try:
         every = list(value)
@@ -146,7 +98,7 @@ def one_number(name, value, like):
 
 
 def as_jet(value, like):
-    """Return what a function answered to the jet `like` as a jet: a constant is one, too."""
+    """Return what a function answered to the jet `like` as a jet, a constant without slopes."""
     return value if isinstance(value, Jet) else like * 0.0 + real("value", value)
 
 

@@ -23,22 +23,25 @@ from .binary_forms import (
 NOISE = 1e-12  # of what second derivatives are made from, below which they are none
 
 
-def normal_over(x, y):
-    """Return the components of the normal that `isotropic.normal` returns, of NaN, too."""
+def normal(x, y):
+    """Return the components of the unit normal of the planes over a place (Eq. 21)."""
     p = x * x + y * y + 1
     return 2 * x / p, 2 * y / p, 2 / p - 1
 
 
-def contact_over(x, y, f, fx, fy):
-    """Return what `isotropic.contact_point` returns of x, y, f, fx and fy, of NaN, too."""
+def contact_point(x, y, f, fx, fy):
+    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
+
+    `f`, `fx`, `fy` are the function and its derivatives there; all lengths are in m.
+    """
     p = x * x + y * y + 1
-    # Eqs 18 and 19 for r1 and r2, which says the same as the printed matrix.
+    # The third coordinate as printed; r1 and r2 by Eqs 18 and 19, which take fewer products.
     r3 = 2 * (x * fx + y * fy - f) / p
     return x * r3 - fx, y * r3 - fy, r3
 
 
-def seen_in_model(r, n):
-    """Return what `isotropic.isotropic_derivatives` returns, of NaN, too."""
+def isotropic_derivatives(r, n):
+    """Return x, y, f, fx, fy by points of a surface and unit normals there (Eqs 17 to 19)."""
     below = n[2] + 1
     x, y = n[0] / below, n[1] / below
     f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
@@ -109,8 +112,8 @@ def model_forms(x, y, f):
     c + d to d/(p + d conj(c)), where p = 1 + |c|^2, and divides heights by |p + d conj(c)|^2/p.
     """
     p = x * x + y * y + 1
-    contact = contact_over(x, y, f[0], f[1], f[2])
-    third = normal_over(x, y)
+    contact = contact_point(x, y, f[0], f[1], f[2])
+    third = normal(x, y)
     first = (1 - x * third[0], -x * third[1], -third[0])
     second = (-y * third[0], 1 - y * third[1], -third[1])
     half = contact[2] / 2

@@ -1,4 +1,8 @@
-"""All cones of revolution in third-order contact with a surface (Envelopes, section 5)."""
+"""All cones of revolution in third-order contact with a surface (Envelopes, section 5).
+
+At each point `cone_loops` finds the directions of the cones in the adapted frame. Here they become
+cones in space, with a verdict on gouging.
+"""
 
 import math
 from dataclasses import dataclass
@@ -12,17 +16,15 @@ from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from . import cone_loops
 from .adapted import FLAT, MOST
-from .circle_roots import real_zeros
 from .cone_pose import ConePose, TouchingCone
-from .forms import derivative_along, frobenius
 from .functions import Function, as_jet, coordinates, one_number
 from .graph_forms import NOISE
 from .jet import jet_variables
 
 BLOCK = 1000  # points at a time, whose jets fit the cache
-FEW = 12  # points that plain Python has done before numpy begins
-# s that compiled loops save at each of many points, and of few: a fifth of them, since compiling
-# takes five times as long as that of other loops.
+FEW = 12  # points, up to which plain Python is faster than numpy
+# s that compiled loops save a point, of many points and of few, divided by five: these loops take
+# five times as long to compile as others.
 EACH_OF_MANY, EACH_OF_FEW = 4e-6, 6e-5
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
 
@@ -233,7 +235,8 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
     count = there.sum(axis=-1)
     # The cubic's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
     state[regular & (count == 0)] = "spherical"
-    # From here on a row is a cone: `point` is its point's, `row` its place among that one's.
+    # From here on a row is a cone: `point` is its point's number, `row` its place among the six
+    # there.
     point, row = np.nonzero(there)
     c, s = e_c[point, row], e_s[point, row]
     by_angle = np.lexsort((np.arctan2(s, c), point))
@@ -271,55 +274,4 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
         multiplicity[point, row].astype(int),
         count,
         state,
-    )
-
-
-def third_order(f, rho):
-    """Return all directions of cones in contact of order 3, and their multiplicities.
-
-    Parameters
-    ----------
-    f : Jet
-        In adapted frames, at n points.
-    rho : float
-        cot(half_angle)/2.
-
-    Returns
-    -------
-    angle : (n, 6) float
-        Angles of e in the tangent planes, in rad, NaN-padded; none where every one would do.
-    multiplicity : (n, 6) int
-        How many fell together.
-    """
-
-    def cubic(a):
-        return rho * derivative_along(f, a, 3) + 3 * derivative_along(f, a, 1, 1)
-
-    return real_zeros(cubic, 3, unit=rho * frobenius(f, 3) + 3 * frobenius(f, 2))
-
-
-def order_four(f, angle, rho):
-    """Return f_ee and the residual of fourth-order contact over the sum of its terms.
-
-    Parameters
-    ----------
-    f : Jet
-        In adapted frames, at n points.
-    angle : (n, m) float
-        Direction angles of e, in rad; NaN gives NaN.
-    rho : float
-        cot(half_angle)/2.
-
-    Returns
-    -------
-    fee : (n, m) float
-        In m.
-    residual : (n, m) float
-        Eq. 12, from -1 to 1.
-    """
-    # All terms may vanish together: then rounding is compared with the jet as a whole.
-    whole = rho**2 * frobenius(f, 4) + 6 * rho * frobenius(f, 3) + 3 * frobenius(f, 2)
-    forms = [f.c[first:last, :, None] for first, last in ((3, 6), (6, 10), (10, 15))]
-    return cone_loops.order_four_along(
-        forms, rho, 1e-3 * whole[:, None], np.cos(angle), np.sin(angle)
     )

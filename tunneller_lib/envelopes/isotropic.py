@@ -8,8 +8,8 @@ import numpy as np
 
 from ..arguments import Angles, Directions, Lengths, Points, Reals, checked
 from ..kernels.exact import dot, norm
-from .functions import Function, Three, UnitThree, UnitVectors, Varying, one_number
-from .graph_forms import contact_over, normal_over, seen_in_model
+from .functions import Function, UnitVectors, one_number
+from .graph_forms import contact_point, normal
 from .jet import derivative, jet_variables
 
 
@@ -77,23 +77,6 @@ def point_to_plane(point: Points):
 
 
 @checked
-def normal(x: Varying, y: Varying):
-    """Return the unit normal of the planes over a place of the model (Eq. 21).
-
-    Parameters
-    ----------
-    x, y : (...) float or Jet
-        The place.
-
-    Returns
-    -------
-    n : tuple of three
-        Components, arrays or jets as x and y.
-    """
-    return normal_over(x, y)
-
-
-@checked
 def sphere_point(centre: Points, radius: Lengths, x: Reals, y: Reals):
     """Return the third coordinate of the paraboloid that stands for a sphere (Eq. 7).
 
@@ -114,25 +97,6 @@ def sphere_point(centre: Points, radius: Lengths, x: Reals, y: Reals):
     """
     m1, m2, m3 = np.moveaxis(centre, -1, 0)
     return (radius + m3) / 2 * (x * x + y * y) - m1 * x - m2 * y + (radius - m3) / 2
-
-
-@checked
-def contact_point(x: Varying, y: Varying, f: Varying, fx: Varying, fy: Varying):
-    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
-
-    Parameters
-    ----------
-    x, y : (...) float or Jet
-        Place in the isotropic model.
-    f, fx, fy : (...) float or Jet
-        The function and its first derivatives there, in m.
-
-    Returns
-    -------
-    r : tuple of three
-        Coordinates in m.
-    """
-    return contact_over(x, y, f, fx, fy)
 
 
 @checked
@@ -163,27 +127,10 @@ def surface_points(f: Function(2), x: Reals, y: Reals):
         jet = one_number("f", f(s, t), s) + 0.0 * s  # a constant is a function, too
         fx = derivative(jet, 1, 0)
         fy = derivative(jet, 0, 1)
-        points = np.stack(contact_over(x, y, jet.value, fx, fy), axis=-1)
+        points = np.stack(contact_point(x, y, jet.value, fx, fy), axis=-1)
     if not np.all(np.isfinite(points)):
         raise ValueError("f: must be defined and smooth at every place; got one where it isn't.")
     return points
-
-
-@checked
-def isotropic_derivatives(r: Three, n: UnitThree):
-    """Return x, y, f, fx, fy from points of a surface and unit normals there (Eqs 17 to 19).
-
-    Parameters
-    ----------
-    r, n : (...) float or Jet, three of them
-        Points, in m, and oriented unit normals other than (0, 0, -1).
-
-    Returns
-    -------
-    x, y, f, fx, fy : (...) float or Jet
-        The place in the isotropic model, the function there and its derivatives.
-    """
-    return seen_in_model(r, n)
 
 
 @checked
@@ -212,6 +159,7 @@ def cone_planes(vertex: Points, axis: Directions, half_angle: Angles, azimuth: A
     first = np.cross(axis, away)
     first = first / norm(first)[..., None]
     second = np.cross(axis, first)
+    # The normals lean from the axis by the complement of the half-angle.
     round_ = np.cos(azimuth)[..., None] * first + np.sin(azimuth)[..., None] * second
     n = np.sin(half_angle)[..., None] * axis + np.cos(half_angle)[..., None] * round_
     return n, -dot(n, vertex)
@@ -263,4 +211,5 @@ def cone_rulings(axis: Directions, half_angle: Angles, azimuth: Angles):
     axis = axis / norm(axis)[..., None]
     n, _ = cone_planes(np.zeros(3), axis, half_angle, azimuth)
     half_angle = half_angle[..., None]
+    # In the plane of axis and normal the ruling is the unit vector at right angles to the normal.
     return (axis - np.sin(half_angle) * n) / np.cos(half_angle)

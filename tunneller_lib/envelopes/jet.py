@@ -4,14 +4,13 @@ A function built from ordinary arithmetic and numpy's elementary functions, call
 arguments, returns its Taylor polynomial: all derivatives to that order, without differences.
 """
 
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
 from math import factorial
 
 import numpy as np
 
 from ..arguments import Reals, Whole, checked
-from . import elementary
 
 ORDER = 4
 HIGHEST = 5
@@ -25,6 +24,7 @@ EXPONENTS = _ALL[: _COUNT[ORDER]]
 
 def _pairs(order):
     """Return which pairs of coefficients belong to a product's, and where each one's begin."""
+    # A product's coefficient of one place is the sum over all pairs whose exponents add up to it.
     every = _ALL[: _COUNT[order]]
     pairs = sorted(
         (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
@@ -51,8 +51,8 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     Notes
     -----
-    Works with numbers, arrays of one value a point, + - * / ** and the numpy functions of
-    `_FUNCTIONS`. Where a function isn't smooth the coefficients are NaN or infinite, as numpy's.
+    Jets go with numbers, with arrays of one value a point, with + - * / ** and with the numpy
+    functions of `_FUNCTIONS`. Where a function isn't smooth the coefficients are NaN or infinite.
 
     Examples
     --------
@@ -81,8 +81,8 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     @cached_property
     def reciprocal(self):
-        """Return 1 over the jet; kept, since several functions are often divided by one."""
-        return series(self, elementary.reciprocal(self.value))
+        """Return 1 over the jet, kept for the next division by it."""
+        return series(self, _reciprocal(self.value))
 
     @checked
     def derivative(self, i: Whole(0, HIGHEST), j: Whole(0, HIGHEST)):
@@ -114,7 +114,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         with np.errstate(all="ignore"):
             return function(*arguments)
 
-    # What `__array_ufunc__` does, without numpy's way there, which takes as long as the work.
+    # The same as by `__array_ufunc__`, without numpy's way there, which takes as long as the work.
 
     def __add__(self, other):
         with np.errstate(all="ignore"):
@@ -146,7 +146,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         with np.errstate(all="ignore"):
             return _divide(other, self)
 
-    # A jet is a value: `jet += 1` gives the name to another one.
+    # A jet is a value: `jet += 1` makes another one, since a caller may still hold the first.
     __iadd__ = __add__
     __isub__ = __sub__
     __imul__ = __mul__
@@ -155,12 +155,12 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
 
 def derivative(f, i, j):
-    """Return what `Jet.derivative` does, for inner loops, whose orders are sound."""
+    """Return what `Jet.derivative` does, unchecked: for inner loops."""
     return factorial(i) * factorial(j) * f.c[_PLACE[i, j]]
 
 
 def places(f):
-    """Return where in a jet's coefficients each pair of exponents is."""
+    """Return the place in a jet's coefficients of each pair of exponents."""
     return {exponents: _PLACE[exponents] for exponents in _ALL[: len(f.c)]}
 
 
@@ -220,6 +220,7 @@ def compose(jets, s, t):
     composed : list of Jet
         Functions of the new variables, to the order that all of them have.
     """
+    # All products s^i t^j, each from one before; the values are added last, as s and t have none.
     powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
     every = _ALL[: len(s.c)]
     with np.errstate(all="ignore"):
@@ -345,20 +346,15 @@ def _power(a, p):
             result = _multiply(result, result)
             result = _multiply(result, a) if bit == "1" else result
         return result
-    return series(a, elementary.power(a.value, p))
-
-
-def _arctan2(y, x):
-    y, x = _both(y, x)
-    angle = np.arctan2(y.value, x.value)
-    s = np.sin(angle)
-    c = np.cos(angle)
-    # Turned so that the point lies on the first axis, far from the cut of the arctangent.
-    return np.arctan((y * c - x * s) / (x * c + y * s)) + angle
+    # The Taylor coefficients of x^p are those of the binomial series, times x^(p - k).
+    binomial = [1.0]
+    for k in range(HIGHEST):
+        binomial.append(binomial[-1] * (p - k) / (k + 1))
+    return series(a, [b * a.value ** (p - k) for k, b in enumerate(binomial)])
 
 
 def series(a, coefficients):
-    """Return sum of coefficients[n] (a - a0)^n to the order of the jet a, by Horner."""
+    """Return the sum of coefficients[n] (a - a0)^n to the order of the jet a, by Horner's rule."""
     coefficients = coefficients[: a.order + 1]
     step = Jet(a.c.copy())
     step.c[0] = 0.0
@@ -370,8 +366,26 @@ def series(a, coefficients):
     return result
 
 
-def _elementary(coefficients, a):
-    return series(a, coefficients(a.value))
+# ---- Taylor coefficients of functions of one variable, to order 5 ---------------------------
+
+
+def _reciprocal(x):
+    return [(-1) ** n / x ** (n + 1) for n in range(HIGHEST + 1)]
+
+
+def _log(x):
+    return [np.log(x), *((-1) ** (n - 1) / (n * x**n) for n in range(1, HIGHEST + 1))]
+
+
+def _arctan(x):
+    c = 1 / (1 + x * x)
+    last = (x**4 - 2 * x * x + 1 / 5) * c**5
+    return [np.arctan(x), c, -x * c**2, (x * x - 1 / 3) * c**3, (x - x**3) * c**4, last]
+
+
+def _repeated(*derivatives):
+    """Return the coefficients of a function whose derivatives come round again."""
+    return [derivatives[n % len(derivatives)] / factorial(n) for n in range(HIGHEST + 1)]
 
 
 _FUNCTIONS = {
@@ -384,12 +398,18 @@ _FUNCTIONS = {
     np.positive: lambda a: a,
     np.square: lambda a: _multiply(a, a),
     np.sqrt: lambda a: _power(a, 0.5),
-    np.arctan2: _arctan2,
     np.hypot: lambda a, b: np.sqrt(a * a + b * b),
-} | {
-    getattr(np, name): partial(_elementary, getattr(elementary, name))
-    for name in ("reciprocal", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan")
+    np.reciprocal: lambda a: a.reciprocal,
+    np.log: lambda a: series(a, _log(a.value)),
+    np.exp: lambda a: series(a, _repeated(np.exp(a.value))),
+    np.sin: lambda a: series(a, _repeated(*_turns(a.value))),
+    np.cos: lambda a: series(a, _repeated(*_turns(a.value)[1:], np.sin(a.value))),
+    np.arctan: lambda a: series(a, _arctan(a.value)),
 }
+
+
+def _turns(x):
+    return np.sin(x), np.cos(x), -np.sin(x), -np.cos(x)
 
 
 def _names():

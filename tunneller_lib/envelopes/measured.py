@@ -1,4 +1,4 @@
-"""Surfaces through measured points and normals of known noise.
+"""Measured surfaces: points and normals with noise, as in Example 32, and surfaces through them.
 
 Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what
 z is and a normal what its slopes are, so both together are one linear least-squares problem, whose
@@ -10,22 +10,129 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import Length0, NotNegative, Points, Reals, checked
+from ..arguments import (
+    LEAST,
+    MOST,
+    Directions,
+    Length0,
+    NotNegative,
+    Number,
+    Points,
+    Positive,
+    Whole,
+    checked,
+)
 from ..kernels.exact import norm
-from .fit import mean_frame
-from .functions import UnitVectors, Varying
-from .jet import Jet, jet_variables
+from .functions import Centre, Function, UnitVectors, Varying
+from .graph_forms import normal
+from .isotropic import surface_points
+from .jet import Jet
 
 MOST_DEGREE = 16
 LEAST_DEGREE = 4
-MORE = 2  # degrees beyond those that noise lets be seen: what is left out is less than noise
-FEWEST = 250  # planes, and the share, below which none are left out any more: what a polynomial
-SHARE = 4  # follows near an edge of regression is too small a part to speak for the surface
-SIDES = np.arange(8) * np.pi / 4  # rad, of the lines that part the points in halves
+MORE = 2  # degrees above the least that noise allows: what is left out is then less than noise
+FEWEST = 250  # points, fewer than which are not fitted
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
 UNLIKELY = 5.0  # standard deviations of a sum of squares
 ROUNDING = 1e-13  # of the patch, the least error of a point
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
+Slope = Number(-MOST, MOST)
+
+
+@checked
+def tilted(n: UnitVectors, turn: Slope, rng: np.random.Generator):
+    """Return unit normals (..., 3), each turned in a random direction as Example 32 turns them.
+
+    Parameters
+    ----------
+    n : (..., 3) float
+        Unit normals.
+    turn : float
+        The document's r, the tangent of the angle.
+    rng : numpy.random.Generator
+        Draws the directions.
+
+    Returns
+    -------
+    tilted : (..., 3) float
+        Unit normals.
+    """
+    # A normal vector's direction is uniform over the sphere, so this product's is about n.
+    aside = np.cross(rng.normal(size=n.shape), n)
+    n = n + turn * aside / norm(aside)[..., None]
+    return n / norm(n)[..., None]
+
+
+@checked
+def noisy_planes(
+    f: Function(2),
+    place: Centre,
+    rng: np.random.Generator,
+    *,
+    turn: Slope,
+    count: Whole(1, 100_000),
+    reach: Positive,
+):
+    """Return contact points of a graph's planes about a place, and their normals, turned.
+
+    Parameters
+    ----------
+    f : callable
+        Of x and y, in m. What it raises itself passes through.
+    place : (2,) float
+        The middle of the disk of the model over which the planes lie.
+    rng : numpy.random.Generator
+        Draws places and turns.
+    turn : float
+        Of each normal, as for `tilted`.
+    count : int
+        How many planes.
+    reach : float
+        Radius of the disk.
+
+    Returns
+    -------
+    contact : (count, 3) float
+        Where the planes touch the surface before they turn, in m.
+    n : (count, 3) float
+        Unit normals.
+    """
+    angle = 2 * np.pi * rng.random(count)
+    away = reach * np.sqrt(rng.random(count))
+    x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
+    n = np.stack(normal(x, y), axis=-1)
+    return surface_points(f, x, y), tilted(n, turn, rng)
+
+
+@checked
+def mean_frame(n: Directions):
+    """Return a right-handed frame whose third axis is the mean of normals.
+
+    Parameters
+    ----------
+    n : (..., 3) float
+        Normals.
+
+    Returns
+    -------
+    axes : (3, 3) float
+        Three unit vectors in rows.
+
+    Raises
+    ------
+    ValueError
+        If there is no normal, or their mean is zero.
+    """
+    rows = n.reshape(-1, 3)
+    if not len(rows):
+        raise ValueError("n: must hold at least one normal; got none.")
+    third = rows.mean(axis=0)
+    if not np.abs(third).max() >= LEAST:
+        raise ValueError("n: the normals' mean must not be zero; got one that is.")
+    third = third / norm(third)
+    first = np.cross(np.eye(3)[np.argmin(np.abs(third))], third)
+    first = first / norm(first)
+    return np.array([first, np.cross(third, first), third])
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,20 +146,13 @@ class Fit:
     axes : (3, 3) float
         Rows: unit vectors along x, y, z; z is the mean normal.
     reach : float
-        By which x and y are divided, in m: the greatest of them.
+        The greatest x or y of these points, by which both are divided, in m.
     degree : int
         Of the polynomial.
     c : (p,) float
         Coefficients of Chebyshev's products T_i(x) T_j(y), those of a degree together, in m.
-    root : (p, p) float
-        Upper triangular; the covariance of c is the inverse of its transpose times it.
-    place : (k, 2) float
-        x and y of the points that were kept, in m.
-    misfit : float
-        Root of the mean square of what is left, over its error: 1 if that is noise alone; infinite
-        where a normal leans too far from the mean.
     fits : bool
-        Whether it is, as far as noise can be told.
+        Whether what is left of the points and normals is noise of the errors that were given.
     """
 
     origin: np.ndarray
@@ -60,15 +160,11 @@ class Fit:
     reach: float
     degree: int
     c: np.ndarray
-    root: np.ndarray
-    place: np.ndarray
-    misfit: float
     fits: bool
 
     @checked
     def surface(self, x: Varying, y: Varying):
-        """Return the fitted point as three coordinates, for `hyperosculating_cones` with
-        model="space".
+        """Return the fitted point, as `hyperosculating_cones` wants it with model="space".
 
         Parameters
         ----------
@@ -100,31 +196,6 @@ class Fit:
         frame = zip(self.origin, *self.axes, strict=True)
         return [middle + x * a + y * b + z * n for middle, a, b, n in frame]
 
-    @checked
-    def jet_errors(self, x: Reals, y: Reals):
-        """Return standard errors of the Taylor coefficients of z(x, y), from the covariance.
-
-        Parameters
-        ----------
-        x, y : (...) float
-            Places in the frame, in m.
-
-        Returns
-        -------
-        errors : (15, ...) float
-            Of h^i k^j as a `Jet` has them, in m^(1 - i - j).
-        """
-        x, y = np.broadcast_arrays(x, y)
-        turned = np.linalg.solve(self.root, np.eye(len(self.c)))  # its columns' squares add up
-        across, along = (
-            _chebyshev(part / self.reach, self.degree)
-            for part in jet_variables(x.ravel(), y.ravel())
-        )
-        like = 0 * across[1]
-        basis = [(like + across[i] * along[j]).c for i, j in _orders(self.degree)]
-        errors = norm(np.einsum("pcn,pq->cnq", np.array(basis), turned))
-        return errors.reshape(len(errors), *x.shape)
-
 
 @checked
 def fit_surface(
@@ -146,7 +217,7 @@ def fit_surface(
     Returns
     -------
     fit : Fit
-        Through all points, or through a half or a quarter of them that a polynomial can follow.
+        Through all points, or through the inner half, quarter and so on that a polynomial follows.
 
     Raises
     ------
@@ -155,60 +226,33 @@ def fit_surface(
 
     Notes
     -----
-    Envelopes of cones, Example 32, which doesn't say how it fits. The least degree is taken to
-    which no higher one adds more than noise would, and two more, so that what the polynomial leaves
-    out is less than its errors. Where the highest leaves more than noise, as near an edge of
-    regression, the outer half of the points is left out, and once more. Where that won't do, those
-    on one side of a line through the middle are, in one of eight directions: the first half that a
-    polynomial can follow is kept, or, if none, a half of the one that it follows best.
+    Envelopes of cones, Example 32, which doesn't say how it fits. The degree is two above the
+    least to which no higher one adds more than noise would, so that what the polynomial leaves out
+    is less than its errors. Where even degree 16 leaves more than noise, the outer half of the
+    points is left out, as long as 250 remain.
 
     Examples
     --------
     >>> from tunneller_lib.envelopes.families import cyclide
-    >>> from tunneller_lib.envelopes.isotropic import normal, surface_points
-    >>> x, y = np.random.default_rng(0).uniform(0.3, 0.6, (2, 800))
-    >>> data = surface_points(cyclide, x, y), np.stack(normal(x, y), axis=-1)
-    >>> found = fit_surface(*data, contact_error=1e-6, normal_error=1e-6)
-    >>> found.fits, len(found.place)
-    (True, 800)
+    >>> planes = {"turn": 1e-6, "count": 800, "reach": 0.15}
+    >>> data = noisy_planes(cyclide, (0.45, 0.45), np.random.default_rng(0), **planes)
+    >>> fit_surface(*data, contact_error=0.0, normal_error=1e-6).fits
+    True
     """
     contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))
     if len(contact) < FEWEST:
         raise ValueError(f"contact: must be at least {FEWEST} points; got {len(contact)}.")
-    fewest = max(FEWEST, len(contact) // SHARE)
-    for halves in (_inner_half, _halves):  # first the middle, which is farthest from all edges
-        kept = contact, n
-        found = _fitted(*kept, contact_error, normal_error)
-        while not found.fits and len(kept[0]) >= 2 * fewest:
-            tried = []
-            for half in halves(found.place):
-                part = kept[0][half], kept[1][half]
-                tried.append((_fitted(*part, contact_error, normal_error), part))
-                if tried[-1][0].fits:
-                    break
-            found, kept = min(tried, key=lambda one: one[0].misfit)
-        if found.fits:
-            break
-    return found
-
-
-def _inner_half(place):
-    """Yield which of some places (n, 2) are in the inner half."""
-    away = np.sum(((place - place.mean(axis=0)) / np.ptp(place, axis=0)) ** 2, axis=-1)
-    yield away <= np.median(away)
-
-
-def _halves(place):
-    """Yield which of some places (n, 2) are in the inner half, then which on a side of a line."""
-    yield from _inner_half(place)
-    place = (place - place.mean(axis=0)) / np.ptp(place, axis=0)
-    for side in SIDES:
-        along = place @ [np.cos(side), np.sin(side)]
-        yield along <= np.median(along)
+    fit, place = _fitted(contact, n, contact_error, normal_error)
+    while not fit.fits and len(contact) >= 2 * FEWEST:
+        away = np.sum(((place - place.mean(axis=0)) / np.ptp(place, axis=0)) ** 2, axis=-1)
+        inner = away <= np.median(away)
+        contact, n = contact[inner], n[inner]
+        fit, place = _fitted(contact, n, contact_error, normal_error)
+    return fit
 
 
 def _fitted(contact, n, contact_error, normal_error):
-    """Return the fit to all of some points and normals."""
+    """Return the fit to all of some points and normals, and the points' places (k, 2) in it."""
     axes = mean_frame(n)
     origin = contact.mean(axis=0)
     local = (contact - origin) @ axes.T
@@ -219,22 +263,21 @@ def _fitted(contact, n, contact_error, normal_error):
     off = max(contact_error, ROUNDING * reach)
     matrix, right = _equations(local, n, reach, off, max(normal_error, ROUNDING))
     q, root = np.linalg.qr(matrix)
-    image = q.T @ right  # its squares are by how much each coefficient lessens what is left
+    # The columns of q are orthonormal: each coefficient's square is by how much it lessens the
+    # squares that are left, in the order of degrees.
+    image = q.T @ right
     left = np.sum((right - q @ image) ** 2)
     free = len(right) - len(image)
-    # A sum of as many squares of noise is their number, give or take the root of twice that.
-    steep = n[:, 2].min() <= STEEP
-    fits = not steep and left < free + UNLIKELY * np.sqrt(2 * free)
+    # The sum of as many squares of noise is about their number, give or take the root of twice it.
+    fits = n[:, 2].min() > STEEP and left < free + UNLIKELY * np.sqrt(2 * free)
     degree = _degree(image)
     count = _count(degree)
-    root = root[:count, :count]
-    c = np.linalg.solve(root, image[:count])
-    misfit = np.inf if steep else np.sqrt(left / free)
-    return Fit(origin, axes, reach, degree, c, root, local[:, :2], misfit, bool(fits))
+    c = np.linalg.solve(root[:count, :count], image[:count])
+    return Fit(origin, axes, reach, degree, c, bool(fits)), local[:, :2]
 
 
 def _equations(local, n, reach, contact_error, normal_error):
-    """Return the matrix and the right side of z's equations, over their errors.
+    """Return the matrix and the right side of the polynomial's equations, over their errors.
 
     A normal that turns by a small angle changes the slope along the gradient by that times
     1 + |gradient|^2, and the slope across by that times the root.

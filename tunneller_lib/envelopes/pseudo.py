@@ -1,8 +1,8 @@
 """A surface with a double cone at every point that no cone envelops (Envelopes, Problem 15).
 
 It settles the document's Problem 15: Eqs 9, 11, 12 and 14 hold on all of it, and yet no conic of
-that half-angle lies in the graph. All its functions are of r, the distance from the origin of the
-isotropic model, where the graph is one of revolution, f = g(r).
+that half-angle lies in the graph. The graph in the isotropic model is one of revolution, f = g(r),
+with r the distance from the origin.
 """
 
 import numpy as np

@@ -7,15 +7,14 @@ import numpy as np
 
 from ..arguments import Coordinate, HalfAngle, Reals, checked
 from .adapted import FLAT, adapted_frames, isotropic_jet, sound, tangent_graph
-from .conditions import asked, tells, two_conditions
 from .evidence import LEAST_POINTS, SHARP, Evidence, spread_in_two, weigh
 from .functions import Function
 from .jet import HIGHEST, ORDER
-from .residuals import residual, ruled_residual
+from .kinds import KINDS
 from .rough import RUNS, errors, rough_frames
-from .sizes import searched
+from .sizes import asked, given, searched
 
-TORSAL = 1e-10  # |K|/|II|^2, below which a point has a ruling without more ado
+TORSAL = 1e-10  # |K|/|II|^2, below which a point counts as one with a ruling
 
 
 @dataclass(frozen=True)
@@ -90,10 +89,10 @@ def recognise(
     ------
     ValueError
         If `surface` is no function of two variables or returns something else; if there are
-        fewer points, one where the surface isn't defined and smooth, or, for all
-        kinds but the first two, one of Gaussian curvature 0 or infinite, where planes are no model
-        of it, or with derivatives above 1e90; or if an option doesn't belong to the kind or is out
-        of range.
+        fewer points, one where the surface isn't defined and smooth, or one with derivatives above
+        1e90; for all kinds but the first two if at fewer than 12 points the Gaussian curvature is
+        neither 0 nor infinite, where planes are no model of the surface; or if an option doesn't
+        belong to the kind or is out of range.
 
     Notes
     -----
@@ -104,12 +103,12 @@ def recognise(
     solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
     only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
     all: a radius or half-angle that isn't given must be the same at all points and have the
-    gradient zero at each, see `steady`; of one that is given see `tells`. The
-    residual is the least over the directions that solve the
-    lower-order conditions, over the size of its terms, so that it has no unit. A developable
-    surface counts as ruled. A surface may be enveloped by cones of several angles, as those of
-    revolution are, and in a small window two near each other may both pass: one that fits best is
-    returned, and the reason names the others.
+    gradient zero at each, see `Envelope.steadiness`; of one that is given see `sizes.given`. The
+    residual is the least over the directions that solve the lower-order conditions, over the size
+    of its terms, so that it has no unit. A developable surface counts as ruled. A surface may be
+    enveloped by cones of several angles, as those of revolution are, and in a small window two
+    angles near each other may both pass: the one that fits best is returned, and the reason names
+    the others.
 
     Examples
     --------
@@ -136,26 +135,25 @@ def recognise(
             "surface: must be defined and smooth at every point; got one that isn't "
             f"at ({s.flat[i]}, {t.flat[i]})."
         )
-    order = HIGHEST if kind == "cone" and half_angle is None else ORDER
+    size = half_angle if kind == "cone" else radius
+    order = HIGHEST if kind == "cone" and size is None else ORDER
     rough = rough_frames(surface, s.ravel(), t.ravel(), model, order)
-    asked_size = half_angle if kind == "cone" else radius
     # A developable surface's normals lie on a curve by themselves.
     normals = None if kind in ("developable", "ruled") else found.axes[:, 2]
     spread = spread_in_two(s.ravel(), t.ravel(), normals)
     if kind == "developable":
-        evidence = _flat(rough)
-        return _judged(kind, [evidence], spread, float(found.curvature.max()))
+        return _judged(kind, [_flat(rough)], spread, float(found.curvature.max()))
     if kind == "ruled":
-        # Where K = 0 there is a ruling without more ado, and no second asymptotic direction.
+        # Where K = 0 there is always a ruling, and no second asymptotic direction to look for.
         curved = found.curvature > TORSAL
         g = tangent_graph(found, curved)
         _check_sound(g)
         evidence = _flat(rough)
         if curved.any():
             off = errors(tangent_graph(rough, np.tile(curved, RUNS)))
-            of_curved = weigh(two_conditions("ruled", g, off), SHARP)
+            of_curved = weigh(KINDS[kind].conditions(g, off), SHARP)
             evidence = _with(evidence, curved, of_curved)
-        return _judged(kind, [evidence], spread, ruled_residual(g))
+        return _judged(kind, [evidence], spread, KINDS[kind].residual(g, None)[0])
     flat = found.curvature <= FLAT
     if np.count_nonzero(~flat) < LEAST_POINTS:
         i = np.argmin(found.curvature)
@@ -166,23 +164,17 @@ def recognise(
     f = isotropic_jet(found, ~flat)
     _check_sound(f)
     runs = isotropic_jet(rough, np.tile(~flat, RUNS))
-    off = errors(runs)
-    left, found_size = residual(kind, f, asked_size)
-    size = {"half_angle" if kind == "cone" else "radius": found_size}
+    left, best = KINDS[kind].residual(f, size)
     others = []
-    given = asked_size is not None or kind == "channel"
-    if given:
-        evidence = asked(kind, f, off, asked_size, 0.0, SHARP)
-        if asked_size is not None:
-            several = evidence.several & ~evidence.agrees[:, None]
-            evidence = evidence._replace(
-                agrees=evidence.agrees & tells(kind, runs, evidence, asked_size), several=several
-            )
-        tried = [evidence]
+    if kind == "channel":
+        tried = [asked(KINDS[kind], f, errors(runs), None, 0.0, SHARP)]
+        return _judged(kind, tried, spread, left)
+    if size is not None:
+        tried = [given(KINDS[kind], f, runs, size)]
     else:
         window = np.linalg.norm(np.ptp(found.axes[:, 2], axis=0))
-        tried, size, others = searched(kind, f, off, runs, window, size)
-    return _judged(kind, tried, spread, left, others, **size)
+        tried, best, others = searched(KINDS[kind], f, runs, window, best)
+    return _judged(kind, tried, spread, left, others, **{KINDS[kind].measure: best})
 
 
 def _check_sound(jet):
@@ -193,12 +185,15 @@ def _check_sound(jet):
 
 
 def _judged(kind, tried, spread, residual, others=(), **size):
-    """Return the recognition by the evidence for each size that was tried, some of which passed."""
+    """Return the recognition by the evidence for each size that was tried, the best first.
+
+    `others` are sizes that pass as well as the one that is found.
+    """
     refuted = [evidence.refutes.any() for evidence in tried]
     if all(refuted):
         reason = "a point differs by more than its error, whatever the size of the tool"
         return Recognition(kind, "is not", f"{reason}.", residual, **size)
-    evidence = tried[refuted.index(False)]
+    evidence = tried[refuted.index(False)]  # of the best size that no point refutes
     if not spread:
         reason = "the points lie on one curve, or nearly, of the surface or of its normals"
         return Recognition(kind, "cannot tell", f"{reason}.", residual, **size)
@@ -208,11 +203,9 @@ def _judged(kind, tried, spread, residual, others=(), **size):
         if others:  # as of surfaces of revolution, or where a window is too small to tell them
             reason += f"; so they do with {', '.join(f'{other:.6g}' for other in others)}"
         return Recognition(kind, "is", f"{reason}.", residual, **size)
-    if (
-        kind == "cone"
-        and _only_passing(evidence) >= LEAST_POINTS
-        and sum(refuted) == len(tried) - 1
-    ):
+    # Points at which all common solutions are multiple and don't stay, as only cones have them.
+    passing = np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
+    if kind == "cone" and passing >= LEAST_POINTS and sum(refuted) == len(tried) - 1:
         reason = "cones fall together at every point, and those don't stay on the surface"
         return Recognition(kind, "is not", f"{reason}.", residual, **size)
     reason = (
@@ -221,13 +214,9 @@ def _judged(kind, tried, spread, residual, others=(), **size):
     return Recognition(kind, "cannot tell", f"{reason}.", residual, **size)
 
 
-def _only_passing(evidence):
-    """Return at how many points all common solutions are multiple and don't stay."""
-    return np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
-
-
 def _flat(rough):
-    """Return the evidence for a curvature 0."""
+    """Return the points' evidence for a Gaussian curvature 0."""
+    # The error is ten times the greatest deviation of the runs, and some roundings.
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
     off = 10 * np.abs(every - value).max(axis=0) + 1e-15

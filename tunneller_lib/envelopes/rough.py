@@ -1,9 +1,9 @@
-"""What rounding may do to a surface's derivatives, by random rounding.
+"""What rounding may do to a surface's derivatives, found by rounding at random.
 
-The same jets are found several times, with every operand of every operation of the caller's
-function turned in its last digit at random. How far the results scatter is how far rounding takes
-them (Vignes, Mathematics and Computers in Simulation 35, 1993, p. 233). Bounds by interval
-arithmetic are a million times too wide here: a jet's coefficients depend on each other.
+The same jets are computed several times, with every operand of every operation of the caller's
+function changed at random in its last digit. The results scatter as far as rounding can take them
+(Vignes, Mathematics and Computers in Simulation 35, 1993, p. 233). Bounds by interval arithmetic
+are a million times too wide here, since a jet's coefficients depend on each other.
 """
 
 import numpy as np
@@ -18,21 +18,21 @@ SAFETY = 10.0  # of the largest deviation that was seen
 
 
 class RoughJet(Jet):
-    """A jet whose coefficients are turned in their last digits whenever they are used.
+    """A jet whose coefficients are changed in their last digits whenever they are used.
 
     Parameters
     ----------
     c : (15, ...) float
         Coefficients, as those of `Jet`.
     rng : numpy.random.Generator
-        Where the digits come from.
+        Draws the digits.
     """
 
     def __init__(self, c, rng):
         super().__init__(c)
         self.rng = rng
 
-    # Operators go by way of numpy, as functions do: those of `Jet` would turn nothing.
+    # Operators go by way of numpy, as functions do: those of `Jet` would change nothing.
     __add__ = NDArrayOperatorsMixin.__add__
     __radd__ = NDArrayOperatorsMixin.__radd__
     __sub__ = NDArrayOperatorsMixin.__sub__
@@ -84,6 +84,6 @@ def errors(jet):
 
 
 def scatter(values):
-    """Return the errors (n, m) of values (RUNS n, m) that were found so."""
+    """Return the errors (n, m) of values (RUNS n, m) that were found `RUNS` times over."""
     every = values.reshape(RUNS, -1, values.shape[-1])
     return SAFETY * np.abs(every - np.median(every, axis=0)).max(axis=0)

@@ -3,9 +3,8 @@
 Needs numpy and scipy alone. Pictures of a cut need matplotlib.
 """
 
-from . import atomic_write, mesh, results
 from .progress import say
 from .reader import read_job
 from .tables import WrongJob
 
-__all__ = ["WrongJob", "atomic_write", "mesh", "read_job", "results", "say"]
+__all__ = ["WrongJob", "read_job", "say"]

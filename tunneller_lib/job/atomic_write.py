@@ -8,7 +8,6 @@ from contextlib import ExitStack, contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
-from ..arguments import checked
 from .progress import say
 from .tables import brief
 
@@ -21,33 +20,11 @@ MANIFEST = "manifest.txt"
 LITTER = {MANIFEST, ".DS_Store", "Thumbs.db"}  # which systems leave where somebody looks
 
 
-@checked
-def check_writable(path: Path):
-    """Raise OSError if a file can't be made or replaced; nothing is made yet.
-
-    Examples
-    --------
-    >>> check_writable(Path("build/wall.stl"))
-    >>> check_writable(Path("/"))
-    Traceback (most recent call last):
-    IsADirectoryError: [Errno 21] is a folder, not a file: '/'
-    """
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "is a folder, not a file", str(path))
-    there = next(folder for folder in path.absolute().parents if folder.exists())
-    if not there.is_dir():
-        why = f"can't be written; {there} is no folder"
-        raise NotADirectoryError(errno.ENOTDIR, why, str(path))
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise PermissionError(errno.EACCES, f"can't be written; {there} is read-only", str(path))
-
-
-@checked
 @contextmanager
-def replacement(path: Path):
-    """Give a path to write to, with the suffix of the wanted one, whose place it takes at the end.
+def replacement(path):
+    """Yield a path beside the wanted one, whose place it takes if all goes well.
 
-    The folder is made where it is missing; what an error left half-written is removed.
+    It has the same suffix. A missing folder is made; after an error the new file is removed.
 
     Examples
     --------
@@ -64,18 +41,17 @@ def replacement(path: Path):
         yield new
         os.replace(new, path)
     except OSError as error:
-        if error.filename in (None, str(new)):  # of a full disk the system names none
+        if error.filename in (None, str(new)):  # a full disk names no file
             error.filename = str(path)
         raise
     finally:
         new.unlink(missing_ok=True)
 
 
-@checked
-def list_files(folder: Path, stamp: str):
-    """Write a folder's manifest, its `stamp` and the digests of its files; return the path.
+def list_files(folder, stamp):
+    """Write a folder's manifest, a `stamp` and the digests of its files; return its path.
 
-    ``sha256sum -c manifest.txt`` checks it.
+    ``sha256sum -c manifest.txt`` checks the files.
     """
     lines = [f"# {stamp}; sha256 of each file:"]
     lines += [f"{_digest(file)}  {file.name}" for file in sorted(folder.iterdir())]
@@ -84,13 +60,11 @@ def list_files(folder: Path, stamp: str):
     return path
 
 
-@checked
 @contextmanager
-def output(path: Path):
-    """Give a new path, whose folder takes the place of what an earlier run left at `path`.
+def output(path):
+    """Yield a new path; the folder made there takes the place of what an earlier run left.
 
-    What is there must be an earlier run's: a folder of files as its manifest lists them, see
-    `list_files`.
+    What lies at `path` must be an earlier run's: a folder of files as its manifest lists them.
 
     Raises
     ------
@@ -99,15 +73,14 @@ def output(path: Path):
 
     Notes
     -----
-    All is written beside, into ``.NAME.tunneller``. At the end the earlier folder is moved in
-    there, the new one to its place, and the rest is removed. A process that is killed leaves the
-    earlier folder or the new one, or none between the two moves: then the next run puts the
+    All is written beside it, into ``.NAME.tunneller``. At the end the earlier folder is moved in
+    there, then the new one to its place, and the rest is removed. A process that is killed leaves
+    the earlier folder, the new one or, between the two moves, neither: the next run then puts the
     earlier one back first. After an error the earlier one is moved to ``NAME.earlier``, so that
-    nobody takes it for what was asked for; after an interrupt it stays.
+    nobody takes it for the result; after an interrupt it stays.
     """
     place = Path(os.path.realpath(path))
     work = place.with_name(f".{place.name}.tunneller")
-    check_writable(work / "lock")
     with _locked(work, path):
         _tidy(work, place)
         if what := _other(place):
@@ -135,7 +108,7 @@ def output(path: Path):
 
 @contextmanager
 def _locked(work, path):
-    """Hold the folder in which an output is made, and remove it at the end."""
+    """Hold the folder in which an output is made, and remove it at the end, if it is empty."""
     made = [folder for folder in work.parents if not folder.exists()]
     while (file := _lock(work, path)) is None:
         pass  # its last holder was removing it
@@ -149,8 +122,15 @@ def _locked(work, path):
 
 
 def _lock(work, path):
-    """Return the lock's file, or None if it isn't there any more; the system frees it at an end."""
-    work.mkdir(parents=True, exist_ok=True)
+    """Return the locked file, or None if another run has just removed it.
+
+    The system frees a lock when its process ends.
+    """
+    try:
+        work.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        error.filename = str(path)
+        raise
     with suppress(FileNotFoundError), ExitStack() as held:
         file = held.enter_context(open(work / "lock", "a"))
         if fcntl:
@@ -166,7 +146,7 @@ def _lock(work, path):
 
 
 def _tidy(work, place):
-    """Remove what a run has left where it worked; an output that it took away is put back."""
+    """Remove what a run has left where it worked, and put back an output that it moved away."""
     if (work / "old").exists() and not place.exists():
         os.rename(work / "old", place)
     for name in ("old", "new"):
@@ -174,7 +154,7 @@ def _tidy(work, place):
 
 
 def _put_aside(place, path):
-    """Move what an earlier run left to a name beside it that is free, and say so."""
+    """Move what an earlier run left to a free name beside it, and say so."""
     names = (f"{place.name}.earlier{number or ''}" for number in count())
     aside = next(name for name in names if not os.path.lexists(place.with_name(name)))
     os.rename(place, place.with_name(aside))
@@ -182,7 +162,7 @@ def _put_aside(place, path):
 
 
 def _other(place):
-    """Return what is there that isn't an earlier run's as it was left; nothing if all is."""
+    """Return what at a place isn't as an earlier run has left it, or "" if all is."""
     if not place.exists():
         return ""
     if not place.is_dir():
@@ -198,7 +178,7 @@ def _other(place):
 
 
 def _listed(folder):
-    """Return the digests of files by their names, as a folder's manifest has them, if any."""
+    """Return the digests of files by name, as a folder's manifest has them, if any."""
     try:
         lines = (folder / MANIFEST).read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError):

@@ -21,15 +21,23 @@ from .reader import Job
 
 FULL = 2**15  # of the time scale
 SLOW = 10e-3  # s between calls of the slow task, or a tick where that is longer
-LONGEST = 2**16 - 1  # ticks of stopping, and counts in a tick: times FULL within 32 bits
+FASTEST = 2**16 - 2  # counts in a tick, whose product with FULL has 32 bits
 RINGS = [2**n for n in range(5, 13)]  # setpoints ahead that may be asked for
 OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
-PLAIN = """rOff := rCount * DINT_TO_LREAL(nSet) - rAt;
-rValve := (aGain[nAxis] * rOff + aForward[nAxis] * rSlope) / aSpeed[nAxis];
-"""
+PLAIN = "rValve := rRate / aSpeed[nAxis];\n"
+# Of each check the key of the job, and what is said of what is found, allowed, and would do.
+CHECKS = {
+    "trip": "[controller] trip: {:.2g} m are needed without a fault; got {:.2g} m, {:.2g} m",
+    "operations": "[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
+    "counts": "[plan] tick: in one a joint moves {:.0f} counts, and may move {}; {:.2g} s",
+    "ticks": "[plan] tick: the run has {} ticks, and the controller counts {}; {:.2g} s",
+    "change": "[plan] tick: a change of time scale takes {:.3g} ticks, and may take {}; {:.2g} s",
+    "stopping": "[plan] tick: to stop takes {} ticks, and may take {}; {:.2g} s",
+    "ring": "[plan] tick: {} setpoints must be ahead, and the controller has room for {}; {:.2g} s",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,24 +47,18 @@ class Program:
     Parameters
     ----------
     text : str
-        In Structured Text, its tables and all.
-    ring : int
-        Setpoints that are ahead at most.
+        In Structured Text, with its tables.
     tick : float
         Period of the fast task, in s.
     slow : int
         Ticks from one call of the slow task to the next.
-    at_once : int
-        Setpoints that such a call prepares at most.
     trip : float
         Following error at the cutter that shuts the valves, in m.
     """
 
     text: str
-    ring: int
     tick: float
     slow: int
-    at_once: int
     trip: float
 
 
@@ -86,12 +88,11 @@ def program(plan: Plan, job: Job):
         raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
     trip = _trip(plan, job)
     parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
-    ends, ticks = _whole_run(plan, parts)
-    _check_counts(plan, parts, ends, ticks)
-    ramps = _ramps(plan, parts, ends, ticks)
+    ends, ticks = _rows(plan, parts)
+    ramps = _ramps(plan, plan.count / parts * ends, ticks)
     stopping = _stopping(plan, ticks, ramps)
-    # To the start position: from where a trip isn't yet and a set-value off by another may be, at
-    # half of the feed at most, and with room to stop.
+    # The way to the start position: from where a trip isn't yet and a set-value off by another may
+    # be, at half of the feed at most, and with room to stop.
     machine = plan.circuit.machine
     way = 2 * np.sqrt(2) * trip
     approach = max(2 * stopping, math.ceil(2 * way / (plan.limits.feed * plan.tick)))
@@ -106,9 +107,9 @@ def program(plan: Plan, job: Job):
     constants = {
         "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
         "rStopping": FULL / stopping, "nFirst": first, "nExit": first + len(plan.ticks),
-        "nRows": len(ramps), "nLaps": plan.laps, "nApproach": approach,
-        "rCount": plan.count, "rPart": plan.count / parts,
-        "rEncoder": float(job.axes[1][0].count or plan.count), "rTick": plan.tick,
+        "nRows": len(ramps), "nLaps": plan.laps, "nApproach": approach, "rCount": plan.count,
+        "rPart": plan.count / parts, "rPace": plan.count / parts / plan.tick,
+        "rEncoder": float(job.axes[1][0].count or plan.count), "rFar": float(MOST // parts),
         "rRingRadius": float(machine.r), "aStart": plan.entry.setpoints[0].tolist(),
         "aTrip": (trip / _arms(machine)).tolist(),  # rad of each joint
         "aTicks": [approach, *ticks.tolist()], "aFree": ramps[:, 0].tolist(),
@@ -116,24 +117,23 @@ def program(plan: Plan, job: Job):
     }  # fmt: skip
     theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
-    text = _text("aSpeed" in theta)
+    text, inverse = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
+                     for name in ("controller", "static_inverse"))  # fmt: skip
+    oil, valve = ("", PLAIN) if "aSpeed" in theta else inverse.split("@\n")
+    for name, part in (("LINE", line_text()), ("OIL", oil), ("VALVE", valve)):
+        text = text.replace(f"@{name}\n", part)
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
     cost = at_once * operations(setpoints)
-    allowed = job.controller.get("operations", OPERATIONS)
-    needs = cost / (slow * plan.tick)
-    if needs > allowed:
-        raise ValueError(
-            f"[controller] operations: the slow task takes {cost} in a call, {needs:.3g} in a "
-            f"second, and {allowed:g} are allowed; {math.ceil(needs)} would do."
-        )
+    second = cost / (slow * plan.tick)
+    _check("operations", second, job.controller.get("operations", OPERATIONS), 1.1 * second)
     tick = round(1e9 * plan.tick)  # ns
     words = {
-        "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "RING": ring,
-        "LAST": ring - 1, "ROWS": len(ramps), "TRIP": f"{1e3 * trip:.2g}", "STOPPING": stopping,
-        "ATONCE": at_once, "COST": cost, "EVERY": _interval(tick), "SELDOM": _interval(slow * tick),
+        "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "LAST": ring - 1,
+        "EVERY": _interval(tick), "SELDOM": _interval(slow * tick), "COST": cost,
+        "TRIP": f"{1e3 * trip:.2g}",
     }  # fmt: skip
     text = re.sub(r"@([A-Z]+)", lambda found: str(words[found[1]]), text)
-    return Program(with_constants(text, constants), ring, plan.tick, slow, at_once, trip)
+    return Program(with_constants(text, constants), plan.tick, slow, trip)
 
 
 def chord_rows(plan):
@@ -145,7 +145,7 @@ def chord_rows(plan):
     """
     torus = plan.circuit.machine.torus
     way = plan.route
-    along = plan.reached[np.concatenate([[0], np.cumsum(plan.ticks)])][1:]
+    along = plan.reached[np.cumsum(plan.ticks)]
     knot, _, _ = way.rounding(along)
     at = plan.circuit.position(way.places)
     at[-1] = at[0]
@@ -162,10 +162,10 @@ def chord_rows(plan):
     share, shift, _ = np.linalg.solve(frame, off[..., None])[..., 0].T
     straight = torus.point(*np.concatenate([plan.entry.setpoints, plan.leave.setpoints[1:]]).T)
     own = len(chords) + np.arange(len(straight))
-    before, after = (len(plan.entry.setpoints), len(plan.leave.ticks))
+    entry, leave = len(plan.entry.setpoints), len(plan.leave.ticks)
     rows = {
-        "aKnot": np.concatenate([own[:before], knot, own[before:]]),
-        "aShare": np.pad(share, (before, after)), "aShift": np.pad(shift, (before, after)),
+        "aKnot": np.concatenate([own[:entry], knot, own[entry:]]),
+        "aShare": np.pad(share, (entry, leave)), "aShift": np.pad(shift, (entry, leave)),
     }  # fmt: skip
     chords, aside = (np.pad(one, ((0, len(straight)), (0, 0))) for one in (chords, aside))
     points = np.concatenate([points[:-1], straight])
@@ -174,31 +174,26 @@ def chord_rows(plan):
     return {name: values.tolist() for name, values in rows.items()}
 
 
-def _whole_run(plan, parts):
+def _check(what, found, most, would_do):
+    """Raise ValueError where what is found is above what is allowed."""
+    if found > most:
+        raise ValueError(f"{CHECKS[what].format(found, most, would_do)} would do.")
+
+
+def _rows(plan, parts):
     """Return ends (m + 1, 2) in parts of a count, and ticks (m,), of entry, a lap and exit."""
     runs = plan.entry, plan, plan.leave
-    ends = [np.rint(parts / plan.count * run.setpoints).astype(np.int64) for run in runs]
-    ends = np.concatenate([ends[0][:1], *(one[1:] for one in ends)])
-    return ends, np.concatenate([run.ticks for run in runs])
-
-
-def _check_counts(plan, parts, ends, ticks):
-    """Raise ValueError where numbers of a run would leave 32 bits."""
+    setpoints = np.concatenate([plan.entry.setpoints[:1], *(run.setpoints[1:] for run in runs)])
+    ends = np.rint(parts / plan.count * setpoints).astype(np.int64)
+    ticks = np.concatenate([run.ticks for run in runs])
     fastest = float((np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max())
-    if fastest > LONGEST - 1:
-        raise ValueError(
-            f"[plan] tick: a tick moves a joint by {fastest:.0f} counts, and the controller takes "
-            f"{LONGEST - 1}; {0.9 * plan.tick * LONGEST / fastest:.2g} s would do."
-        )
-    total = int(plan.entry.ticks.sum() + plan.laps * plan.ticks.sum() + plan.leave.ticks.sum())
-    if total > MOST:
-        raise ValueError(
-            f"[plan] tick: the run has {total} ticks, and the controller counts {MOST}; "
-            f"{2 * plan.tick * total / MOST:.2g} s would do."
-        )
+    _check("counts", fastest, FASTEST, 0.9 * plan.tick * FASTEST / max(fastest, 1.0))
+    total = int(ticks.sum() + (plan.laps - 1) * plan.ticks.sum())
+    _check("ticks", total, MOST, 2 * plan.tick * total / MOST)
+    return ends, ticks
 
 
-def _ramps(plan, parts, ends, ticks):
+def _ramps(plan, angles, ticks):
     """Return by how much the time scale may change (m, 2) in a scan, in each move.
 
     Amid it, and by how much it may fall at its begin at full scale. The scale s may become s + d
@@ -206,10 +201,8 @@ def _ramps(plan, parts, ends, ticks):
     quadratic equation, at s = 0 a quotient, and between them the fast task takes what is between.
     It rises by what the plan leaves, were W - V all the acceleration.
     """
-    torus = plan.circuit.machine.torus
-    angles = plan.count / parts * ends
+    lever = levers(plan.circuit.machine.torus, angles[:-1])
     rates = np.diff(angles, axis=0) / ticks[:, None]
-    lever = levers(torus, angles[:-1])
     now = lever * rates
     change = now - lever * np.concatenate([np.zeros((1, 2)), rates[:-1]])
     most = plan.limits.acceleration * plan.tick**2
@@ -219,12 +212,9 @@ def _ramps(plan, parts, ends, ticks):
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.stack([most / np.sqrt(square), (root + along) / square], axis=-1)
     found[square == 0] = 1.0
+    longest = 1 / (FULL * found[:, 0].min())
+    _check("change", longest, 1, 1.1 * plan.tick * longest)
     found = np.floor(FULL * np.clip(found, 0.0, 1.0)).astype(np.int64)
-    if found[:, 0].min() < 1:
-        raise ValueError(
-            f"[plan] tick: the acceleration changes the feed by too little in {plan.tick:g} s; "
-            f"{1.1 * plan.tick * np.sqrt(square.max()) / most / FULL:.2g} s would do."
-        )
     return np.minimum(found, found[:, :1])
 
 
@@ -235,14 +225,10 @@ def _stopping(plan, ticks, ramps):
     runs that begin amid a move.
     """
     stopping = FULL // (2 * int(ramps[:, 0].min())) + 2
-    while stopping <= FULL:
-        if _rests(ticks, ramps, stopping):
-            return min(int(1.25 * stopping) + 1, FULL)
+    while not _rests(ticks, ramps, stopping):
         stopping = int(1.1 * stopping) + 1
-    raise ValueError(
-        f"[plan] tick: to stop takes more than {FULL} ticks of {plan.tick:g} s; "
-        f"{plan.tick * stopping / FULL * 1.5:.2g} s would do."
-    )
+        _check("stopping", stopping, FULL, 1.5 * plan.tick * stopping / FULL)
+    return min(int(1.25 * stopping) + 1, FULL)
 
 
 def _rests(ticks, ramps, known):
@@ -285,29 +271,18 @@ def _between(ramps, scale):
 def _throughput(plan, approach, stopping):
     """Return the ring's size, the slow task's period in ticks and its setpoints a call.
 
-    With them the setpoints ahead of a run at full scale never fall short of the stopping ticks.
+    At full scale a call prepares as many as were taken since the one before, so that the ring is
+    full again; between two calls the setpoints ahead don't fall short of the stopping ticks.
     """
     slow = max(round(SLOW / plan.tick), 1)
     lap = np.tile(plan.ticks, min(plan.laps, 2))
     ends = np.cumsum(np.concatenate([[approach], plan.entry.ticks, lap, plan.leave.ticks]))
     # Setpoints that must be known at each end: those to stop in, and while the slow task waits.
-    needed = np.searchsorted(ends, ends + stopping + 2 * slow) - np.arange(len(ends))
-    ring = next((size for size in RINGS if size > needed.max() + 2), None)
-    if ring is None:
-        raise ValueError(
-            f"[plan] tick: {needed.max()} setpoints must be ahead, and the controller has "
-            f"{RINGS[-1]} places; {2 * plan.tick * needed.max() / RINGS[-1]:.2g} s would do."
-        )
-    # At each call: the setpoints that a full ring has, and those that must be known till the call
-    # behind the next, since a run begins anywhere between two.
-    calls = np.arange(0, ends[-1] + slow, slow)
-    most = np.minimum(np.searchsorted(ends, calls, side="right") + ring, len(ends))
-    least = np.minimum(np.searchsorted(ends, calls + 2 * slow + stopping) + 1, len(ends))
-    for at_once in range(1, ring):  # as many as ring are always enough
-        ready = at_once * (calls // slow)
-        if np.all(ready + np.minimum.accumulate(most - ready) >= least):
-            break
-    return ring, slow, at_once
+    number = np.arange(len(ends))
+    ahead = int((np.searchsorted(ends, ends + stopping + 2 * slow) - number).max()) + 3
+    _check("ring", ahead, RINGS[-1], 2 * plan.tick * ahead / RINGS[-1])
+    ring = next(size for size in RINGS if size >= ahead)
+    return ring, slow, int((np.searchsorted(ends, ends + slow) - number).max())
 
 
 def _trip(plan, job):
@@ -318,13 +293,9 @@ def _trip(plan, job):
     # As the controller has it: theta's by the longest arm.
     off = np.abs(track.setvalue - track.position) * _arms(plan.circuit.machine)
     least = MORE * float(off.max())
-    trip = job.controller.get("trip", TRIP * plan.circuit.machine.depth)
-    if trip < least:
-        raise ValueError(
-            f"[controller] trip: without a fault the loops are off by {least / MORE:.2g} m; got "
-            f"{trip:.2g} m, {1.1 * least:.2g} m would do."
-        )
-    return float(trip)
+    trip = float(job.controller.get("trip", TRIP * plan.circuit.machine.depth))
+    _check("trip", least, trip, 1.1 * least)
+    return trip
 
 
 def _arms(machine):
@@ -339,21 +310,13 @@ def _axis(plant, loop):
     if axis is None:
         return found | {"aSpeed": plant.gain}
     link = axis.linkage
-    whole, ring = link.areas
-    plus, minus = (whole, ring) if link.sense > 0 else (ring, whole)
+    plus, minus = link.areas[:: 1 if link.sense > 0 else -1]
     return found | {
         "aSense": link.sense, "aMounting": link.mounting, "aApart": (link.a - link.b) ** 2,
         "aTwice": 2 * math.sqrt(link.a * link.b), "aProduct": link.a * link.b,
         "aAreaPlus": plus, "aAreaMinus": minus, "aPair": link.pair, "aGravity": axis.gravity,
         "aDamping": axis.damping, "aSupply": axis.supply, "aTank": axis.tank, "aFlow": axis.flow,
     }  # fmt: skip
-
-
-def _text(plain):
-    """Return the contract and the blocks in Structured Text, the job's numbers left out."""
-    text, valve = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
-                   for name in ("controller", "static_inverse"))  # fmt: skip
-    return text.replace("@LINE\n", line_text()).replace("@VALVE\n", PLAIN if plain else valve)
 
 
 def _interval(time):

@@ -8,13 +8,10 @@ from ..motion.export import C_HEAD, C_MACROS, KINDS, c99_code, c99_types, read_b
 from .controller import Program
 
 C_USE = """
-Once: static FB_Setpoints setpoints = FB_SETPOINTS_BEGIN;
-      static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
+Once: static FB_Setpoints setpoints; static FB_Tunneller tunneller = FB_TUNNELLER_BEGIN;
       static volatile T_Ring ring;
-In the slow task: fb_setpoints(&setpoints, &ring);
-In each scan: tunneller.nActualTheta = ...; tunneller.bEnable = ...;
-      fb_tunneller(&tunneller, &ring);
-      ... = tunneller.rValveTheta; ... = tunneller.rValvePhi;
+Slow task: fb_setpoints(&setpoints, &ring);
+Each scan: tunneller.bEnable = ...; fb_tunneller(&tunneller, &ring); ... = tunneller.rValveTheta;
 """
 XML_WORDS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
@@ -60,7 +57,7 @@ def plcopen_xml(made: Program):
             types.append(_tag("dataType", _tag("baseType", fields), name=block.name))
             continue
         parts = (_tag(XML_WORDS[kind], *_variables(rows)) for kind, rows in block.sections)
-        body = _tag("ST", _words("\n".join(block.body)))
+        body = _tag("ST", _words(block.body.rstrip("\n")))
         pous.append(_tag("pou", _tag("interface", *parts), _tag("body", body),
                          name=block.name, pouType=XML_WORDS[block.kind]))  # fmt: skip
     tasks = [
@@ -93,19 +90,14 @@ def _words(text):
 
 def _variables(rows):
     """Yield variables with their types, values and comments."""
-    for name, kind, begin, comment in rows:
+    for name, last, kind, begin, comment in rows:
         values = [_tag("simpleValue", value=one) for one in re.findall(r"[^\s,\[\]]+", begin)]
-        if kind.startswith("ARRAY"):
+        type_ = _tag(kind) if kind in KINDS else _tag("derived", name=kind)
+        if last:
             values = [_tag("arrayValue", *(_tag("value", one) for one in values))]
-        parts = [_tag("type", _kind(kind))]
+            size = _tag("dimension", lower=0, upper=last)
+            type_ = _tag("array", size, _tag("baseType", type_))
+        parts = [_tag("type", type_)]
         parts += [_tag("initialValue", *values)] if begin else []
         parts += [_tag("documentation", _words(comment))] if comment else []
         yield _tag("variable", *parts, name=name)
-
-
-def _kind(of):
-    """Return the type of a variable: a number, one that has a name, or an array of either."""
-    array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", of).groups()
-    one = _tag(kind) if kind in KINDS else _tag("derived", name=kind)
-    size = _tag("dimension", lower=0, upper=last)
-    return _tag("array", size, _tag("baseType", one)) if array else one

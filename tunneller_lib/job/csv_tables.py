@@ -1,113 +1,65 @@
-"""Tables of a plan for others, and for ourselves again: knots, setpoints, set-values as CSV.
+"""Tables of a plan as CSV: a heading of names with units, and rows of numbers alone.
 
-In metres, radians and whole counts; the head of each says which.
+What holds for all rows of a plan's tables stands in a table of its own, of one row.
 """
+
+import csv
+import io
 
 import numpy as np
 
-from ..arguments import checked, shown
-from ..ream.planning import Plan
 
-JOINTS = "theta", "phi"
-
-
-@checked
-def knots_csv(plan: Plan):
-    """Return the knots of a plan as a table: arc lengths in m and joint positions in counts."""
-    counts = np.rint(plan.circuit.position(plan.knots) / plan.count).astype(np.int64)
-    places = [[repr(float(s))] for s in plan.knots]
-    what = "knots: s in m along the offset section, theta and phi in counts"
-    return _described(plan, what, _columns(["knot", "s", *JOINTS], places, counts))
+def table(rows):
+    """Return rows, dicts with the same keys, as CSV under their keys."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, rows[0], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
 
 
-@checked
-def setpoints_csv(plan: Plan):
-    """Return the setpoints of a lap as a table: ticks of each move, its end, time and feed.
+def _columns(columns):
+    """Return columns of numbers, a dict, as CSV; floats have all their digits."""
+    rows = zip(*(np.asarray(one).tolist() for one in columns.values()), strict=True)
+    return table([dict(zip(columns, row, strict=True)) for row in rows])
 
-    Joint positions are whole parts of a count, and the head says how many ``parts`` make one. The
-    first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
+
+def plan_csv(plan, stamp):
+    """Return what all tables of a plan share: the job's `stamp`, tick, counts, laps, advance.
+
+    ``parts`` of a count are the unit of the setpoints.
+    """
+    about = {"job": stamp, "tick_s": plan.tick, "count_rad": plan.count, "parts": plan.fineness}
+    return table([{**about, "laps": plan.laps, "advance_m": plan.advance}])
+
+
+def knots_csv(plan):
+    """Return the knots of a plan: arc length along the offset section, position in counts."""
+    theta, phi = np.rint(plan.circuit.position(plan.knots) / plan.count).astype(np.int64).T
+    knots = {"knot": range(len(theta)), "s_m": plan.knots}
+    return _columns({**knots, "theta_counts": theta, "phi_counts": phi})
+
+
+def setpoints_csv(plan):
+    """Return the setpoints of a lap: ticks of the move to each, its end, time and feed.
+
+    The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
     """
     ticks = np.append(0, plan.ticks)
-    times = (plan.tick * np.cumsum(ticks)).round(9)
-    left = [list(row) for row in zip(ticks.tolist(), *_texts(times, plan.feed), strict=True)]
-    what = "setpoints of a lap: ticks of the move to each, theta and phi in parts of a count"
-    names = ["setpoint", "ticks", "time_s", "feed_m_s", *JOINTS]
-    return _described(plan, what, _columns(names, left, plan.parts), parts=plan.fineness)
+    setpoints = {"setpoint": range(len(ticks)), "ticks": ticks}
+    setpoints["time_s"] = (plan.tick * np.cumsum(ticks)).round(9)
+    theta, phi = plan.parts.T
+    return _columns({**setpoints, "feed_m_s": plan.feed, "theta_parts": theta, "phi_parts": phi})
 
 
-@checked
-def setvalues_csv(plan: Plan):
-    """Return the set-values of a lap as a table: tick, time, whole counts and exact slopes.
+def setvalues_csv(plan):
+    """Return the set-values of a lap: tick, time, whole counts and exact slopes.
 
     A slope is that of the exact line from this tick to the next, which the counts round.
     """
-    values = np.rint(plan.setvalues / plan.count).astype(np.int64)
-    times = (plan.tick * np.arange(len(values))).round(9)
-    slopes = np.concatenate([plan.slopes, np.zeros((1, 2))])
-    left = [list(row) for row in zip(*_texts(times, *slopes.T), strict=True)]
-    names = ["tick", "time_s", *(f"{joint}_slope_rad_s" for joint in JOINTS), *JOINTS]
-    return _described(
-        plan, "set-values of a lap: theta and phi in counts", _columns(names, left, values)
-    )
-
-
-@checked
-def read_csv(text: str):
-    """Return what a table of this module says, a `text`: its head's numbers and its columns.
-
-    Both are dicts by name; a column is an array of whole numbers, or else of floats.
-
-    Raises
-    ------
-    ValueError
-        If it isn't such a table, as where a row has another length than the heading.
-
-    Examples
-    --------
-    >>> read_csv("# a few rows\\n# tick_s = 0.005\\ntick,theta\\n0,1\\n1,2\\n")[1]["theta"]
-    array([1, 2])
-    """
-    lines = text.splitlines()
-    about = [line[2:].split(" = ") for line in lines if line.startswith("# ") and " = " in line]
-    try:
-        names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
-        columns = zip(names, *rows, strict=True)
-        return (
-            {name: float(value) for name, value in about},
-            {name: _numbers(cells) for name, *cells in columns},
-        )
-    except ValueError:
-        raise ValueError(f"text: must be a table as of `knots_csv`; got {shown(text)}.") from None
-
-
-def _numbers(cells):
-    """Return the texts of a column as whole numbers, or else as floats."""
-    cells = np.array(cells, dtype=str)
-    try:
-        return cells.astype(np.int64)
-    except (ValueError, OverflowError):
-        return cells.astype(float)
-
-
-def _texts(*columns):
-    """Return columns of floats as texts that are read back bit for bit."""
-    return [[repr(float(one)) for one in column] for column in columns]
-
-
-def _columns(names, left, counts):
-    """Return numbered rows under their heading, parted by commas."""
-    rows = ([i, *a, *b] for i, (a, b) in enumerate(zip(left, counts.tolist(), strict=True)))
-    return "".join(",".join(map(str, row)) + "\n" for row in (names, *rows))
-
-
-def _described(plan, what, text, **more):
-    """Return a table under the lines that say what it is, and `more` of them."""
-    head = [
-        what,
-        f"tick_s = {plan.tick!r}",
-        f"count_rad = {plan.count!r}",
-        f"laps = {plan.laps}",
-        f"advance_m = {plan.advance!r}",
-        *(f"{name} = {value}" for name, value in more.items()),
-    ]
-    return "".join(f"# {line}\n" for line in head) + text
+    theta, phi = np.rint(plan.setvalues / plan.count).astype(np.int64).T
+    ticks = np.arange(len(theta))
+    slopes = np.concatenate([plan.slopes, np.zeros((1, 2))]).T
+    found = {"tick": ticks, "time_s": (plan.tick * ticks).round(9)}
+    found |= zip(("theta_slope_rad_s", "phi_slope_rad_s"), slopes, strict=True)
+    return _columns({**found, "theta_counts": theta, "phi_counts": phi})

@@ -1,10 +1,8 @@
-"""A cut asked for by a small TOML file: see notebooks/reference.toml.
+"""A cut asked for by a small TOML file, such as reference.toml beside this module.
 
 Names, types and units are checked here; sizes by what they are for.
 """
 
-from collections.abc import Callable
-from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,9 +14,8 @@ from ..motion import Compressible, Integrator, Lag, Loop, Rigid
 from ..motion.sizing import arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, gain_margins, plan, simulate
-from ..ream.chatter import chatter_margins
 from ..ream.cutting import expected_seconds
-from ..ream.margins import capability
+from ..ream.margins import capability, chatter_margins
 from ..removal import Ground
 from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
@@ -109,11 +106,8 @@ TILT = Size("rad", most=0.8)
 POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
 WALL = dict(along=WHOLE, around=WHOLE, thickness=Size("m", most=2))
 MOST_RAYS = 100_000  # each way; memory bounds both together
-# Bytes at a command's peak. tests/test_memory.py measures 160 (cut) to 470 (animate) a ray, and 770
-# a tick; with plant T3 these are 945.
+# Bytes at a command's peak. tests/test_memory.py measures them; a tick takes more with plant T3.
 A_RAY, A_TICK = 500, 1200
-PLANTS = "T0", "T1", "T2", "T3"
-OILY = "T2", "T3"  # those that ask for cylinders
 VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
 HYDRAULIC_REMEDY = (
@@ -125,11 +119,21 @@ EXPORTED = "trip", "operations"  # of the exported controller alone
 MOST_ENCODER = 0.1  # rad, as of a plan's count
 
 
+# The models of both axes that a job may ask for; a further one is one entry here.
+PLANTS = {
+    "T0": lambda job: [Integrator(job.full_rate)] * 2,
+    "T1": lambda job: [Lag(job.full_rate, job.sizes.valve_lag)] * 2,
+    "T2": lambda job: [Rigid(axis) for axis in job.cylinders],
+    "T3": lambda job: [Compressible(axis) for axis in job.cylinders],
+}
+FEELING = "T3"  # the one whose axes share an arm and feel the ground
+
+
 @dataclass(frozen=True)
 class Job:
     """What a file asks for, in SI units: each table a dict of its names and values.
 
-    Nothing is computed before it is asked for. `read_job` makes one from a file.
+    `read_job` makes one from a file. Nothing is computed before it is asked for.
 
     Parameters
     ----------
@@ -142,22 +146,22 @@ class Job:
     plan : dict
         Options of `ream.plan`.
     controller : dict
-        ``plant``: "T0" to "T3", and options of `Loop`; ``encoder``, an angle of its counts in rad.
+        ``plant``, one of `PLANTS`, options of `Loop`, and ``encoder``, the angle of its counts.
     stance : dict
         Pitch and yaw at which the machine is set up, in rad.
     pose : dict
-        Arguments of `Pose`, by which the machine stands elsewhere, unknown to it.
+        Arguments of `Pose`, by which the machine really stands, unknown to it.
     wall : dict
         Rays ``along`` the tunnel and ``around`` it; ``thickness`` of the modelled ground, in m.
     hydraulics : dict
-        Fields of `Sizes`, its cylinders by ``lift_`` and ``swing_`` names, where they aren't the
-        usual ones of the machine.
+        Fields of `Sizes` that aren't the machine's usual ones; those of the cylinders begin with
+        ``lift_`` and ``swing_``.
     ground : dict
         Arguments of `Ground`: empty where nothing pushes back.
     body : dict
         Arguments of `Body`: empty where only arm and cutter fill room.
     stamp : str
-        Of which job its files are: name, digest and version. Jobs that ask for the same are equal.
+        What its files say of it: name, digest and version. Jobs that ask for the same are equal.
     """
 
     machine: dict
@@ -175,7 +179,7 @@ class Job:
 
     @cached_property
     def made(self):
-        """Return the `Machine`, with its `Body` where it has one."""
+        """Return the `Machine`, with its `Body` if it has one."""
         with said_of("body"):
             body = Body(**self.body) if self.body else None
         with said_of("machine", self.machine):
@@ -196,24 +200,35 @@ class Job:
     @cached_property
     def cylinders(self):
         """Return the axes theta and phi, two `Hydraulics`; a refusal says what would do."""
+        sizes = self.sizes  # refused by itself
         with said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
-            return axes_of(self.made, self.sizes)
+            return axes_of(self.made, sizes)
+
+    @property
+    def full_rate(self):
+        """Return the full speed of both joints, in rad/s, of models without cylinders."""
+        return FULL_SPEED / self.made.R
+
+    @property
+    def oily(self):
+        """Return whether both axes are hydraulic."""
+        return all(plant.hydraulics is not None for plant in self.axes[0])
 
     @cached_property
     def arm(self):
-        """Return the `Arm` that both joints share with plant T3, else None."""
-        return arm_of(self.made, self.sizes) if self.controller["plant"] == "T3" else None
+        """Return the `Arm` that both joints share, or None if their plants don't feel it."""
+        return arm_of(self.made, self.sizes) if self.controller["plant"] == FEELING else None
+
+    @cached_property
+    def pushing(self):
+        """Return the `Ground` that the axes feel, or None."""
+        return self.cut_ground if self.controller["plant"] == FEELING else None
 
     @cached_property
     def cut_ground(self):
         """Return the `Ground`, or None where nothing pushes back."""
         with said_of("ground"):
             return Ground(**self.ground) if self.ground else None
-
-    @cached_property
-    def pushing(self):
-        """Return the `Ground` with plant T3, which alone feels it, else None."""
-        return self.cut_ground if self.controller["plant"] == "T3" else None
 
     @cached_property
     def planned(self):
@@ -223,42 +238,36 @@ class Job:
             section = _shape(self.section)
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
-        bounds = dict(self.limits)
-        if "power" in bounds and not self.ground:
+        if "power" in self.limits and not self.ground:
             raise ValueError("[limits] power: needs the ground that takes it, a table [ground].")
-        if self.controller["plant"] in OILY:
-            bounds = {"flow": self.sizes.pump, **bounds}
+        plants, loops = self.axes
+        # What a plan in oil, and in ground, is limited by unless the job says so.
+        usual = {"flow": self.sizes.pump} if self.oily else {}
+        if self.oily and self.ground:
+            usual["valve"] = VALVE
+        bounds = {**usual, **self.limits, "ground": self.cut_ground}
         if "flow" in bounds or "valve" in bounds:
             bounds["axes"] = self.cylinders
-        if self.ground:
-            bounds["ground"] = self.cut_ground
-            if self.controller["plant"] in OILY:
-                bounds = {"valve": VALVE, "axes": self.cylinders, **bounds}
         with said_of("limits"):
             limits = Limits(**bounds)
-        self._check_steady(circuit)
-        with said_of("plan", self.plan):
-            return plan(circuit, limits, **self.plan)
-
-    def _check_steady(self, circuit):
-        """Raise ValueError if the gain isn't below what cylinders and oil allow on a circuit."""
-        plants, loops = self.axes
-        if self.controller["plant"] in OILY and not loops[0].integral:
+        if self.oily and not loops[0].integral:
             for margin in gain_margins(circuit, plants, loops):
                 if margin.what.startswith("gain") and not margin.enough:
                     raise ValueError(f"[controller] {margin}")
+        with said_of("plan", self.plan):
+            return plan(circuit, limits, **self.plan)
 
     @cached_property
     def margins(self):
         """Return the list of `Margin` that the machine has for the plan; none without cylinders."""
         plants, loops = self.axes
-        if self.controller["plant"] not in OILY or loops[0].integral:
+        if not self.oily or loops[0].integral:
             return []
         return capability(self.planned, plants, loops, self.sizes)
 
     @cached_property
     def in_step(self):
-        """Return of each joint the `Margin` against chatter, if the picks are in step; or none."""
+        """Return each joint's `Margin` against chatter if the picks are in step, or none."""
         plants, loops = self.axes
         if not self.pushing or not self.pushing.ripple_frequency or loops[0].integral:
             return []
@@ -268,7 +277,7 @@ class Job:
     def axes(self):
         """Return the plants and the loops of theta and phi, each a list of two."""
         about = dict(self.controller)
-        tier = about.pop("plant")
+        plants = PLANTS[about.pop("plant")]
         encoder = about.pop("encoder", None)
         for own in EXPORTED:
             about.pop(own, None)
@@ -284,14 +293,7 @@ class Job:
                         f"encoder: must be from 0 to {MOST_ENCODER:g} rad; got {encoder:g}."
                     )
             loop = replace(loop, count=encoder)
-        loops = [loop, loop]
-        if tier not in OILY:
-            # The first models ask nothing of a cylinder: one full speed for both joints.
-            rate = FULL_SPEED / self.made.R
-            lag = self.sizes.valve_lag
-            return [Integrator(rate) if tier == "T0" else Lag(rate, lag)] * 2, loops
-        kind = Rigid if tier == "T2" else Compressible
-        return [kind(axis) for axis in self.cylinders], loops
+        return plants(self), [loop, loop]
 
     @cached_property
     def error(self):
@@ -307,25 +309,19 @@ class Job:
     @property
     def expected_seconds(self):
         """Return about how long axes and wall of `simulated` will take, two numbers in s."""
-        shape, thickness = self._rays
-        about = dict(shape=shape, thickness=thickness, arm=self.arm, ground=self.pushing)
-        with _rays_said():
+        options = self._options
+        about = {name: options[name] for name in options if name != "pose"}
+        with said_of("wall", instead=("shape", "along, around")):
             return expected_seconds(self.planned, *self.axes, **about)
 
-    @property
-    def _rays(self):
-        """Return the numbers of rays and the thickness of the modelled ground, in m."""
-        about = dict(self.wall)
-        shape = about.pop("along"), about.pop("around")
+    @cached_property
+    def _options(self):
+        """Return the options of `simulate`; too many rays or ticks for the memory are refused."""
+        shape = self.wall["along"], self.wall["around"]
         with said_of("wall"):
             whole("along, around", shape, 1, MOST_RAYS)
-            thickness = positive("thickness", about.get("thickness", 0.1))
-        self._check_memory(shape)
-        return shape, thickness
-
-    def _check_memory(self, shape):
-        """Raise ValueError if the wall of a `shape`, or the laps, take more than is allowed."""
-        with _rays_said():
+            thickness = positive("thickness", self.wall.get("thickness", 0.1))
+        with said_of("wall", instead=("shape", "along, around")):
             check_fits(shape, A_RAY, allowed_memory(), "rays, with all that is made of them,")
         ticks = self.planned.laps * int(self.planned.ticks.sum())
         if A_TICK * ticks > allowed_memory():
@@ -333,29 +329,21 @@ class Job:
                 f"[plan] tick, laps: {ticks} ticks need {A_TICK * ticks / 1e9:.3g} GB, and "
                 f"{allowed_memory() / 1e9:.3g} GB are allowed."
             )
+        ground = {"arm": self.arm, "ground": self.pushing}
+        return {"pose": self.error, "shape": shape, "thickness": thickness, **ground}
 
-    @checked
-    def simulated(self, say: Callable[[str], object] | None = None):
+    def simulated(self, say=None):
         """Return the `Cut`, or raise ValueError with the reason; `say` gets the progress."""
-        shape, thickness = self._rays
-        with _rays_said():
-            return simulate(
-                self.planned,
-                *self.axes,
-                pose=self.error,
-                shape=shape,
-                thickness=thickness,
-                arm=self.arm,
-                ground=self.pushing,
-                say=say,
-            )
+        with said_of("wall", instead=("shape", "along, around")):
+            return simulate(self.planned, *self.axes, say=say, **self._options)
 
 
 @checked
 def read_job(path: str | Path):
     """Return the `Job` that a TOML file asks for, checked for names, types and units.
 
-    A job names no other file, so that nothing that it says can be read or written elsewhere.
+    The path ``-`` is standard input. A job names no other file, so that nothing else can be read
+    or written at its wish.
 
     Raises
     ------
@@ -394,12 +382,12 @@ def read_job(path: str | Path):
 
 
 def _read_if_any(table, given, units, needed):
-    """Return what a table says that may be missing, with all that it needs otherwise."""
+    """Return what a table says: nothing if it is missing, else with all that it needs."""
     return read_table(table, given, units, needed) if given else {}
 
 
 def _read_section(given):
-    """Return what a section's table says, its pieces as arcs and lines."""
+    """Return what a section's table says, with its pieces as arcs and lines."""
     given = dict(given)
     shape = given.pop("shape", None)
     one_of("[section] shape", shape, SHAPES)
@@ -430,7 +418,7 @@ def _shape(section):
 
 
 def _circuit(machine, section, stance):
-    """Return the circuit; a refusal also says which heights of the machine would do."""
+    """Return the circuit, or raise ValueError with the heights of the machine that would do."""
     try:
         return cutting_circuit(machine, section, **stance)
     except ValueError as error:
@@ -447,7 +435,7 @@ def _circuit(machine, section, stance):
 
 
 def _check_tolerance(machine, plan):
-    """Raise ValueError where a tolerance is below what one count moves the cutter."""
+    """Raise ValueError if the tolerance is below what one count moves the cutter."""
     count = plan.get("count", USUAL["count"])
     moved = count * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
@@ -458,15 +446,3 @@ def _check_tolerance(machine, plan):
             f"[plan] tolerance: must be at least what a count of {angle} moves the cutter, "
             f"{moved:.2g} m; got {plan['tolerance']:g} m."
         )
-
-
-@contextmanager
-def _rays_said():
-    """Let a refusal of too many rays name them as a job does."""
-    try:
-        yield
-    except ValueError as error:
-        argument, _, what = str(error).partition(": ")
-        if argument != "shape":
-            raise
-        raise ValueError(f"[wall] along, around: {what}") from None

@@ -1,16 +1,15 @@
-"""Which key of a job halves a fault of its budget, as another simulation confirms."""
+"""Which key of a job halves a fault of its budget, confirmed by another simulation."""
 
 from dataclasses import replace
+from functools import partial
 from inspect import signature
 
 import numpy as np
 
 from ..motion.stability import is_stable
-from ..ream import plan
-from ..ream.error_budget import fault_sources
-from ..ream.remedies import halving
+from ..ream import Case, halving, plan
 
-# In which table of a job each remedy is.
+# The table of a job that has each remedy.
 TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
           "encoder": "controller", "gain": "controller",
           "feed": "limits", "acceleration": "limits", "power": "limits"}  # fmt: skip
@@ -20,23 +19,23 @@ USUAL = {name: about.default for name, about in signature(plan).parameters.items
 def halved_by(job, faults, say=None):
     """Return (key, factor, left) for each of the `faults` of a `job`: what halves it.
 
-    The key as the job writes it, ``[table] key``, by which factor it is multiplied, and the share
-    of the fault that the simulation then leaves. All three are None where none of the keys tried
-    leaves a half. `say` is told how far it is.
+    They are the key as the job writes it, ``[table] key``, the factor that multiplies it, and the
+    share of the fault that a simulation then leaves. All three are None if none of the keys tried
+    leaves about a half. `say` is told how far it is.
     """
-    runs = {}  # of changed jobs: a change may be tried for several faults
+    runs = {}  # by their changes: one may be tried for several faults
 
-    def again(number, what, factor):
+    def again(source, what, factor):
         if (what, factor) not in runs:
-            runs[what, factor] = _sources(changed(job, what, factor))
-        sources = runs[what, factor]
-        return sources and sources[number]()
+            runs[what, factor] = _case(changed(job, what, factor))
+        case = runs[what, factor]
+        return case and case.fault(source)
 
     found = []
     for number, fault in enumerate(faults):
         if say is not None:
             say(f"halving: source {number + 1} of {len(faults)}")
-        remedy = halving(fault, lambda what, factor, k=number: again(k, what, factor))
+        remedy = halving(fault, partial(again, fault.source))
         found.append(
             (None,) * 3
             if remedy is None
@@ -46,7 +45,7 @@ def halved_by(job, faults, say=None):
 
 
 def changed(job, what, factor):
-    """Return a `job` with one of its remedies multiplied by a `factor`; None if it lacks it."""
+    """Return a `job` with one of its remedies multiplied by a `factor`, or None if it has none."""
     if what == "pose":
         return replace(job, pose={name: factor * value for name, value in job.pose.items()})
     what = _own(job, what)
@@ -58,7 +57,7 @@ def changed(job, what, factor):
 
 
 def _own(job, what):
-    """Return the key for `what`: an encoder has the counts of the set-values unless told."""
+    """Return the key for `what`: without an own key the encoder has the set-values' counts."""
     return "count" if what == "encoder" and "encoder" not in job.controller else what
 
 
@@ -72,18 +71,16 @@ def _key(job, what):
     return f"[{TABLES[what]}] {what}{degrees}"
 
 
-def _sources(job):
-    """Return `fault_sources` of a job; None where there is none, or it would be refused."""
+def _case(job):
+    """Return the `Case` of a job; None where there is none, or it would be refused."""
     if job is None:
         return None
     try:
         planned = job.planned
         plants, loops = job.axes
-        given = dict(pose=job.error, arm=job.arm, ground=job.pushing)
+        case = Case(planned, plants, loops, job.error, job.arm, job.pushing)
     except ValueError:
         return None
     at = planned.setvalues
     angles = np.linspace(at.min(axis=0), at.max(axis=0), 5)
-    if not all(map(is_stable, plants, loops, angles.T)):
-        return None
-    return fault_sources(planned, plants, loops, **given)
+    return case if all(map(is_stable, plants, loops, angles.T)) else None

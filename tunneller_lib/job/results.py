@@ -1,132 +1,78 @@
-"""What came of a job: its numbers, and all files that others may want of it."""
-
-import csv
-import io
-from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated
+"""What came of a job: its numbers, lines for people, and the files that others may want of it."""
 
 import numpy as np
 
-from ..arguments import Rule, checked, shown
 from ..motion.export import line_c99, line_text
 from ..ream import budget, part_clearances
-from ..ream.cutting import Cut
 from ..ream.margins import used
 from .controller import program
 from .controller_texts import c99_header, c99_text, plcopen_xml
-from .csv_tables import knots_csv, setpoints_csv, setvalues_csv
+from .csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv, table
 from .drawing import dxf
-from .mesh import stl_blocks, vtp_blocks, wall_solid, wall_surface
-from .reader import Job
+from .mesh import stl, vtk, wall_solid
 from .remedies import halved_by
 
-SEVERAL = 3  # times the tolerance, from which on an over- or underbreak is worth a warning
+SEVERAL = 3  # times the tolerance, above which an over- or underbreak is worth a warning
 FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
          "factor", "left", "kind")  # fmt: skip
-SUMMARY = (
-    "knots",
-    "setpoints",
-    "ticks",
-    "laps",
-    "lap_time_s",
-    "removed_m3",
-    "overbreak_m",
-    "underbreak_m",
-    "each_lap",
-    "times_s",
-    "limits_used",
-    "saturated_share",
-    "faults",
-    "machine",
-    "clearances",
-    "warnings",
-)
 LAP = "lap", "over_m", "under_m", "removed_m3"
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
-# Who answers for a fault, for people.
+# What a fault is due to, for people.
 DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
-# How the first line of a file of each kind says which job it is of; wall.stl and wall.vtp have
-# places of their own for it.
+# How the first line of a text says which job it is of. Tables have nothing but rows; wall.stl and
+# wall.vtk have places of their own for it.
 STAMPED = {
-    ".csv": "# {}\n", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n",
+    ".csv": "", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n",
     ".xml": "<!-- {} -->\n", ".dxf": "999\n{}\n",
 }  # fmt: skip
 
 
-def _summary(name, value):
-    """Return `value`, which must be a dict as `summarise` makes it."""
-    if not isinstance(value, dict) or tuple(value) != SUMMARY:
-        raise ValueError(f"{name}: must be a dict from summarise; got {shown(value)}.")
-    return value
-
-
-Summary = Annotated[dict, Rule("dict", _summary)]
-
-
-@checked
-def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
-    """Return the numbers of a job, in SI units, ready for JSON.
-
-    Parameters
-    ----------
-    job : Job
-        What was asked for.
-    cut : Cut
-        The simulated job.
-    say : function, optional
-        Told how far it is.
-
-    Returns
-    -------
-    numbers : dict
-        Of the plan, of the wall, also where the cutter enters and leaves, and ``each_lap``: what
-        the first and, beside others, the last leaves and removes; ``times_s``: what takes how long;
-        ``limits_used``: the
-        greatest share of each limit of the motion; ``saturated_share``: of the time that theta's
-        and phi's valves are fully open; ``faults``: the error budget, each source switched on
-        alone, with its greatest over- and underbreak, the closed form of its ``measure``, the
-        ratio of what is simulated to it, the key of the job that halves it, as another simulation
-        confirms, by which factor and what is left, and who answers for it, with None for what there
-        isn't; ``machine``: what it has and needs, in the unit that each row names: as planned,
-        then the greatest that the simulated laps took of power, valves and oil, and the
-        damper of the ground that each joint bears and meets if the picks are in step;
-        ``clearances``: how far each part of the machine keeps from the wall as planned, and where
-        along the circuit; ``warnings``, sentences.
-    """
-    if cut.track is None:
-        raise ValueError("cut: must be of simulated loops; got one without a track.")
+def plan_numbers(job):
+    """Return the numbers of a planned `Job`, in SI units, ready for JSON."""
     plan = job.planned
-    found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
-    faults = [
-        (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
-        for f, remedy in zip(found, halved_by(job, found, say), strict=True)
-    ]
-    # Where the cutter enters and leaves it may overshoot; within the wall it is meant to be.
-    sides = np.concatenate([cut.before, cut.after])[:, 1:]
-    over = max(0.0, float(cut.deviation.max()))
-    over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
-    under = max(float(-cut.deviation.min()), 0.0)
     return {
         "knots": len(plan.knots),
         "setpoints": len(plan.s) - 1,
         "ticks": int(plan.ticks.sum()),
         "laps": plan.laps,
         "lap_time_s": plan.lap_time,
+        "times_s": plan.times,
+        "limits_used": plan.shares,
+        "machine": [dict(zip(MARGIN, margin, strict=False)) for margin in job.margins],
+        "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
+    }
+
+
+def summarise(job, cut, say=None):
+    """Return the numbers of a `Job` and its simulated `Cut`, in SI units, ready for JSON.
+
+    They are those of the plan and of the cut; report/guide/command.md lists them. `say` is told how
+    far the budget is.
+    """
+    plan = job.planned
+    found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
+    faults = [
+        (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
+        for f, remedy in zip(found, halved_by(job, found, say), strict=True)
+    ]
+    beside = [*used(plan, job.axes[0], cut, job.sizes), *job.in_step]
+    numbers = plan_numbers(job)
+    # The cutter may overshoot the wanted wall where it enters and leaves; there it is meant to be
+    # within, so nothing counts as underbreak.
+    sides = np.concatenate([cut.before, cut.after])[:, 1:]
+    over = max(0.0, float(cut.deviation.max()))
+    over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
+    under = max(float(-cut.deviation.min()), 0.0)
+    return {
+        **numbers,
+        "machine": numbers["machine"] + [dict(zip(MARGIN, one, strict=False)) for one in beside],
         "removed_m3": float(cut.removed.sum()) + cut.plunged,
         "overbreak_m": over,
         "underbreak_m": under,
         "each_lap": _laps(cut),
-        "times_s": plan.times,
-        "limits_used": plan.shares,
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
-        "machine": [
-            dict(zip(MARGIN, margin, strict=False))
-            for margin in [*job.margins, *used(plan, job.axes[0], cut, job.sizes), *job.in_step]
-        ],
-        "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
         "warnings": [
             *_warnings(job, over, under),
             *_colliding(job),
@@ -137,7 +83,7 @@ def summarise(job: Job, cut: Cut, say: Callable[[str], object] | None = None):
 
 
 def _laps(cut):
-    """Return a row for the first lap of a cut and, if it isn't the only one, for the last."""
+    """Return a row for the first lap of a cut and, if there are several, for the last."""
     found = []
     for lap in sorted({0, cut.plan.laps - 1}):
         off = cut.lap_deviations[lap]
@@ -147,7 +93,7 @@ def _laps(cut):
 
 
 def _warnings(job, over, under):
-    """Return sentences about a cut that is hardly what was meant; sizes in mm, perhaps."""
+    """Return sentences about results so large that the job may be mistaken."""
     depth = job.machine["depth"]
     tolerance = job.plan["tolerance"]
     found = []
@@ -159,14 +105,14 @@ def _warnings(job, over, under):
     for name, worst in (("over", over), ("under", under)):
         if worst > SEVERAL * tolerance:
             found.append(
-                f"the {name}-break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
+                f"the {name}break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
                 f"tolerance of {1e3 * tolerance:g} mm; above {SEVERAL} times this is said."
             )
     return found
 
 
 def _colliding(job):
-    """Return sentences about parts that are in the wall where the machine stands unknowingly."""
+    """Return sentences about parts that are in the wall where the machine really stands."""
     if job.error is None:
         return []
     arm_radius = job.plan.get("arm_radius", 0.0)
@@ -179,7 +125,7 @@ def _colliding(job):
 
 
 def _strained(job, cut):
-    """Return sentences about a machine that can hardly do the cut, or whose ground nobody felt."""
+    """Return sentences about what the machine lacks, and about ground that no axis feels."""
     found = [str(margin) for margin in job.margins if not margin.enough]
     if job.ground and job.pushing is None:
         found.append(
@@ -198,7 +144,7 @@ def _strained(job, cut):
 
 
 def _coarse(job, cut):
-    """Return sentences about rays so far apart that a groove may meet one alone."""
+    """Return sentences about rays so far apart that a groove may meet only one."""
     radius = job.machine["cutter_radius"]
     depth = job.machine["depth"]
     half = np.sqrt(depth * (2 * radius - depth))
@@ -223,32 +169,51 @@ def _lap_line(row):
     )
 
 
-@checked
-def summary_text(numbers: Summary):
-    """Return what `summarise` found as lines for people, lengths in mm."""
+def plan_text(numbers):
+    """Return the `numbers` of `plan_numbers` as lines for people, lengths in mm."""
+    *parts, cutter = numbers["clearances"]
+    used = ((name.replace("_", " "), share) for name, share in numbers["limits_used"].items())
     lines = [
         f"{numbers['knots']} knots, {numbers['setpoints']} setpoints, {numbers['ticks']} ticks",
-        f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s, "
-        f"{1e3 * numbers['removed_m3']:.2f} l removed",
-        f"all together: overbreak {1e3 * numbers['overbreak_m']:.3f} mm, "
-        f"underbreak {1e3 * numbers['underbreak_m']:.3f} mm",
-        *(_lap_line(row) for row in numbers["each_lap"]),
-        "time in s: " + ", ".join(f"{name} {t:.2f}" for name, t in numbers["times_s"].items()),
-        "limits used: "
-        + ", ".join(
-            f"{name.replace('_', ' ')} {100 * share:.0f} %"
-            for name, share in numbers["limits_used"].items()
-            if share
-        ),
-        "time with a valve fully open: "
-        + ", ".join(
-            f"{joint} {100 * share:.2g} %"
-            for joint, share in zip(("theta", "phi"), numbers["saturated_share"], strict=True)
-        ),
+        f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s",
+        "time in s: " + _listed(numbers["times_s"].items(), ".2f"),
+        "limits used: " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in used if share),
         "clear of the wall, in mm: "
-        + ", ".join(
-            f"{row['part']} {1e3 * row['clearance_m']:.1f}" for row in numbers["clearances"]
-        ),
+        + _listed(((row["part"], 1e3 * row["clearance_m"]) for row in parts), ".1f")
+        + f"; the cutter reaches {-1e3 * cutter['clearance_m']:.1f} into it",
+    ]
+    if numbers["machine"]:
+        lines += ["", "the machine            has      needs"]
+    for row in numbers["machine"]:
+        lines.append(
+            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}"
+            + ("" if row["has"] > row["needs"] else ", less than needed")
+        )
+    if any(row["what"].startswith("in step") for row in numbers["machine"]):
+        lines += [
+            "in step: the ground's damper where picks follow each other in one track;",
+            "a joint that has less would chatter in it, at any feed; the budget is of picks that",
+            "don't follow each other in one track",
+        ]
+    return "\n".join(lines)
+
+
+def _listed(pairs, form):
+    """Return pairs of a name and a number in a line."""
+    return ", ".join(f"{name} {number:{form}}" for name, number in pairs)
+
+
+def summary_text(numbers):
+    """Return the `numbers` of `summarise` as lines for people, lengths in mm."""
+    valves = zip(("theta", "phi"), numbers["saturated_share"], strict=True)
+    lines = [
+        plan_text(numbers),
+        "",
+        f"all together: overbreak {1e3 * numbers['overbreak_m']:.3f} mm, underbreak "
+        f"{1e3 * numbers['underbreak_m']:.3f} mm, {1e3 * numbers['removed_m3']:.2f} l removed",
+        *(_lap_line(row) for row in numbers["each_lap"]),
+        "time with a valve fully open: "
+        + ", ".join(f"{joint} {100 * share:.2g} %" for joint, share in valves),
         "",
         "each alone, in mm     over   under     rms   closed form     ratio  halved by"
         "                 left  due to",
@@ -272,50 +237,22 @@ def summary_text(numbers: Summary):
         "What halves a source was simulated: with that key of the job multiplied so, that share of",
         "it is left; - where none of the keys tried leaves 0.4 to 0.6.",
     ]
-    if numbers["machine"]:
-        lines += ["", "the machine            has      needs"]
-    for row in numbers["machine"]:
-        lines.append(
-            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}"
-            + ("" if row["has"] > row["needs"] else ", less than needed")
-        )
-    if any(row["what"].startswith("in step") for row in numbers["machine"]):
-        lines += [
-            "in step: the ground's damper where picks follow each other in one track;",
-            "a joint that has less would chatter in it, at any feed; the budget is of picks that",
-            "don't follow each other in one track",
-        ]
     return "\n".join(lines)
 
 
-@checked
-def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[[str], object]):
-    """Write the files of a job into a folder, but pictures.
+def write_all(job, cut, folder, numbers, say):
+    """Write the files of a job and its cut, but pictures, into a new `folder`; return their paths.
 
-    Parameters
-    ----------
-    job : Job
-        What was asked for.
-    cut : Cut
-        The simulated job.
-    folder : pathlib.Path
-        Made where it is missing; files of these names are replaced. `atomic_write.output` gives
-        one whose files come into place together.
-    numbers : dict
-        From `summarise`, for the table of the error budget.
-    say : function
-        Gets a sentence for each file that is being written.
-
-    Returns
-    -------
-    files : list of pathlib.Path
-        Each says which job it is of.
+    The `numbers` are those of `summarise`; `say` is told which file is being written.
     """
     plan = job.planned
     controller = program(plan, job)
-    curves = {"SECTION": plan.circuit.section, "CENTRE": plan.circuit.profile}
+    section = plan.circuit.section
+    wall = section.offset(-plan.circuit.machine.depth)
+    curves = {"SECTION": section, "WALL": wall, "CENTRE": plan.circuit.profile}
     makers = {
-        "budget.csv": lambda: _table(numbers["faults"]),
+        "budget.csv": lambda: table(numbers["faults"]),
+        "plan.csv": lambda: plan_csv(plan, job.stamp),
         "knots.csv": lambda: knots_csv(plan),
         "setpoints.csv": lambda: setpoints_csv(plan),
         "setvalues.csv": lambda: setvalues_csv(plan),
@@ -326,27 +263,16 @@ def write_all(job: Job, cut: Cut, folder: Path, numbers: Summary, say: Callable[
         "controller.st": lambda: controller.text,
         "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
-        "wall.vtp": lambda: vtp_blocks(wall_surface(cut.wall, plan.circuit), job.stamp),
-        "wall.stl": lambda: stl_blocks(wall_solid(cut.wall), job.stamp),
+        "wall.vtk": lambda: vtk(cut.wall, plan.circuit, job.stamp),
+        "wall.stl": lambda: stl(*wall_solid(cut.wall), job.stamp),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    for name, make in makers.items():
-        say(f"writing {name}")
-        files.append(folder / name)
+    folder.mkdir(parents=True)
+    files = [folder / name for name in makers]
+    for file, make in zip(files, makers.values(), strict=True):
+        say(f"writing {file.name}")
         content = make()
         if isinstance(content, str):
-            head = STAMPED[files[-1].suffix].format(job.stamp)
-            content = [head.encode(), content.encode()]
-        with files[-1].open("wb") as file:
-            file.writelines(content)  # block by block, since a wall may be large
+            content = [(STAMPED[file.suffix].format(job.stamp) + content).encode()]
+        with file.open("wb") as opened:
+            opened.writelines(content)  # block by block, since a wall may be large
     return files
-
-
-def _table(rows):
-    """Return rows of the same names as a table."""
-    text = io.StringIO()
-    table = csv.DictWriter(text, FAULT, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    return text.getvalue()

@@ -6,8 +6,9 @@ its value is then in degrees.
 
 import hashlib
 import re
+import sys
 import tomllib
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
@@ -47,18 +48,18 @@ IN_RADIANS = re.compile(r"-?\bpi(?:/2)?\b|-?\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b")
 
 
 class WrongJob(ValueError):
-    """A job that can't be read: no file, no TOML, names that aren't known or missing.
+    """Raised where a job can't be read: no file, no TOML, unknown or missing names.
 
-    A value that is refused is another ValueError. Each message says where and why.
+    A value that is refused raises a plain ValueError. Each message says where and why.
     """
 
 
 class Size(NamedTuple):
-    """What a number of a job may be: its `unit`, and its plausible sizes, from `least` to `most`.
+    """What a number of a job may be: its `unit`, and plausible sizes from `least` to `most`.
 
-    Zero passes, and so does what is below zero where there is a least size: what a number is for
-    says more of these. Where people give another thing than the unit's usual others, `others`
-    has pairs of its name and what one of it is, or a function of the number.
+    Zero passes, and so does a number below zero where there is a least size: these are checked
+    where the number is used. `others` are further units in which people give it: pairs of a name
+    and of what one of it is, or of a function of the number.
     """
 
     unit: str
@@ -68,21 +69,17 @@ class Size(NamedTuple):
 
 
 class Table(dict):
-    """What a table says by its names, in SI units, and which of them it gave in `degrees`."""
+    """The values of a table by name, in SI units; `degrees` has the names given in degrees."""
 
     degrees = frozenset()
 
 
-def _name_of(path):
-    """Return what a message calls a file."""
-    return brief(str(path)) or "the file without a name"
-
-
 def parsed_toml(path):
-    """Return what a file says in TOML, and its stamp, as of `stamp_of`; or raise WrongJob."""
-    name = _name_of(path)
+    """Return what a file, or standard input for ``-``, says in TOML, and its `stamp_of`."""
+    stdin = str(path) == "-"
+    name = "standard input" if stdin else brief(str(path)) or "the file without a name"
     try:
-        with open(path, "rb") as file:
+        with nullcontext(sys.stdin.buffer) if stdin else open(path, "rb") as file:
             content = file.read(MOST_BYTES + 1)  # a file may be endless
     except OSError as error:
         raise WrongJob(f"{name}: can't be read; {error.strerror}.") from None
@@ -97,7 +94,7 @@ def parsed_toml(path):
     if max(map(len, text.split("\n"))) > MOST_IN_A_LINE:
         raise WrongJob(f"{name}: has a line of more than {MOST_IN_A_LINE} characters.")
     try:
-        return tomllib.loads(text), stamp_of(Path(path).name, content)
+        return tomllib.loads(text), stamp_of("stdin" if stdin else Path(path).name, content)
     except tomllib.TOMLDecodeError as error:
         raise WrongJob(f"{name}: isn't TOML; {brief(str(error).rstrip('.'))}.") from None
     except RecursionError:
@@ -107,10 +104,10 @@ def parsed_toml(path):
 
 
 def stamp_of(name, content):
-    """Return what a job's files say that they are of: its name, its text's digest, the version.
+    """Return what files say of their job: its name, its text's digest, the version.
 
-    Without a date, so that the same job gives the same bytes. Letters are such that any comment
-    may hold them.
+    There is no date in it, so that the same job gives the same bytes, and no letter that could end
+    a comment.
     """
     plain = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "_" for c in name)
     digest = hashlib.sha256(content).hexdigest()[:16]
@@ -120,8 +117,7 @@ def stamp_of(name, content):
 def check_leaves(tables):
     """Raise ValueError for characters that a terminal might obey, and integers beyond 64 bits.
 
-    Whatever a job says may be repeated in a message. Without recursion, for dotted keys nest as
-    deeply as one likes.
+    Messages repeat what a job says. Dotted keys may nest deeper than Python's recursion goes.
     """
     left = [("", tables)]
     while left:
@@ -130,7 +126,7 @@ def check_leaves(tables):
             for name in value:
                 if not name.isprintable():
                     raise WrongJob(f"{brief(name)}: must be a name of printable characters.")
-            # Where it is deep in a table that no job has, the beginning will do.
+            # Deep in a table that no job has, the beginning of its name will do.
             left += [(f"{where}.{name}"[:100], inner) for name, inner in value.items()]
         elif isinstance(value, list):
             left += [(where, inner) for inner in value]
@@ -143,7 +139,7 @@ def check_leaves(tables):
 
 
 def brief(text):
-    """Return a name or a text for a message, in 200 characters that no terminal obeys."""
+    """Return a name or a text for a message: at most 200 characters, none that a terminal obeys."""
     return fit(text, 200)
 
 
@@ -203,13 +199,13 @@ def _is_angle(size):
 
 
 def _unit(size, in_degrees=False):
-    """Return the unit of what a name may hold, as of a number in degrees where it is given so."""
+    """Return the unit of what a name may hold, in degrees if it was given so."""
     unit = size.unit if isinstance(size, Size) else size
     return unit.replace("rad", "degrees") if in_degrees else unit
 
 
 def _check_size(where, key, value, size, in_degrees):
-    """Raise ValueError for a number of an implausible size, and say which unit may be meant."""
+    """Raise ValueError for an implausible number, and say in which unit it may be meant."""
     one = np.pi / 180 if in_degrees else 1.0  # in SI units
     if not 0 < abs(value) < np.inf or (value < 0 and size.least):
         return
@@ -233,15 +229,21 @@ def _check_size(where, key, value, size, in_degrees):
 
 
 @contextmanager
-def said_of(table, given=None, *, remedy=""):
-    """Begin a refusal with the `table` that it is about, and end it with a `remedy`.
+def said_of(table, given=None, *, remedy="", instead=None):
+    """Have a refusal begin with the `table` that it is about, and end with a `remedy`.
 
-    An angle is said in the unit in which it was `given`, a `Table`. What is said of the machine's
-    body is about that table, wherever it is found.
+    Angles are told in the unit in which they were `given`, a `Table`. A refusal of a machine's body
+    is always about that table. With a pair `instead`, of an argument and of what a job calls it,
+    refusals of other arguments pass unchanged.
     """
     try:
         yield
     except ValueError as error:
+        if instead:
+            argument, _, rest = str(error).partition(": ")
+            if argument != instead[0]:
+                raise
+            raise ValueError(f"[{table}] {instead[1]}: {rest}") from None
         said = f"[{table}] {_as_given(str(error), getattr(given, 'degrees', ()))}"
         if said.startswith(f"[{table}] body: "):
             said = said.replace(f"[{table}] body: ", "[body] ", 1)
@@ -250,13 +252,13 @@ def said_of(table, given=None, *, remedy=""):
 
 
 def _as_given(said, names):
-    """Return a refusal in degrees if it is of an argument among `names`, which were given so.
+    """Return a refusal with its angles in degrees if its argument is among `names`.
 
-    What came is in degrees then, and so is a rule that is in radians.
+    Those were given in degrees; both the rule and what came are then told so.
     """
     rule, got, came = said.partition("; got ")
     ours = set(re.findall(r"\b\w+_(?:min|max)\b", rule)) | {said.partition(":")[0]}
-    if not ours <= set(names):  # one of a pair may be in radians: then both are
+    if not ours <= set(names):  # if one of a pair is in radians, both are told so
         return said
     if re.search(r"\b(rad|pi)\b", rule):
         rule = IN_RADIANS.sub(_degrees, rule).replace("rad", "degrees")
@@ -271,7 +273,7 @@ def _degrees(number):
 
 
 def one_of(where, word, words):
-    """Refuse a word that isn't one of those known, or isn't there: None."""
+    """Raise ValueError if a word isn't one of those known, and WrongJob if it is missing."""
     *others, last = (f'"{each}"' for each in words)
     known = f"{', '.join(others)} or {last}"
     if word is None:
@@ -281,9 +283,9 @@ def one_of(where, word, words):
 
 
 def hint(name, known, more=()):
-    """Return what a name may have been meant to be, as the end of a sentence.
+    """Return the end of a sentence that says which of the names `known`, or of `more`, was meant.
 
-    It is one of those `known`, which the sentence lists if none is near, or of `more`.
+    If none is near, it lists those that are known.
     """
     close = get_close_matches(name, [*known, *more], n=1) or get_close_matches(
         name.removesuffix("_deg"), known, n=1

@@ -9,9 +9,19 @@ from .mesh import SCALAR
 
 ROOF = np.pi / 2  # rad, the angle from y over z at which the wall's middle is
 SAMPLES = 3601  # of the section, for the arc lengths of rays
-SIZE, DPI = 6.3, 200  # inches, the width on paper
+DPI = 200  # of pictures whose width on paper is 6.3 inches
 TUNNEL, FIRST, LAST, LIMITS = "#C9C2B8", "#C42A52", "#222222", "#4D4D4D"
 WHOLE = 0.999  # of the depth of cut: ground that stands farther in is untouched
+
+
+def write_pictures(job, cut, wall, laps):
+    """Write the unrolled wall of a job's cut and its laps to PNG files; return their paths."""
+    figure = Figure(figsize=(6.3, 3.6), layout="constrained")
+    draw_unrolled(figure.subplots(), cut, limit=job.limit)
+    write_drawing(wall, figure, job.stamp)
+    figure = Figure(figsize=(6.3, 2.4), layout="constrained")
+    draw_laps(figure.subplots(), cut, tolerance=job.plan["tolerance"])
+    return [wall, write_drawing(laps, figure, job.stamp)]
 
 
 def draw_unrolled(ax, cut, *, limit):
@@ -78,28 +88,8 @@ def draw_laps(ax, cut, *, tolerance):
     return lines
 
 
-def write_unrolled(path, cut, *, limit, stamp):
-    """Write what `draw_unrolled` draws of a cut to a PNG file and return its path.
-
-    Over- and underbreak end the colour scale at `limit`, in m; `stamp` goes to the file's head.
-    """
-    figure = Figure(figsize=(SIZE, 3.6), layout="constrained")
-    draw_unrolled(figure.subplots(), cut, limit=limit)
-    return write_drawing(path, figure, stamp)
-
-
-def write_laps(path, cut, *, tolerance, stamp):
-    """Write what `draw_laps` draws of a cut to a PNG file and return its path.
-
-    The `tolerance`, in m, is drawn to both sides; `stamp` goes to the file's head.
-    """
-    figure = Figure(figsize=(SIZE, 2.4), layout="constrained")
-    draw_laps(figure.subplots(), cut, tolerance=tolerance)
-    return write_drawing(path, figure, stamp)
-
-
 def write_drawing(path, figure, stamp):
-    """Write a figure of matplotlib to a PNG file, with a stamp in its head; return its path."""
+    """Write a figure of matplotlib to a PNG file, with a stamp in its head; return the path."""
     figure.set_dpi(DPI)
     with replacement(path) as new:
         # Not by savefig, which would draw twice, once for the layout.
@@ -108,7 +98,7 @@ def write_drawing(path, figure, stamp):
 
 
 def _from_roof(section, angle):
-    """Return arc lengths (n,), in m, of a section at angles in rad, from the roof to the right."""
+    """Return arc lengths (n,) of a section, in m, from the roof to the right, at angles in rad."""
     s = np.linspace(0, section.perimeter, SAMPLES)
     y, z = section.point(s).T
     turned = np.unwrap(np.arctan2(z, y))

@@ -34,7 +34,7 @@ class _Work:
 
 
 def replace_plain(other):
-    """Let `other` run functions where numba doesn't: it is called as `call` is.
+    """Have `other`, called as `call` is, run the functions that numba doesn't.
 
     For places that have another compiler, as a web page has.
     """
@@ -42,7 +42,7 @@ def replace_plain(other):
 
 
 def expect(seconds, kind):
-    """Say that loops of a `kind` follow that take about so many `seconds` in plain Python.
+    """Announce loops of a `kind` that take about so many `seconds` in plain Python.
 
     Once `LONG` of that kind was expected its loops are compiled from then on, if numba is there.
     """
@@ -52,12 +52,12 @@ def expect(seconds, kind):
 
 
 def ready(kind):
-    """Tell whether loops of a kind are compiled: for who has other ways than plain Python."""
+    """Return whether loops of a kind are compiled; a caller may have another way if not."""
     return _Work.compiled and _Work.of_kind[kind] > LONG
 
 
 def each_block(work, count, size, kind):
-    """Do some `work` on blocks of rows, which have nothing to do with each other.
+    """Do `work` on blocks of rows that are independent of each other.
 
     Where loops of its kind are compiled, which leave Python's lock alone, all cores take part: as
     many as numba was given, by NUMBA_NUM_THREADS.
@@ -85,7 +85,7 @@ def each_block(work, count, size, kind):
 
 
 def loop(inlined=()):
-    """Return a decorator of a loop that a compiler shall make several numbers at once of.
+    """Return a decorator of a loop in which a compiler may handle several numbers at once.
 
     Its quotients by zero are infinite or not a number when it is compiled, as plain Python has them
     from `elementwise.ratio`, without a branch for each; functions whose names are `inlined` become
@@ -167,7 +167,7 @@ def _never_kept(copy):
 
 
 def call_plain(function, *arguments, **parts):
-    """Return what `call` does of a `function`, `arguments` and `parts`, never compiled."""
+    """Return what `call` does, but always by plain Python, on lists."""
     # Python reads and writes lists several times as fast as arrays.
     lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
     if parts:
@@ -202,7 +202,7 @@ def _replaced(function, *parts):
 
 @functools.cache
 def _compiled(function, *parts):
-    """Return the same compiled, with all functions that it calls."""
+    """Return a function compiled, with all functions that it calls."""
     import hashlib
 
     import numba

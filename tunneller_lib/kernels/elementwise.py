@@ -85,13 +85,13 @@ def chosen(condition, yes, no):
 
 
 def lesser(a, b):
-    """Return the smaller of two numbers, none NaN."""
-    return a if a <= b else b
+    """Return the smaller of two numbers, or NaN if one is."""
+    return a if a <= b or a != a else b
 
 
 def greater(a, b):
-    """Return the larger of two numbers, none NaN."""
-    return a if a >= b else b
+    """Return the larger of two numbers, or NaN if one is."""
+    return a if a >= b or a != a else b
 
 
 def rooted(x):

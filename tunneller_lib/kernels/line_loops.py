@@ -47,18 +47,8 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         leave[i] = last
 
 
-# Numbers may be none here, as beside a shape, and of any size: so these differ from those that
+# Numbers may be NaN here, as beside a shape, and of any size: so these differ from those that
 # other loops have.
-
-
-def least_of(a, b):
-    """Return the smaller of two numbers, or not a number if one is none."""
-    return a if a <= b or a != a else b
-
-
-def most_of(a, b):
-    """Return the larger of two numbers, or not a number if one is none."""
-    return a if a >= b or a != a else b
 
 
 def root_or_none(x):
@@ -77,11 +67,4 @@ def shifted(x, power):
 
 
 # What `compiled.call` puts in the place of what formulas call.
-FOR_LINES = {
-    **NUMBERS,
-    "smaller": least_of,
-    "larger": most_of,
-    "square_root": root_or_none,
-    "power_above": power_of,
-    "scaled": shifted,
-}
+FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": shifted}

@@ -1,11 +1,10 @@
 """Chains of positions along which a conical mill goes, across its characteristic."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import Length, Length0, Rule, Whole, checked, shown
+from ..arguments import Length, Length0, Whole, checked
 from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
@@ -47,20 +46,6 @@ class Chain:
         return len(self.tip)
 
 
-def _chains(name, value):
-    """Return `value`, one or more chains of four positions or more."""
-    if not isinstance(value, list) or not value:
-        raise ValueError(f"{name}: must be a list of one Chain or more; got {shown(value)}.")
-    for one in value:
-        if not isinstance(one, Chain) or len(one) < 4:
-            raise ValueError(f"{name}: must each be a Chain of four or more; got {shown(one)}.")
-    return value
-
-
-# What arguments may be, in this room and above it.
-Chains = Annotated[list, Rule("list of Chain", _chains)]
-
-
 @checked
 def trace_chain(
     patch: Patch,
@@ -74,7 +59,7 @@ def trace_chain(
     most: Whole(2, 1000) = 100,
     n: Whole(2, 500) = 121,
 ):
-    """Return the chain through one of some positions.
+    """Return the chain of positions through one that was found.
 
     Parameters
     ----------
@@ -107,8 +92,8 @@ def trace_chain(
     -----
     The characteristic of a moving cone that agrees with the surface to second order is conjugate to
     the ruling through the contact. Going at a right angle to it gives the widest strip (Envelopes,
-    section 4). By the midpoint rule; at each point the cone is taken whose axis turns least, up to
-    15 degrees.
+    section 4). Steps are made by the midpoint rule; at each point the cone is taken whose axis
+    turns least, by 15 degrees at most.
 
     Examples
     --------
@@ -132,7 +117,7 @@ def trace_chain(
 
 
 def _fitting(patch, mill, parts, start, tolerance, others, n):
-    """Return the `Chain` of the positions next to each other, about the start, that fit.
+    """Return the `Chain` of positions that fit without a gap about the start.
 
     `parts` are the fields of a `Chain`; the other arguments are those of `trace_chain`.
     """
@@ -145,8 +130,9 @@ def _fitting(patch, mill, parts, start, tolerance, others, n):
     wrong = gouges(tip, axis)
     first = int(wrong[wrong < start].max(initial=-1)) + 1
     last = int(wrong[wrong > start].min(initial=len(tip)))
-    # Where the axis turns fast, as where two cones fall together, the way between two positions
-    # that fit may gouge. What is cut off changes the smooth way through the rest: it's tried anew.
+    # Where the axis turns fast, as near two cones that fall together, the way between two positions
+    # that fit may gouge. To cut those off changes the smooth way through the rest, which is then
+    # tried anew.
     while last - first >= 4:
         count = last - first - 1
         places = np.linspace(0, count, BETWEEN * count + 1)
@@ -162,9 +148,9 @@ def _fitting(patch, mill, parts, start, tolerance, others, n):
 def motion_through(tip, axis):
     """Return the smooth motion through four positions or more, tip and axis (k, 3), as a function.
 
-    Its argument (m,) counts positions from 0 to k - 1, in fractions between them; it returns tip
-    and axis (m, 3). These are cubic splines over the way of the tip and of the point one mean way
-    of the tip higher; axes are unit vectors.
+    Its argument (m,) counts positions from 0 to k - 1, in fractions between them; it returns tips
+    and unit axes (m, 3). Both are cubic splines. Between two positions their parameter grows by
+    the way of the tip and the turn of the axis, which counts as a mean way of the tip a radian.
     """
     from scipy.interpolate import CubicSpline
 
@@ -194,6 +180,7 @@ def _trace(patch, mill, s, t, axis, step, most):
             break
         row, rate, axis, heading = here
         rows.append(row)
+        # Midpoint rule: half a step as the start says, from there the way of the whole step.
         middle = s + rate[0] / 2, t + rate[1] / 2
         between = _within(patch, *middle) and _taken(patch, mill, *middle, axis, heading, step)
         if not between:
@@ -204,13 +191,11 @@ def _trace(patch, mill, s, t, axis, step, most):
 
 
 def _taken(patch, mill, s, t, axis, heading, step):
-    """Return at a point a row of a `Chain`, the rates of s and t, axis and heading; None without.
+    """Return the position at a point with the axis nearest to the one before, or None.
 
-    The cone is the one whose axis is nearest to the `axis` before.
+    These are a row of a `Chain`, the steps of s and t, the axis and the heading.
     """
-    cones = hyperosculating_cones.unchecked(
-        patch.surface, s, t, half_angle=mill.half_angle, model="space"
-    )
+    cones = hyperosculating_cones(patch.surface, s, t, half_angle=mill.half_angle, model="space")
     near, far = mill.rulings
     usable = (cones.side == patch.side) & (cones.distance >= near) & (cones.distance <= far)
     turn = np.where(usable, dot(cones.axis, axis), -1.0)
@@ -229,7 +214,7 @@ def _taken(patch, mill, s, t, axis, heading, step):
 
 
 def conjugate_frame(patch, s, t, ruling):
-    """Return the way across the characteristic, and the parameters' rates along tangents.
+    """Return the direction across the characteristic, and what turns tangents to parameters.
 
     Parameters
     ----------
@@ -243,15 +228,16 @@ def conjugate_frame(patch, s, t, ruling):
     Returns
     -------
     way : (3,) float
-        Unit tangent, at a right angle to the direction that is conjugate to the ruling: the way in
-        which the normal turns along it.
+        Unit tangent at a right angle to the direction that is conjugate to the ruling. The normal
+        turns this way along the ruling.
     inverse : (2, 3) float
         By which a tangent vector, in m, is multiplied to give changes of s and t.
     """
-    variables = jet_variables.unchecked(s, t)
+    variables = jet_variables(s, t)
     taylor = np.stack([as_jet(c, variables[0]).c for c in patch.surface(*variables)], axis=-1)
     tangents = taylor[1:3]
     normal = np.cross(*tangents)
+    # The second fundamental form, times the normal's length, which the unit vector doesn't need.
     ss, st, tt = (dot(c, normal) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))
     inverse = np.linalg.pinv(tangents @ tangents.T) @ tangents
     way = -inverse.T @ (np.array([[ss, st], [st, tt]]) @ inverse @ ruling)

@@ -2,36 +2,15 @@
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Rule, bounded_array, checked, near_points
+from ..arguments import LEAST, Array, checked
 from ..envelopes.functions import Varying
 from ..envelopes.jet import Jet, compose, places
 
 LEAST_DEGREE, MOST_DEGREE = 3, 9
-
-
-def _grid(name, value):
-    points = near_points(name, value)
-    if points.ndim != 3:
-        raise ValueError(f"{name}: must be a grid (n, m, 3); got {points.shape}.")
-    return points
-
-
-def _row(name, value):
-    array = bounded_array(name, value)
-    if array.ndim != 1 or np.any(np.diff(array) < 0):
-        raise ValueError(f"{name}: must be numbers in a row that don't fall; got {array.shape}.")
-    return array
-
-
-# What arguments may be, in this room and above it.
-Grid = Annotated[ArrayLike, Rule("(n, m, 3) float", _grid, "m")]
-Row = Annotated[ArrayLike, Rule("(k,) float", _row)]
-Weights = Annotated[ArrayLike, Rule("(n, m) float", bounded_array)]
+Knots = Array("(k,) float", also=("not fall", lambda knots: np.all(np.diff(knots) >= 0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,21 +23,21 @@ class Nurbs:
     control : (n, m, 3) float
         Control points, in m.
     knots_s, knots_t : (k,) float
-        Ascending; n and m of them and the degree and one more, which gives the degrees, 3 to 9.
+        Ascending. Their numbers are n or m plus the degree plus one, with degrees from 3 to 9.
     weights : (n, m) float, optional
-        Of the control points, above zero; 1 unless given.
+        Of the control points, from 1e-100 to 1e100; 1 unless given.
 
     Raises
     ------
     ValueError
-        If a shape, a degree, a weight or the order of knots isn't such, or an inner knot is
-        repeated so often that the surface may have a crease.
+        If a shape, a degree, a weight or the knots' order is wrong, or an inner knot is repeated
+        so often that the surface may have a crease.
 
     Notes
     -----
-    Contact of third order asks for third derivatives that are continuous, so for degree 4, and the
-    verdict on gouging for fourth ones, so for degree 5, with simple inner knots. With less, the
-    cones jump where a knot is crossed.
+    With simple inner knots contact of third order needs degree 4, for continuous third
+    derivatives, and the verdict on gouging needs degree 5. With less, the cones jump where a knot
+    is crossed.
 
     Examples
     --------
@@ -69,19 +48,19 @@ class Nurbs:
     [0.25, 0.5, 0.0]
     """
 
-    control: Grid
-    knots_s: Row
-    knots_t: Row
-    weights: Weights | None = None
+    control: Array("(n, m, 3) float", "m", last="x, y, z")
+    knots_s: Knots
+    knots_t: Knots
+    weights: Array("(n, m) float", low=LEAST) | None = None
 
     def __post_init__(self):
         for name, count in zip(("knots_s", "knots_t"), self.control.shape[:2], strict=True):
             _check_knots(name, getattr(self, name), count)
         if self.weights is None:
             object.__setattr__(self, "weights", np.ones(self.control.shape[:2]))
-        if self.weights.shape != self.control.shape[:2] or not np.all(self.weights > 0):
+        if self.weights.shape != self.control.shape[:2]:
             raise ValueError(
-                f"weights: must be above zero, one a control point {self.control.shape[:2]}; "
+                f"weights: must be one a control point, {self.control.shape[:2]}; "
                 f"got {self.weights.shape}."
             )
 
@@ -93,7 +72,9 @@ class Nurbs:
 
     @checked
     def coordinates(self, s: Varying, t: Varying):
-        """Return the coordinates of points, a surface for `hyperosculating_cones` in space.
+        """Return the coordinates of points.
+
+        A surface for `hyperosculating_cones` with model="space".
 
         Parameters
         ----------
@@ -115,9 +96,12 @@ class Nurbs:
             if np.any(wrong):
                 got = x[wrong].flat[0]
                 raise ValueError(f"{name}: must lie from {low:g} to {high:g}; got {got:g}.")
+        # The spline's own derivatives make its Taylor polynomial, for which the jets of s and t are
+        # put in.
         jet = next((x for x in (s, t) if isinstance(x, Jet)), None)
         order = [(0, 0)] if jet is None else places(jet)
         weights = self.weights[..., None]
+        # Of weighted points and weights together, over which the quotient is taken at the end.
         spline = NdBSpline(
             knots, np.concatenate([self.control * weights, weights], 2), self.degrees
         )

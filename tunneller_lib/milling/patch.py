@@ -1,24 +1,13 @@
 """A patch of a surface that is to be milled, with the side from which the tool comes."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from ..arguments import NotNegative, Reals, Rule, Sign, Whole, bounded_array, checked, shown
+from ..arguments import Array, NotNegative, Reals, Sign, Whole, checked
 from ..envelopes.functions import Function
 
-
-def _range(name, value):
-    """Return `value` as a pair of floats, the first below the second."""
-    pair = bounded_array(name, value)
-    if pair.shape != (2,) or not pair[0] < pair[1]:
-        raise ValueError(f"{name}: must be two ascending numbers (2,); got {shown(value)}.")
-    return tuple(pair.tolist())
-
-
-# What arguments may be, in this room and above it.
-Range = Annotated[tuple[float, float], Rule("(2,) float", _range)]
+Range = Array("(2,) float", also=("ascend", lambda ends: ends[0] < ends[1]))
 
 
 @dataclass(frozen=True)
@@ -57,7 +46,7 @@ class Patch:
         n : int
             From 1 to 500.
         margin : float
-            Share of either width that is left free at each border.
+            Share of the width that is left free at each border.
 
         Returns
         -------
@@ -68,7 +57,7 @@ class Patch:
             raise ValueError(f"margin: must be below 0.5; got {margin:g}.")
         where = np.linspace(margin, 1 - margin, n)
         (a, b), (c, d) = self.s, self.t
-        # The ends to the bit, for outside the domain a surface may refuse to answer.
+        # Rounding mustn't lead beyond the ends, where a surface may refuse to answer.
         s = np.clip(a + (b - a) * where, a, b)
         t = np.clip(c + (d - c) * where, c, d)
         return np.meshgrid(s, t, indexing="ij")

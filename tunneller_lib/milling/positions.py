@@ -1,12 +1,10 @@
-"""Positions of a conical mill in third-order contact with a patch, and why others are refused."""
+"""Positions of a conical mill in third-order contact with a patch, and why others don't fit."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Length0, Reals, Rule, Whole, checked, near_points
+from ..arguments import Array, Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
 from .patch import Patch
 from .tools import ConicalMill, seen_from
@@ -15,15 +13,7 @@ BLOCK = 200_000  # pairs of a position and a point that are looked at together
 CLOSER = 3  # windows, one in another, in which the deepest point is looked for between the mesh's
 AROUND = 7  # points each way in a window, of which the first is two cells wide
 ROUNDS = 20  # at most, in which it goes on
-
-
-def _cloud(name, value):
-    """Return `value` as points (n, 3)."""
-    return near_points(name, value).reshape(-1, 3)
-
-
-# What arguments may be, in this room.
-Cloud = Annotated[ArrayLike, Rule("(n, 3) float", _cloud, "m")]
+Cloud = Array("(n, 3) float", "m", last="x, y, z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +33,12 @@ class Positions:
     distance : (k,) float
         From the cone's vertex to the contact, in m.
     enters, holder_enters : (k,) float
-        How deep mill and holder enter the patch, in m: by how much its deepest point is within;
-        infinite where that isn't asked, for a position on the other side or off the cutting part.
+        How deep mill and holder enter the patch, in m; infinite for a position on the other side
+        or off the cutting part, where that isn't asked.
     others_enter : (k,) float
         How deep the deepest of the other points is in mill or holder, in m, likewise.
     reason : (k,) str
-        "fits", or the first that speaks against it: "on the other side", "off the cutting part",
+        "fits", or the first reason why not: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
         "enters a neighbour".
     """
@@ -99,15 +89,15 @@ def find_positions(
     tolerance : float
         How deep the mill may enter the patch, in m. The holder may not.
     others : (n, 3) float, optional
-        Points that mill and holder must stay off, in m, as of neighbouring blades and a hub. What
-        is between them isn't looked at, so their grids must be fine.
+        Points of neighbouring blades or a hub that mill and holder must stay off, in m. What is
+        between them isn't looked at, so they must lie close together.
     n : int
-        The patch is looked at on a mesh n by n, and between its points near the deepest.
+        The patch is looked at on a mesh n by n, and between the mesh's points near the deepest.
 
     Returns
     -------
     positions : Positions
-        Those that fit and those that don't, with the reason.
+        Those that fit and those that don't, with the reasons.
 
     Notes
     -----
@@ -124,9 +114,7 @@ def find_positions(
     (8, 4)
     """
     s, t = np.broadcast_arrays(s, t)
-    cones = hyperosculating_cones.unchecked(
-        patch.surface, s, t, half_angle=mill.half_angle, model="space"
-    )
+    cones = hyperosculating_cones(patch.surface, s, t, half_angle=mill.half_angle, model="space")
     near, far = mill.rulings
     side = cones.side == patch.side
     on = (cones.distance >= near) & (cones.distance <= far)
@@ -150,7 +138,7 @@ def find_positions(
 
 
 def depths_of(patch, mill, tip, axis, others, n):
-    """Return how deep mills enter a patch, their holders do, and other points lie in both.
+    """Return how deep mills and their holders enter a patch, and other points lie in either.
 
     Parameters
     ----------
@@ -173,6 +161,8 @@ def depths_of(patch, mill, tip, axis, others, n):
     depths = np.zeros((3, len(tip)))
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
+    # Of the patch the deepest point is looked for between those of the mesh; of other points only
+    # they themselves are known.
     beside = np.empty((0, 3)) if others is None else others
     parts = mill.cutting, mill.holder
     size = max(1, BLOCK // (len(mesh) + len(beside)))
@@ -194,8 +184,8 @@ def depths_of(patch, mill, tip, axis, others, n):
 def _between(patch, distance, tip, axis, s, t, n):
     """Return the least distance (k,) near parameters of a mesh (k,), between its points.
 
-    In a window about the best place so far, which goes on where that is at its border, as along a
-    rim of the mill, and gets smaller where it isn't.
+    A window is searched about the best place so far. It moves on where the next best is at its
+    border, as along a rim of the mill, and gets smaller where it isn't.
     """
     cell = [(high - low) / (n - 1) for low, high in (patch.s, patch.t)]
     offsets = np.linspace(-1, 1, AROUND)

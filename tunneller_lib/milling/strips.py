@@ -4,24 +4,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import Length, Length0, NotNegative, Points, Sign, Whole, checked
+from ..arguments import Each, Length, Length0, NotNegative, Points, Sign, Whole, checked
 from ..envelopes import adapted_frames
 from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
 from ..kernels.exact import dot, norm
-from .chains import Chain, Chains, motion_through, trace_chain
+from .chains import Chain, motion_through, trace_chain
 from .patch import Patch
 from .positions import Cloud, Positions
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
 
 BLOCK = 200_000  # pairs of a place of the mill and a point that are looked at together
-BETWEEN = 8  # places from one position to the next, about the nearest of which is looked closer
+BETWEEN = 8  # places from one position to the next, about the nearest of which a search begins
 CLOSER = 12  # halvings of the step between places: the least distance is off by its square
 FEWEST = 6  # positions of a chain that is kept
 LEAST = 0.01  # of the patch's area, that a chain must add
 TRIED = 6  # starts a round, of which the one is taken whose strip adds most
 
 Mill = ConicalMill | CylinderMill | BallMill
+Chains = Each(Chain, some=True)
 
 
 @checked
@@ -115,7 +116,7 @@ class Strip:
 
 @checked
 def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Whole(1, 500) = 100):
-    """Return what a mill leaves along lines across a chain, at all but its two first and last.
+    """Return what a mill leaves along lines across a chain, at all but its first and last two.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Wh
         raise ValueError(f"chain: must have 6 positions or more; got {len(chain)}.")
     inner = slice(2, -2)
     s, t = (part[inner] for part in (chain.s, chain.t))
-    frames = adapted_frames.unchecked(patch.surface, s, t, "space")
+    frames = adapted_frames(patch.surface, s, t, "space")
     first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)
     rate = (np.linalg.pinv(first) @ (frames.axes @ chain.across[inner, :, None]))[..., 0]
     away = np.linspace(-reach, reach, 2 * m + 1)
@@ -155,21 +156,20 @@ def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Wh
 
 @checked
 def ball_chain(chain: Chain, mill: BallMill):
-    """Return a chain with a ball in the place of its mill, which touches where that does.
+    """Return a chain with a ball in place of its mill, which touches where the mill does.
 
-    Ours, to compare with: its axis is the mill's.
+    It isn't in the document, and serves to compare. Its axis is the mill's.
     """
     return replace(chain, tip=chain.contact + mill.radius * (chain.normal - chain.axis))
 
 
 @checked
 def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sign = 1):
-    """Return a chain with a cylinder in the place of its mill: its flank touches where that does.
+    """Return a chain with a cylinder in place of its mill, whose flank touches where the mill does.
 
-    Ours, to compare with. Its axis lies in the tangent plane so that the gap to the surface
-    vanishes to second order in one direction, and is nowhere negative to that order; there are two
-    such axes.
-    The contact is amid its length.
+    It isn't in the document, and serves to compare. The axis lies in the tangent plane so that the
+    gap to the surface vanishes to second order in one direction, and is nowhere negative to that
+    order; there are two such axes. The contact is at the middle of the cylinder's length.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sig
     mill : CylinderMill
         The cylinder.
     which : {1, -1}
-        Of the two axes, to either side of a principal direction.
+        Which of the two axes, on either side of a principal direction.
 
     Returns
     -------
@@ -192,9 +192,9 @@ def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sig
     ValueError
         If the cylinder is too thick: it gouges at a contact whatever its axis.
     """
-    frames = adapted_frames.unchecked(patch.surface, chain.s, chain.t, "space")
+    frames = adapted_frames(patch.surface, chain.s, chain.t, "space")
     g = tangent_graph(frames, slice(None))
-    # Heights bend towards the mill where these are above zero.
+    # Second derivatives of the height, positive where the surface bends towards the mill.
     xx, xy, yy = (patch.side * derivative(g, i, 2 - i) for i in (2, 1, 0))
     determinant = xx * yy - xy * xy
     # With the unit vector n across the axis: det(S - n n'/R) = 0 is n' adj(S) n = R det(S).
@@ -208,7 +208,8 @@ def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sig
     middle = np.arctan2(-xy, (yy - xx) / 2)
     angle = ((middle + which * np.arccos(cosine)) / 2 + np.pi / 2)[:, None]
     axis = np.cos(angle) * frames.axes[:, 0] + np.sin(angle) * frames.axes[:, 1]
-    # A line without a direction: it begins as the chain's axis does, and doesn't turn back.
+    # The line has no direction yet: the first axis takes that of the chain's, and no axis turns
+    # back against the one before.
     turns = dot(axis[1:], axis[:-1])
     first = np.where(dot(axis[0], chain.axis[0]) < 0, -1.0, 1.0)
     signs = first * np.cumprod(np.append(1.0, np.where(turns < 0, -1.0, 1.0)))
@@ -237,7 +238,7 @@ class Coverage:
 
     @checked
     def share(self, tolerance: NotNegative):
-        """Return which share of the patch's area is left within a tolerance, in m."""
+        """Return the share of the patch's area where the error is within a tolerance, in m."""
         return float(self.area[np.abs(self.error) <= tolerance].sum() / self.area.sum())
 
 
@@ -253,7 +254,7 @@ def cover(
     most: Whole(1, 100) = 12,
     n: Whole(2, 500) = 121,
 ):
-    """Return chains that cover a patch, as far as its positions allow.
+    """Return chains along which a mill covers a patch, as far as positions allow.
 
     Parameters
     ----------
@@ -271,9 +272,9 @@ def cover(
     Returns
     -------
     covered : Coverage
-        In each round six positions that are far from each other begin a chain, of those whose
-        contact isn't left within the tolerance yet. The chain is kept that brings most area within
-        the tolerance; it needs six positions, and a hundredth of the patch.
+        In each round chains are traced from six positions that lie far from each other, of those
+        whose contact isn't within the tolerance yet. The chain that brings most area within the
+        tolerance is kept, if it has six positions and adds a hundredth of the patch.
     """
     about = {"step": step, "tolerance": tolerance, "others": others, "n": n}
     mesh = patch.mesh(n)
@@ -304,7 +305,7 @@ def cover(
 
 @checked
 def coverage_of(patch: Patch, mill: Mill, chains: Chains, *, n: Whole(2, 500) = 121):
-    """Return what a mill leaves of a patch that goes along chains.
+    """Return what a mill leaves of a patch when it goes along chains.
 
     Parameters
     ----------
@@ -378,7 +379,7 @@ def find_scallops(patch: Patch, mill: Mill, chains: Chains, *, m: Whole(2, 500) 
     chains : list of Chain
         Of positions of this mill.
     m : int
-        Points at which a line is looked at.
+        Points of a line at which it is looked for.
 
     Returns
     -------

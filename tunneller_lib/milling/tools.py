@@ -1,9 +1,9 @@
-"""Tools that turn about an axis: how far points are from what they cut with and from their holder.
+"""Mills: how far points are from the part that cuts, and from the holder above it.
 
-A tool stands with its tip, the middle of its lower end, in a point; its axis goes up from there
-to the spindle. All that counts of a point is its `height` above the tip and its distance `radius`
-from the axis, both in m. The methods take such arrays (...) and return distances (...) from a part
-of the tool, in m, negative within.
+A mill stands with its tip, the middle of its lower end, in a point; its axis goes up from there to
+the spindle. As it turns about that axis, only the `height` of a point above the tip and its
+distance `radius` from the axis count, both in m. The methods take such arrays (...) and return
+distances (...) from a part of the mill, in m, negative within.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import HalfAngle, Length, Lengths, checked
+from ..envelopes.cone_pose import distance_to_cone
 
 
 @dataclass(frozen=True)
@@ -55,13 +56,14 @@ class ConicalMill:
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
         """Return how far points are from the cutting part, in m, negative within."""
-        return _stub(height, radius, self.tip_radius, self.length, self.top_radius)
+        ruling = self.length / np.cos(self.half_angle)
+        return distance_to_cone(height, radius, self.tip_radius, self.half_angle, ruling)
 
     @checked
     def holder(self, height: Lengths, radius: Lengths):
         """Return how far points are from the holder, in m, negative within."""
-        wide = self.holder_radius
-        return _stub(height - self.length, radius, wide, self.holder_length, wide)
+        above = height - self.length
+        return distance_to_cone(above, radius, self.holder_radius, 0.0, self.holder_length)
 
 
 @dataclass(frozen=True)
@@ -81,13 +83,13 @@ class CylinderMill:
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
         """Return how far points are from the cutting part, in m, negative within."""
-        return _stub(height, radius, self.radius, self.length, self.radius)
+        return distance_to_cone(height, radius, self.radius, 0.0, self.length)
 
 
 @dataclass(frozen=True)
 @checked
 class BallMill:
-    """A ball that cuts: the end of a tool whose shank isn't looked at.
+    """A ball end, without the shank above it.
 
     Parameters
     ----------
@@ -99,47 +101,26 @@ class BallMill:
 
     @checked
     def cutting(self, height: Lengths, radius: Lengths):
-        """Return how far points are from the ball, in m, negative within; the tip is its lowest."""
+        """Return how far points are from the ball, in m, negative within; the tip is its pole."""
         return np.hypot(height - self.radius, radius) - self.radius
 
 
-def _stub(height, radius, first, length, last):
-    """Return the distance (...) to a truncated cone of a length, with radii at its ends.
-
-    In the half plane of the axis the wall is a segment, the ends are levels. Roots of sums of
-    squares are within roundings of `hypot`, which takes several times as long.
-    """
-    ruling = np.hypot(length, last - first)
-    c = length / ruling
-    s = (last - first) / ruling
-    off = radius - first
-    side = off * c - height * s
-    along = height * c + off * s
-    over = np.maximum(np.maximum(-along, along - ruling), 0.0)
-    square = side * side + over * over
-    for level, wide in ((height, off), (height - length, radius - last)):
-        beyond = np.maximum(wide, 0.0)
-        square = np.minimum(square, level * level + beyond * beyond)
-    inside = (side < 0) & (height > 0) & (height < length)
-    nearest = np.sqrt(square)
-    return np.where(inside, -nearest, nearest)[()]
-
-
 def seen_from(points, tip, axis):
-    """Return heights above tools' tips, and distances from their axes, of points.
+    """Return how high points are above mills' tips, and how far from their axes.
 
     Parameters
     ----------
     points : (n, 3) or (k, n, 3) float
-        The same of all tools, or of each its own, in m.
+        The same for all mills, or n for each, in m.
     tip, axis : (k, 3) float
-        Of the tools: in m, and unit vectors.
+        Of the mills: in m, and unit vectors.
 
     Returns
     -------
     height, radius : (k, n) float
         In m.
     """
+    # The radius by Pythagoras: on the axis rounding may leave a square below zero.
     away = points - tip[:, None]
     height = np.einsum("knc,kc->kn", away, axis)
     square = np.einsum("knc,knc->kn", away, away)

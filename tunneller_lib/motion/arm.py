@@ -1,11 +1,12 @@
 """The arm and the head on both joints: inertia, weight, and how the joints act on each other.
 
-The head is a point at the cutter's centre, the arm a rod that is evenly spread from the tangential
-joint to it. With rho = r + R cos(phi) for the head, and likewise for each piece of the arm,
+The head is a point at the cutter's centre, the arm a uniform rod from the tangential joint to it.
+For the head rho = r + R cos(phi), and likewise for each piece of the arm. Kinetic and potential
+energy are
 
     2 T = sum m rho^2 theta'^2 + sum m R^2 phi'^2,    V = -g sin(theta) sum m rho,
 
-so that the two inertias don't mix: theta's depends on phi, phi's is constant.
+which has no product theta' phi': theta's inertia depends on phi, phi's is constant.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Angles, Length, Length0, Positions, Rates, checked
+from ..arguments import Angles, Length, Length0, Positions, checked
 from ..kernels.compiled import cosine, sine
 from .quantities import Size, Size0
 
@@ -21,10 +22,10 @@ GRAVITY = 9.81  # m/s^2
 
 
 class Moments(NamedTuple):
-    """An `Arm` as plain numbers: its masses' sums of 1, s and s^2 over their distance s.
+    """An `Arm` as plain numbers: the sums of m, m s and m s^2 over its masses m.
 
-    Distances are from the tangential joint. Angles and rates of the functions below are floats or
-    arrays.
+    The distance s of a mass is measured from the tangential joint. The functions below take
+    angles and rates as floats or as arrays.
     """
 
     r: float  # m
@@ -34,7 +35,7 @@ class Moments(NamedTuple):
 
 
 def lift_inertia(moments, phi):
-    """Return theta's inertia, in kg m^2, of an arm's `moments` at an angle phi, in rad."""
+    """Return theta's inertia sum m (r + s cos phi)^2, in kg m^2, at an angle phi, in rad."""
     c = cosine(phi)
     return moments.mass * moments.r * moments.r + c * (
         2 * moments.r * moments.first + moments.second * c
@@ -42,7 +43,7 @@ def lift_inertia(moments, phi):
 
 
 def weights(moments, theta, phi):
-    """Return the torques of the weight that resist theta and phi, in N m, of an arm's `moments`."""
+    """Return the torques dV/dtheta and dV/dphi of the weight, in N m: they resist the joints."""
     reach = moments.mass * moments.r + moments.first * cosine(phi)
     lift = -GRAVITY * cosine(theta) * reach
     return lift, GRAVITY * sine(theta) * moments.first * sine(phi)
@@ -51,11 +52,11 @@ def weights(moments, theta, phi):
 def couplings(moments, phi, theta_rate, phi_rate):
     """Return the torques, in N m, by which the joints' motions resist theta and phi.
 
-    With the `moments` of an arm at an angle `phi`, in rad, at the rates `theta_rate` and
-    `phi_rate`, in rad/s. Of theta the Coriolis torque 2 M rho' theta' phi',
-    of phi the centrifugal -M rho rho' theta'^2.
+    On theta acts the Coriolis torque (dI/dphi) theta' phi', on phi the centrifugal torque
+    -(dI/dphi) theta'^2 / 2, with theta's inertia I by an arm's `moments`. `phi` is in rad, the
+    rates theta' = `theta_rate` and phi' = `phi_rate` are in rad/s.
     """
-    # Half the slope of theta's inertia over phi.
+    # Half of dI/dphi.
     half = -sine(phi) * (moments.r * moments.first + moments.second * cosine(phi))
     return 2 * half * theta_rate * phi_rate, -half * theta_rate * theta_rate
 
@@ -63,7 +64,7 @@ def couplings(moments, phi, theta_rate, phi_rate):
 @dataclass(frozen=True)
 @checked
 class Arm:
-    """The masses that both joints carry.
+    """The masses that both joints carry: a cutter head and an arm.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ class Arm:
     head : float
         Mass of the cutter head with its drive, in kg, at the cutter's centre.
     beam : float
-        Mass of the arm, in kg, evenly spread from the tangential joint to the head.
+        Mass of the arm, in kg, spread evenly between the tangential joint and the head.
 
     Raises
     ------
@@ -81,8 +82,8 @@ class Arm:
 
     Notes
     -----
-    The theta axis is level, and theta grows downwards. What is below is derived again from the
-    kinetic and the potential energy, by a computer algebra system, in the tests.
+    The theta axis is level, and theta grows downwards. A test derives the equations of motion
+    again with a multibody code.
 
     Examples
     --------
@@ -98,7 +99,7 @@ class Arm:
 
     @property
     def moments(self):
-        """Return the `Moments` of the masses."""
+        """Return the masses as `Moments`."""
         return Moments(
             self.r,
             self.head + self.beam,
@@ -119,22 +120,3 @@ class Arm:
         phi's is R sin(phi) sin(theta) of each mass times its weight; positions (..., 2) are in rad.
         """
         return np.stack(weights(self.moments, position[..., 0], position[..., 1]), axis=-1)
-
-    @checked
-    def coriolis(self, position: Positions, rate: Rates):
-        """Return the torques (..., 2), in N m, by which the joints' motions resist each other.
-
-        Of theta the Coriolis torque 2 M rho' theta' phi', of phi the centrifugal -M rho rho'
-        theta'^2; positions are in rad, rates in rad/s.
-        """
-        return np.stack(
-            couplings(self.moments, position[..., 1], rate[..., 0], rate[..., 1]), axis=-1
-        )
-
-    @checked
-    def energy(self, position: Positions, rate: Rates):
-        """Return kinetic and potential energy (...), in J, at positions in rad, rates in rad/s."""
-        about_theta, about_phi = self.inertias(position[..., 1])
-        kinetic = (about_theta * rate[..., 0] ** 2 + about_phi * rate[..., 1] ** 2) / 2
-        reach = self.moments.mass * self.r + self.moments.first * np.cos(position[..., 1])
-        return kinetic, -GRAVITY * np.sin(position[..., 0]) * reach

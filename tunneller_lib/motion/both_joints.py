@@ -1,7 +1,7 @@
 """Both joints as one machine in time: oil of both axes, the arm that they share, and the ground.
 
-The state of each axis is that of `Compressible`. What the arm and the ground add are torques; where
-the energy goes is integrated along, so that a balance can be drawn after each tick.
+The state of each axis is that of `Compressible`. Arm and ground add torques. The energies are
+integrated along with the states, so that they can be balanced after each tick.
 """
 
 import math
@@ -22,33 +22,33 @@ from .oil import (
     with_pressures,
 )
 
-# What the oil from the pump brings, less what it still holds in the tank's line, and where it goes.
+# What the pump gives less what the tank gets, and where it goes.
 ENERGIES = "supplied", "valves and leaks", "compressed oil", "friction", "ground"
 
-DAMPED = 1.0  # of the time in which a damper alone stops the arm, the longest step
-MOST_PARTS = 1_000_000  # of a tick, where the ground damps the most
+DAMPED = 1.0  # the longest step, over the time in which a damper alone stops the arm
+MOST_PARTS = 1_000_000  # steps of a tick
 
 
 class Push(NamedTuple):
-    """What the ground does to both joints, in one tick or in several, one after the other.
+    """What the ground does to both joints, in one tick or in several successive ones.
 
-    It resists positive motion of the joint i, at the rate w_i, by the torque torque_i +
+    It resists positive motion of joint i, which turns at the rate w_i, by the torque torque_i +
     F (lever_i^2 w_i / v + across_i), with the cutter's speed v = |(lever_i w_i)| and the force
     F = damper v + max(front . w, 0).
 
     Parameters
     ----------
     torque : (..., 2) float
-        Whatever the rates, in N m.
+        Torques at any rates, in N m.
     damper : (...) float
-        The force against the motion over the speed, in N s/m.
+        Force against the motion over the speed, in N s/m.
     lever : (..., 2) float
-        The cutter's way by a radian of each joint, in m.
+        How far a radian of each joint moves the cutter, in m.
     across : (..., 2) float
-        Levers of the share that pushes outwards, in m.
+        Levers of the part of the force that pushes outwards, in m.
     front : (..., 2) float
-        The force against the motion over the rate of each joint, in N s, where it depends on the
-        direction: a joint that turns the cutter away from the ground takes from it.
+        Force against the motion over the rate of each joint, in N s, where it depends on the
+        direction: a joint that turns the cutter away from the ground reduces it.
     """
 
     torque: tuple | np.ndarray = (0.0, 0.0)
@@ -59,7 +59,7 @@ class Push(NamedTuple):
 
     @property
     def rows(self):
-        """Return torque, damper, lever, across and front as rows (n, 9), one for each tick."""
+        """Return torque, damper, lever, across and front as rows (n, 9), one a tick."""
         pairs = self.torque, self.lever, self.across, self.front
         rows = np.empty(
             (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 9)
@@ -70,7 +70,7 @@ class Push(NamedTuple):
 
 
 class TwoAxes(NamedTuple):
-    """Both axes and the arm that they share, if they do, as plain numbers."""
+    """Both axes as plain numbers, and the arm, where it is `shared`."""
 
     theta: Axis
     phi: Axis
@@ -86,15 +86,15 @@ def machine_of(axes, arm):
 
 
 def least_parts(axes, tick):
-    """Return the parts in which ticks, in s, of two `Hydraulics` are integrated without a push."""
+    """Return the number of steps of a tick, in s, of two `Hydraulics` that nothing pushes."""
     return parts_of(tick, tick * max(map(steps_of, axes)))
 
 
 def parts_in(machine, least, rows, tick):
-    """Return the parts (n,), `least` or more, in which ticks, in s, of a machine are integrated.
+    """Return the numbers (n,) of steps, at least `least`, of ticks in s of a `machine`.
 
-    The `machine` is a `TwoAxes`, the `rows` are those of a `Push`. The damper is stiff where the
-    ground is hard, and changes from tick to tick.
+    It is a `TwoAxes`, pushed by `rows` of a `Push`. In hard ground the damper makes the equations
+    stiff, and it changes from tick to tick.
     """
     inertia = machine.theta.inertia, machine.phi.inertia
     lever = rows[:, 3:5]
@@ -111,10 +111,10 @@ def parts_in(machine, least, rows, tick):
 
 
 def machine_tick(machine, state, openings, push, parts, tick):
-    """Return both axes' states and the energies, each (5,), a tick, in s, later.
+    """Return both axes' states and the energies, each (5,), of a `machine` a tick, in s, later.
 
-    Of a `machine` under `openings` of both valves and a `push`, a row of `Push.rows`, in so many
-    parts. Once an axis has left its stroke it stays there.
+    In so many `parts`, by Runge and Kutta's method, under `openings` of both valves and a `push`, a
+    row of `Push.rows`. The integration ends where an axis leaves its stroke.
     """
     theta, phi = machine.theta, machine.phi
     h = tick / parts
@@ -134,14 +134,14 @@ def machine_tick(machine, state, openings, push, parts, tick):
 
 
 def all_along(state, h, k):
-    """Return both states and energies a time h, in s, later, as they change by k in a second."""
+    """Return both states and the energies a time h, in s, later, at the changes k a second."""
     return along(state[0], h, k[0]), along(state[1], h, k[1]), along(state[2], h, k[2])
 
 
 def machine_slopes(machine, state, openings, push):
-    """Return the changes of both states and of the energies of a `machine`.
+    """Return the changes a second of both states and of the energies.
 
-    The `state`, the `openings` and the `push` are as in `machine_tick`.
+    `machine`, `state`, `openings` and `push` are as in `machine_tick`.
     """
     of_theta, of_phi, _ = state
     theta, v, a, b, x = of_theta
@@ -200,9 +200,10 @@ def machine_slopes(machine, state, openings, push):
 def powers(axis, first, second, spool):
     """Return what the pump gives less what the tank gets, and what valves and leaks take, in W.
 
-    Of an `axis` at pressures `first` and `second` of both sides, in Pa, and a `spool` position.
+    `first` and `second` are the pressures of the plus and the minus side of an `axis`, in Pa, at a
+    position of its `spool`.
     """
-    # Of each land and leak the flow times the pressure that it loses.
+    # Each land and each leak takes its flow times the pressure that it loses.
     inflow, outflow = flows(axis, first, second, spool)
     past = axis.piston_leak * (first - second)
     leak = axis.valve_leak

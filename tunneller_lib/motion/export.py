@@ -1,27 +1,27 @@
 """Function blocks for other controllers: Structured Text (IEC 61131-3), and the C99 of it.
 
-A text is written once, in Structured Text with a statement a line. What both languages share is
-copied, the rest is replaced word by word; numbers come from tables of constants.
+A text is written once, in Structured Text with one statement a line. What both languages share is
+copied and the rest is replaced word by word; numbers come from tables of constants.
 """
 
 import re
+import textwrap
 from importlib.resources import files
 from typing import NamedTuple
 
 from ..arguments import Whole, checked
 
 KINDS = {"BOOL": "bool", "DINT": "int32_t", "LREAL": "double"}
-# Structured Text against C: what is a whole line, and words.
+# Structured Text against C, statements first.
 WORDS = [
-    (r"^IF (.*) THEN$", r"if (\1) {"), (r"^ELSIF (.*) THEN$", r"} else if (\1) {"),
-    (r"^ELSE$", "} else {"), (r"^END_(IF|FOR|WHILE);$", "}"),
-    (r"^WHILE (.*) DO$", r"while (\1) {"),
-    (r"^FOR (\S+) := (.*) TO (.*) BY -1 DO$", r"for (\1 := \2; \1 >= \3; --\1) {"),
-    (r"^FOR (\S+) := (.*) TO (.*) DO$", r"for (\1 := \2; \1 <= \3; ++\1) {"),
+    (r"\bELSIF\b", "} else IF"), (r"\bELSE\b", "} else {"), (r"\bEND_(IF|FOR|WHILE);", "}"),
+    (r"\bIF ((?s:.*?)) THEN$", r"if (\1) {"), (r"\bWHILE ((?s:.*?)) DO$", r"while (\1) {"),
+    (r"\bFOR (\S+) := (.*) TO (.*) BY -1 DO", r"for (\1 := \2; \1 >= \3; --\1) {"),
+    (r"\bFOR (\S+) := (.*) TO (.*) DO", r"for (\1 := \2; \1 <= \3; ++\1) {"),
     (r"<>", "!="), (r"(?<![<>:!=])=(?!=)", "=="), (r":=", "="), (r"\bAND\b", "&&"),
-    (r"\bOR\b", "||"), (r"\bNOT ", "!"), (r"\bTRUE\b", "true"), (r"\bFALSE\b", "false"),
+    (r"\bOR\b", "||"), (r"\bNOT ", "!"), (r"\b(TRUE|FALSE)\b", lambda m: m[0].lower()),
     (r"\bMOD\b", "%"), (r"\bDINT_TO_LREAL\(", "(double)("), (r"\bTRUNC\(", "(int32_t)("),
-    (r"\b(SQRT|SIN|COS|ATAN2?)\(", lambda found: found[0].lower()), (r"\bABS\(", "fabs("),
+    (r"\b(SQRT|SIN|COS|ATAN2?)\(", lambda m: m[0].lower()), (r"\bABS\(", "fabs("),
 ]  # fmt: skip
 C_HEAD = """#include <math.h>
 #include <stdbool.h>
@@ -33,8 +33,9 @@ C_MACROS = """
 """
 STRUCT = r"(\w+) : STRUCT\n(.*?) +END_STRUCT"
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
-ROW = r"^ +([\w, ]+) : ([^:;]+?)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
-# Operations; a sign of a number is a part of it.
+ROW = r"^ +([\w, ]+) : (?:ARRAY \[0\.\.(\d+)\] OF )?(\w+)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
+COMMENT = r"(\(\*.*?\*\))"
+# Operations; the sign of a number is a part of it.
 COUNTED = r"\s[-+*/]\s|(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
@@ -43,13 +44,18 @@ class Row(NamedTuple):
 
     Parameters
     ----------
-    name, kind : str
-        Its type as Structured Text has it.
+    name : str
+        Of the variable.
+    last : str
+        The last index of an array that begins at 0, empty for one value.
+    kind : str
+        The type of one value as Structured Text has it.
     begin, comment : str
-        Empty where there is none.
+        Its initial value and its comment, empty where there is none.
     """
 
     name: str
+    last: str
     kind: str
     begin: str
     comment: str
@@ -61,17 +67,17 @@ class Block(NamedTuple):
     Parameters
     ----------
     kind, name : str
-        "FUNCTION_BLOCK", "PROGRAM" or "STRUCT".
+        The kind is "FUNCTION_BLOCK", "PROGRAM" or "STRUCT".
     sections : list of (str, list of Row)
         Such as ("VAR_INPUT", rows).
-    body : list of str
-        Statements, one a line.
+    body : str
+        The statements, one a line.
     """
 
     kind: str
     name: str
     sections: list
-    body: list
+    body: str
 
     def rows(self, *kinds):
         """Return the variables of some sections."""
@@ -81,8 +87,8 @@ class Block(NamedTuple):
 def read_rows(text):
     """Return the `Row` list of a section or structure."""
     return [
-        Row(name, kind, begin, comment)
-        for names, kind, begin, comment in re.findall(ROW, text, re.M)
+        Row(name, *about)
+        for names, *about in re.findall(ROW, text, re.M)
         for name in names.split(", ")
     ]
 
@@ -90,11 +96,11 @@ def read_rows(text):
 def read_blocks(text):
     """Return the `Block` list of a text, its structures first."""
     found = re.findall(STRUCT, text, re.S)
-    blocks = [Block("STRUCT", name, [("VAR", read_rows(rows))], []) for name, rows in found]
+    blocks = [Block("STRUCT", name, [("VAR", read_rows(rows))], "") for name, rows in found]
     for kind, name, variables, body in re.findall(BLOCK, text, re.S):
         sections = re.findall(r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)
         rows = [(section, read_rows(rows)) for section, rows in sections]
-        blocks.append(Block(kind, name, rows, body.splitlines()))
+        blocks.append(Block(kind, name, rows, body))
     return blocks
 
 
@@ -106,12 +112,12 @@ def with_constants(text, constants):
 
     def filled(found):
         kind, name, variables, body = found.groups()
-        used = [
+        rows = "".join(
             f"    {key} : {_iec_kind(value)} := {_number(value)};\n"
             for key, value in constants.items()
             if re.search(rf"\b{key}\b", body)
-        ]
-        own = f"VAR CONSTANT\n{''.join(used)}END_VAR\n" if used else ""
+        )
+        own = f"VAR CONSTANT\n{rows}END_VAR\n" if rows else ""
         return f"{kind} {name}\n{variables}{own}{body}END_{kind}\n"
 
     return re.sub(BLOCK, filled, text, flags=re.S)
@@ -130,9 +136,8 @@ def _number(value):
         texts = list(map(_number, value))
         rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
         return "[" + ",\n        ".join(rows) + "]"
-    text = repr(value)
-    # A point is needed before an exponent: 5e-05 is none of Structured Text.
-    return re.sub(r"^(-?\d+)e", r"\1.0e", text)
+    # Structured Text wants a point before an exponent: 5e-05 isn't legal.
+    return re.sub(r"^(-?\d+)e", r"\1.0e", repr(value))
 
 
 def operations(block):
@@ -140,8 +145,7 @@ def operations(block):
 
     Neither indices nor comparisons count.
     """
-    text = re.sub(r"\(\*.*?\*\)|\[[^][]*\]", "", "\n".join(block.body), flags=re.S)
-    return len(re.findall(COUNTED, text))
+    return len(re.findall(COUNTED, re.sub(rf"{COMMENT}|\[[^][]*\]", "", block.body, flags=re.S)))
 
 
 def c99_types(blocks):
@@ -149,7 +153,8 @@ def c99_types(blocks):
     texts = []
     for block in blocks:
         rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
-        texts += ["typedef struct {", *map(_field, rows), f"}} {block.name};"]
+        fields = [f"    {_declared(row)};{row.comment and f' /* {row.comment} */'}" for row in rows]
+        texts += ["typedef struct {", *fields, f"}} {block.name};"]
         if begun := [f".{row.name} = {row.begin.lower()}" for row in rows if row.begin]:
             texts.append(f"#define {block.name.upper()}_BEGIN {{{', '.join(begun)}}}")
         texts += [f"{_head(block)};", ""] if block.body else [""]
@@ -160,25 +165,17 @@ def c99_code(blocks):
     """Return the constants and functions of a list of `Block` in C99."""
     constants = {row.name: row for block in blocks for row in block.rows("VAR CONSTANT")}
     texts = [
-        f"static const {_declared(row)} = {row.begin.replace('[', '{').replace(']', '}')};"
+        f"static const {_declared(row)} = {row.begin.replace('[', '{').replace(']', '}')};\n"
         for row in constants.values()
     ]
-    for block in blocks:
-        if block.body:
-            texts += ["", _head(block), "{", *_c_lines(block), "}"]
-    return "\n".join(texts) + "\n"
-
-
-def _field(row):
-    """Return a `Row` as a line of a structure in C."""
-    return f"    {_declared(row)};{f' /* {row.comment} */' if row.comment else ''}"
+    texts += [f"\n{_head(block)}\n{{\n{_c_body(block)}}}\n" for block in blocks if block.body]
+    return "".join(texts)
 
 
 def _declared(row):
     """Return the declaration of a `Row` in C."""
-    array, last, kind = re.fullmatch(r"(ARRAY \[0\.\.(\d+)\] OF )?(\w+)", row.kind).groups()
-    size = f"[{int(last) + 1}]" if array else ""
-    return f"{KINDS.get(kind, kind)} {row.name}{size}"
+    size = f"[{int(row.last) + 1}]" if row.last else ""
+    return f"{KINDS.get(row.kind, row.kind)} {row.name}{size}"
 
 
 def _head(block):
@@ -187,50 +184,31 @@ def _head(block):
     return f"void {block.name.lower()}({block.name} *c{''.join(shared)})"
 
 
-def _statements(lines):
-    """Yield lines of which each is whole: of a comment, a statement, or a branch."""
-    comment = False
-    begun = ""
-    for line in lines:
-        comment = comment or line.strip().startswith("(*")
-        begun = f"{begun} {line.strip()}" if begun else line
-        if comment or re.search(r"(;|THEN|DO|ELSE)$", begun):
-            yield begun
-            begun = ""
-        comment = comment and not line.endswith("*)")
-
-
-def _c_lines(block):
-    """Yield the statements of a block in C."""
+def _c_body(block):
+    """Return the statements of a block in C."""
     kinds = {row.name: row.kind for row in block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")}
-    words = [(rf"(?<![.\w])({'|'.join(kinds)})\b", r"c->\1"), *WORDS]
+
+    def call(found):
+        pad, name, given = found.groups()
+        inputs = (f"{pad}{name}.{one};\n" for one in re.split(r",\s+", given))
+        return f"{''.join(inputs)}{pad}{kinds[name].lower()}(&{name});"
+
+    words = [(rf"^( *)({'|'.join(kinds)})\(((?s:.*?))\);$", call), *WORDS]
+    words += [(rf"(?<![.\w])({'|'.join(kinds)})\b", r"c->\1")]
     words += [(rf"\b{row.name}\.", f"{row.name}->") for row in block.rows("VAR_EXTERNAL")]
-
-    def written(text):
-        for pattern, to in words:
-            text = re.sub(pattern, to, text)
-        return text
-
-    for line in _statements(block.body):
-        pad = "    " + line[: len(line) - len(line.lstrip())]
-        text = line.strip()
-        called = re.fullmatch(r"(\w+)\((.*)\);", text)
-        if text.startswith("(*") or not re.search(r"(;|THEN|DO|ELSE)$", text):
-            yield pad + text.replace("(*", "/*").replace("*)", "*/")
-        elif called and called[1] in kinds:
-            for given in called[2].split(", "):
-                name, value = given.split(" := ")
-                yield f"{pad}c->{called[1]}.{name} = {written(value)};"
-            yield f"{pad}{kinds[called[1]].lower()}(&c->{called[1]});"
-        else:
-            yield pad + written(text)
+    # Comments stand between the parts with statements.
+    parts = re.split(COMMENT, block.body, flags=re.S)
+    for pattern, to in words:
+        parts[::2] = [re.sub(pattern, to, part, flags=re.M) for part in parts[::2]]
+    parts[1::2] = [f"/*{comment[2:-2]}*/" for comment in parts[1::2]]
+    return textwrap.indent("".join(parts), "    ")
 
 
 @checked
 def line_text(*, parts: Whole(1, 2**16) | None = None):
     """Return the integer line of one axis in Structured Text.
 
-    With `parts` of a count, or without its constant, for a text that has others, too.
+    With `parts` of a count, or without its constant for a text that has others, too.
     """
     text = files(__package__).joinpath("line.st").read_text(encoding="utf-8")
     return with_constants(text, {} if parts is None else {"nParts": parts})

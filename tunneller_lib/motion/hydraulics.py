@@ -1,76 +1,54 @@
 """Hydraulic axes: sizes, steady motion and its inverse, natural frequency.
 
-All sizes are the study's assumptions; the document names the parts and gives none.
+All sizes are the study's assumptions: the document names the parts and gives no size.
 """
 
 import math
-from dataclasses import dataclass
+from collections import namedtuple
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Angle, Angles, Finite, Reals, checked
 from ..kernels.compiled import cosine, root
-from ..surfaces.linkage import Cylinders, JointAngles, Linkage, chambers, check_stroke
+from ..surfaces.linkage import JointAngles, Linkage, chambers, check_stroke
 from .plant import Resonance
 from .quantities import Quantity, Size, Size0, Torque
 
 STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cylinder's stroke
 
 
-class Axis(NamedTuple):
-    """A `Hydraulics` as plain numbers, for functions that simulations call many times a tick.
-
-    Nothing is checked by those, and angles and rates are floats or arrays.
-    """
-
-    cylinders: Cylinders
-    low: float
-    high: float
-    inertia: float
-    gravity: float
-    damping: float
-    supply: float
-    tank: float
-    bulk: float
-    hose: float
-    flow: float
-    valve_lag: float
-    friction: float
-    piston_leak: float
-    valve_leak: float
-
-
 def sides_at(axis, angle):
-    """Return (D, rho, load) of positive and of negative motion of an `Axis` at an angle, in rad."""
+    """Return (D, rho, load), as of `Hydraulics.sides`, of positive and of negative motion."""
     plus, minus, _, _ = chambers(axis.cylinders, angle)
     load = load_at(axis, angle)
     return (plus, minus / plus, load), (minus, plus / minus, -load)
 
 
 def load_at(axis, angle):
-    """Return the torque that resists positive motion of an `axis`, in N m, at an angle, in rad."""
+    """Return the torque of the weight that resists positive motion, in N m, at an angle in rad."""
     return -axis.gravity * cosine(angle)
 
 
 def speed(axis, opened, D, rho, load):
-    """Return the speed, in rad/s, at which lands and friction use up the pressure.
+    """Return the steady speed, in rad/s, at which lands and friction use up the pressure.
 
-    `opened` is the share of the `axis`' open valve, from 0 to 1; D, rho and load are one of its
-    `sides_at`.
+    The valve of the `axis` is open by the share `opened`, from 0 to 1; D, rho and load are one of
+    its `sides_at`.
     """
     slope = axis.flow * opened / D / root(1 + rho * rho * rho)
     drag = slope * axis.damping / D
     drive = drive_of(axis, D, rho, load)
-    # The root of w^2 + slope drag w = slope^2 drive, without the difference of its usual form.
+    # The positive root w of w^2 + slope drag w = slope^2 drive. Its usual form would subtract two
+    # nearly equal numbers where friction takes most of the pressure.
     return 2 * slope * drive / (drag + root(drag * drag + 4 * drive))
 
 
 def spool_at(axis, rate, position):
-    """Return the spool position of a steady `rate`, in rad/s: see `Hydraulics.command`.
+    """Return the spool position of a steady `rate`, in rad/s, as of `Hydraulics.command`.
 
-    The `position` of the `axis` is measured: an encoder may round it beyond the stroke.
+    The `position` may lie a little outside the stroke, where an encoder rounds it so.
     """
     if rate == 0:
         return 0.0
@@ -83,17 +61,14 @@ def spool_at(axis, rate, position):
 
 
 def drive_of(axis, D, rho, load):
-    """Return the pressure that is left for lands and friction of an `axis`, in Pa.
-
-    D, rho and load are one of its `sides_at`.
-    """
+    """Return the pressure left for lands and friction of an `axis`, in Pa, by D, rho and load."""
     return axis.supply - rho * axis.tank - load / D
 
 
 @dataclass(frozen=True)
 @checked
 class Hydraulics:
-    """The sizes of one axis: servo-valve, linkage, load.
+    """The sizes of one axis: servo-valve, cylinders with their linkage, load.
 
     Parameters
     ----------
@@ -102,9 +77,9 @@ class Hydraulics:
     low, high : float
         Joint angles at the ends of the stroke, in rad.
     inertia : float
-        Of the arm about the joint, in kg m^2.
+        Moment of inertia about the joint, in kg m^2.
     gravity : float
-        Greatest torque of the weight, towards positive angles where the arm is level, in N m.
+        Torque of the weight at angle 0, where the arm is level, towards positive angles, in N m.
     damping : float
         Viscous friction of the joint, in N m s/rad.
     supply, tank : float
@@ -114,21 +89,21 @@ class Hydraulics:
     hose : float
         Oil volume between valve and piston on either side, in m^3.
     flow : float
-        Flow of the open valve over the root of the pressure lost at one land, in m^3/s/Pa^0.5.
+        Flow through the open valve over the root of the pressure lost at a land, in m^3/s/Pa^0.5.
     valve_lag : float
         Time constant of the spool, in s.
     friction : float
         Dry friction of joint and seals, in N m.
     piston_leak : float
-        Past the piston, in m^3/s/Pa.
+        Flow past the piston over the pressure across it, in m^3/s/Pa.
     valve_leak : float
-        Past each closed land, in m^3/s/Pa: two lands a side, from the supply and to the tank.
+        The same for each closed land, of which each side has two: from the supply, to the tank.
 
     Raises
     ------
     ValueError
-        If a number is out of its range, the stroke can't be had, or the supply can't hold the
-        weight everywhere.
+        If a number is out of its range, the linkage doesn't allow the stroke, or the supply can't
+        move the weight everywhere.
     """
 
     linkage: Linkage
@@ -154,7 +129,7 @@ class Hydraulics:
             )
         self.linkage.check(self.low, self.high)
         angle = np.linspace(self.low, self.high, 181)
-        # A side without area, of a rod as thick as its bore, drives nothing: NaN or -inf.
+        # A rod as thick as its bore leaves a side without area: NaN or -inf, which fails, too.
         with np.errstate(all="ignore"):
             drives = [drive_of(self, *side) for side in sides_at(self.numbers, angle)]
         if not np.min(drives) > 0:
@@ -170,16 +145,16 @@ class Hydraulics:
 
     @checked
     def load(self, angle: JointAngles):
-        """Return the torque that resists positive motion, in N m, at joint angles in rad."""
+        """Return the torque of the weight that resists positive motion, in N m, at joint angles."""
         return load_at(self, angle)
 
     @checked
     def rate(self, angle: Angles, spool: Reals):
         """Return the steady rates, in rad/s, at joint angles and spool positions from -1 to 1.
 
-        theta' = (c x / D_A) sqrt((ps - rho pT - load / D_A) / (1 + rho^3)), rho = D_B / D_A, with
-        D_A, D_B the displacements of the filled and of the emptied side: with unequal areas both
-        lands share the pressure. The other direction is the mirror image.
+        theta' = (c x / D_A) sqrt((ps - rho pT - load / D_A) / (1 + rho^3)) without friction, with
+        rho = D_B / D_A and the displacements D_A of the filled, D_B of the emptied side; c is the
+        `flow`, x the spool position. The other direction is the mirror image.
 
         Raises
         ------
@@ -196,7 +171,7 @@ class Hydraulics:
 
     @checked
     def loaded(self, angle: Angles, rate: Reals, torque: Reals, opened: Quantity):
-        """Return how fast a loaded joint may go with an open valve, as a factor of its rate.
+        """Return the factor by which a loaded joint may go faster with an open valve.
 
         Parameters
         ----------
@@ -205,16 +180,16 @@ class Hydraulics:
         rate : (...) float
             Rates of the joint, in rad/s, at the factor 1.
         torque : (...) float
-            Torques, beside weight and friction, that resist positive motion at the factor 1, in
+            Torques, besides weight and friction, that resist positive motion at the factor 1, in
             N m. They grow with the factor, as a cutting force does with the feed.
         opened : float
-            Share of the open valve, at most 1.
+            By which share the valve is open, at most 1.
 
         Returns
         -------
         factor : (...) float
-            The greatest at which lands, friction and torque use up the pressure, and at which
-            neither side alone must hold more than the supply: infinite where nothing limits it.
+            The greatest at which the pressure suffices for lands, friction and torque, and no side
+            must hold more than the supply; infinite where nothing limits it.
 
         Raises
         ------
@@ -228,8 +203,8 @@ class Hydraulics:
         for sign, (D, rho, load) in zip((1, -1), sides_at(self.numbers, angle), strict=True):
             drive = drive_of(self, D, rho, load)
             forward = np.maximum(sign * rate, 0.0)
-            # (forward D x / flow)^2 (1 + rho^3) + pull x = drive of the factor x; where the joint
-            # goes the other way, or stands, the oil still has to hold the torque.
+            # The factor x solves lands x^2 + pull x = drive. Where the joint goes the other way, or
+            # stands, lands is 0, but the oil still has to hold the torque.
             lands = (forward * D / (self.flow * opened)) ** 2 * (1 + rho**3)
             pull = (self.damping * forward + sign * torque) / D
             with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -241,9 +216,8 @@ class Hydraulics:
     def command(self, rate: Finite, position: Angle):
         """Return the spool position that gives a steady rate, in rad/s, at a joint angle, in rad.
 
-        The static inverse of valve and linkage, for one axis at a time. It is infinite for a rate
-        that no opening of the valve could give; `Loop.limit` then opens it fully. The `position`
-        must be within the stroke.
+        It is the static inverse of valve and linkage, and infinite where no opening of the valve
+        gives the rate: a loop then opens it to its limit. The `position` must be within the stroke.
         """
         check_stroke(position, self.low, self.high, "position")
         return spool_at(self.numbers, rate, position)
@@ -252,7 +226,7 @@ class Hydraulics:
     def natural_frequency(self, angle: JointAngles):
         """Return the frequency of arm and oil with the valve shut, in rad/s, at joint angles.
 
-        They are in rad and within the stroke, else ValueError is raised.
+        Angles outside the stroke raise ValueError.
         """
         plus, minus, first, second = self._oil(angle)
         springs = plus**2 / first + minus**2 / second
@@ -270,17 +244,16 @@ class Hydraulics:
     def swing(self, angle: JointAngles):
         """Return the gain of small swings about rest over that of steady motion, at joint angles.
 
-        (D_A / V_A + D_B / V_B) sqrt(D_A^2 - D_A D_B + D_B^2) / (D_A^2 / V_A + D_B^2 / V_B): swings
-        keep the pressures at which both lands lose the same, steady motion brings its own. It is 1
-        for equal areas, whatever the weight. Angles are in rad and within the stroke, else
-        ValueError is raised.
+        It is (D_A / V_A + D_B / V_B) sqrt(D_A^2 - D_A D_B + D_B^2) / (D_A^2 / V_A + D_B^2 / V_B):
+        swings leave the pressures where both lands lose the same, steady motion shifts them. It is
+        1 for equal areas, whatever the weight. Angles outside the stroke raise ValueError.
         """
         plus, minus, first, second = self._oil(angle)
         mean = (plus**2 - plus * minus + minus**2) ** 0.5
         return mean * (plus / first + minus / second) / (plus**2 / first + minus**2 / second)
 
     def _oil(self, angle):
-        """Return displacements, in m^3/rad, and volumes with the hoses, in m^3, of both sides."""
+        """Return displacements, in m^3/rad, and volumes with hoses, in m^3, of both sides."""
         check_stroke(angle, self.low, self.high)
         plus, minus, first, second = chambers(self.numbers.cylinders, angle)
         return plus, minus, first + self.hose, second + self.hose
@@ -289,8 +262,13 @@ class Hydraulics:
     def sides(self, angle: JointAngles):
         """Return (D, rho, load) of positive and of negative motion at joint angles, in rad.
 
-        D, in m^3/rad, is what the filled side takes, rho what the emptied side gives over that,
-        load the torque that resists, in N m. Outside the stroke ValueError is raised.
+        D is the oil that the filled side takes, in m^3/rad, rho what the emptied side gives over
+        D, and load the torque that resists, in N m. Angles outside the stroke raise ValueError.
         """
         check_stroke(angle, self.low, self.high)
         return sides_at(self.numbers, angle)
+
+
+# A `Hydraulics` as plain numbers, for functions that a simulation calls many times a tick. They
+# check nothing, and take angles and rates as floats or arrays.
+Axis = namedtuple("Axis", ["cylinders", *(field.name for field in fields(Hydraulics)[1:])])

@@ -1,4 +1,4 @@
-"""Straight lines in time, in whole numbers: the Bresenham line whose cardinal axis is the tick.
+"""Straight lines in time, in whole numbers: Bresenham's line whose major axis is the tick.
 
 A set-value is a number of encoder counts. Any number of axes share one clock.
 """
@@ -13,11 +13,10 @@ from ..arguments import Array, Duration, Whole, Wholes, checked, whole
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}
 MOST_SCALE = 2**30  # ticks of a segment times parts of a count
-MOST_SETVALUES = 2**25  # in one array, which is then of 256 MiB
+MOST_SETVALUES = 2**25  # in one array, which then takes 256 MiB
 
 Tie = Literal["up", "down"]
 Ends = Wholes("(...) int", LOW, HIGH)
-End = Whole(LOW, HIGH)
 Times = Array("(k + 1,) float", "s")
 Knots = Wholes("(k + 1, n) int", LOW, HIGH)
 Parts = Whole(1, 2**16)
@@ -31,13 +30,12 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
     Parameters
     ----------
     start, stop : (...) int
-        Where the moves begin and end, in counts, each a 32-bit integer, their differences too;
-        they broadcast.
+        Where the moves begin and end, in counts; they broadcast. Both and their differences must
+        be 32-bit integers.
     ticks : int
-        Number of ticks that a move takes, from 1 to 2^31 - 1; all axes share it. There are at most
-        2^25 set-values; `line_ticks` yields those of longer moves one by one.
+        Number of ticks that each move takes, at least 1.
     tie : {"up", "down"}
-        Which count half a count is rounded to.
+        To which count half a count is rounded.
 
     Returns
     -------
@@ -51,10 +49,10 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
 
     Notes
     -----
-    Tunnelling robot, section 4.3, whose listing is this line with ties down, computed in floating
-    point. The closed form (n D + N start + N // 2) // N, with D the difference and N the ticks, is
-    the exact line rounded to the nearest count: the error is at most half a count, the end is
-    exact, and the same points are met on the way back. `line_ticks` computes the same without a
+    Tunnelling robot, section 4.3, whose listing computes this line with ties down in floating
+    point. The closed form (n D + N start + N // 2) // N, with the difference D and N ticks, is the
+    exact line rounded to the nearest count: its error is at most half a count, its end is exact,
+    and a reversed move meets the same points. The exported block computes the same without a
     product or a quotient.
 
     Examples
@@ -64,9 +62,10 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
     >>> time_bresenham([0, 7], [-3, 7], 2).tolist()
     [[0, -1, -3], [7, 7, 7]]
     """
-    difference = difference_of(start, stop)
-    limit_setvalues(difference.size, ticks, "`motion.interpolate.line_ticks`")
-    # N times the line, at most 2^31 N < 2^62, fits 64 bits; in place, for memory takes the time.
+    difference = _difference("stop - start", start, stop)
+    _limit_setvalues(difference.size, ticks)
+    # N times the line, at most 2^31 N < 2^62, fits 64 bits. It is computed in place: memory is
+    # what takes the time.
     values = np.arange(ticks + 1, dtype=np.int64) * difference[..., None]
     values += (ticks * start + _first(ticks, tie))[..., None]
     values //= ticks
@@ -74,37 +73,8 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
 
 
 @checked
-def line_ticks(start: End, stop: End, ticks: Whole(1, HIGH), *, tie: Tie = "up"):
-    """Yield the set-values of one move of one axis, tick by tick, as the controller computes them.
-
-    The arguments are those of `time_bresenham` for one axis (start, stop, ticks, tie). A tick
-    takes one comparison and two or three additions, and no number leaves the 32-bit range.
-    """
-    return _line(start, int(difference_of(start, stop)), ticks, tie)
-
-
-def _line(start, difference, ticks, tie):
-    """Yield `line_ticks`."""
-    quotient, remainder = divmod(difference, ticks)
-    accumulator = _first(ticks, tie)
-    complement = ticks - remainder
-    value = start
-    yield value
-    for _ in range(ticks):
-        # Comparing with the complement keeps accumulator + remainder from overflowing; adding the
-        # carry to the quotient keeps the value from leaving the range below and coming back.
-        if accumulator >= complement:
-            accumulator = accumulator - complement
-            value = value + (quotient + 1)
-        else:
-            accumulator = accumulator + remainder
-            value = value + quotient
-        yield value
-
-
-@checked
 def tick_counts(times: Times, tick: Duration):
-    """Return how many ticks each segment of a timed polyline takes.
+    """Return the number of ticks of each segment of a timed polyline.
 
     Parameters
     ----------
@@ -116,8 +86,8 @@ def tick_counts(times: Times, tick: Duration):
     Returns
     -------
     ticks : (k,) int64
-        Differences of the rounded knots, not rounded differences: no knot is late or early by
-        more than half a tick, however long the polyline.
+        Differences of rounded times, not rounded differences: however long the polyline, no knot
+        is late or early by more than half a tick.
 
     Raises
     ------
@@ -146,7 +116,7 @@ def tick_counts(times: Times, tick: Duration):
 
 @checked
 def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts = 1):
-    """Return the set-values of moves one after the other through knots.
+    """Return the set-values of straight moves from knot to knot.
 
     Parameters
     ----------
@@ -157,19 +127,19 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
     tie : {"up", "down"}
         As for `time_bresenham`.
     parts : int
-        Into how many parts a count is divided in the knots, so that lines may begin and end
-        between counts; at most 65536, and times the ticks of a segment at most 2^30.
+        Into how many parts the knots divide a count, so that lines may begin and end between
+        counts: at most 65536, and at most 2^30 times a segment's ticks if above 1.
 
     Returns
     -------
     setvalues : (ticks + 1, n) int64
-        In whole counts, for all ticks together: the exact lines rounded to the nearest count. Where
-        `parts` is 1 every knot is met exactly, on its tick.
+        In whole counts: the exact lines rounded to the nearest count. If `parts` is 1 every knot
+        is met exactly, on its tick.
 
     Raises
     ------
     ValueError
-        As `time_bresenham`, or if the numbers of knots and segments don't fit.
+        As of `time_bresenham`, or if the numbers of knots and segments don't fit.
 
     Examples
     --------
@@ -191,7 +161,7 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
 def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
     """Return the exact slopes D/N of a `polyline`.
 
-    They are what velocity feed-forward needs; differences of the set-values would jump by a count.
+    Velocity feed-forward needs them: differences of the set-values jump by a whole count.
 
     Parameters
     ----------
@@ -212,10 +182,10 @@ def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
 def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALUES)):
     """Return the amplitudes (ticks // 2 + 1,) of the rounding error's harmonics, in counts.
 
-    For a move of `difference` counts in `ticks` ticks without a common factor, as coefficients of
-    the discrete Fourier transform over its ticks: 1 / (2 N sin(pi s / N)) with s r = k modulo N.
-    The residues of the line are those of a sawtooth in another order, and a multiplication of the
-    ticks by r only permutes the harmonics; the mean, of ties alone, is 0 or 1/(2 N).
+    For a move of r counts in N ticks without a common factor the harmonic k of the discrete Fourier
+    transform over its ticks has the amplitude 1 / (2 N sin(pi s / N)) with s r = k modulo N. For
+    the errors are those of a sawtooth in another order, and to multiply the ticks by r only
+    permutes the harmonics. The mean, which ties alone make, is 0 or 1/(2 N).
     """
     if math.gcd(difference, ticks) != 1:
         raise ValueError(
@@ -228,31 +198,27 @@ def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALU
     return np.where(k == 0, mean, 1 / (2 * ticks * np.where(k == 0, 1, sine)))
 
 
-def difference_of(start, stop, names=("start", "stop")):
-    """Return stop - start, which must have 32 bits, too."""
-    first, last = names
-    return whole(f"{last} - {first}", stop - start, LOW, HIGH)
+def _difference(name, start, stop):
+    """Return stop - start, which must be of 32 bits, too."""
+    return whole(name, stop - start, LOW, HIGH)
 
 
-def limit_setvalues(moves, ticks, way):
-    """Raise ValueError where set-values of so many moves are too many for one array.
-
-    `ticks` is how many a move takes; the message names the `way` to have them all the same.
-    """
+def _limit_setvalues(moves, ticks):
+    """Raise ValueError if an array would hold more than 2^25 set-values."""
     if moves * (ticks + 1) > MOST_SETVALUES:
         raise ValueError(
-            f"ticks: set-values must be at most {MOST_SETVALUES} in all, and {way} yields them one "
-            f"by one; got {ticks} ticks of {moves} moves."
+            f"ticks: set-values must be at most {MOST_SETVALUES} in all; got {ticks} ticks of "
+            f"{moves} moves."
         )
 
 
 def _first(ticks, tie):
-    """Return the accumulator's first value, half of the ticks: N/2 up, just below it down."""
+    """Return the accumulator's first value: N // 2 to round ties up, (N - 1) // 2 for down."""
     return (ticks - TIES[tie]) // 2
 
 
 def _scale(ticks, parts):
-    """Return ticks times parts, which a controller's accumulator must hold one and a half times."""
+    """Return ticks times parts, of which a controller's accumulator holds up to 1.5 times."""
     scale = ticks * parts
     if parts > 1 and np.any(scale > MOST_SCALE):
         raise ValueError(
@@ -263,13 +229,11 @@ def _scale(ticks, parts):
 
 
 def _check_segments(knots, ticks):
-    """Raise ValueError where knots and ticks don't fit, or a move is too far or too long."""
+    """Raise ValueError if knots and ticks don't fit, or a move is too far or too long."""
     if len(knots) != len(ticks) + 1 or not len(ticks):
         raise ValueError(
             "knots: must be an array (k + 1, n) for ticks (k,) of k >= 1 segments; "
             f"got {knots.shape} for {ticks.shape}."
         )
-    difference_of(knots[:-1], knots[1:], ("knots[:-1]", "knots[1:]"))
-    limit_setvalues(
-        knots.shape[1], int(ticks.sum()), "`motion.interpolate.line_ticks` of each segment"
-    )
+    _difference("knots[1:] - knots[:-1]", knots[:-1], knots[1:])
+    _limit_setvalues(knots.shape[1], int(ticks.sum()))

@@ -11,28 +11,24 @@ MOST_DELAY = 100  # ticks; each is a row of the loop's matrix
 @dataclass(frozen=True)
 @checked
 class Loop:
-    """A sampled position loop with encoder and valve: wanted rate = Kv e + Ki (integral of e).
+    """A sampled position loop of the wanted rate Kv e + Ki (integral of e), e the following error.
 
     Parameters
     ----------
     gain : float
-        Kv in 1/s: wanted rate over following error. The document's controller gain is Kv / K.
+        Kv in 1/s. The document's controller gain is Kv / K, with the plant's gain K.
     tick : float
         Sampling period, in s.
     integral : float
-        Ki in 1/s^2; 0 for a P loop. The sum waits while the valve is fully open.
+        Ki in 1/s^2; 0 for a P loop. The integral waits while the valve is fully open.
     feedforward : float
-        Share of the exact slope of the set-values that is added to the wanted rate, 0 to 2.
+        Share of the set-values' exact slope that is added to the wanted rate, from 0 to 2.
     delay : int
-        Whole ticks between the measurement and the command that answers it, up to 100.
+        Whole ticks from a measurement to the command that answers it, up to 100.
     count : float
         Angle of an encoder count, in rad; 0 for an ideal encoder.
     limit : float
-        Largest command; 1 is the fully open valve.
-    dead_band : float
-        Share of full command in which the valve stays shut, below 1.
-    compensated : bool
-        Whether the command jumps over the dead band.
+        Largest command; at 1 the valve is fully open.
 
     Raises
     ------
@@ -47,5 +43,3 @@ class Loop:
     delay: Whole(0, MOST_DELAY) = 0
     count: Number(1e-15, 1e9, or_zero=True) = 0.0
     limit: Quantity = 1.0
-    dead_band: Number(0.0, 0.99) = 0.0
-    compensated: bool = False

@@ -7,21 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Angle, Array, Finite, checked
+from ..arguments import Angle, Finite, checked
 from ..kernels.compiled import root
 from ..surfaces.linkage import chambers, check_stroke
 from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, Plant, ValveResonance
 from .quantities import Tick, Torque
 
-SLIP = 2e-3  # rad/s, within which dry friction turns from one direction to the other
-LAMINAR = 1e5  # Pa, below which the flow through a land turns from its root to a straight line
-PHASE = 0.2  # rad of the fastest resonance, the longest step of the integration
+SLIP = 2e-3  # rad/s, over which dry friction passes from one direction to the other
+LAMINAR = 1e5  # Pa, below which the flow through a land is nearly proportional to the pressure
+PHASE = 0.2  # rad of the fastest resonance: the longest step of the integration
 STEP = 2e-3  # s, the longest step with rigid oil
 MOST_STEPS = 1000  # in a tick
-
-
-State = Array("(5,) float", low=-1e15, high=1e15)
 
 
 class _Oily(Plant):
@@ -29,7 +26,7 @@ class _Oily(Plant):
 
     @property
     def hydraulics(self):
-        """Return the sizes of the axis."""
+        """Return the sizes, a `Hydraulics`."""
         return self.axis
 
     @checked
@@ -41,7 +38,7 @@ class _Oily(Plant):
 @dataclass(frozen=True)
 @checked
 class Rigid(_Oily):
-    """T2: an axis whose oil doesn't give way; its state is angle and spool.
+    """T2: an axis with incompressible oil; its state is the angle and the spool's position.
 
     Parameters
     ----------
@@ -64,7 +61,7 @@ class Rigid(_Oily):
 
     @checked
     def numbers(self, tick: Tick):
-        """Return the `OilTicks` of ticks, in s."""
+        """Return the `OilTicks` of a tick, in s."""
         parts = parts_of(tick, tick / STEP)
         axis = self.axis.numbers
         fall = math.exp(-tick / parts / 2 / axis.valve_lag)
@@ -73,11 +70,6 @@ class Rigid(_Oily):
     def functions(self):
         """Return the functions that run the plant."""
         return {"ticked": rigid_tick, "commanding": opening_at}
-
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        return _within_stroke(rigid_tick, self.axis, self.numbers(tick))
 
 
 @dataclass(frozen=True)
@@ -92,10 +84,11 @@ class Compressible(_Oily):
 
     Notes
     -----
-    The flow of a land is the root of the pressure lost, straightened below 1 bar: where both lose
-    at least p and nothing leaks or rubs, steady rates are those of `Rigid` to (1 bar / p)^2 / 4 of
-    themselves. Leaks are laminar. Oil that would be torn apart stays at pressure zero, and the void
-    isn't remembered. The axes don't feel each other, unless `follow` is given their `Arm`.
+    The flow through a land goes with the root of the pressure that it loses, and becomes linear
+    below 1 bar. Where both lands lose at least p, and nothing leaks or rubs, steady rates differ
+    from those of `Rigid` by at most (1 bar / p)^2 / 4 of themselves. Leaks are laminar. A pressure
+    doesn't fall below zero; the void that the oil leaves there isn't remembered. The axes don't
+    act on each other unless `follow` is given their `Arm`.
     """
 
     axis: Hydraulics
@@ -104,8 +97,8 @@ class Compressible(_Oily):
     def linear(self, angle: Angle):
         """Return the linear plant of small swings about rest at a joint angle, in rad.
 
-        A valve that is hardly open lets no oil escape from a load that swings; the further it
-        opens the more it damps. So these are the motions that grow first.
+        A valve that is hardly open lets no oil escape from a swinging load, and the further it
+        opens the more it damps. So of all motions those about rest grow first.
         """
         small = self.axis.resonance(angle)
         return ValveResonance(
@@ -120,7 +113,7 @@ class Compressible(_Oily):
     def rest(self, position: Angle, load: Torque | None = None):
         """Return the state at rest at a position, in rad: pressures that sum to the supply.
 
-        They hold a `load` in N m that resists positive motion; the axis' own by default.
+        They hold a `load` in N m that resists positive motion, by default the axis' own.
         """
         axis = self.axis
         check_stroke(position, axis.low, axis.high, "position")
@@ -131,7 +124,7 @@ class Compressible(_Oily):
 
     @checked
     def numbers(self, tick: Tick):
-        """Return the `OilTicks` of ticks, in s."""
+        """Return the `OilTicks` of a tick, in s."""
         axis = self.axis.numbers
         parts = parts_of(tick, tick * steps_of(self.axis))
         return OilTicks(axis.low, axis.high, axis, parts, tick / parts)
@@ -140,39 +133,9 @@ class Compressible(_Oily):
         """Return the functions that run the plant."""
         return {"ticked": compressible_tick, "commanding": opening_at}
 
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        return _within_stroke(compressible_tick, self.axis, self.numbers(tick))
-
-    @checked
-    def derivative(self, state: State, u: Finite):
-        """Return the state's rate of change under a command u.
-
-        Parameters
-        ----------
-        state : (5,) float
-            Angle in rad, rate in rad/s, the pressures of the plus and the minus side in Pa, and
-            the spool's position.
-        u : float
-            The spool's position that is asked for.
-
-        Returns
-        -------
-        rates : tuple of float
-            The same by the second.
-
-        Raises
-        ------
-        ValueError
-            If the angle is outside the stroke.
-        """
-        check_stroke(state[0], self.axis.low, self.axis.high, "state")
-        return compressible_slopes(self.axis.numbers, state, u)
-
 
 class OilTicks(NamedTuple):
-    """An axis with oil, its stroke, and the steps by which its ticks are integrated.
+    """An axis with oil, its stroke, and the steps in which a tick is integrated.
 
     Parameters
     ----------
@@ -181,9 +144,9 @@ class OilTicks(NamedTuple):
     axis : Axis
         Its cylinders, load, oil and valve.
     parts : int
-        Steps of a tick.
+        Number of steps in a tick.
     h : float
-        Of a step, in s.
+        Length of a step, in s.
     fall : float
         Share of the spool's way that is left after half a step.
     """
@@ -197,14 +160,15 @@ class OilTicks(NamedTuple):
 
 
 def rigid_tick(plant, state, u):
-    """Return the state (angle, spool) of a `plant` of rigid oil a tick under a command u later.
+    """Return the state (angle, spool) of a `plant` with rigid oil a tick later, under a command u.
 
-    Once the axis has left its stroke it stays there.
+    The integration ends where the axis leaves its stroke.
     """
     axis = plant.axis
     h = plant.h
     angle, spool = state
     for _ in range(plant.parts):
+        # The spool follows u exponentially, exactly; the angle by Runge and Kutta's method.
         middle = u + (spool - u) * plant.fall
         last = u + (middle - u) * plant.fall
         k1 = rigid_rate(axis, angle, spool)
@@ -219,7 +183,7 @@ def rigid_tick(plant, state, u):
 
 
 def rigid_rate(axis, angle, spool):
-    """Return the rate, in rad/s, of an `axis` with rigid oil at an angle, in rad, and a spool."""
+    """Return the rate of an `axis` with rigid oil, in rad/s, at an angle and a spool position."""
     forward, backward = sides_at(axis, angle)
     if spool > 0:
         return speed(axis, spool, *forward)
@@ -227,9 +191,9 @@ def rigid_rate(axis, angle, spool):
 
 
 def compressible_tick(plant, state, u):
-    """Return the state (5,) of a `plant` of compressible oil a tick under a command u later.
+    """Return the state (5,) of a `plant` with compressible oil a tick later, under a command u.
 
-    Once the axis has left its stroke it stays there.
+    The integration, by Runge and Kutta's method, ends where the axis leaves its stroke.
     """
     axis = plant.axis
     h = plant.h
@@ -245,14 +209,14 @@ def compressible_tick(plant, state, u):
 
 
 def compressible_slopes(axis, state, u):
-    """Return the changes (5,) of the state of an `axis` under a command u; nothing is checked."""
+    """Return the changes (5,) a second of the state of an `axis` under a command u."""
     driven, filling, emptying, opening, _ = oil_changes(axis, state, u)
     torque = driven - load_at(axis, state[0]) - resistance(axis, state[1])
     return state[1], torque / axis.inertia, filling, emptying, opening
 
 
 def along(state, h, k):
-    """Return the state (5,) a time h, in s, later, as it changes by k (5,) in a second."""
+    """Return the state (5,) + h k, a time h, in s, later at the changes k (5,) a second."""
     return (
         state[0] + h * k[0],
         state[1] + h * k[1],
@@ -263,9 +227,9 @@ def along(state, h, k):
 
 
 def mean_step(state, h, k1, k2, k3, k4):
-    """Return the state (5,) after a step h, in s, of Runge and Kutta's method.
+    """Return the state (5,) after a step h, in s, from the four changes a second, each (5,).
 
-    Its changes in a second are k1, k2, k3 and k4, each (5,), as the method asks for them.
+    state + h/6 (k1 + 2 k2 + 2 k3 + k4), Runge and Kutta's method.
     """
     return (
         state[0] + h / 6 * (k1[0] + 2 * (k2[0] + k3[0]) + k4[0]),
@@ -277,7 +241,7 @@ def mean_step(state, h, k1, k2, k3, k4):
 
 
 def with_pressures(state):
-    """Return the state (5,) with pressures that aren't below zero."""
+    """Return the state (5,) with pressures of at least zero."""
     angle, rate, first, second, spool = state
     return angle, rate, max(first, 0.0), max(second, 0.0), spool
 
@@ -285,14 +249,15 @@ def with_pressures(state):
 def oil_changes(axis, state, u):
     """Return what the chambers and the spool of an `axis` do under a command u.
 
-    That is the torque of both pressures, in N m, how these change, in Pa/s, and the spool, in 1/s,
-    and the power that compresses the oil, in W.
+    That is the torque of both pressures, in N m; the changes of both, in Pa/s, and of the spool, in
+    1/s; and the power that compresses the oil, in W.
     """
     angle, rate, first, second, spool = state
     plus, minus, plus_volume, minus_volume = chambers(axis.cylinders, angle)
     inflow, outflow = flows(axis, first, second, spool)
     filling = inflow - plus * rate
     emptying = minus * rate - outflow
+    # Oil isn't pulled: at no pressure a chamber may fill, but not empty further.
     if first <= 0:
         filling = max(filling, 0.0)
     if second <= 0:
@@ -309,8 +274,8 @@ def oil_changes(axis, state, u):
 def flows(axis, first, second, spool):
     """Return the oil that flows into the plus side and out of the minus side, in m^3/s.
 
-    Of an `axis` at pressures `first` and `second` of both sides, in Pa, and a `spool` position:
-    through the lands, past the piston, and past the closed lands to and from either side.
+    It flows through the lands that a `spool` opens, past the piston, and past the closed lands of
+    an `axis`; `first` and `second` are the pressures of the plus and the minus side, in Pa.
     """
     opened = axis.flow * spool
     if spool > 0:
@@ -327,30 +292,34 @@ def flows(axis, first, second, spool):
 
 
 def land(lost):
-    """Return the signed root of a pressure lost at a land, made straight where it is small."""
+    """Return the signed root of the pressure lost at a land, linear where it is small.
+
+    lost / (lost^2 + LAMINAR^2)^(1/4): the root itself has an infinite slope at zero, which no
+    step of the integration would be short enough for.
+    """
     return lost / root(root(lost * lost + LAMINAR * LAMINAR))
 
 
 def resistance(axis, rate):
-    """Return the torque of friction of an `axis`, in N m, at a `rate` in rad/s."""
+    """Return the torque of viscous and dry friction of an `axis`, in N m, at a rate in rad/s."""
     drag = axis.damping * rate
     return drag + axis.friction * math.tanh(rate / SLIP) if axis.friction > 0 else drag
 
 
 def opening_at(plant, rate, position):
-    """Return the spool position of a steady `rate`, in rad/s, of a `plant` with oil."""
+    """Return the spool position that gives a `plant` with oil a steady rate, in rad/s."""
     return spool_at(plant.axis, rate, position)
 
 
 @lru_cache(64)
 def steps_of(axis):
-    """Return by how many steps a second an `axis` with compressible oil must be integrated."""
+    """Return in how many steps a second an `axis` with compressible oil must be integrated."""
     fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
     return max(fastest / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
 
 
 def parts_of(tick, steps):
-    """Return the whole number of `steps` of the integration in a `tick`, at least so many."""
+    """Return the number of `steps` of a `tick`, rounded up; too many raise ValueError."""
     if steps > MOST_STEPS:
         raise ValueError(
             f"tick: must be at most {tick / steps * MOST_STEPS:.3g} s, which is {MOST_STEPS} steps "
@@ -359,20 +328,8 @@ def parts_of(tick, steps):
     return math.ceil(steps)
 
 
-def _within_stroke(ticked, axis, plant):
-    """Return the function (state, command) -> state one tick later, within the stroke."""
-
-    def step(state, u):
-        state = ticked(plant, state, u)
-        if not axis.low <= state[0] <= axis.high:
-            raise out_of_stroke(axis, state[0])
-        return state
-
-    return step
-
-
 def out_of_stroke(axis, angle):
-    """Return the error of an `axis` that left its stroke for an angle, in rad."""
+    """Return the error to raise where an `axis` left its stroke and got to an angle, in rad."""
     return ValueError(
         f"setvalues: an axis must stay within its stroke, {math.degrees(axis.low):.1f} to "
         f"{math.degrees(axis.high):.1f} deg; it got to {math.degrees(angle):.1f} deg."

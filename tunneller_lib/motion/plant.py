@@ -1,7 +1,7 @@
 """What every model of an axis answers, and the linear models, exact from tick to tick.
 
-Each linear plant answers for its state, the angle first: `matrices` (continuous), `discrete` (held
-command), `transfer`, `stepper` (the next state), `command` (static inverse), `lateness`.
+A further model is one class of one file: a `LinearPlant` gives its ``matrices``, ``discrete`` and
+``gain``, and inherits the rest.
 """
 
 import math
@@ -12,23 +12,23 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import Angle, Finite, checked
-from .quantities import ComplexFrequencies, Quantity, Tick
+from .quantities import Frequencies, Quantity, Tick
 
-# Of the numerator of Pade's quotient for the exponential, of degree 13 above and below, which up
-# to this norm is right to rounding (Higham, SIAM J. Matrix Anal. Appl. 26, 2005).
+# Coefficients of Pade's quotient for the exponential, of degree 13 above and below. Up to this norm
+# of the matrix it is right to rounding (Higham, SIAM J. Matrix Anal. Appl. 26, 2005).
 PADE = [math.comb(13, j) * math.factorial(26 - j) / math.factorial(26) for j in range(14)]
 PADE_REACH = 5.37
 
 
 class NoLinearForm(ValueError):
-    """A plant has no linear form, and so neither closed forms nor limits of the gain."""
+    """Raised where a plant has no linear form, and so neither closed forms nor gain limits."""
 
 
 class Plant(ABC):
-    """An axis from valve command to joint angle; a further model is one subclass.
+    """An axis, from the valve's command to the joint angle; a further model is one subclass.
 
-    `follow` runs any that has the four abstract methods. Who needs more asks for it: closed forms
-    and stability for the `linear` plant, the ground and a controller's text for the `hydraulics`.
+    `follow` runs any subclass that has the four abstract methods. Closed forms and stability also
+    need the `linear` plant; the ground and the exported controller need the `hydraulics`.
     """
 
     @abstractmethod
@@ -41,16 +41,26 @@ class Plant(ABC):
 
     @abstractmethod
     def numbers(self, tick):
-        """Return ticks, in s, as a tuple of plain numbers with `low` and `high`, the stroke."""
+        """Return a named tuple of numbers that a `tick`, in s, needs; the stroke is low to high."""
 
     @abstractmethod
     def functions(self):
-        """Return the functions of `numbers` that can be compiled, by the stand-ins of `ticks`."""
+        """Return the compilable functions that `ticks` calls, by name: "ticked", "commanding"."""
+
+    @checked
+    def stepper(self, tick: Tick):
+        """Return the function (state, command) -> state one tick, in s, later."""
+        numbers = self.numbers(tick)
+        ticked = self.functions()["ticked"]
+        return lambda state, u: ticked(numbers, state, u)
 
     def linear(self, angle):
         """Return the `LinearPlant` of small motions about a joint angle, in rad.
 
-        A plant that has none raises `NoLinearForm`.
+        Raises
+        ------
+        NoLinearForm
+            If the plant has none.
         """
         raise NoLinearForm(
             "plant: must have a linear form, for closed forms and for limits of the gain; "
@@ -59,7 +69,7 @@ class Plant(ABC):
 
     @property
     def hydraulics(self):
-        """Return the sizes, a `Hydraulics`; None of a plant without cylinders."""
+        """Return the sizes, a `Hydraulics`; None where a plant has no cylinders."""
         return None
 
 
@@ -69,12 +79,12 @@ class LinearTicks(NamedTuple):
     Parameters
     ----------
     low, high : float
-        Infinite: such plants have no stroke.
+        Ends of the stroke: infinite, since a linear plant has none.
     steady : float
         Speed for the full command 1, in rad/s.
     rows : tuple
-        A row makes one number of the next state: the sum of its products with the numbers of the
-        state and, last, the command.
+        Row i holds the coefficients of the state and, last, of the command that give the number i
+        of the next state.
     """
 
     low: float
@@ -128,7 +138,7 @@ TICKS = tick_of_one, tick_of_two, tick_of_three, tick_of_four
 
 
 class LinearPlant(Plant):
-    """What the linear plants share; each has a `gain`, `matrices` and `discrete`."""
+    """A plant x' = A x + B u with a `gain`, in rad/s for the full command 1."""
 
     @abstractmethod
     def matrices(self):
@@ -144,15 +154,15 @@ class LinearPlant(Plant):
         return self
 
     def functions(self):
-        """Return the functions that run the plant, by its order."""
+        """Return the functions that run a plant of this order."""
         return {"ticked": TICKS[len(self.matrices()[1]) - 1], "commanding": command_at}
 
     @property
     def lateness(self):
         """Return the time by which the rate is late in slow motion, in s.
 
-        -d/ds of the rate over the command at s = 0, over its value there: the first moment of the
-        answer. By A and B without the angle, on which no rate depends.
+        It is -G'(0)/G(0), the first moment of the answer, of the transfer function G from the
+        command to the rate. No rate depends on the angle, whose row and column are left out.
         """
         A, B = self.matrices()
         held = np.linalg.solve(A[1:, 1:], B[1:])
@@ -161,7 +171,7 @@ class LinearPlant(Plant):
 
     @checked
     def command(self, rate: Finite, position: Angle | None = None):
-        """Return the command that gives a steady rate, in rad/s, at a position, in rad: any."""
+        """Return the command that gives a steady rate, in rad/s, at any position, in rad."""
         return rate / self._steady
 
     @property
@@ -176,34 +186,20 @@ class LinearPlant(Plant):
         return LinearTicks(-math.inf, math.inf, self._steady, rows)
 
     @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
-        plant = self.numbers(tick)
-        ticked = TICKS[len(plant.rows) - 1]
-        return lambda state, u: ticked(plant, state, u)
-
-    @checked
     def rest(self, position: Angle):
         """Return the state at rest at a position, in rad."""
         return (position,) + (0.0,) * (len(self.matrices()[1]) - 1)
 
     @checked
-    def transfer(self, s: ComplexFrequencies):
-        """Return the angle over the command at complex frequencies s, in rad/s.
+    def response(self, frequency: Frequencies):
+        """Return the complex angle over the command (...), in rad, at frequencies in rad/s.
 
-        Raises
-        ------
-        ValueError
-            If a frequency is a pole, or isn't from 1e-50 to 1e50 rad/s in size.
+        These are from 1e-50 to 1e50 rad/s, above zero, where each plant has a pole.
         """
         A, B = self.matrices()
-        eye = np.eye(len(B))
-        column = np.broadcast_to(B[:, None], (*s.shape, len(B), 1)).astype(complex)
-        try:
-            response = np.linalg.solve(s[..., None, None] * eye - A, column)
-        except np.linalg.LinAlgError:
-            raise ValueError("s: must be no pole of the plant; got one.") from None
-        return response[..., 0, 0]
+        s = 1j * frequency[..., None, None]
+        column = np.broadcast_to(B[:, None], (*frequency.shape, len(B), 1)).astype(complex)
+        return np.linalg.solve(s * np.eye(len(B)) - A, column)[..., 0, 0]
 
 
 @dataclass(frozen=True)
@@ -242,7 +238,7 @@ class Integrator(LinearPlant):
 @dataclass(frozen=True)
 @checked
 class Lag(LinearPlant):
-    """T1: K / (s (lag s + 1)), a rate that follows the command with a lag.
+    """T1: K / (s (lag s + 1)), a rate that follows the command by a first-order lag.
 
     Parameters
     ----------
@@ -283,7 +279,7 @@ class Lag(LinearPlant):
 @dataclass(frozen=True)
 @checked
 class Resonance(LinearPlant):
-    """K w^2 / (s (s^2 + 2 zeta w s + w^2)): load and oil as mass and spring, small motions.
+    """K w^2 / (s (s^2 + 2 zeta w s + w^2)): a load on the oil's spring, in small motions.
 
     Parameters
     ----------
@@ -328,7 +324,7 @@ class ValveResonance(LinearPlant):
     gain : float
         K of small swings, in rad/s for the full command 1.
     steady : float
-        That of steady motion, by which the static inverse divides.
+        K of steady motion, by which the static inverse divides.
     frequency : float
         Natural frequency w, in rad/s.
     damping : float
@@ -369,13 +365,17 @@ class ValveResonance(LinearPlant):
 
 
 def _held(A, B, units, tick):
-    """Return Ad and Bd of a command held for a tick; `units` are the sizes of the states."""
+    """Return Ad and Bd of a command held for a tick, for states of the sizes `units`.
+
+    exp([[A, B], [0, 0]] T) = [[Ad, Bd], [0, 1]].
+    """
     order = len(B)
     block = np.zeros((order + 1, order + 1))
-    block[:order, :order] = A / units[:, None] * units  # else small entries lose digits
+    # In units of their own all states are alike in size; else small entries lose their digits.
+    block[:order, :order] = A / units[:, None] * units
     block[:order, order] = B / units
-    # A unit of the command, too, such that a high gain isn't what the halvings are for: each
-    # doubles the rounding of the rest.
+    # The command gets a unit, too: a high gain would raise the norm, and so the number of
+    # halvings, each of which doubles the rounding errors of all entries.
     own = np.abs(block[:, :order]).sum(axis=0).max()
     driven = np.abs(block[:, order]).sum()
     command = math.ldexp(1.0, min(math.frexp(own / driven)[1], 0))
@@ -387,8 +387,8 @@ def _held(A, B, units, tick):
 def _exponential(matrix):
     """Return the exponential of a small matrix, by halving, Pade's quotient and squaring.
 
-    scipy's `expm` takes a third of a second to load and then, with threads on cores that other work
-    uses, up to ten milliseconds for five rows.
+    scipy's `expm` does the same, but takes a third of a second to load, and up to ten milliseconds
+    for five rows where its threads wait for busy cores.
     """
     norm = np.abs(matrix).sum(axis=0).max()
     halvings = max(math.frexp(norm / PADE_REACH)[1], 0)
@@ -408,7 +408,10 @@ def _exponential(matrix):
 
 
 def _beyond(x):
-    """Return x - 1 + exp(-x), by its series where the difference would cancel."""
+    """Return x - 1 + exp(-x) of x > 0, below 1/2 by its series x^2/2 - x^3/6 + ..
+
+    There the difference cancels: of x = 1e-8 it would keep no digit.
+    """
     if x > 0.5:
         return x + np.expm1(-x)
     term = total = x * x / 2

@@ -1,11 +1,11 @@
-"""Set-values through position loops, tick by tick, and what came of them."""
+"""Set-values run through position loops and axes, tick by tick."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arguments import Array, Each, Positive, Whole, checked, shown
+from ..arguments import Array, Each, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
 from .arm import Arm
 from .both_joints import Push
@@ -22,7 +22,7 @@ Slopes = Array("(ticks,) or (ticks, n) float", "rad/s", low=-1e15, high=1e15)
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """What a simulated run did, of one axis or (..., n) of n.
+    """A simulated run of one axis, or of n axes, whose arrays then end with an axis of n.
 
     Parameters
     ----------
@@ -31,17 +31,17 @@ class Track:
     setvalue, position : (ticks + 1, ...) float
         Wanted and reached, in rad, at the beginning and after each tick.
     command : (ticks, ...) float
-        Opening of the valve that is asked for during each tick, at most the loop's `limit` in size.
+        Opening of the valve asked for during each tick, at most the loop's `limit` in size.
     saturated : (ticks, ...) bool
         Whether the command was limited.
     states : tuple of (ticks + 1, order) float
         All states of each axis' plant, its position first.
     stable : tuple of bool or None
         For each axis, whether small motions are stable all over the range of its set-values; None
-        with an `inverse` that isn't the plant's own, and of a plant without a linear form.
+        where the plant has no linear form, or a caller's own `inverse` was used.
     energies : (ticks + 1, 5) float or None
-        What the pump gave and where it went, `both_joints.ENERGIES`, in J; None of axes that don't
-        act on each other.
+        What the pump gave and where it went, `both_joints.ENERGIES`, in J; None where the axes
+        don't act on each other.
     """
 
     tick: float
@@ -80,16 +80,16 @@ class Track:
 
     @checked
     def between(self, first: Whole(0, 2**31), last: Whole(0, 2**31)):
-        """Return the `Track` from a `first` tick to a `last`, its time beginning anew.
+        """Return the `Track` from a `first` tick to a `last`; its time begins anew at 0.
 
         Raises
         ------
         ValueError
-            If `last` isn't behind `first` and within the run.
+            If `last` isn't after `first` and within the run.
         """
         if not first < last < len(self.setvalue):
             raise ValueError(
-                f"last: must be behind {first} and at most {len(self.setvalue) - 1}; got {last}."
+                f"last: must be above {first} and at most {len(self.setvalue) - 1}; got {last}."
             )
         held = slice(first, last + 1)
         ticks = slice(first, last)
@@ -103,18 +103,6 @@ class Track:
             energies=None if self.energies is None else self.energies[held] - self.energies[first],
         )
 
-    @checked
-    def settling(self, tolerance: Positive):
-        """Return the time after which no axis' error is above a tolerance, in rad; in s.
-
-        It is infinite where the last error still is.
-        """
-        outside = np.abs(self.error) > tolerance
-        outside = outside.reshape(len(outside), -1).any(axis=1)
-        if outside[-1]:
-            return np.inf
-        return self.tick * (int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0)
-
 
 @checked
 def follow(
@@ -127,40 +115,41 @@ def follow(
     arm: Arm | None = None,
     push: Push | Callable | None = None,
 ):
-    """Run set-values through position loops and the axes that they move.
+    """Return the run of set-values through position loops and the axes that they move.
 
     Parameters
     ----------
     plant : Plant or a list of them
         One for each axis, or one for all.
     loop : Loop or a list of them
-        One for each axis, or one for all; one tick for all.
+        One for each axis, or one for all; all have the same tick.
     setvalues : (ticks + 1,) or (ticks + 1, n) float
-        Of one axis or of n, in rad. Each axis starts at rest at its first.
+        Of one axis or of n, in rad. Each axis starts at rest at its first set-value.
     slopes : (ticks,) or (ticks, n) float, optional
-        Exact slopes in rad/s, as from `polyline_slopes`; needed for a feed-forward only.
+        Exact slopes in rad/s, as from `polyline_slopes`; only a feed-forward needs them.
     inverse : function, optional
         (rate, position) -> command, in place of the plant's own static inverse ``command``.
     arm : Arm, optional
-        The masses on theta and phi, whose motions then act on each other; for two `Compressible`
-        plants. Without it each axis has the inertia and the weight of its own `Hydraulics`.
+        The masses on theta and phi, through which their motions act on each other; for two
+        `Compressible` plants. Without it each axis has the inertia and the weight of its own
+        `Hydraulics`.
     push : Push or function, optional
-        What pushes two `Compressible` plants: in all ticks, or (tick, tried) -> `Push` or None. It
-        is asked with None for the m ticks from `tick` on that it answers for, and then with the
-        positions (m + 1, 2) that they got to under its answer and before them: for another answer,
-        with which they are tried again, or for None, which lets them be.
+        What pushes two `Compressible` plants in all ticks; or a function (tick, tried) that returns
+        a `Push` or None. It is first called with `tried` None and returns the push of the next m
+        ticks, as many as it likes. Then it is called with the positions (m + 1, 2) reached under
+        that push, the one before them first: it returns another push, with which the ticks are
+        run again, or None, which keeps them.
 
     Returns
     -------
     track : Track
-        Set-values, positions, commands and states. A loop that `is_stable` calls unstable is run
-        all the same: the valve's limit keeps it finite.
+        Set-values, positions, commands and states. A loop that isn't stable is run all the same:
+        the valve's limit keeps it finite.
 
     Raises
     ------
     ValueError
-        If the arguments don't fit each other, or set-values or an axis leave the cylinder's
-        stroke.
+        If the arguments don't fit each other, or set-values or an axis leave a cylinder's stroke.
 
     Examples
     --------
@@ -173,7 +162,7 @@ def follow(
         raise ValueError(
             f"setvalues: must be of one tick and of one axis at least; got {setvalues.shape}."
         )
-    # One axis is a column as well; the answers get back the shape of what was given.
+    # One axis is one column; the answers get back the shape of the set-values.
     columns = setvalues.reshape(len(setvalues), -1)
     axes = columns.shape[1]
     plants = _for_each_axis("plant", plant, axes)
@@ -210,9 +199,9 @@ def follow(
 def _is_stable(plant, loop, column):
     """Return whether small motions of an axis are stable all over the range of its set-values.
 
-    None where the plant has no linear form to judge by.
+    None where the plant has no linear form.
     """
-    # How stiff oil is depends on the angle, so five of the range are asked.
+    # Oil's stiffness depends on the angle, so five angles of the range are judged.
     angles = np.linspace(column.min(), column.max(), 5)
     try:
         return is_stable(plant, loop, angles)
@@ -221,7 +210,7 @@ def _is_stable(plant, loop, column):
 
 
 def _for_each_axis(name, value, axes):
-    """Return one item for each axis."""
+    """Return one item for each axis, or raise ValueError if there are others in number."""
     if not isinstance(value, tuple):
         return [value] * axes
     if len(value) != axes:
@@ -230,7 +219,7 @@ def _for_each_axis(name, value, axes):
 
 
 def _slope_columns(slopes, values, loops):
-    """Return the slopes (ticks, n), zero where no loop asks for them."""
+    """Return the slopes (ticks, n), or zeros where none are given and no loop needs them."""
     wanted = (len(values) - 1, *values.shape[1:])
     if slopes is None:
         if any(loop.feedforward for loop in loops):
@@ -242,7 +231,7 @@ def _slope_columns(slopes, values, loops):
 
 
 def _try(inverse, position):
-    """Raise ValueError where a caller's own inverse doesn't answer with a number."""
+    """Raise ValueError if a caller's own inverse doesn't return a number."""
     try:
         answer = inverse(0.0, float(position))
         good = bool(abs(answer) <= np.inf)

@@ -1,8 +1,8 @@
-"""The sizes of a machine's hydraulics: what is usual, how it grows, and the axes that it makes.
+"""The sizes of a machine's hydraulics: usual ones for its arm, and the axes that they make.
 
-All are the study's assumptions. A machine with an arm s times as long is taken as similar: lengths
-grow with s, masses and volumes with s^3, a valve's flow with s^2 and its lag with s; pressures and
-oil are the same. Cutters are then equally fast, and joints and resonances s times as slow.
+All are the study's assumptions. Machines are taken as similar: with the length of the arm, s times
+as great, lengths grow as s, masses and volumes as s^3, a valve's flow as s^2 and its lag as s;
+pressures and oil stay. Cutters are then equally fast, joints and resonances s times as slow.
 """
 
 from dataclasses import dataclass, replace
@@ -14,13 +14,14 @@ from .arm import Arm
 from .hydraulics import STROKE_MARGIN, Hydraulics
 from .quantities import Quantity, Size, Size0
 
-LAND = 35e5  # Pa, the pressure that a land loses at a valve's rated flow
+LAND = 35e5  # Pa, the pressure lost at a land at a valve's rated flow
+SHARED = "supply", "tank", "bulk", "hose", "valve_lag", "piston_leak", "valve_leak"  # of both axes
 
 
 @dataclass(frozen=True)
 @checked
 class Sizes:
-    """What the two axes of a machine are made of.
+    """The sizes of the hydraulics of a machine's two axes.
 
     Parameters
     ----------
@@ -41,9 +42,9 @@ class Sizes:
     damping : float
         Damping ratio of each resonance at joint angle 0, or where the stroke comes nearest to it.
     lift_friction, swing_friction : float
-        Dry friction of each joint with its seals, in N m.
+        Dry friction of theta and of phi, with the seals, in N m.
     piston_leak, valve_leak : float
-        Past each piston and past each closed land, in m^3/s/Pa.
+        Leaks past each piston and past each closed land, in m^3/s/Pa.
     pump : float
         Oil that the pump delivers to both axes together, in m^3/s.
 
@@ -73,12 +74,12 @@ class Sizes:
 
 @checked
 def usual_sizes(machine: Machine):
-    """Return the study's `Sizes` of a machine, by the length of its arm.
+    """Return the study's `Sizes` for a machine, scaled by the length of its arm.
 
     Parameters
     ----------
     machine : Machine
-        Whose `R` decides, in m.
+        Only its `R` matters.
 
     Returns
     -------
@@ -117,7 +118,7 @@ def usual_sizes(machine: Machine):
 
 @checked
 def arm_of(machine: Machine, sizes: Sizes):
-    """Return the `Arm` that a machine's `Sizes` put on both joints."""
+    """Return the `Arm` that both joints of a machine carry."""
     return Arm(machine.r, machine.R, head=sizes.head, beam=sizes.beam)
 
 
@@ -128,19 +129,20 @@ def axes_of(machine: Machine, sizes: Sizes):
     Parameters
     ----------
     machine : Machine
-        Its joint limits, which the strokes leave by 2 degrees, and radii.
+        Its strokes extend 2 degrees beyond its joint limits.
     sizes : Sizes
         Of cylinders, masses, oil and valves.
 
     Returns
     -------
     theta, phi : Hydraulics
-        With the inertia and the weight of the `Arm` at joint angles 0: that loads theta alone.
+        With the inertia and the weight of the `Arm` at joint angles 0, where the weight loads theta
+        alone.
 
     Raises
     ------
     ValueError
-        If a stroke can't be had, or the supply can't hold the weight everywhere.
+        If a linkage doesn't allow its stroke, or the supply can't move the weight everywhere.
     """
     arm = arm_of(machine, sizes)
     about_theta, about_phi = map(float, arm.inertias(0.0))
@@ -151,23 +153,17 @@ def axes_of(machine: Machine, sizes: Sizes):
 
 
 def _axis(sizes, linkage, least, greatest, inertia, gravity, friction):
-    """Return one of `axes_of`, between joint limits, with a damping ratio near angle 0."""
+    """Return one of `axes_of`, between joint limits, its damping ratio set near angle 0."""
     axis = Hydraulics(
         linkage=linkage,
         low=least - STROKE_MARGIN,
         high=greatest + STROKE_MARGIN,
         inertia=inertia,
         gravity=gravity,
-        damping=inertia,  # any: it follows from the frequency, which doesn't depend on it
-        supply=sizes.supply,
-        tank=sizes.tank,
-        bulk=sizes.bulk,
-        hose=sizes.hose,
+        damping=inertia,  # any number: the frequency, which sets it below, doesn't depend on it
         flow=sizes.rated_flow / LAND**0.5,
-        valve_lag=sizes.valve_lag,
         friction=friction,
-        piston_leak=sizes.piston_leak,
-        valve_leak=sizes.valve_leak,
+        **{name: getattr(sizes, name) for name in SHARED},
     )
     middle = min(max(0.0, axis.low), axis.high)
     return replace(axis, damping=2 * sizes.damping * axis.natural_frequency(middle) * inertia)
@@ -175,21 +171,19 @@ def _axis(sizes, linkage, least, greatest, inertia, gravity, friction):
 
 @checked
 def reference_axes(machine: Machine, *, damping: Quantity = 0.15):
-    """Return the study's axes theta and phi of a machine, without dry friction and leaks.
+    """Return the axes theta and phi of a machine's `usual_sizes`, without dry friction and leaks.
 
     Parameters
     ----------
     machine : Machine
-        Its joint limits, and the radii r and R that set linkages, masses and oil.
+        Its joint limits and radii count.
     damping : float
         Damping ratio of the resonance at joint angle 0, or where the stroke comes nearest to it.
 
     Returns
     -------
     theta, phi : Hydraulics
-        Of the `usual_sizes`: at R = 0.80 m a cutter head of 30 kg at the end of an arm of 60 kg
-        that is evenly spread from the tangential joint; supply 160 bar, tank 3 bar, oil of 1.0 GPa,
-        hoses of 50 cm^3, valves of 4 L/min at 35 bar a land with a lag of 4 ms.
+        As of `axes_of`.
     """
     smooth = dict.fromkeys(("lift_friction", "swing_friction", "piston_leak", "valve_leak"), 0.0)
     return axes_of(machine, replace(usual_sizes(machine), damping=damping, **smooth))

@@ -1,7 +1,7 @@
 """How far the gain may be raised: limits in closed form, and by eigenvalues.
 
-Gains are Kv, the wanted rate over the following error, in 1/s; what a plant's own gain K is
-doesn't matter, because the static inverse divides by it.
+Gains are Kv, the wanted rate over the following error, in 1/s. A plant's own gain K doesn't
+matter, since the static inverse divides by it.
 """
 
 from functools import lru_cache
@@ -14,16 +14,16 @@ from .loop import MOST_DELAY, Loop
 from .plant import Lag, LinearPlant, Plant, Resonance
 from .quantities import Quantity, Quantity0, Tick, Ticks
 
-GENTLE = 1e-3  # 1/s, a gain with which every loop of the study is stable
-GAINS = 60  # that are tried for a loop with an integral
+GENTLE = 1e-3  # 1/s, a gain at which every loop of the study is stable
+GAINS = 60  # number of gains tried for a loop with an integral
 
 
 @checked
 def delay_limit(tick: Tick, delay: Whole(0, MOST_DELAY) = 0):
-    """Return the gain limit of T0 under a P loop with whole ticks of delay, in 1/s.
+    """Return the gain limit of T0 under a P loop with a delay in ticks, in 1/s.
 
-    2 sin(pi / (2 (2 m + 1))) / T for a tick T in s and a delay of m ticks: where the roots of
-    z^m (z - 1) + Kv T leave the unit circle. Without delay 2 / T.
+    It is 2 sin(pi / (2 (2 m + 1))) / T for a tick T in s and a delay of m ticks, where the roots
+    of z^m (z - 1) + Kv T leave the unit circle; without delay 2 / T.
     """
     return 2 * np.sin(np.pi / (2 * (2 * delay + 1))) / tick
 
@@ -32,8 +32,8 @@ def delay_limit(tick: Tick, delay: Whole(0, MOST_DELAY) = 0):
 def lag_limit(lag: Quantity, tick: Tick):
     """Return the gain limit of T1, with a lag in s, under a P loop with a tick in s, in 1/s.
 
-    Jury's criterion for z^2 + (Kv b1 - 1 - a) z + a + Kv b0, with a = exp(-T/lag); as the tick
-    vanishes nothing limits the gain, as the lag vanishes 2 / T does.
+    By Jury's criterion for z^2 + (Kv b1 - 1 - a) z + a + Kv b0, with a = exp(-T/lag). As the tick
+    vanishes, the limit goes to infinity; as the lag vanishes, to 2 / T.
     """
     Ad, Bd = Lag(1.0, lag).discrete(tick)
     a = Ad[1, 1]
@@ -48,8 +48,8 @@ def lag_limit(lag: Quantity, tick: Tick):
 def integral_limits(integral: Quantity, tick: Tick):
     """Return the least and the greatest gain of T0 under a PI loop without delay, in 1/s.
 
-    Ki T and (4 + Ki T^2) / (2 T), for `integral` Ki in 1/s^2 and a tick T in s: Jury's criterion
-    for z^2 + (Kv T - 2) z + 1 - Kv T + Ki T^2. The range is empty from Ki T^2 = 4 on.
+    They are Ki T and (4 + Ki T^2) / (2 T), for an `integral` Ki in 1/s^2 and a tick T in s, by
+    Jury's criterion for z^2 + (Kv T - 2) z + 1 - Kv T + Ki T^2. None is left from Ki T^2 = 4 on.
     """
     return integral * tick, (4 + integral * tick**2) / (2 * tick)
 
@@ -58,10 +58,10 @@ def integral_limits(integral: Quantity, tick: Tick):
 def resonance_limit(frequency: Quantity, damping: Quantity, lag: Quantity0 = 0.0):
     """Return the gain limit 2 zeta w of a resonance under a continuous P loop, in 1/s.
 
-    Routh's criterion for s^3 + 2 zeta w s^2 + w^2 s + Kv w^2, with the `frequency` w in rad/s and
-    the `damping` ratio zeta: the practical limit of a hydraulic axis. A valve with a `lag` in s
-    multiplies it by (1 + 2 zeta w lag + (w lag)^2) / (1 + 2 zeta w lag)^2; small swings of T3 also
-    divide it by `Hydraulics.swing`.
+    By Routh's criterion for s^3 + 2 zeta w s^2 + w^2 s + Kv w^2, with the `frequency` w in rad/s
+    and the `damping` ratio zeta. It is the practical limit of a hydraulic axis. A valve with a
+    `lag` in s multiplies it by (1 + 2 zeta w lag + (w lag)^2) / (1 + 2 zeta w lag)^2; for small
+    swings of T3 it is also divided by `Hydraulics.swing`.
     """
     rate = 2 * damping * frequency
     return rate * (1 + rate * lag + (frequency * lag) ** 2) / (1 + rate * lag) ** 2
@@ -71,47 +71,44 @@ def resonance_limit(frequency: Quantity, damping: Quantity, lag: Quantity0 = 0.0
 def sampled_resonance_limit(frequency: Quantity, damping: Quantity, tick: Tick):
     """Return the gain limit of a resonance under a P loop with a tick in s, in 1/s.
 
-    Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d = exp(-2 zeta w T)
-    and t the sum of the resonance's two roots: a quadratic and two linear conditions on Kv, of
-    which the first to fail is the limit. As the tick vanishes it is `resonance_limit`.
+    By Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d =
+    exp(-2 zeta w T) and t the sum of the resonance's two roots. It is the least Kv at which a
+    linear or a quadratic condition fails; as the tick vanishes, `resonance_limit`. The
+    `frequency` w is in rad/s, `damping` is the ratio zeta.
     """
     Ad, Bd = Resonance(1.0, frequency, damping).discrete(tick)
     t = Ad[1, 1] + Ad[2, 2]
     d = np.exp(-2 * damping * frequency * tick)
-    # The first three answers to a command that lasts one tick give the numerator.
+    # The first three answers to a command of one tick, divided by the denominator as power
+    # series are, give the numerator.
     h1 = Bd[0]
     h2 = (Ad @ Bd)[0]
     h3 = (Ad @ Ad @ Bd)[0]
     b2 = h1
     b1 = h2 - (1 + t) * h1
     b0 = h3 - (1 + t) * h2 + (t + d) * h1
-    # (1 - d)(1 - t + d), whose second factor loses its digits for short ticks; it is a mean step.
+    # (1 - d)(1 - t + d): for short ticks 1 - t + d cancels, but the numerator's sum over the tick,
+    # which the static gain of 1 makes equal to it, keeps its digits.
     constant = -np.expm1(-2 * damping * frequency * tick) * (b2 + b1 + b0) / tick
     roots = np.roots([b0 * (b2 - b0), (2 * d - 1 - t) * b0 - b1 - d * b2, constant])
     limits = [root.real for root in roots if root.imag == 0 and root.real > 0]
-    limits += [(1 + d) / abs(b0)] if b0 else []
     limits += [2 * (1 + t + d) / (b2 + b0 - b1)] if b2 + b0 > b1 else []
     return float(min(limits))
 
 
-@checked
-def closed_loop(plant: LinearPlant, loop: Loop):
-    """Return the matrix that takes a linear closed loop from tick to tick.
-
-    The state is the plant's, the integral of the error, and the commands that a `loop` with a
-    delay still holds back, oldest first; set-values are zero and the valve doesn't saturate.
-    """
-    return _matrix(plant, loop, loop.gain)
-
-
-@lru_cache(256)
+@lru_cache(256)  # searches for a gain ask again and again
 def _discrete(plant, tick):
-    """Return Ad and Bd of a plant, which searches for a gain ask for again and again."""
+    """Return Ad and Bd of a plant."""
     return plant.discrete(tick)
 
 
-def _matrix(plant, loop, gain):
-    """Return `closed_loop` with another gain, in 1/s."""
+def _closed_loop(plant, loop, gain):
+    """Return the matrix that takes a linear closed loop with a `gain`, in 1/s, over a tick.
+
+    The state is the plant's, the integral of the error if there is one, and the commands that a
+    `loop` with a delay still holds back, oldest first. Set-values are zero, and the valve doesn't
+    saturate.
+    """
     Ad, Bd = _discrete(plant, loop.tick)
     order = len(Bd)
     m = loop.delay
@@ -127,7 +124,7 @@ def _matrix(plant, loop, gain):
         matrix[:order, order + 1] = Bd
         matrix[range(order + 1, order + m), range(order + 2, order + m + 1)] = 1
         matrix[-1] = command
-    if loop.integral == 0:  # no integral: its eigenvalue 1 isn't part of the loop
+    if loop.integral == 0:  # then its row would add an eigenvalue 1, which isn't the loop's
         matrix = np.delete(np.delete(matrix, order, axis=0), order, axis=1)
     return matrix
 
@@ -136,19 +133,18 @@ def _matrix(plant, loop, gain):
 def is_stable(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     """Return whether a closed loop is stable in small motions about rest.
 
-    Each plant is judged by its linear form at each of the joint angles `angles`, in rad; encoder,
-    dead band and limit of the valve are left out.
+    The plant is judged by its linear form at each of some joint angles, in rad. Encoder, dead band
+    and limit of the valve are left out.
     """
     return all(bool(_radius(one, loop, loop.gain) < 1) for one in _models(plant, angles))
 
 
 @checked
 def gain_limit(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
-    """Return the gain from which a loop isn't stable at each of some joint angles, in 1/s.
+    """Return the gain below which a loop is stable at all of some joint angles in rad, in 1/s.
 
-    As `is_stable` judges it, for the `plant` and a `loop` whose own gain doesn't matter, at
-    `angles` in rad. A loop with an integral has no such limit, for it needs a least gain, too; it
-    is refused with ValueError, and `stable_gains` has both.
+    The loop's own gain doesn't matter. A loop with an integral needs a least gain, too, which
+    `stable_gains` also gives: here it is refused with ValueError.
     """
     if loop.integral:
         raise ValueError(f"loop: must be without integral; got {loop.integral:g} 1/s^2.")
@@ -157,7 +153,7 @@ def gain_limit(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
 
 @checked
 def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
-    """Return between which gains a loop is stable at each of some joint angles, in 1/s.
+    """Return the gains, in 1/s, between which a loop is stable at all of some joint angles.
 
     Parameters
     ----------
@@ -171,7 +167,7 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     Returns
     -------
     low, high : float
-        Without integral `low` is 0; where no gain tried is stable, ``inf`` and 0.
+        Without integral `low` is 0. If no gain that is tried is stable, they are ``inf`` and 0.
 
     Raises
     ------
@@ -181,9 +177,9 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
     if not np.size(angles):
         raise ValueError("angles: must hold one joint angle at least; got none.")
     models = _models(plant, angles)
-    # A closed loop changes with its gain in a straight line: all models are looked at together.
-    still = np.stack([_matrix(one, loop, 0.0) for one in models])
-    by_gain = np.stack([_matrix(one, loop, 1.0) for one in models]) - still
+    # The matrix is linear in the gain, so two of each model give those of all gains at once.
+    still = np.stack([_closed_loop(one, loop, 0.0) for one in models])
+    by_gain = np.stack([_closed_loop(one, loop, 1.0) for one in models]) - still
     growth = lambda gain: np.abs(np.linalg.eigvals(still + gain * by_gain)).max() - 1  # noqa: E731
     if not loop.integral:
         return 0.0, _first_unstable(growth, GENTLE, 1.25)
@@ -198,7 +194,7 @@ def stable_gains(plant: Plant, loop: Loop, angles: Angles = (0.0,)):
 
 
 def _models(plant, angles):
-    """Return the linear models of small motions about rest, at joint angles in rad."""
+    """Return the set of linear models of small motions about rest, at joint angles in rad."""
     return {plant.linear(angle) for angle in np.ravel(angles).tolist()}
 
 
@@ -218,7 +214,7 @@ def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "
     Returns
     -------
     gain : float
-        To about 1e-14 of itself, where an eigenvalue meets the unit circle; 0 or infinity if the
+        Where an eigenvalue meets the unit circle, to about 1e-14 of itself; 0 or infinity if the
         loop stays stable within a factor 1e9.
 
     Raises
@@ -232,7 +228,7 @@ def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "
 
 @checked
 def continuous_limit(plant: LinearPlant):
-    """Return the gain at which the continuous P loop of a linear plant turns unstable, in 1/s."""
+    """Return the gain at which a linear plant's continuous P loop becomes unstable, in 1/s."""
     A, B = plant.matrices()
     column = np.outer(B, np.eye(len(B))[0]) * plant.command(1.0)
     growth = lambda g: np.max(np.linalg.eigvals(A - g * column).real)  # noqa: E731
@@ -246,20 +242,24 @@ def ripple(
 ):
     """Return the velocity ripple of a plant with set-values in steps, as a share of the speed.
 
-    2 |G(2 pi i k / T)| for harmonic k, set-values every T = `tick` s and the closed continuous P
-    loop G of a `gain` in 1/s: a staircase is a ramp and a sawtooth of one step's height, v T.
-    It doesn't depend on the speed. The amplitude is that of a sine; tick and harmonic broadcast.
+    It is the amplitude 2 |G(2 pi i k / T)| of the harmonic k, with a set-value every T = `tick` s
+    and the closed continuous P loop G of a `gain` in 1/s: a staircase is a ramp plus a sawtooth of
+    one step's height, v T. So the share doesn't depend on the speed v. Tick and harmonic broadcast.
     """
-    open_loop = plant.command(gain) * plant.transfer(2j * np.pi * harmonic / tick)
+    open_loop = plant.command(gain) * plant.response(2 * np.pi * harmonic / tick)
     return 2 * np.abs(open_loop / (1 + open_loop))
 
 
 def _radius(plant, loop, gain):
-    return np.max(np.abs(np.linalg.eigvals(_matrix(plant, loop, gain))))
+    """Return the largest size of a closed loop's eigenvalues: below 1 it is stable."""
+    return np.max(np.abs(np.linalg.eigvals(_closed_loop(plant, loop, gain))))
 
 
 def _first_unstable(growth, start, factor):
-    """Return where a function of the gain, negative at its start, turns positive."""
+    """Return the gain at which a function of it, negative at the `start`, becomes positive.
+
+    The gain is changed by a `factor` until it does: infinity or 0 where that takes more than 1e9.
+    """
     if not growth(start) < 0:
         raise ValueError(f"gain: the search must start from a stable loop; got {start:g} 1/s.")
     low = start
@@ -269,7 +269,8 @@ def _first_unstable(growth, start, factor):
         high = high * factor
         if not 1e-9 < high / start < 1e9:
             return np.inf if factor > 1 else 0.0
-    # Halved until no number is left between: milliseconds, where to load a root finder takes more.
+    # Halved until no float is left between. That takes milliseconds, and to load scipy's root
+    # finder more.
     while (middle := (low + high) / 2) not in (low, high):
         if growth(middle) < 0:
             low = middle

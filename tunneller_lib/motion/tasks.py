@@ -1,7 +1,7 @@
 """The controller's tasks (Fig. 7): a fast interpolation, a servo, a slow preparation of segments.
 
-Times are whole numbers of one unit, such as a microsecond. Tasks stand in order of priority, the
-most urgent first; a more urgent task interrupts the others at once.
+Times are whole numbers of one unit, such as a microsecond. Tasks are listed by priority, the most
+urgent first. A more urgent task interrupts the others at once.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..arguments import Each, Whole, Wholes, checked
 
 LONGEST = 2**40  # units of time
-MOST_RELEASES = 200_000  # of a run; then it takes about a second
+MOST_RELEASES = 200_000  # in a run, which then takes about a second
 
 Time = Whole(1, LONGEST)
 Times = Wholes("(k,) int", 1, LONGEST)
@@ -20,14 +20,13 @@ Times = Wholes("(k,) int", 1, LONGEST)
 @dataclass(frozen=True)
 @checked
 class Task:
-    """A task that is released again and again.
+    """A task that is released periodically.
 
     Parameters
     ----------
     name : str
-        What it does.
     period, cost : int
-        Time between two releases, and time that each takes of the processor.
+        Time between two releases, and processor time that each takes.
 
     Raises
     ------
@@ -44,15 +43,7 @@ Tasks = Each(Task, some=True)
 
 
 class Slice(NamedTuple):
-    """A stretch of time in which one task has the processor.
-
-    Parameters
-    ----------
-    name : str
-        The task's.
-    start, stop : int
-        In the unit of the tasks' periods.
-    """
+    """A stretch of time, from start to stop, in which the task `name` has the processor."""
 
     name: str
     start: int
@@ -60,15 +51,7 @@ class Slice(NamedTuple):
 
 
 class Release(NamedTuple):
-    """One release of a task.
-
-    Parameters
-    ----------
-    name : str
-        The task's.
-    released, done : int
-        When it was, and when the work was done, in the unit of the tasks' periods.
-    """
+    """One release of the task `name`: when it was `released`, and its work `done`."""
 
     name: str
     released: int
@@ -76,14 +59,14 @@ class Release(NamedTuple):
 
 
 class HandOver(NamedTuple):
-    """What became of each segment: tuples with one entry a segment.
+    """When each segment was ready, needed and started, in tuples with one entry a segment.
 
     Parameters
     ----------
     ready, needed, started : tuple of int
-        When it was, in the unit of the tasks' periods.
+        In the unit of the tasks' periods.
     starved : tuple of int
-        Ticks on which the last set-value was held for want of it.
+        Number of ticks on which the last set-value was held for lack of the segment.
     """
 
     ready: tuple
@@ -94,7 +77,7 @@ class HandOver(NamedTuple):
 
 @checked
 def utilisation(tasks: Tasks):
-    """Return the share of the processor that tasks take."""
+    """Return the share of the processor that tasks take, the sum of cost / period."""
     return sum(task.cost / task.period for task in tasks)
 
 
@@ -110,8 +93,8 @@ def response_times(tasks: Tasks):
     Returns
     -------
     times : list of int or float
-        The least R with R = C + sum of ceil(R / T_j) C_j over the more urgent tasks; infinite
-        where it would be later than the next release.
+        The least R with R = C + sum of ceil(R / T_j) C_j over the more urgent tasks of periods T_j
+        and costs C_j; infinite where it would exceed the task's own period.
 
     Examples
     --------
@@ -119,14 +102,14 @@ def response_times(tasks: Tasks):
     >>> response_times([*fast, Task("slow", 9000, 2000)])
     [100, 400, 2900]
     """
-    return [_response(tasks[:i], task.cost, task.period, math.inf) for i, task in enumerate(tasks)]
+    return [_response(tasks[:i], task.cost, task.period) for i, task in enumerate(tasks)]
 
 
 @checked
 def background_response(tasks: Tasks, cost: Time):
-    """Return the longest time that work of a `cost` takes when all tasks are more urgent.
+    """Return the longest time that work of a `cost` takes if all tasks are more urgent.
 
-    Infinite where it would be beyond 2^40.
+    It is infinite if it would exceed 2^40.
 
     Raises
     ------
@@ -134,19 +117,19 @@ def background_response(tasks: Tasks, cost: Time):
         If the tasks leave nothing of the processor.
     """
     _leaves_time(tasks)
-    return _response(tasks, cost, LONGEST, math.inf)
+    return _response(tasks, cost, LONGEST)
 
 
 @checked
 def schedule(tasks: Tasks, horizon: Time):
-    """Run tasks, all released at 0, event by event up to a horizon.
+    """Return what tasks, all released at 0, do up to a horizon, event by event.
 
     Returns
     -------
     slices : list of Slice
         Who has the processor, in order of time; gaps are idle.
     done : list of Release
-        Every release whose work was done before the horizon, in order of its end.
+        Every release whose work is done by the horizon, in order of its end.
 
     Raises
     ------
@@ -156,8 +139,8 @@ def schedule(tasks: Tasks, horizon: Time):
     releases = _releases(tasks, horizon)
     if releases > MOST_RELEASES:
         raise ValueError(
-            f"horizon: must be after at most {MOST_RELEASES} releases; got {horizon}, which is "
-            f"after {releases}."
+            f"horizon: must come after at most {MOST_RELEASES} releases; got {horizon}, after "
+            f"{releases}."
         )
     return _run(tasks, horizon)
 
@@ -168,27 +151,27 @@ def _releases(tasks, horizon):
 
 
 def _run(tasks, horizon):
-    """Return `schedule`: from event to event the most urgent work has the processor."""
+    """Return `schedule` unchecked: between events the most urgent work has the processor."""
     coming_release = [0] * len(tasks)
     waiting = []  # (priority, release, work left), the most urgent first
     now = 0
     slices = []
     done = []
     while now < horizon:
-        # What was released meanwhile joins those that wait.
+        # What was released meanwhile joins the work that waits.
         for i, task in enumerate(tasks):
             while coming_release[i] <= now:
                 waiting.append((i, coming_release[i], task.cost))
                 coming_release[i] += task.period
         waiting.sort()
-        # Until the next release nothing changes who is the most urgent.
+        # Until the next release the most urgent work stays so.
         coming = min(*coming_release, horizon)
         if not waiting:
             now = coming
             continue
         i, release, left = waiting.pop(0)
         stop = min(now + left, coming)
-        # A slice goes on where a release interrupted nobody.
+        # If a release didn't interrupt it, the task's last slice goes on.
         if slices and slices[-1].name == tasks[i].name and slices[-1].stop == now:
             slices[-1] = slices[-1]._replace(stop=stop)
         else:
@@ -203,25 +186,25 @@ def _run(tasks, horizon):
 
 @checked
 def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
-    """Run the preparation of segments in the time that tasks leave, and their interpolation.
+    """Return how segments fare that are prepared in the time that tasks leave.
 
     Parameters
     ----------
     tasks : list of Task
         All more urgent than the preparation; the first is the interpolation.
     costs : (k,) int
-        What the preparation of each segment costs.
+        Processor time that the preparation of each segment takes.
     ticks : (k,) int
-        How many ticks of the interpolation each segment lasts.
+        Number of ticks of the interpolation that each segment lasts.
     depth : int
-        How many segments may wait, ready or in work; 1 is a double buffer.
+        How many segments may be ready or in preparation; 1 is a double buffer.
 
     Returns
     -------
     run : HandOver
-        Tuples with one entry for each segment. A segment starts on the first tick at which it is
-        needed and ready; until then the last set-value is held, so that starvation costs time and
-        never counts. What is starved before the first segment is the start-up.
+        A segment starts on the first tick at which it is needed and ready. Until then the last
+        set-value is held: starvation costs time, never counts. What the first segment is waited
+        for is the start-up.
 
     Raises
     ------
@@ -231,8 +214,8 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
 
     Notes
     -----
-    Tunnelling robot, section 4.4 and Fig. 7. A double buffer is never starved if
-    `background_response` of the dearest segment is at most the shortest segment's time.
+    Tunnelling robot, section 4.4 and Fig. 7. A double buffer never starves if the
+    `background_response` to the highest cost is at most the time of the shortest segment.
     """
     costs, ticks = _segments(costs, ticks)
     _leaves_time(tasks)
@@ -242,7 +225,7 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
     needed = [0]
     started = []
     for k, (cost, number) in enumerate(zip(costs, ticks, strict=True)):
-        # The preparation goes on when the segment before is ready and a place is free.
+        # A preparation begins once the one before is finished and a place is free.
         before = ready[-1] if ready else 0
         free = max(before, started[k - depth] if k >= depth else 0)
         ready.append(_finish(idle, cycle, free, cost))
@@ -254,7 +237,7 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
 
 @checked
 def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
-    """Return the least depth with which no segment but the first is waited for, or None.
+    """Return the least depth at which no segment but the first is waited for, or None.
 
     The arguments (tasks, costs, ticks) are those of `hand_over`.
     """
@@ -266,7 +249,7 @@ def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
 
 
 def _segments(costs, ticks):
-    """Return costs and ticks as lists, which must be of one length and not empty."""
+    """Return costs and ticks as lists, which must have the same length and not be empty."""
     if not len(costs):
         raise ValueError("costs: must be a list, not empty; got none.")
     if len(costs) != len(ticks):
@@ -274,19 +257,20 @@ def _segments(costs, ticks):
     return costs.tolist(), ticks.tolist()
 
 
-def _response(urgent, cost, latest, otherwise):
+def _response(urgent, cost, latest):
+    """Return the least fixed point of R = cost + sum ceil(R / T_j) C_j, infinite above `latest`."""
     time = 0
     wanted = cost
     while time != wanted:
         time = wanted
         if time > latest:
-            return otherwise
+            return math.inf
         wanted = cost + sum(-(-time // task.period) * task.cost for task in urgent)
     return time
 
 
 def _idle(tasks):
-    """Return the idle stretches of one cycle after which the tasks' pattern repeats."""
+    """Return the idle stretches of a cycle after which the pattern repeats, and the cycle."""
     cycle = math.lcm(*(task.period for task in tasks))
     releases = _releases(tasks, cycle)
     if releases > MOST_RELEASES:
@@ -300,11 +284,12 @@ def _idle(tasks):
 
 
 def _finish(idle, cycle, start, cost):
-    """Return when work that may begin at `start` is done in the idle stretches."""
+    """Return when work that may begin at `start` is done in the idle stretches of each cycle."""
     turn, place = divmod(start, cycle)
     per_cycle = sum(b - a for a, b in idle)
-    cost += sum(max(0, min(b, place) - a) for a, b in idle)  # as if begun with the cycle
-    full, left = divmod(cost - 1, per_cycle)
+    # Work that began with the cycle would also have used the idle time before `start`.
+    cost += sum(max(0, min(b, place) - a) for a, b in idle)
+    full, left = divmod(cost - 1, per_cycle)  # the end of a cycle's idle time is still of it
     left += 1
     for a, b in idle:
         if left <= b - a:
@@ -314,6 +299,7 @@ def _finish(idle, cycle, start, cost):
 
 
 def _leaves_time(tasks):
+    """Raise ValueError if tasks don't keep their periods or take the whole processor."""
     share = utilisation(tasks)
     if math.inf in response_times(tasks) or share >= 1:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Loops and axes from tick to tick: what `follow` asks for, in numbers that can be compiled."""
+"""Loops and axes from tick to tick: the work of `follow`, in numbers that can be compiled."""
 
 import math
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, 
 from .hydraulics import spool_at
 from .oil import Compressible, out_of_stroke
 
-# About how long a tick takes in plain Python, in s: of any loop, and for each part of it.
+# About how long a tick takes in plain Python, in s, and each step of its integration.
 PLAIN_TICK, PLAIN_PART = 2e-6, 3e-5
 
 
@@ -19,60 +19,43 @@ class Control(NamedTuple):
     """A `Loop` as plain numbers."""
 
     gain: float
-    growth: float  # of the sum, by tick and following error
+    growth: float  # of the integral a tick, over the following error
     share: float
     count: float
     limit: float
-    dead: float
-    compensated: bool
     delay: int
 
 
 def control_of(loop):
     """Return the `Control` of a `Loop`."""
     return Control(
-        loop.gain,
-        loop.integral * loop.tick,
-        loop.feedforward,
-        loop.count,
-        loop.limit,
-        loop.dead_band,
-        loop.compensated,
-        loop.delay,
+        loop.gain, loop.integral * loop.tick, loop.feedforward, loop.count, loop.limit, loop.delay
     )
 
 
 def ticked(plant, state, u):
-    """Stand in for what takes the state of a `plant` under a command u a tick further."""
+    """Stand in for the plant's function that returns its state a tick later, under a command u."""
     raise NotImplementedError
 
 
 def commanding(plant, rate, position):
-    """Stand in for the command of a steady `rate` of a `plant` at a position, in rad/s and rad."""
+    """Stand in for the plant's function that returns the command of a steady rate, in rad/s."""
     raise NotImplementedError
 
 
 def commanded(plant, control, grown, wanted, slope, position):
-    """Return the command of a tick, for a set-value and its slope at a measured position.
+    """Return the command of a tick, and the integral `grown` by its following error.
 
-    Of the following error e the loop makes the rate gain e + integral sum(e tick) + share slope,
-    and the static inverse of the `plant` says which command gives it. `control` is a `Control`,
-    `grown` the integral so far, which is returned as well, with this tick's share. `wanted`,
-    `slope` and `position` are in rad and rad/s.
+    With the error e = wanted - position, as the encoder measures it, the wanted rate is gain e +
+    integral sum(e tick) + share slope. The static inverse of the `plant` gives its command.
+    `control` is a `Control`; `wanted`, `slope` and `position` are in rad and rad/s.
     """
-    # The encoder tells whole counts, the nearest.
+    # The encoder gives the nearest whole count.
     if control.count > 0:
         position = control.count * nearest(position / control.count)
     error = wanted - position
     u = commanding(plant, control.gain * error + grown + control.share * slope, position)
-    # Compensated, a command begins where the valve's dead band ends. One choice of two sums would
-    # hold up every tick of a compiled loop by a quarter, whether there is a dead band or not.
-    if control.compensated and control.dead > 0:
-        if u > 0:
-            u = (1 - control.dead) * u + control.dead
-        elif u < 0:
-            u = (1 - control.dead) * u - control.dead
-    # While the valve is fully open the sum waits: it would only grow, and overshoot later.
+    # While the valve is fully open the integral waits: it would grow, and overshoot later.
     if u > control.limit:
         u = control.limit
     elif u < -control.limit:
@@ -83,10 +66,10 @@ def commanded(plant, control, grown, wanted, slope, position):
 
 
 def delayed(control, memory, tick, u):
-    """Return the command that reaches the valve in a tick in which the loop answers u.
+    """Return the command that reaches the valve in a `tick` in which the loop asks for u.
 
-    With a delay of n ticks it is that of n ticks ago. `control` is a `Control`; `memory` holds the
-    commands that wait, from its second place on.
+    With a delay of n ticks it is the one of n ticks ago. `memory` holds the commands that wait,
+    from its second place on; `control` is a `Control`.
     """
     if control.delay == 0:
         return u
@@ -97,34 +80,23 @@ def delayed(control, memory, tick, u):
 
 
 def nearest(number):
-    """Return the whole number, a float, that is nearest; of two the greater."""
-    # Above 2^52 all are whole.
+    """Return the nearest whole number as a float, of two the greater."""
+    # Above 2^52 all floats are whole.
     return float(math.floor(number + 0.5)) if abs(number) < 4.5e15 else number
 
 
-def opened(u, dead):
-    """Return how far a valve opens whose first `dead` share of the command u does nothing."""
-    if dead == 0:
-        return u
-    beyond = abs(u) - dead
-    if beyond <= 0:
-        return 0.0
-    return (beyond if u > 0 else -beyond) / (1 - dead)
-
-
 def run_axis(plant, control, memory, state, setvalues, slopes, states, commands):
-    """Run the axis of a `plant`, fill its states and commands, and return the ticks run.
+    """Run the axis of a `plant`, fill its `states` and `commands`; return the number of ticks run.
 
-    They are fewer than there are slopes where it left its stroke. `control` is a `Control`,
-    `memory` (1 + delay,) the loop's integral, and its commands that wait; `setvalues` and `slopes`,
-    in rad and rad/s, and `commands` are rows, `states` are as many rows as the `state` has numbers,
-    which begin with it.
+    There are fewer than slopes where it left its stroke. `control` is a `Control`, `memory`
+    (1 + delay,) the loop's integral and the commands that wait; `setvalues` are in rad, `slopes` in
+    rad/s. `states` has a row for each number of the `state`, with which they begin.
     """
     grown = memory[0]
     for tick in range(len(slopes)):
         u, grown = commanded(plant, control, grown, setvalues[tick], slopes[tick], state[0])
         u = delayed(control, memory, tick, u)
-        state = ticked(plant, state, opened(u, control.dead))
+        state = ticked(plant, state, u)
         commands[tick] = u
         for i in range(len(state)):
             states[i][tick + 1] = state[i]
@@ -147,11 +119,11 @@ def run_joints(
     states,
     commands,
 ):
-    """Run both axes of a `machine` from tick `first` on, as `run_axis` does one.
+    """Run both axes of a `machine` from the tick `first` on, as `run_axis` runs one.
 
-    Rows are of theta and phi: `controls`, `memories`, `setvalues`, `slopes`, `commands`; those of
-    `states` and the `state` to begin with are of theta, of phi, and the energies so far. `tick` is
-    in s, `pushes` are `Push.rows`, `parts` those of the ticks.
+    `controls`, `memories` and each row of `setvalues`, `slopes` and `commands` are theta's and
+    phi's; `state` and each row of `states` are theta's state, phi's, and the energies so far.
+    `pushes` are `Push.rows`, `parts` the ticks' numbers of steps; `tick` is in s.
     """
     theta = machine.theta
     phi = machine.phi
@@ -164,8 +136,7 @@ def run_joints(
         )
         theta_u = delayed(controls[0], memories[0], first + n, theta_u)
         phi_u = delayed(controls[1], memories[1], first + n, phi_u)
-        openings = opened(theta_u, controls[0].dead), opened(phi_u, controls[1].dead)
-        state = machine_tick(machine, state, openings, pushes[n], parts[n], tick)
+        state = machine_tick(machine, state, (theta_u, phi_u), pushes[n], parts[n], tick)
         commands[n][0] = theta_u
         commands[n][1] = phi_u
         for i in range(5):
@@ -178,10 +149,10 @@ def run_joints(
 
 
 def run_each(plants, loops, setvalues, slopes, own_inverse):
-    """Return states and commands, a list of each, of `plants` under `loops` that share nothing.
+    """Return lists of states and of commands of `plants` under `loops` that share nothing.
 
-    The columns of `setvalues` (ticks + 1, n), in rad, and of `slopes` (ticks, n), in rad/s, are
-    theirs; `own_inverse` is a caller's, as in `follow`, or None.
+    Each has a column of `setvalues` (ticks + 1, n), in rad, and of `slopes` (ticks, n), in rad/s;
+    `own_inverse` is a caller's, as in `follow`, or None.
     """
     all_states = []
     all_commands = []
@@ -211,10 +182,10 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
 
 
 def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
-    """Return what `run_each` does, of both axes of one machine, and the energies (ticks + 1, 5).
+    """Return states and commands of both axes of one machine, and the energies (ticks + 1, 5).
 
-    `plants`, `loops`, `setvalues` (ticks + 1, 2), `slopes` (ticks, 2), `own_inverse`, `arm` and
-    `push` are as in `follow`.
+    `plants`, `loops`, `setvalues`, `slopes` and `own_inverse` are as of `run_each`, `arm` and
+    `push` as of `follow`.
     """
     if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
         raise ValueError(
@@ -241,12 +212,15 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     least = least_parts(axes, tick)
     done = 0
     while done < ticks:
+        # Some ticks at a time: a function of the ground is asked for their push, and after the run
+        # whether it stays; if not they are run again from the same states and memories.
         answer = push(done, None) if callable(push) else every
         state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
         remembered = memories.copy()
         while answer is not None:
             rows = answer.rows if callable(push) else every
-            rows = np.array(rows[: ticks - done], order="C")  # in one order, for one compiled form
+            # In one memory order, so that one compiled form does for all.
+            rows = np.array(rows[: ticks - done], order="C")
             end = done + len(rows)
             memories[:] = remembered
             given = (
@@ -274,17 +248,17 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
 
 
 def plain_seconds(numbers, ticks):
-    """Return about how long an axis of such `numbers` takes in plain Python for `ticks`, in s."""
+    """Return about how long plain Python takes for `ticks` of an axis of such `numbers`, in s."""
     return ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0))
 
 
 def expect_run(plants, tick, ticks):
-    """Say that `plants` will be run for so many `ticks` of a `tick` in s: see `compiled.expect`."""
+    """Tell `compiled.expect` that `plants` will be run for so many `ticks` of a `tick` in s."""
     expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
 
 
 def _run(function, given, own_inverse, **parts):
-    """Return what `call` does; in plain Python with a caller's own inverse, of rate and angle."""
+    """Return what `call` returns; in plain Python if a caller's own inverse takes part."""
     if own_inverse is None:
         return call(function, *given, kind="axes", **parts)
     parts["commanding"] = lambda plant, rate, position: own_inverse(rate, position)

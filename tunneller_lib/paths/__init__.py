@@ -7,7 +7,7 @@ from .cone_chord import ConeChord
 from .correction import corrected_chord
 from .direct_problem import geodesic_direct
 from .inverse_problem import competing_geodesics, geodesic_inverse
-from .projection import project_chord, projected_length
+from .projection import project_chord
 
 __all__ = [
     "CHORD_PATHS",
@@ -21,5 +21,4 @@ __all__ = [
     "geodesic_inverse",
     "path_length",
     "project_chord",
-    "projected_length",
 ]

@@ -1,4 +1,4 @@
-"""How far the tangent-sphere path lies beside the geodesic, for chords of any length.
+"""How far the projected chord lies beside the geodesic, for chords of any length.
 
 A torus is the sphere of radius R disturbed by r: its point with the outward unit normal n is
 R n + r e(n), where e(n) points away from the axis. To first order in r/R both paths then are
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arguments import Positions, checked
 from ..kernels.exact import cross, dot, norm
+from ..surfaces.torus import torus_normal
 from .bounds import Row
 from .quadrature import gauss_rule
 
@@ -23,7 +24,7 @@ PLACES = 65  # of an arc among which the widest gap is sought
 @dataclass(frozen=True, eq=False)
 @checked
 class ChordLaw:
-    """The law of the tangent-sphere path's error: aside = r g, excess of length = (r/R)^2 F.
+    """The law of the projected chord's error: aside = r g, excess of length = (r/R)^2 F.
 
     Parameters
     ----------
@@ -37,8 +38,8 @@ class ChordLaw:
     them, b the pole of their great circle and s the angle from A along it. There m_y is the
     normal's share along the axis, and psi = e . b = -b_y m_y / sqrt(1 - m_y^2) pushes the torus
     across the circle. Both paths follow the great circle that joins the pushed ends; beyond that
-    the geodesic swings by w, where w'' + w = psi and w = 0 at both ends, and the tangent-sphere
-    path by v = psi (1 - cos(s - Theta/2) / cos(Theta/2)). The gap is g = v - w, in units of r.
+    the geodesic swings by w, where w'' + w = psi and w = 0 at both ends, and the projected
+    chord by v = psi (1 - cos(s - Theta/2) / cos(Theta/2)). The gap is g = v - w, in units of r.
 
     The half of the tube that faces away from the axis is meant, |phi| < 90 deg, where n and e(n)
     belong together. Where an end lies beyond, on meridians and for Theta below `LEAST_ANGLE` the
@@ -68,7 +69,7 @@ class ChordLaw:
 
     @checked
     def gap(self, u: Row):
-        """Return by how much the tangent-sphere path swings farther than the geodesic.
+        """Return by how much the projected chord swings farther than the geodesic.
 
         Parameters
         ----------
@@ -152,9 +153,7 @@ class ChordLaw:
 
 def _normals(position):
     """Return the outward unit normals (..., 3) at joint positions (..., 2), of any torus."""
-    theta, phi = np.moveaxis(position, -1, 0)
-    level = np.cos(phi)
-    return np.stack([level * np.cos(theta), np.sin(phi), -level * np.sin(theta)], axis=-1)
+    return torus_normal(*np.moveaxis(position, -1, 0))
 
 
 def _forced(sigma, level, steep):

@@ -6,15 +6,17 @@ which direction is the whole difference.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..arguments import Positions, checked, positions
 from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
-from ..surfaces.torus import torus_angles, torus_normal, torus_point
+from ..surfaces.torus import torus_angles, torus_normal
 from .bounds import Row, check_on_sheet
 from .correction import corrected_points
+from .projection import chord_points, feet, projected
 from .quadrature import path_lengths
 
 ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
@@ -73,23 +75,16 @@ class ChordPath:
         return positions(self.name, found)
 
 
-def _projected(torus, p, q, t):
-    """Return the document's path on a torus from p to q: M(t) along its own normal, 3.3."""
-    m, _ = _chord(torus, p, q, t)
-    return _joint(torus, m)
-
-
 def _one_third_rule(torus, p, q, t):
     """Return the path on a torus from p to q that mixes the normals at M(t) and in the middle.
 
     Our proposal: a third of M's own normal and two thirds of the middle's cancel the leading term
-    of the tangent-sphere path's error. In practice m becomes m - 2/3 d (n - n0) before it is
+    of the projected chord's error. In practice m becomes m - 2/3 d (n - n0) before it is
     projected: d is its depth below the surface, n its own outward normal, n0 the middle's.
     """
-    m, middle = _chord(torus, p, q, t)
-    normal = _normal(torus, m)
+    m = chord_points(torus, p, q, t)
     depth = _depth(torus, m)[..., None]
-    return _joint(torus, m - depth * (normal - _normal(torus, middle)) * (2 / 3))
+    return feet(torus, m - depth * (_normal(torus, m) - _middle_normal(torus, p, q)) * (2 / 3))
 
 
 def _simpson_rule(torus, p, q, t):
@@ -98,8 +93,7 @@ def _simpson_rule(torus, p, q, t):
     M(t) is dropped along (n + 4 n0 + nc) / 6, where nc is the chord between the ends' normals at
     t. That cancels what torsion and its rate do; what the rate of curvature does is left.
     """
-    m, middle = _chord(torus, p, q, t)
-    return _joint(torus, m + _simpson_shift(torus, p, q, t, m, middle))
+    return feet(torus, _simpson_points(torus, p, q, t))
 
 
 def _completed_simpson_rule(torus, p, q, t):
@@ -108,32 +102,32 @@ def _completed_simpson_rule(torus, p, q, t):
     The ends alone tell it: (Q - P) . (nP + nQ) is the rate of curvature times l^3 / 6, and
     nQ - nP is the torsion times l across the chord.
     """
-    m, middle = _chord(torus, p, q, t)
-    first, last = _end_normal(torus, p), _end_normal(torus, q)
-    start, stop = _end_point(torus, p), _end_point(torus, q)
+    first, last = _end_normal(p), _end_normal(q)
+    start, stop = (chord_points(torus, p, q, np.array([end]))[..., 0, :] for end in (0.0, 1.0))
     u = (t * (1 - t))[:, None]
     rate = dot(stop - start, first + last)[..., None, None]
     left = u * (1 - u) / 6 * rate * (last - first)[..., None, :]
-    return _joint(torus, m + _simpson_shift(torus, p, q, t, m, middle) + left)
+    return feet(torus, _simpson_points(torus, p, q, t) + left)
 
 
-def _simpson_shift(torus, p, q, t, m, middle):
+def _simpson_points(torus, p, q, t):
+    """Return M(t), moved so that its foot is where Simpson's rule drops it."""
+    m = chord_points(torus, p, q, t)
     normal = _normal(torus, m)
-    between = (1 - t)[:, None] * _end_normal(torus, p)[..., None, :]
-    between = between + t[:, None] * _end_normal(torus, q)[..., None, :]
-    mean = (normal + 4 * _normal(torus, middle) + between) / 6
-    return _depth(torus, m)[..., None] * (mean - normal)
+    between = (1 - t)[:, None] * _end_normal(p)[..., None, :]
+    between = between + t[:, None] * _end_normal(q)[..., None, :]
+    mean = (normal + 4 * _middle_normal(torus, p, q) + between) / 6
+    return m + _depth(torus, m)[..., None] * (mean - normal)
 
 
 def _plane_section(torus, p, q, t):
     """Return the torus' section from p to q by a plane, M(t) along the normal of the middle."""
-    m, middle = _chord(torus, p, q, t)
-    return _dropped(torus, m, _normal(torus, middle))
+    return _dropped(torus, chord_points(torus, p, q, t), _middle_normal(torus, p, q))
 
 
 def _radial_projection(torus, p, q, t):
     """Return the chord from p to q projected from the centre of the torus, M(t) by M(t)."""
-    m, _ = _chord(torus, p, q, t)
+    m = chord_points(torus, p, q, t)
     return _dropped(torus, m, m / norm(m)[..., None])
 
 
@@ -142,11 +136,11 @@ def _joint_line(_, p, q, t):
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 
 
-# A further one is one entry here; the atlas (notebooks/atlas.csv) is then to be made anew.
+# A further one is one entry here; `make atlas` then adds it to the atlas of ratios.
 CHORD_PATHS = {
     path.name: path
     for path in (
-        ChordPath("projected chord", _projected, "tangent sphere", "-"),
+        ChordPath("projected chord", projected, "tangent sphere", "-"),
         ChordPath("one-third rule", _one_third_rule, "correct", "--"),
         ChordPath("plane section", _plane_section, "offset", "-."),
         ChordPath("radial projection", _radial_projection, "printed", ":"),
@@ -207,29 +201,20 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     far = np.maximum(np.abs(p[..., 0]), np.abs(q[..., 0])) > 2 * np.pi
     start = np.stack([np.where(far, p[..., 0], 0.0), np.zeros_like(far, float)], axis=-1)
     p, q = p - start, q - start
-    return path_lengths(torus, lambda *way: path(torus, *way), p, q)
+    return path_lengths(torus, partial(path, torus), p, q)
 
 
-def _end_point(torus, end):
-    return torus_point(torus, end[..., 0], end[..., 1])
-
-
-def _end_normal(torus, end):
+def _end_normal(end):
     return torus_normal(end[..., 0], end[..., 1])
 
 
-def _chord(torus, p, q, t):
-    """Return the chord's points M(t) (..., n, 3) and its middle (..., 1, 3)."""
-    start, stop = _end_point(torus, p), _end_point(torus, q)
-    way = (stop - start)[..., None, :]
-    return start[..., None, :] + t[:, None] * way, start[..., None, :] + way / 2
-
-
-def _joint(torus, m):
-    return np.stack(torus_angles(torus, m), axis=-1)
+def _middle_normal(torus, p, q):
+    """Return the normal (..., 1, 3) at the foot of each chord's middle."""
+    return _normal(torus, chord_points(torus, p, q, np.array([0.5])))
 
 
 def _normal(torus, m):
+    """Return the normals (..., 3) at the feet of points M (..., 3)."""
     return torus_normal(*torus_angles(torus, m))
 
 
@@ -244,4 +229,4 @@ def _dropped(torus, m, direction):
     for _ in range(ROUNDS):
         step = _depth(torus, m) / dot(_normal(torus, m), direction)
         m = m + step[..., None] * direction
-    return _joint(torus, m)
+    return feet(torus, m)

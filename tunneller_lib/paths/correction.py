@@ -1,12 +1,12 @@
-"""The corrected chord: the tangent-sphere path less its error by the law of `ChordLaw`."""
+"""The corrected chord: the projected chord less its error by the law of `ChordLaw`."""
 
 import numpy as np
 
 from ..arguments import Positions, checked
 from ..surfaces import Torus
-from ..surfaces.torus import torus_angles
 from .bounds import Count, check_on_sheet, check_points
 from .chord_law import ChordLaw
+from .projection import chord_points, feet
 
 
 @checked
@@ -45,7 +45,7 @@ def corrected_chord(torus: Torus, p: Positions, q: Positions, n: Count):
     1 ppm at R/r = 10 and 0.6 % at R = r, where the uncorrected chord has 458 ppm and 4.7 %. On
     rings, r > R, it is no longer small at the corners. Where `ChordLaw` has no gap, between
     normals that differ by less than 1e-5 rad, along meridians and for ends beyond |phi| = 90 deg,
-    this is the tangent-sphere path. Where a chord crosses the axis or the ring circle its foot
+    this is the projected chord. Where a chord crosses the axis or the ring circle its foot
     jumps, and there is no path.
 
     Examples
@@ -69,10 +69,8 @@ def corrected_points(torus, p, q, u):
     s = half * (2 * u - 1)  # from the middle
     tan = np.tan(np.where(half > 0, half, 1))
     t = np.where(half > 0, (1 + np.tan(s) / tan) / 2, u)
-    start = torus.point(p[..., 0], p[..., 1])[..., None, :]
-    stop = torus.point(q[..., 0], q[..., 1])[..., None, :]
-    m = start + t[..., None] * (stop - start)
+    m = chord_points(torus, p, q, t)
     # The chord lies below the surface, and what M moves by grows on the way up to its foot.
     shift = torus.r * law.gap(u) * np.cos(half) / np.cos(s)
     m = m - shift[..., None] * law.pole[..., None, :]
-    return np.stack(torus_angles(torus, m), axis=-1)
+    return feet(torus, m)

@@ -6,11 +6,10 @@ are integrals over one variable t (`geodesic_root`). Their integrands depend on 
 they repeat after half a swing between turning points, or after one round of a ring's tube, and
 backwards after half of that. So both integrals are wanted from t = 0 to pi/2 only, where
 t = width sinh(y) spreads their peak: panels of equal width in y have a series each, over x from -1
-to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length takes
-as long as a short one. Lengths are in tube radii below `followed`, rho = r + cos(phi).
+to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length costs
+the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
 
-`follow_each` is the loop over geodesics for plain numbers and `compiled.call`; arrays take the same
-steps for all of them at once, with the same bits.
+`follow_each` is the loop over geodesics, in plain Python or compiled, with the same bits.
 """
 
 import math
@@ -31,9 +30,7 @@ from ..kernels.elementwise import (
     larger,
     ratio,
     smaller,
-    some,
     square_root,
-    where,
     within,
 )
 from ..kernels.exact import dot
@@ -55,8 +52,6 @@ MOST_PANELS = 60  # for the narrowest peak, about which pi/2 is 70 wide in y
 ROUNDS = 30  # Newton's method takes about four
 BLOCK = 8192  # points at a time: they need the same room however many there are
 EACH, POINT = 7e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
-SOON = 2e-3  # s, about what arrays take at least
-FASTER = 10  # so many times as fast as plain Python are arrays where they are large
 KIND = "points of geodesics"  # of work, for `compiled`
 LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
 ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
@@ -275,15 +270,11 @@ def half_swing(torus: Torus, clairaut: Lengths):
             f"clairaut: must be above {narrow:g} m and at most r + R = {wide:g} m, or nothing "
             f"swings; got {clairaut.min():g} to {clairaut.max():g} m."
         )
-    sine = clairaut.ravel() / wide
-    cosine = np.sqrt((1 - sine) * (1 + sine))
-    r = torus.r / torus.R
-    phi = np.zeros_like(sine)
-    orbit, _ = _orbits(r, phi, _placed(r, phi), sine, cosine)
-    half = np.empty((2, sine.size))
-    for same in _alike(orbit):
-        half[:, same] = _tabulated(Orbit(*(one[same] for one in orbit)))[0][:2, -1]
-    length, turned = 2 * half.reshape(2, *clairaut.shape)
+    halves = np.empty((2, clairaut.size))
+    sines = (clairaut.ravel() / wide).tolist()
+    arguments = torus.r / torus.R, sines, *_plain_room(), *halves
+    compiled.call_plain(_swing_each, *arguments, **PLAIN)
+    turned, length = halves.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
 
@@ -354,31 +345,28 @@ def headed(r, phi, azimuth, steep):
     ----------
     r : float
         r / R of the torus.
-    phi, azimuth : (...) float
+    phi, azimuth : float
         Those of the start.
-    steep : (...) float
-        What Clairaut's constant tells of the azimuth's sine, or NaN where nobody knows it.
+    steep : float
+        What Clairaut's constant tells of the azimuth's sine, or NaN where it isn't known.
 
     Returns
     -------
-    sine, cosine : (...) float
+    sine, cosine : float
         Of the azimuth; the sine is zero along a meridian.
-    on_sheet : (...) bool
-        Whether the start is on the working sheet.
     placed : tuple
-        Sine and cosine of half of phi, and the distance from the axis.
+        Sine and cosine of half of phi, and the distance from the axis, which isn't above zero
+        where the start isn't on the working sheet.
     """
     sine, cosine = sine_cosine(azimuth)
-    level = where(abs(sine) <= ALONG_MERIDIAN, 0.0, sine)
-    sine = where(steep == steep, where(abs(sine) <= STEEP, steep, sine), level)
-    placed = _placed(r, phi)
-    return sine, cosine, placed[2] > 0, placed
-
-
-def _placed(r, phi):
-    """Return sine and cosine of half of phi, and the distance from the axis."""
+    if steep == steep:
+        # Near a meridian the azimuth's own rounding is most of its sine.
+        if abs(sine) <= STEEP:
+            sine = steep
+    elif abs(sine) <= ALONG_MERIDIAN:
+        sine = 0.0
     half_sine, half_cosine = sine_cosine(phi / 2)
-    return half_sine, half_cosine, distance(Radii(r, 1.0), phi, half_cosine)
+    return sine, cosine, (half_sine, half_cosine, distance(Radii(r, 1.0), phi, half_cosine))
 
 
 def orbit_of(r, phi, placed, sine, cosine):
@@ -395,34 +383,35 @@ def orbit_of(r, phi, placed, sine, cosine):
     rest = half_cosine * half_cosine - slope * slope if r > 1 else (1 - r + c) / 2
     free = rest < 0
     A = larger(abs(rest), NARROWEST * NARROWEST)
-    B = where(free, 1.0, k2)
-    E = where(free, A, 0.0)
+    B = 1.0 if free else k2
+    E = A if free else 0.0
     width = within(square_root(ratio(smaller(A, E + c / 2), B)), NARROWEST, WIDEST)
     reach = area_sine(math.pi / 2 / width)
     panels = whole_part(reach / PANEL + 0.5)
     orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
-    # Between turning points sin(phi/2) = k cos(t). Round the tube phi falls as pi - 2t, or grows
-    # as its negative.
     upward = rising(cosine)
-    falling = -upward * phi
-    # Next to where a round begins t is small, and it is no difference of pi and another angle.
-    beyond = where(falling < 0, -1.0, 1.0)
-    round_tube = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
-    opposed = half_sine < 0
-    swing = arctangent(where(opposed, slope, -slope), abs(half_sine))
-    half = where(opposed, where(slope > 0, -1.0, 1.0), 0.0)
-    begun = where(free, (1 - beyond) / 2, half)
-    return orbit, Start(phi, upward, where(free, round_tube, swing), begun)
+    if free:
+        # Round the tube phi falls as pi - 2t, or grows as its negative. Next to where a round
+        # begins t is small, and it is no difference of pi and another angle.
+        beyond = -1.0 if -upward * phi < 0 else 1.0
+        t = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
+        return orbit, Start(phi, upward, t, (1 - beyond) / 2)
+    # Between turning points sin(phi/2) = k cos(t).
+    begun = 0.0
+    if half_sine < 0:
+        begun = -1.0 if slope > 0 else 1.0
+    t = arctangent(slope if half_sine < 0 else -slope, abs(half_sine))
+    return orbit, Start(phi, upward, t, begun)
 
 
 def rising(cosine):
     """Return 1 where phi grows at first, by the cosine of the azimuth, else -1."""
-    return where(cosine < 0, -1.0, 1.0)
+    return -1.0 if cosine < 0 else 1.0
 
 
 def whole_part(x):
     """Return the whole number, a float, that is nearest."""
-    return where(abs(x) < 2.0**51, (x + WHOLE) - WHOLE, x)  # there are no others farther out
+    return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # there are no others farther out
 
 
 def rates(orbit, y):
@@ -438,16 +427,10 @@ def rates(orbit, y):
     return rho * density, c / rho * density
 
 
-def panel_place(orbit, t):
-    """Return how many panels t, from 0 to pi/2, is from t = 0."""
-    return area_sine(t / orbit.width) / orbit.step
-
-
 def series_sum(x, terms):
     """Return the sum of Chebyshev's polynomials of x, from -1 to 1, times `terms`."""
     twice = 2 * x
-    b = 0 * x
-    before = 0 * x
+    b = before = 0.0
     for k in range(TERMS, 0, -1):
         b, before = (terms[k] - before) + twice * b, b
     return (terms[0] - before) + x * b
@@ -456,29 +439,20 @@ def series_sum(x, terms):
 def solved(wanted, whole, terms):
     """Return x where the sum of a series is the `wanted` part of the `whole`, its sum at x = 1."""
     x = 2 * wanted / whole - 1
-    left = x == x
     for _ in range(ROUNDS):
-        moved, onward = nearer(x, wanted, terms)
-        x = where(left, moved, x)
-        left = left & onward
-        if not some(left):
+        # Clenshaw's recurrence for the sum and for its derivative, and Newton's step.
+        twice = 2 * x
+        b = before = db = dbefore = 0.0
+        for k in range(TERMS, 0, -1):
+            db, dbefore = (2 * b - dbefore) + twice * db, db
+            b, before = (terms[k] - before) + twice * b, b
+        missing = wanted - ((terms[0] - before) + x * b)
+        moved = within(x + missing / ((b - dbefore) + x * db), -1.0, 1.0)
+        onward = abs(moved - x) > STEP
+        x = moved
+        if not onward:
             break
     return x
-
-
-def nearer(x, wanted, terms):
-    """Return the next x of Newton's method for a `wanted` sum of a series, and if more are due."""
-    twice = 2 * x
-    b = 0 * x
-    before = 0 * x
-    db = 0 * x  # their derivatives
-    dbefore = 0 * x
-    for k in range(TERMS, 0, -1):
-        db, dbefore = (2 * b - dbefore) + twice * db, db
-        b, before = (terms[k] - before) + twice * b, b
-    missing = wanted - ((terms[0] - before) + x * b)
-    moved = within(x + missing / ((b - dbefore) + x * db), -1.0, 1.0)
-    return moved, abs(moved - x) > STEP
 
 
 def point_at(orbit, start, swings, y, sign):
@@ -491,17 +465,17 @@ def point_at(orbit, start, swings, y, sign):
     sine, cosine = sine_cosine(t)
     sin2 = sine * sine
     rho = orbit.c + 2 * (orbit.E + orbit.B * sin2)
-    D = orbit.A + orbit.B * sin2
-    # Half a swing on, phi and the cosine of the azimuth are mirrored.
-    side = 1 - 2 * (swings % 2.0)
-    across = side * square_root(orbit.B)
-    between = 2 * arctangent(across * cosine, square_root(D))
-    round_tube = start.phi + 2 * start.rising * (t - start.t + math.pi * (swings - start.begun))
     # rho^2 - c^2 is (rho - c)(rho + c), and rho - c that of the swing, which doesn't cancel.
     slope = square_root(2 * (rho + orbit.c)) / rho
-    onward = where(orbit.free, start.rising * square_root(orbit.E + sin2), -across * sine)
-    azimuth = arctangent(orbit.c / rho, slope * onward)
-    return where(orbit.free, round_tube, between), azimuth
+    if orbit.free:
+        phi = start.phi + 2 * start.rising * (t - start.t + math.pi * (swings - start.begun))
+        onward = start.rising * square_root(orbit.E + sin2)
+    else:
+        # Half a swing on, phi and the cosine of the azimuth are mirrored.
+        across = (1 - 2 * (swings % 2.0)) * square_root(orbit.B)
+        phi = 2 * arctangent(across * cosine, square_root(orbit.A + orbit.B * sin2))
+        onward = -across * sine
+    return phi, arctangent(orbit.c / rho, slope * onward)
 
 
 def begun_at(orbit, start, count, edges, series):
@@ -512,30 +486,27 @@ def begun_at(orbit, start, count, edges, series):
     orbit, start : Orbit, Start
         As by `orbit_of`.
     count, edges, series
-        As filled in by `_tabulate`.
+        As filled in by `tabulate`.
 
     Returns
     -------
-    before, turned : (...) float
+    before, turned : float
         Arc length and turned angle from t = 0.
-    left : (...) float
+    left : float
         What is left of the turned angle to the next crossing of the outer equator.
-    crossing : (...) float
+    crossing : float
         Which crossing that is, in swings, where what is left has more digits; else NaN.
     """
-    y = panel_place(orbit, abs(start.t))
-    panel = 0
-    for k in range(1, count):
-        panel = panel + (y >= k)
+    y = area_sine(abs(start.t) / orbit.width) / orbit.step  # panels from t = 0
+    panel = min(int(y), count - 1)
     x = 2 * (y - panel) - 1
-    sign = where(start.t < 0, -1.0, 1.0)
+    sign = -1.0 if start.t < 0 else 1.0
     length = series_sum(x, series[0][panel])
     gained = series_sum(x, series[1][panel])
     before = sign * (edges[0][panel] + length)
     turned = sign * (edges[1][panel] + gained)
     left = sign * (edges[2][panel] - gained)
-    late = abs(turned) > LATE * edges[1][count]
-    return before, turned, left, where(late, sign / 2, math.nan)
+    return before, turned, left, sign / 2 if abs(turned) > LATE * edges[1][count] else math.nan
 
 
 def point_on(orbit, start, begun, s, count, edges, series):
@@ -547,35 +518,94 @@ def point_on(orbit, start, begun, s, count, edges, series):
         As by `orbit_of`.
     begun : tuple
         As by `begun_at`.
-    s : (...) float
+    s : float
         Arc length from the start.
     count, edges, series
-        As filled in by `_tabulate`.
+        As filled in by `tabulate`.
     """
     before, turned, left, crossing = begun
     whole = 2 * edges[0][count]  # of half a swing, or of a round
     rest = s + before
     swings = whole_part(rest / whole)
     rest = rest - swings * whole
-    sign = where(rest < 0, -1.0, 1.0)
+    sign = -1.0 if rest < 0 else 1.0
     size = smaller(abs(rest), edges[0][count])
     panel = 0
-    for k in range(1, count):
-        panel = panel + (edges[0][k] <= size)
+    while panel < count - 1 and edges[0][panel + 1] <= size:
+        panel += 1
     low = edges[0][panel]
     x = solved(size - low, edges[0][panel + 1] - low, series[0][panel])
     gained = series_sum(x, series[1][panel])
-    beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
-    # Where both are great and nearly the same, as by the node of a horn, what is left of them
-    # to the outer equator isn't.
-    nearby = left - sign * (edges[2][panel] - gained)
-    beyond = where(swings + sign / 2 == crossing, nearby, beyond)
+    if swings + sign / 2 == crossing:
+        # Where both angles are great and nearly the same, as by the node of a horn, what is left
+        # of them to the outer equator isn't.
+        beyond = left - sign * (edges[2][panel] - gained)
+    else:
+        beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
     y = orbit.step * (panel + (1 + x) / 2)
     place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
     return beyond, place, azimuth
 
 
+def tabulate(orbit, shares, integral, values, edges, series):
+    """Return how many panels an orbit has, after filling in what both integrals are on each.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        The geodesic's.
+    shares, integral, values
+        As of `follow_each`.
+    edges
+        Filled where panels begin and end: the arc length and the turned angle from t = 0, and what
+        is left of that angle to t = pi/2.
+    series
+        Filled with what both integrals gain on each panel.
+    """
+    count = int(orbit.panels)
+    edges[0][0] = edges[1][0] = edges[2][count] = 0.0
+    for panel in range(count):
+        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
+        edges[0][panel + 1] = edges[0][panel] + length
+        edges[1][panel + 1] = edges[1][panel] + turned
+        edges[2][panel] = turned
+    for panel in range(count - 1, -1, -1):
+        edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
+    return count
+
+
+def _add_panel(orbit, panel, shares, integral, values, series):
+    """Fill in both series of a panel, and return their sums at its end.
+
+    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
+    isn't the last.
+    """
+    _, integral = panel_rule()
+    values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
+    sums = np.add.reduce(integral[:, None] * values[..., None], axis=0)
+    series[0][panel], series[1][panel] = sums.tolist()
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
+
+
+def _in_loops(orbit, panel, shares, integral, values, series):
+    """Do what `_add_panel` does, compiled, with room for `values`."""
+    for k in range(TERMS):
+        values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
+    for one in range(2):
+        terms = series[one][panel]
+        for j in range(TERMS + 1):
+            terms[j] = integral[0][j] * values[one][0]
+        for k in range(1, TERMS):
+            for j in range(TERMS + 1):
+                terms[j] += integral[k][j] * values[one][k]
+    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
+
+
 # ---- loops over geodesics ------------------------------------------------------
+
+PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
+# What becomes part of its caller, compiled, so that several nodes and terms go at once.
+INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
 
 
 def trace(torus, given, s):
@@ -598,37 +628,30 @@ def trace(torus, given, s):
     """
     position = np.empty((*s.shape, 2))
     azimuth = np.empty(s.shape)
-    plain = EACH * len(s) + POINT * s.size
-    compiled.expect(plain if plain < SOON else plain / FASTER, KIND)
+    compiled.expect(EACH * len(s) + POINT * s.size, KIND)
     ready = compiled.ready(KIND)
-    follow = _compiled if ready else _plainly if plain < SOON else _by_arrays
 
     def fill(block):
-        follow(torus, given[:, block], s[block], position[block], azimuth[block])
+        # Copies, which may be written to and are of one order: one compiled form serves all.
+        starts, lengths = np.array(given[:, block], order="C"), np.array(s[block], order="C")
+        filled = position[block], azimuth[block]
+        sizes = torus.r / torus.R, torus.R
+        if ready:
+            room = *panel_rule(), *(np.empty(shape) for shape in ROOM)
+            compiled.call(follow_each, *sizes, starts, lengths, *room, *filled, **PARTS)
+        else:
+            lists = starts.tolist(), lengths.tolist()
+            compiled.call_plain(follow_each, *sizes, *lists, *_plain_room(), *filled, **PLAIN)
 
     compiled.each_block(fill, len(s), max(BLOCK // s.shape[1], 1), KIND)
     return position, azimuth
 
 
-def _compiled(torus, given, s, position, azimuth):
-    """Fill in points of geodesics by the compiled loop."""
-    # Copies, which may be written to and are of one order: one compiled form serves all.
-    arguments = torus.r / torus.R, torus.R, np.array(given, order="C"), np.array(s, order="C")
-    room = [np.empty(shape) for shape in ROOM]
-    compiled.call(follow_each, *arguments, *panel_rule(), *room, position, azimuth, **PARTS)
-
-
-def _plainly(torus, given, s, position, azimuth):
-    """Fill in points of geodesics by the loop as it stands."""
-    shares = panel_rule()[0].tolist()
+def _plain_room():
+    """Return what `follow_each` gets in plain Python: `_add_panel` needs no room for values."""
+    shares, _ = panel_rule()
     edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
-    room = None, edges, [[None] * MOST_PANELS for _ in range(2)]
-    arguments = torus.r / torus.R, torus.R, given, s, shares, None, *room, position, azimuth
-    compiled.call_plain(follow_each, *arguments, **PLAIN)
-
-
-# What becomes part of its caller, compiled, so that several nodes and terms go at once.
-INLINED = "growth", "two_to_bits", "rates", "series_sum", "nearer", "_tabulate", "_in_loops"
+    return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
 
 
 @loop(inlined=INLINED)
@@ -653,16 +676,14 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         theta, phi, azimuth = given[0][i], given[1][i], given[2][i]
         near, whither = given[3][i], given[4][i]
         ways = s[i]
-        sine, cosine, on_sheet, placed = headed(r, near, whither, given[5][i])
+        sine, cosine, placed = headed(r, near, whither, given[5][i])
         last = whither + ways[len(ways) - 1] / R
-        sound = on_sheet and last - last == 0  # neither infinite nor not a number
+        sound = placed[2] > 0 and last - last == 0  # neither infinite nor not a number
+        side = -1.0 if sine < 0 else 1.0
         leaving = sound and sine != 0
-        side = where(sine < 0, -1.0, 1.0)
-        count = 0
         if leaving:
             orbit, start = orbit_of(r, near, placed, side * sine, cosine)
-            count = int(orbit.panels)
-            _tabulate(orbit, count, shares, integral, values, edges, series)
+            count = tabulate(orbit, shares, integral, values, edges, series)
             begun = begun_at(orbit, start, count, edges, series)
         for k in range(len(ways)):
             if not sound:
@@ -685,123 +706,14 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
             azimuths[i][k] = found[2]
 
 
-def _tabulate(orbit, count, shares, integral, values, edges, series):
-    """Fill in what both integrals are where panels begin and end, and their series."""
-    edges[0][0] = edges[1][0] = 0.0
-    for panel in range(count):
-        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
-        edges[0][panel + 1] = edges[0][panel] + length
-        edges[1][panel + 1] = edges[1][panel] + turned
-        edges[2][panel] = turned
-    edges[2][count] = 0.0
-    for panel in range(count - 1, -1, -1):
-        edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
+def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
+    """Write down angles and lengths, in tube radii, of half swings across the outer equator.
 
-
-def _add_panel(orbit, panel, shares, integral, values, series):
-    """Fill in both series of a panel, and return their sums at its end.
-
-    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
-    isn't the last.
+    They cross it by azimuths with these sines; the rest is as of `follow_each`.
     """
-    _, integral = panel_rule()
-    if isinstance(orbit.c, np.ndarray):
-        values = rates(orbit, orbit.step * (panel + shares[:, None]))
-        for one in range(2):
-            terms = integral[0, :, None] * values[one][0]
-            for k in range(1, TERMS):
-                terms += integral[k, :, None] * values[one][k]
-            series[one, :, panel] = terms
-        return series_sum(1.0, series[0, :, panel]), series_sum(1.0, series[1, :, panel])
-    values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
-    sums = np.add.reduce(integral[:, None] * values[..., None], axis=0)
-    series[0][panel], series[1][panel] = sums.tolist()
-    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
-
-
-def _in_loops(orbit, panel, shares, integral, values, series):
-    """Do what `_add_panel` does, compiled, with room for `values`."""
-    for k in range(TERMS):
-        values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
-    for one in range(2):
-        terms = series[one][panel]
-        for j in range(TERMS + 1):
-            terms[j] = integral[0][j] * values[one][0]
-        for k in range(1, TERMS):
-            for j in range(TERMS + 1):
-                terms[j] += integral[k][j] * values[one][k]
-    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
-
-
-PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
-
-
-# ---- the same by arrays ----------------------------------------------------
-
-
-class Columns:
-    """Rows (..., panels, n), which give each column that of a panel of its own."""
-
-    def __init__(self, rows):
-        self.rows = rows
-
-    def __getitem__(self, panel):
-        return self.rows[..., panel, np.arange(self.rows.shape[-1])]
-
-
-def _by_arrays(torus, given, s, position, azimuth):
-    """Fill in points of geodesics, all at once."""
-    r = torus.r / torus.R
-    theta, phi, direction, near, whither, steep = given
-    s = s.T / torus.R
-    sine, cosine, on_sheet, placed = headed(r, near, whither, steep)
-    last = whither + s[-1]
-    sound = on_sheet & (last - last == 0)
-    turned = np.zeros(s.shape)
-    place = near + rising(cosine) * s
-    onward = np.broadcast_to(whither, s.shape).copy()
-    leaving = np.flatnonzero(sound & (sine != 0))
-    side = np.where(sine < 0, -1.0, 1.0)
-    placed = [value[leaving] for value in placed]
-    ahead = (side * sine)[leaving], cosine[leaving]
-    orbit, start = _orbits(r, near[leaving], placed, *ahead)
-    for same in _alike(orbit):
-        alike = Orbit(*(one[same] for one in orbit)), Start(*(one[same] for one in start))
-        edges, series = _tabulated(alike[0])
-        table = (
-            edges.shape[1] - 1,
-            [Columns(row) for row in edges],
-            [Columns(row) for row in series],
-        )
-        which = leaving[same]
-        found = point_on(*alike, begun_at(*alike, *table), s[:, which], *table)
-        turned[:, which], place[:, which] = side[which] * found[0], found[1]
-        onward[:, which] = side[which] * found[2]
-    # Whole turns were taken off, and are put back.
-    found = turned + theta, place + (phi - near), onward + (direction - whither)
-    at_start = sound & (s == 0)
-    for filled, begin, values in zip(
-        (position[..., 0], position[..., 1], azimuth), (theta, phi, direction), found, strict=True
-    ):
-        filled[:] = np.where(at_start, begin, np.where(sound, values, math.nan)).T
-
-
-@np.errstate(divide="ignore")
-def _orbits(r, phi, placed, sine, cosine):
-    """Return what `orbit_of` does, of arrays."""
-    return orbit_of(r, phi, placed, sine, cosine)
-
-
-def _alike(orbit):
-    """Yield which orbits (n,) have the same number of panels."""
-    for count in np.unique(orbit.panels):
-        yield np.flatnonzero(orbit.panels == count)
-
-
-def _tabulated(orbit):
-    """Return what `_tabulate` fills in: (3, panels + 1, n) and (2, TERMS + 1, panels, n)."""
-    count = int(orbit.panels.max(initial=1))
-    edges = np.zeros((3, count + 1, orbit.c.size))
-    series = np.empty((2, TERMS + 1, count, orbit.c.size))
-    _tabulate(orbit, count, *panel_rule(), None, edges, series)
-    return edges, series
+    for i in range(len(sines)):
+        cosine = square_root((1 - sines[i]) * (1 + sines[i]))
+        orbit, _ = orbit_of(r, 0.0, (0.0, 1.0, r + 1), sines[i], cosine)
+        count = tabulate(orbit, shares, integral, values, edges, series)
+        turned[i] = 2 * edges[1][count]
+        lengths[i] = 2 * edges[0][count]

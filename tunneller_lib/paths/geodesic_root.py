@@ -293,7 +293,7 @@ def in_legs(way):
 
 
 def _leg(way, first, span, dfirst, dlast):
-    """Return a part of a way between other limits, the upper of which nobody asks for."""
+    """Return a part of a way between other limits; the upper one is given by the span alone."""
     motion = dfirst, dlast
     return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
 
@@ -733,7 +733,7 @@ def newton(u, miss, rate, scale, low, high, before):
 
 
 def _newton(family, torus, ends, angle, u, scale, low, count):
-    """Return what `solve` does of geodesics alike, each sought from u and within a bracket."""
+    """Return what `solve` does for geodesics of one form, each sought from u above `low`."""
     high = np.full_like(u, np.inf)
     before = np.zeros_like(u)
     left = np.arange(u.size)

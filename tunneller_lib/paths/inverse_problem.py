@@ -28,7 +28,6 @@ from .geodesic_root import (
     NODES_OF_RING,
     NODES_OF_WORKING_SHEET,
     PI_REST,
-    Ends,
     Radii,
     ends_at,
     find_root,
@@ -58,7 +57,6 @@ CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
 NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
 HALVINGS = 30
-AHEAD = 5  # of them, looked at once
 BLOCK = 8192  # pairs at a time: they need the same room however many there are
 FEW = 12  # pairs, which plain numbers answer sooner than arrays
 # s for a pair, on the working sheet and on a ring.
@@ -454,7 +452,7 @@ def padded(count):
 
 @cache
 def listed(count):
-    """Return the same of a `rule` as it is, as lists for plain Python."""
+    """Return shares and weights of a `rule` as lists, for plain Python."""
     return [row.tolist() for row in rule(count)]
 
 
@@ -566,7 +564,7 @@ def _answers(size, ends):
 
 
 def _answers_by_arrays(size, ends):
-    """Return the same."""
+    """Return what `_answers` does, all pairs at once."""
     pair = normal_form(size, *ends.T)
     outside = _near_side(size, pair)
     # Over the inner equator only between opposite halves: else the outside is shorter.
@@ -617,32 +615,15 @@ def _least_second(torus, pair):
     ends = ends_at(torus, a, pair.b[index], [value[index] for value in pair.halves])
     unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
-    bracket = np.stack([-FARTHEST * unit, -NEAREST * unit])
-    # Arrays are slow to begin: of few pairs all outcomes of the next halvings are looked at once.
-    ahead = AHEAD if index.size <= FEW else 1
-    for _ in range(HALVINGS // ahead):
-        bracket = _halved(torus, ends, bracket, ahead)
-    high = bracket[1]
+    low, high = -FARTHEST * unit, -NEAREST * unit
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        _, rate, _ = integrate(torus, second(torus, ends, middle), NODES)
+        low = np.where(rate < 0, middle, low)
+        high = np.where(rate < 0, high, middle)
     least = np.full((2, pair.a.size), np.nan)
     least[:, index] = high, integrate(torus, second(torus, ends, high), NODES)[0]
     return least
-
-
-def _halved(torus, ends, bracket, ahead):
-    """Return a bracket (2, n) about the least turned angle, so many times halved."""
-    edges = bracket
-    for _ in range(ahead):
-        middles = (edges[:-1] + edges[1:]) / 2
-        edges = np.insert(edges, range(1, len(edges)), middles, axis=0)
-    tried = edges[1:-1]
-    each = Ends(*(np.tile(value, len(tried)) for value in ends))
-    rate = integrate(torus, second(torus, each, tried.ravel()), NODES)[1]
-    falling = rate.reshape(tried.shape) < 0
-    place = np.arange(bracket.shape[1])
-    first = np.zeros_like(place)
-    for step in 2 ** np.arange(ahead)[::-1]:
-        first += step * falling[first + step - 1, place]
-    return np.stack([edges[first, place], edges[first + 1, place]])
 
 
 def _inside(torus, pair, allowed=True):

@@ -1,6 +1,7 @@
-"""The tangent-sphere path: a chord projected normally onto the torus (section 3.3)."""
+"""The projected chord: a chord projected normally onto the torus (section 3.3)."""
 
 import math
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.polynomial import legendre
 from ..arguments import Positions, checked
 from ..kernels.exact import norm
 from ..surfaces import Torus
+from ..surfaces.torus import torus_angles, torus_point
 from .bounds import Count, check_on_sheet, check_points
-from .quadrature import panels, path_lengths
+from .quadrature import panels
 
 
 @checked
@@ -22,7 +24,7 @@ def project_chord(
     *,
     spacing: Literal["chord", "tangent", "arc"] = "chord",
 ):
-    """Return points of the tangent-sphere path between two joint positions.
+    """Return points of the projected chord between two joint positions.
 
     Parameters
     ----------
@@ -49,7 +51,7 @@ def project_chord(
     ValueError
         If n is below 2 or asks for too many points, `spacing` is another word, or a position isn't
         (theta, phi) or isn't on the working sheet, r + R cos(phi) >= 0. With equal arcs also where
-        the length can't be told, see `projected_length`.
+        the length can't be told, see `path_length`.
 
     Notes
     -----
@@ -78,43 +80,23 @@ def project_chord(
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
     else:
         t = _equal_arcs(torus, p, q, u)
-    return _feet(torus, p, q, t)
+    return projected(torus, p, q, t)
 
 
-@checked
-def projected_length(torus: Torus, p: Positions, q: Positions):
-    """Return the length of the tangent-sphere path between joint positions.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface.
-    p, q : (..., 2) float
-        Joint positions (theta, phi) of the ends, in rad; they broadcast.
-
-    Returns
-    -------
-    length : (...) float
-        In m, to 1e-9 of itself, or to 1e-13 (r + R) where that is more; to rounding on the
-        reference machine.
-
-    Raises
-    ------
-    ValueError
-        If an end isn't on the working sheet, or a chord crosses the axis or the ring circle, where
-        its foot jumps. It may pass them at 1e-6 (r + R); much nearer, rounding leaves the foot
-        untold to so many digits, and the chord is refused as well.
-    """
-    check_on_sheet(torus, p, q)
-    return path_lengths(torus, lambda *way: _feet(torus, *way), p, q)
+def chord_points(torus, p, q, t):
+    """Return the points M (..., n, 3) on chords of a torus from p to q, at shares t (.., n)."""
+    start, stop = (torus_point(torus, *np.moveaxis(end, -1, 0)) for end in (p, q))
+    return start[..., None, :] + t[..., None] * (stop - start)[..., None, :]
 
 
-def _feet(torus, p, q, t):
-    """Return the joint positions (..., n, 2) of the feet of M(t), at shares t (..., n)."""
-    start = torus.point(p[..., 0], p[..., 1])
-    chord = torus.point(q[..., 0], q[..., 1]) - start
-    m = start[..., None, :] + t[..., None] * chord[..., None, :]
-    return np.stack(torus.angles(m), axis=-1)
+def feet(torus, m):
+    """Return the joint positions (..., 2) of the feet on a torus of points m (..., 3), in m."""
+    return np.stack(torus_angles(torus, m), axis=-1)
+
+
+def projected(torus, p, q, t):
+    """Return the projected chord (..., n, 2) on a torus from p to q: the feet of M(t), 3.3."""
+    return feet(torus, chord_points(torus, p, q, t))
 
 
 def _half_angle(torus, p, q):
@@ -131,7 +113,7 @@ def _equal_arcs(torus, p, q, u):
     each root kept in a bracket.
     """
     p, q = np.broadcast_arrays(p, q)
-    found = panels(torus, lambda *way: _feet(torus, *way), p.reshape(-1, 2), q.reshape(-1, 2))
+    found = panels(torus, partial(projected, torus), p.reshape(-1, 2), q.reshape(-1, 2))
     total, run = np.zeros((2, math.prod(p.shape[:-1])))  # and run so far
     for panel in found:
         total[panel.rows] += 2 * panel.series[0]

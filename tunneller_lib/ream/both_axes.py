@@ -18,9 +18,6 @@ def check_ticks(plan, loops):
 
 
 def check_linear(loops):
-    """Raise ValueError if a loop has what the closed forms lack."""
-    if any(loop.integral or loop.dead_band for loop in loops):
-        raise ValueError(
-            "loop: must be without integral and dead band, for which there is no closed form; "
-            "got one with."
-        )
+    """Raise ValueError if a loop has an integral, which the closed forms lack."""
+    if any(loop.integral for loop in loops):
+        raise ValueError("loop: must be without integral, which the closed forms lack; got one.")

@@ -38,7 +38,7 @@ class PartClearance(NamedTuple):
 
     @property
     def depth_in_wall(self):
-        """Return how deep it is in the wall, and where, as a sentence goes on."""
+        """Return how deep it is in the wall, and where, as the end of a sentence."""
         where = "" if self.place is None else f" {self.place:.3f} m along the circuit"
         return f"is {-self.least:.3f} m in the wall{where}"
 
@@ -98,7 +98,7 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
 
 
 def _least(name, depth, s):
-    """Return the `PartClearance` of depths at arc lengths s, or of one depth at all."""
+    """Return the `PartClearance` of depths at arc lengths s, or of one for what doesn't move."""
     if np.ndim(depth) == 0:
         return PartClearance(name, float(depth), None)
     # The first of those that are equal but for rounding: an aligned arm's are, all along.

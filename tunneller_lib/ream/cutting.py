@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..arguments import Each, Length, Size, Whole, checked
+from ..arguments import Each, Length, Whole, checked
 from ..kernels.compiled import expect
 from ..motion import Push, follow
 from ..motion.arm import Arm
@@ -27,7 +27,8 @@ from .wall import intact_wall, overbreak, standing
 
 CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s after which the cutting says how far it is
-PROBE, PROBED = 400, 4  # ticks of the axes, and chunks of the wall, that tell how long all take
+PROBE = 400  # ticks of the axes that tell how long all take
+PROBED = 4  # chunks of the wall that tell the same of it
 Cost = Whole(1, 2**31 - 1)
 
 
@@ -40,7 +41,7 @@ class Cut:
     plan : Plan
         What was to be done.
     track : Track or None
-        What the joints did in the laps; None where the cutter was carried along given positions.
+        What the joints did in the laps; None where positions were given, as to `carve`.
     centres : (ticks + 1, 3) float
         Of the cutter in the tunnel's frame, in m, after each tick of all laps.
     wall : DexelGrid
@@ -50,7 +51,7 @@ class Cut:
     removed : (k,) float
         Volumes removed between them, in m^3.
     before, after : (j, 3) float
-        Centres of the cutter while it entered and left; none where it was carried along laps only.
+        Centres of the cutter while it entered and left; none where only laps were carved.
     plunged : float
         Volume removed by both, in m^3.
     force : (ticks,) float or None
@@ -77,7 +78,7 @@ class Cut:
     def deviation(self):
         """Return how far (ticks + 1,) the cutter's centre is outside the offset section, in m.
 
-        The overbreak, if positive, that it leaves where it is; in the pose that it really has.
+        So much overbreak it leaves there, or underbreak where negative, in its real pose.
         """
         return -self.plan.circuit.profile.depth(*self.centres[:, 1:].T)
 
@@ -126,11 +127,6 @@ class Cut:
         first[0] = True
         return np.add.reduceat(self.removed, np.flatnonzero(first))
 
-    @checked
-    def power(self, energy: Size):
-        """Return the power at the cutter (k,), in W, for a specific `energy` in J/m^3."""
-        return energy * self.rate
-
 
 @checked
 def simulate(
@@ -139,15 +135,13 @@ def simulate(
     loop: Loops,
     *,
     pose: Pose | None = None,
-    tasks: Each(Task) | None = None,
-    cost: Cost | None = None,
     shape: Shape = (400, 720),
     thickness: Length = 0.1,
     arm: Arm | None = None,
     ground: Ground | None = None,
     say: Callable[[str], object] | None = None,
 ):
-    """Run a plan and cut the wall.
+    """Return the `Cut` that a plan makes: axes follow its set-values, and the ball cuts the wall.
 
     Parameters
     ----------
@@ -159,10 +153,6 @@ def simulate(
         Their position loops, with the plan's tick.
     pose : Pose, optional
         Where the machine stands instead of where it should.
-    tasks : list of Task, optional
-        The controller's tasks in microseconds, the interpolation first, with the plan's tick.
-    cost : int, optional
-        What the slow preparation of a setpoint costs, in microseconds; needs `tasks`.
     shape : (2,) int
         Rays of the wall along the tunnel and round.
     thickness : float
@@ -182,13 +172,9 @@ def simulate(
     Raises
     ------
     ValueError
-        If a loop is unstable or the tasks starve; if the cutter leaves the modelled ground.
+        If a loop is unstable, or the cutter leaves the modelled ground.
     """
     check_ticks(plan, loop)
-    if (tasks is None) != (cost is None):
-        raise ValueError("cost: needs tasks, and they need it; got only one of both.")
-    if tasks is not None:
-        _check_tasks(plan, tasks, cost)
     setvalues, slopes = whole_run(plan)
     first = int(plan.entry.ticks.sum())
     last = first + plan.laps * int(plan.ticks.sum())
@@ -200,21 +186,9 @@ def simulate(
         face = Face(plan, ground, *wall, pose=pose, noted=noted, say=tell.cut_to)
     push = face and face.push
     track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
-    for axis, name in enumerate(("theta", "phi")):
-        if track.stable[axis] is False:
-            reached = setvalues[:, axis]
-            angles = np.linspace(reached.min(), reached.max(), 5)
-            low, high = stable_gains(plant[axis], loop[axis], angles)
-            allowed = f"the gain must be below {high:.3g} 1/s"
-            if loop[axis].integral:
-                integral = f"with an integral of {loop[axis].integral:g} 1/s^2"
-                allowed = f"{integral} no gain would do"
-                if low < high:
-                    allowed = f"{integral} the gain must be from {low:.3g} to {high:.3g} 1/s"
-            raise ValueError(
-                f"loop: must be stable; that of {name} isn't at its gain and tick: {allowed}; "
-                f"got {loop[axis].gain:g} 1/s."
-            )
+    for joint, name in enumerate(("theta", "phi")):
+        if track.stable[joint] is False:
+            raise ValueError(_unstable(name, plant[joint], loop[joint], setvalues[:, joint]))
     ends = track.position[: first + 1], track.position[last:]
     laps = track.between(first, last)
     if face is None:
@@ -234,6 +208,19 @@ def simulate(
     force = face.force(track)[first:last]
     return Cut(
         plan, laps, centres, face.wall, noted - first, removed, before, after, plunged, force
+    )
+
+
+def _unstable(name, plant, loop, reached):
+    """Return the sentence that refuses an unstable loop, with the gains that would do."""
+    low, high = stable_gains(plant, loop, np.linspace(reached.min(), reached.max(), 5))
+    allowed = f"the gain must be below {high:.3g} 1/s"
+    if loop.integral:
+        allowed = f"the gain must be from {low:.3g} to {high:.3g} 1/s" if low < high else None
+        allowed = f"with an integral of {loop.integral:g} 1/s^2 {allowed or 'no gain would do'}"
+    return (
+        f"loop: must be stable; that of {name} isn't at its gain and tick: {allowed}; "
+        f"got {loop.gain:g} 1/s."
     )
 
 
@@ -275,24 +262,24 @@ def expected_seconds(
     setvalues, slopes = whole_run(plan)
     expect_run(plant, plan.tick, len(slopes))
     expect(MOVE * len(slopes), "grid")
-    # Imports, and compiles, what the run will need.
-    follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=ground and Push())
     tried = min(PROBE, len(slopes))
 
-    def probed(push):
+    def run(ticks, push):
         begun = time.perf_counter()
-        follow(plant, loop, setvalues[: tried + 1], slopes=slopes[:tried], arm=arm, push=push)
-        return (time.perf_counter() - begun) * len(slopes) / tried
+        follow(plant, loop, setvalues[: ticks + 1], slopes=slopes[:ticks], arm=arm, push=push)
+        return (time.perf_counter() - begun) * len(slopes) / ticks
 
-    axes = probed(ground and Push())
+    push = ground and Push()
+    run(1, push)  # imports, and compiles, what the run will need
+    axes = run(tried, push)
     if ground is not None:
         first = int(plan.entry.ticks.sum())
         noted = first + _noted(plan)
         face = Face(plan, ground, setvalues, first, shape, thickness, noted=noted)
         # Compiles what it will need: a cut of a copy, and one tick, by which nothing is cut yet.
         face.wall.copy().cut_path(plan.centres(plan.setvalues[:2]), face.radius)
-        follow(plant, loop, setvalues[:2], slopes=slopes[:1], arm=arm, push=copy(face).push)
-        return axes, max(probed(face.push) - axes, 0.0)
+        run(1, copy(face).push)
+        return axes, max(run(tried, face.push) - axes, 0.0)
     centres = plan.centres(plan.setvalues)
     reach = plan.circuit.machine.cutter_radius
     wall = intact_wall(plan.circuit, *_ends(centres, reach), shape, thickness=thickness)
@@ -315,7 +302,7 @@ def carve(
     thickness: Length = 0.1,
     say: Callable[[str], object] | None = None,
 ):
-    """Cut the wall with joints that are where they are said to be.
+    """Return the `Cut` of joints that are exactly at given positions.
 
     Parameters
     ----------
@@ -395,7 +382,7 @@ class _Teller:
         self.begun = self.said = time.monotonic()
 
     def cut_to(self, tick):
-        """Say how far it is at a tick, of which the first lap begins at the `first`."""
+        """Say how far the cutting is at a tick of the run, whose first lap begins at `first`."""
         done = tick - self.first
         now = time.monotonic()
         if self.say is None or not 0 < done <= self.ticks * self.laps:
@@ -420,7 +407,7 @@ def _ends(centres, reach):
 
 @checked
 def starved(plan: Plan, tasks: Each(Task), cost: Cost):
-    """Return the `Plan` as it runs if the slow task is late: the last set-value is held.
+    """Return the `Plan` as it runs where the slow task is late and the last set-value is held.
 
     Parameters
     ----------
@@ -434,15 +421,20 @@ def starved(plan: Plan, tasks: Each(Task), cost: Cost):
     Returns
     -------
     plan : Plan
-        A setpoint for which the line waits is there twice, the second after the ticks that were
-        lost; what is lost between laps isn't.
+        A setpoint at which the line waits stands there twice, the second time after the ticks that
+        are lost. What is lost between laps isn't counted.
 
     Raises
     ------
     ValueError
         If the first task hasn't the plan's tick, or the tasks leave no time for the preparation.
     """
-    held = _held(plan, tasks, cost, 1)
+    period = round(1e6 * plan.tick)
+    if not tasks or tasks[0].period != period:
+        came = f"{tasks[0].period} us" if tasks else "no task"
+        raise ValueError(f"tasks: the first must have the tick's period {period} us; got {came}.")
+    run = hand_over(tasks, [cost] * len(plan.ticks), plan.ticks.tolist())
+    held = np.array([0, *run.starved[1:]])  # ticks, before each move but the first
     twice = np.repeat(np.arange(len(plan.s)), 1 + np.append(held > 0, False))
     ticks = np.stack([held, plan.ticks], axis=-1).ravel()
     return replace(
@@ -452,29 +444,3 @@ def starved(plan: Plan, tasks: Each(Task), cost: Cost):
         feed=plan.feed[twice],
         ticks=ticks[ticks > 0],
     )
-
-
-def _check_tasks(plan, tasks, cost):
-    """Raise ValueError if the slow task can't prepare setpoints of a `cost` in time.
-
-    The tasks' unit is the microsecond; the first is the interpolation, with the plan's tick.
-    """
-    held = _held(plan, tasks, cost, min(plan.laps, 2))
-    if np.any(held):
-        first = int(np.flatnonzero(held)[0]) % len(plan.ticks)
-        raise ValueError(
-            f"tasks: the slow task starves the line at {np.count_nonzero(held)} of "
-            f"{len(held)} setpoints, first {plan.s[first]:.3f} m along the circuit; "
-            f"{held.sum() * plan.tick:.2f} s are lost."
-        )
-
-
-def _held(plan, tasks, cost, laps):
-    """Return how many ticks (laps m,) the line waits before each move but the first."""
-    period = round(1e6 * plan.tick)
-    if not tasks or tasks[0].period != period:
-        came = f"{tasks[0].period} us" if tasks else "no task"
-        raise ValueError(f"tasks: the first must have the tick's period {period} us; got {came}.")
-    ticks = plan.ticks.tolist() * laps
-    run = hand_over(tasks, [cost] * len(ticks), ticks)
-    return np.array([0, *run.starved[1:]])

@@ -1,29 +1,225 @@
-"""Whose fault is which part of the wall's error: each source switched on alone."""
+"""Whose fault is which part of the wall's error: each source switched on alone.
 
+A source is one row of `SOURCES` and one function, from a `Case` to how far the wall is off and what
+a closed form says of it.
+"""
+
+import math
 from collections.abc import Callable
-from functools import partial
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
-from ..arguments import checked
+import numpy as np
+
+from ..arguments import checked, shown
+from ..motion import Compressible
 from ..motion.arm import Arm
 from ..removal import Ground
-from .both_axes import Loops, Plants
-from .faults import (
-    corner_fault,
-    count_fault,
-    encoder_fault,
-    following_fault,
-    knot_fault,
-    pose_fault,
-    ripple_fault,
-    setpoint_fault,
-    tangent_sphere_fault,
-)
-from .ground_faults import LoadedLaps, arm_fault, ground_fault, picks_fault
+from . import faults, loads
+from .both_axes import Loops, Plants, check_linear, check_ticks
 from .planning import Plan, check_unheld
 from .pose import Pose
 
-OF_PLAN = knot_fault, tangent_sphere_fault, corner_fault, setpoint_fault, count_fault, ripple_fault
-OF_AXES = following_fault, encoder_fault
+HALF = 0.4, 0.6  # of a fault, what is left where it is called halved
+TRIES = 2  # of a factor, the second by the power that the first one showed
+FARTHEST = 8  # either way, beyond which a factor is no advice
+UNCHANGED = 0.97  # of a fault, from which on what was changed doesn't matter to it
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """One source of error, alone.
+
+    Parameters
+    ----------
+    source : str
+        What is switched on; everything else is ideal.
+    kind : {"chosen", "machine", "ground", "paper"}
+        Who answers for it.
+    deviation : (ticks + 1,) float
+        Overbreak that it leaves at each tick of a lap, in m; negative underbreak. Where it is
+        `along` the path, how far the set-values are ahead.
+    closed : float or None
+        The closed form, in m; None where there is none.
+    measure : {"largest", "rms"}
+        What the closed form says.
+    remedies : tuple of (str, float)
+        What may halve it, the likeliest first, and by which factor: a guess, which `halving` tries.
+    along : bool
+        Whether it is along the path and not across.
+    """
+
+    source: str
+    kind: str
+    deviation: np.ndarray
+    closed: float | None
+    measure: str = "largest"
+    remedies: tuple = ()
+    along: bool = False
+
+    @property
+    def over(self):
+        """Return the greatest overbreak, in m, at least 0."""
+        return max(0.0, float(self.deviation.max()))
+
+    @property
+    def under(self):
+        """Return the greatest underbreak, in m, at least 0."""
+        return max(0.0, float(-self.deviation.min()))
+
+    @property
+    def rms(self):
+        """Return the root mean square over the lap, in m."""
+        return float(np.sqrt(np.mean(self.deviation**2)))
+
+    @property
+    def measured(self):
+        """Return what `closed` is compared with, in m."""
+        return self.rms if self.measure == "rms" else max(self.over, self.under)
+
+    @property
+    def ratio(self):
+        """Return what is measured over its closed form; None where there is none, or it is zero."""
+        return self.measured / self.closed if self.closed else None
+
+
+class Source(NamedTuple):
+    """A source of error, and how it is switched on alone.
+
+    Parameters
+    ----------
+    kind : {"chosen", "machine", "ground", "paper"}
+        Who answers for it.
+    alone : callable
+        Of a `Case`: the fault's deviation and its closed form.
+    remedies : tuple of (str, float)
+        As of a `Fault`.
+    asked : callable
+        Of a `Case`: whether it has all that the source needs.
+    check : callable
+        Of a `Case`: raises ValueError where the closed form wouldn't hold.
+    measure : {"largest", "rms"}
+        What the closed form says.
+    along : bool
+        Whether it is along the path and not across.
+    """
+
+    kind: str
+    alone: Callable
+    remedies: tuple
+    asked: Callable = lambda case: True
+    check: Callable = lambda case: None
+    measure: str = "largest"
+    along: bool = False
+
+
+def _having(*names):
+    return lambda case: all(getattr(case, name) is not None for name in names)
+
+
+def _on(path):
+    return lambda case: case.plan.path == f"{path} chord"
+
+
+def _unheld(case):
+    check_unheld(case.plan)
+
+
+def _linear(case):
+    check_ticks(case.plan, case.loop)
+    check_linear(case.loop)
+
+
+def _oily(case):
+    _linear(case)
+    if not all(isinstance(one, Compressible) for one in case.plant):
+        raise ValueError(
+            "plant: must be of class Compressible, which alone feels a load; got "
+            f"{' and '.join(type(one).__name__ for one in case.plant)}."
+        )
+
+
+AXES = _having("plant", "loop")
+ARM = _having("plant", "loop", "arm")
+GROUND = _having("plant", "loop", "ground")
+# Force and speed both go with the feed: of a load that the ground makes a square is left.
+SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
+GAIN = ("gain", 2.0)
+RIPPLE = ("step", 2**-0.5), ("acceleration", 1 / 2)
+# A tolerance goes with the square of the length, paths with its third or fourth power. Corners may
+# miss their knots by a share of the tolerance.
+SECOND, THIRD, FOURTH = ((("tolerance", 2 ** (-2 / power)),) for power in (2, 3, 4))
+SOURCES = {
+    "knots": Source("chosen", faults.knot_fault, SECOND, check=_unheld),
+    "projected chord": Source("paper", faults.projected_fault, THIRD, _on("projected"), _unheld),
+    "corrected chord": Source("paper", faults.corrected_fault, FOURTH, _on("corrected"), _unheld),
+    "corners": Source("chosen", faults.corner_fault, SECOND, check=_unheld),
+    "setpoints": Source("machine", faults.setpoint_fault, (("step", 2**-0.5),)),
+    "counts": Source("machine", faults.count_fault, (("count", 1 / 2),), measure="rms"),
+    "feed ripple": Source("machine", faults.ripple_fault, RIPPLE, check=_unheld, along=True),
+    "following": Source("machine", faults.following_fault, (GAIN, *SLOWER[::-1]), AXES, _linear),
+    "encoder": Source("machine", faults.encoder_fault, (("encoder", 1 / 2),), AXES, _linear, "rms"),
+    "both joints": Source("machine", loads.arm_fault, (GAIN,), ARM, _oily),
+    "ground, mean": Source("ground", loads.ground_fault, (*SLOWER, GAIN), GROUND, _oily),
+    "ground, picks": Source("ground", loads.picks_fault, (*SLOWER, GAIN), GROUND, _oily),
+    "pose": Source("chosen", faults.pose_fault, (("pose", 1 / 2),), _having("pose")),
+}
+
+
+@dataclass(frozen=True, eq=False)
+@checked
+class Case:
+    """What faults are of: a plan, the axes that run it, and what else there is.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done.
+    plant : Plant or a pair of them, optional
+        The axes theta and phi.
+    loop : Loop or a pair of them, optional
+        Their position loops, with the plan's tick, without integral and dead band.
+    pose : Pose, optional
+        Where the machine stands instead of where it should.
+    arm : Arm, optional
+        The masses on both joints, for two `Compressible` plants.
+    ground : Ground, optional
+        What pushes back, for two `Compressible` plants.
+    """
+
+    plan: Plan
+    plant: Plants | None = None
+    loop: Loops | None = None
+    pose: Pose | None = None
+    arm: Arm | None = None
+    ground: Ground | None = None
+
+    @property
+    def sources(self):
+        """Return the names of those `SOURCES` for which it has all that they need."""
+        return [name for name, source in SOURCES.items() if source.asked(self)]
+
+    @checked
+    def fault(self, source: Literal[tuple(SOURCES)]):
+        """Return the `Fault` of a source, switched on alone.
+
+        Raises
+        ------
+        ValueError
+            If the case lacks what the source needs; if knots, path or feed are asked about and the
+            plan waits; if axes are and have another tick, an integral or a dead band; if loads are
+            and the axes aren't `Compressible`.
+        """
+        about = SOURCES[source]
+        if not about.asked(self):
+            raise ValueError(
+                f"source: must be one for which the case has what it needs, "
+                f"{', '.join(self.sources)}; got {source!r}."
+            )
+        about.check(self)
+        deviation, closed = about.alone(self)
+        kind, measure, remedies = about.kind, about.measure, about.remedies
+        return Fault(source, kind, deviation, closed, measure, remedies, about.along)
 
 
 @checked
@@ -41,62 +237,88 @@ def budget(
 
     Parameters
     ----------
-    plan : Plan
-        What is to be done.
-    plant : Plant or a pair of them
-        The axes theta and phi.
-    loop : Loop or a pair of them
-        Their position loops.
-    pose : Pose, optional
-        Where the machine stands instead of where it should.
-    arm : Arm, optional
-        The masses on both joints, for two `Compressible` plants.
-    ground : Ground, optional
-        What pushes back, for two `Compressible` plants.
+    plan, plant, loop, pose, arm, ground
+        As of a `Case`: a `Plan`, axes and their loops and, where they are part of it, a `Pose`, an
+        `Arm` and a `Ground`.
     say : function, optional
         Told which source is next.
 
     Returns
     -------
     faults : list of Fault
-        Knots, projected chord, corners, setpoints, counts, feed ripple, following, encoder and, if
-        asked for, both joints, the ground's mean force, its picks' ripple and pose. Their
+        Knots, the path between them, corners, setpoints, counts, feed ripple, following, encoder
+        and, if given, both joints, the ground's mean force, its picks' ripple and pose. Their
         deviations across the path add up to that of all together, but for products: where the path
-        turns a trailing axis cuts the corner, by more than its fault alone.
+        turns, a trailing axis cuts the corner by more than its fault alone.
 
     Raises
     ------
     ValueError
-        If the plan waits, or the loops have another tick, an integral or a dead band.
+        As by `Case.fault`.
 
     Notes
     -----
     The ideal lap has the cutter's centre on the circuit at every tick of the plan.
     """
-    check_unheld(plan)
-    sources = fault_sources(plan, plant, loop, pose=pose, arm=arm, ground=ground)
-    faults = []
-    for number, source in enumerate(sources, start=1):
+    case = Case(plan, plant, loop, pose, arm, ground)
+    found = []
+    for number, source in enumerate(case.sources, start=1):
         if say is not None:
-            say(f"budget: source {number} of {len(sources)}")
-        faults.append(source())
-    return faults
+            say(f"budget: source {number} of {len(case.sources)}")
+        found.append(case.fault(source))
+    return found
 
 
-def fault_sources(plan, plant, loop, *, pose=None, arm=None, ground=None):
-    """Return a function without arguments for each `Fault` of a `budget`, in its order.
+class Remedy(NamedTuple):
+    """What halves a fault, as simulated.
 
-    The arguments are those of `budget`: a `plan`, pairs for `plant` and `loop`; `pose`, `arm` and
-    `ground` may be left out. Laps under loads that several ask for are run once.
+    Parameters
+    ----------
+    what : str
+        Is changed: an option of the plan, of its limits or of the loops.
+    factor : float
+        By which it is multiplied.
+    left : float
+        Share of the fault that is left.
     """
-    sources = [partial(source, plan) for source in OF_PLAN]
-    sources += [partial(source, plan, plant, loop) for source in OF_AXES]
-    laps = LoadedLaps(plan, plant, loop)
-    if arm is not None:
-        sources.append(partial(arm_fault, plan, plant, loop, arm, laps=laps))
-    if ground is not None:
-        for source in (ground_fault, picks_fault):
-            sources.append(partial(source, plan, plant, loop, ground, arm=arm, laps=laps))
-    if pose is not None:
-        sources.append(partial(pose_fault, plan, pose))
-    return sources
+
+    what: str
+    factor: float
+    left: float
+
+
+@checked
+def halving(fault: Fault, again: Callable[[str, float], object]):
+    """Return the first of a fault's remedies that halves it, as a simulation confirms.
+
+    Parameters
+    ----------
+    fault : Fault
+        One source of error, alone.
+    again : function
+        (what, factor) -> `Fault`: the same source alone, with one of its ``remedies`` multiplied by
+        a factor; None where that can't be had.
+
+    Returns
+    -------
+    remedy : Remedy or None
+        Its factor has two decimals. None where no remedy leaves from 0.4 to 0.6 of the fault.
+    """
+    for what, factor in fault.remedies if fault.measured else ():
+        for _ in range(TRIES):
+            factor = round(factor, 2)
+            if not 1 / FARTHEST <= factor <= FARTHEST:
+                break
+            run = again(what, factor)
+            if run is None:
+                break
+            if not isinstance(run, Fault):
+                raise ValueError(f"again: must return a Fault or None; got {shown(run)}.")
+            left = run.measured / fault.measured
+            if HALF[0] <= left <= HALF[1]:
+                return Remedy(what, factor, left)
+            if not 0 < left < UNCHANGED:
+                break
+            # Were the fault a power of what is changed, this factor would leave a half.
+            factor **= math.log(1 / 2) / math.log(left)
+    return None

@@ -18,11 +18,10 @@ from .wall import intact_wall
 EVERY = 8  # ticks, a power of two, that are tried together: fewer where they don't fit
 BESIDE = 0.05  # m of ground more, at either end, than planned positions reach
 STILL = 1e-6  # m, too short a way to find ground on it
-# By how much the ground that the force was for may differ from what is removed, as a share of it
-# or, where it is hardly any, of a tenth of a whole groove's; and tries, after some of which halves
-# of the steps are taken.
-CLOSE, HARDLY = 1e-2, 0.1
-MOST_TRIES, BOLD_TRIES = 16, 4
+CLOSE = 1e-2  # share by which the ground that the force was for may differ from what is removed
+HARDLY = 0.1  # of a whole groove: where less is removed, CLOSE is a share of this
+MOST_TRIES = 16  # of a force
+BOLD_TRIES = 4  # after which only half of a correction is made
 
 
 class Face:
@@ -45,9 +44,9 @@ class Face:
     pose : Pose, optional
         Where the machine stands instead of where it should.
     noted : (k,) int, optional
-        Set-values up to which the removed volumes are to be known.
+        Set-values at which the volume removed so far must be known.
     say : function, optional
-        Told at which set-value the run is.
+        Told the number of the set-value that the run has reached.
 
     Attributes
     ----------
@@ -64,17 +63,7 @@ class Face:
     """
 
     def __init__(
-        self,
-        plan,
-        ground,
-        setvalues,
-        first,
-        shape,
-        thickness,
-        *,
-        pose=None,
-        noted=(),
-        say=lambda tick: None,
+        self, plan, ground, setvalues, first, shape, thickness, *, pose=None, noted=(), say=None
     ):
         circuit = plan.circuit
         machine = circuit.machine
@@ -102,7 +91,7 @@ class Face:
         self.front = np.zeros((len(setvalues) - 1, 2))
         self.stepping = np.zeros(len(setvalues) - 1)
         self._stops = np.array([*noted, len(setvalues) - 1])
-        self._say = say
+        self._say = say or (lambda tick: None)
         corners = self._posed(circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)])))
         self._turned = (corners[1:] - corners[0]).T
         self._way = setvalues[:1]  # of the cutter since it was last cut, as joint positions
@@ -113,16 +102,17 @@ class Face:
         self._together = EVERY
 
     def push(self, tick, tried):
-        """Return the `Push` of the ticks from `tick` on; None where it fits what they `tried`.
+        """Return the `Push` of the ticks from `tick` on, or None once force and motion agree.
 
-        Those are the positions (m + 1, 2) that the last answer gave, or None at first.
+        `tried` are the positions (m + 1, 2) to which the last answer led; None at first.
         """
-        if tried is None:
+        if tried is None:  # new ticks begin with the front that the last ones had
             self._say(tick)
             self._tries = 0
             self._together = EVERY
             return self._pushed(tick)
         self._tries += 1
+        # Short moves that weren't cut yet are the beginning of the way.
         way = np.concatenate([self._way[:-1], tried])
         end = tick + len(tried) - 1
         run = slice(end - len(way) + 1, end + 1)
@@ -133,6 +123,7 @@ class Face:
             return None
         turns = np.diff(way, axis=0)
         steps = np.diff(self.stepped[run])
+        # What the tried motion would remove, beside what the force was for.
         volume, area = self.wall.front(centres, self.radius)
         meant = self._taken(self._area, turns, steps)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
@@ -146,8 +137,9 @@ class Face:
                     f"{self.plan.tick * tick:.2f} s after the entry began the force is that of "
                     f"{1e9 * meant:.3g} mm^3 in a tick, and {1e9 * volume:.3g} mm^3 are removed."
                 )
-            self._together //= 2
+            self._together //= 2  # over fewer ticks the front changes less
             self._tries = 0
+        # Far from agreement whole corrections are quickest; near it they may swing for ever.
         found = self._fitting(area, volume, turns, steps)
         self._area = found if self._tries <= BOLD_TRIES else (self._area + found) / 2
         return self._pushed(tick)

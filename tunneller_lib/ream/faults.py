@@ -1,176 +1,85 @@
-"""The sources of the wall's error, each switched on alone, and the closed form of each."""
+"""What each source leaves on the wall, alone, and its closed form: of plan, axes and pose.
+
+Each function takes a `Case` and returns the overbreak (ticks + 1,), in m, and the closed form of
+its largest size, or of its rms; None where there is none.
+"""
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
-from ..arguments import checked
 from ..kernels.exact import dot, norm
 from ..motion import follow
 from ..motion.plant import NoLinearForm
 from ..paths import geodesic_inverse
-from .both_axes import Loops, Plants, check_linear, check_ticks
 from .moves import Moves, levers
 from .outward import gradient, wall_frame
-from .planning import Plan, check_unheld
-from .pose import Pose
-from .route import ROUNDED, path_points, route_through
+from .route import ROUNDED, route_through
 from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
 
-# Who answers for a source; the path between knots, whatever its name, is what the paper is about.
-KINDS = {
-    "knots": "chosen", "corners": "chosen", "pose": "chosen",
-    "setpoints": "machine", "counts": "machine", "feed ripple": "machine",
-    "following": "machine", "encoder": "machine", "both joints": "machine",
-    "ground, mean": "ground", "ground, picks": "ground",
-}  # fmt: skip
 
+def knot_fault(case):
+    """Return what joining knots by true geodesics leaves, instead of following the circuit.
 
-@dataclass(frozen=True, eq=False)
-class Fault:
-    """One source of error, alone.
-
-    Parameters
-    ----------
-    source : str
-        What is switched on; everything else is ideal.
-    deviation : (ticks + 1,) float
-        Overbreak that it leaves at each tick of a lap, in m; negative underbreak. Where it is
-        `along` the path, how far the set-values are ahead.
-    measure : {"largest", "rms"}
-        What the closed form says.
-    closed : float or None
-        The closed form, in m; None where there is none.
-    remedies : tuple of (str, float)
-        What may halve it, the likeliest first, and by which factor of that by its power or closed
-        form: a guess, which `halving` tries.
-    along : bool
-        Whether it is along the path and not across.
+    The closed form is the sagitta of a chord, bend length^2/8.
     """
-
-    source: str
-    deviation: np.ndarray
-    measure: str
-    closed: float | None
-    remedies: tuple
-    along: bool = False
-
-    @property
-    def kind(self):
-        """Return who answers for it: "chosen", "machine", "ground" or "paper"."""
-        return KINDS.get(self.source, "paper")
-
-    @property
-    def over(self):
-        """Return the greatest overbreak, in m, at least 0."""
-        return max(0.0, float(self.deviation.max()))
-
-    @property
-    def under(self):
-        """Return the greatest underbreak, in m, at least 0."""
-        return max(0.0, float(-self.deviation.min()))
-
-    @property
-    def rms(self):
-        """Return the root mean square over the lap, in m."""
-        return float(np.sqrt(np.mean(self.deviation**2)))
-
-    @property
-    def measured(self):
-        """Return what `closed` is compared with, in m."""
-        return self.rms if self.measure == "rms" else max(self.over, self.under)
-
-    @property
-    def ratio(self):
-        """Return what is measured over its closed form; None where there is none, or it is zero."""
-        return self.measured / self.closed if self.closed else None
+    plan = case.plan
+    middle, length, direction = _segments(plan)
+    position = plan.circuit.position(middle)
+    sagitta = geodesic_bend(plan.circuit, middle, position, direction) * length**2 / 8
+    return _overbreak(plan, _geodesics(plan)), _largest(sagitta)
 
 
-@checked
-def knot_fault(plan: Plan):
-    """Return the `Fault` of joining knots by true geodesics instead of following the circuit."""
-    check_unheld(plan)
-    between = _segments(plan)
-    bend = geodesic_bend(plan.circuit, between.middle, between.position, between.direction)
-    sagitta = bend * between.length**2 / 8
-    return Fault(
-        source="knots",
-        deviation=_overbreak(plan, _geodesics(plan)),
-        measure="largest",
-        closed=float(np.abs(sagitta).max()),
-        remedies=(("tolerance", 1 / 2),),
-    )
+def projected_fault(case):
+    """Return what projected chords leave in place of geodesics between the same knots.
 
-
-@checked
-def tangent_sphere_fault(plan: Plan):
-    """Return the `Fault` of the plan's paths in place of geodesics between the same knots.
-
-    The closed form is that of the projected chord where chords are short. Of corrected chords
-    nothing of it is left: the next power of the length decides, for which there is none.
+    The closed form is the law of short chords, to the third power of their length.
     """
-    check_unheld(plan)
-    circuit = plan.circuit
-    torus = circuit.machine.torus
-    between = _segments(plan)
-    q = between.position
-    bend = torus.normal_curvature(q, between.direction)
-    torsion = torus.geodesic_torsion(q, between.direction)
-    across = np.cross(torus.normal(q[:, 0], q[:, 1]), between.direction)
-    law = np.abs(bend * torsion) * between.length**3 / (36 * np.sqrt(3))
-    closed = law * np.abs(dot(across, wall_frame(circuit, between.middle)[0]))
-    apart = _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan))
-    corrected = plan.path == "corrected chord"
-    return Fault(
-        source=plan.path,
-        deviation=apart,
-        measure="largest",
-        closed=None if corrected else float(closed.max()),
-        # It goes with the third or fourth power of the length, the tolerance with the second.
-        remedies=(("tolerance", 2 ** (-1 / 2 if corrected else -2 / 3)),),
-    )
+    plan = case.plan
+    torus = plan.circuit.machine.torus
+    middle, length, direction = _segments(plan)
+    q = plan.circuit.position(middle)
+    bend = torus.normal_curvature(q, direction)
+    torsion = torus.geodesic_torsion(q, direction)
+    across = np.cross(torus.normal(q[:, 0], q[:, 1]), direction)
+    law = np.abs(bend * torsion) * length**3 / (36 * np.sqrt(3))
+    out = dot(across, wall_frame(plan.circuit, middle)[0])
+    return _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan)), _largest(law * out)
 
 
-@checked
-def corner_fault(plan: Plan):
-    """Return the `Fault` of rounding the corners at knots."""
-    check_unheld(plan)
+def corrected_fault(case):
+    """Return what corrected chords leave in place of geodesics between the same knots.
+
+    Nothing of the projected chord's law is left, and the next power has no closed form.
+    """
+    plan = case.plan
+    return _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan)), None
+
+
+def corner_fault(case):
+    """Return what rounding the corners at knots leaves; see `Route.at` for its closed form."""
+    plan = case.plan
     way = plan.route
-    circuit = plan.circuit
-    at = circuit.position(way.places)
-    slope = gradient(circuit, way.places, at)
-    missed = ROUNDED * np.abs(dot(slope, way.kinks)) * way.halves
-    return Fault(
-        source="corners",
-        deviation=_overbreak(plan, way) - _overbreak(plan, _sharp(plan)),
-        measure="largest",
-        closed=float(missed.max()),
-        remedies=(("tolerance", 1 / 2),),  # of which corners may miss their knots by a part
-    )
+    slope = gradient(plan.circuit, way.places, plan.circuit.position(way.places))
+    missed = ROUNDED * dot(slope, way.kinks) * way.halves
+    return _overbreak(plan, way) - _overbreak(plan, _sharp(plan)), _largest(missed)
 
 
-@checked
-def setpoint_fault(plan: Plan):
-    """Return the `Fault` of straight lines in joint space between setpoints on the circuit."""
-    circuit = plan.circuit
-    at = circuit.position(plan.s)
-    middle = (plan.s[1:] + plan.s[:-1]) / 2
+def setpoint_fault(case):
+    """Return what straight lines in joint space leave between setpoints on the circuit."""
+    circuit = case.plan.circuit
+    s = case.plan.s
+    at = circuit.position(s)
+    middle = (s[1:] + s[:-1]) / 2
     move = np.diff(at, axis=0)
     sagitta = joint_bend(circuit, middle, circuit.position(middle), move) / 8
-    return Fault(
-        source="setpoints",
-        deviation=circuit.overbreak(_between(plan, at)),
-        measure="largest",
-        closed=float(np.abs(sagitta).max()),
-        remedies=(("step", 2**-0.5),),
-    )
+    return circuit.overbreak(_between(case.plan, at)), _largest(sagitta)
 
 
-@checked
-def count_fault(plan: Plan):
-    """Return the `Fault` of whole counts: of the lines, and of setpoints in parts of a count."""
+def count_fault(case):
+    """Return what whole counts leave: of the lines, and of setpoints in parts of a count."""
+    plan = case.plan
     circuit = plan.circuit
     at = circuit.position(plan.s)
     moves = Moves(setpoints=at, ticks=plan.ticks, tick=plan.tick, count=plan.count)
@@ -181,22 +90,12 @@ def count_fault(plan: Plan):
     square = (
         plan.count**2 / 12 * (1 + 2 / 3 / moves.fineness**2) * np.mean(np.sum(slope**2, axis=-1))
     )
-    return Fault(
-        source="counts",
-        deviation=apart,
-        measure="rms",
-        closed=float(np.sqrt(square)),
-        remedies=(("count", 1 / 2),),
-    )
+    return apart, float(np.sqrt(square))
 
 
-@checked
-def ripple_fault(plan: Plan):
-    """Return the `Fault` of a feed that is even over each move: along the path, not across.
-
-    Its deviation is how far the lines between setpoints are ahead of the planned way.
-    """
-    check_unheld(plan)
+def ripple_fault(case):
+    """Return how far a feed that is even over each move puts the cutter ahead along the path."""
+    plan = case.plan
     torus = plan.circuit.machine.torus
     ends = np.concatenate([[0], np.cumsum(plan.ticks)])
     wanted = plan.route.at(plan.reached)
@@ -206,151 +105,84 @@ def ripple_fault(plan: Plan):
     # A mean speed in place of one that changes by dv over a move of N ticks: dv N T / 8 amid it.
     lever = levers(torus, wanted[ends])
     speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])[:-1]
-    return Fault(
-        source="feed ripple",
-        deviation=along,
-        measure="largest",
-        closed=float(np.max(np.abs(np.diff(speed)) * plan.ticks[:-1] / 8)),
-        remedies=(("step", 2**-0.5), ("acceleration", 1 / 2)),
-        along=True,
-    )
+    return along, _largest(np.diff(speed) * plan.ticks[:-1] / 8)
 
 
-@checked
-def following_fault(plan: Plan, plant: Plants, loop: Loops):
-    """Return the `Fault` of axes that trail their exact set-values, with ideal encoders.
+def following_fault(case):
+    """Return what axes leave that trail their exact set-values, with ideal encoders.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done; here it may wait.
-    plant : Plant or a pair of them
-        The axes theta and phi.
-    loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band.
-
-    Returns
-    -------
-    fault : Fault
-        Its closed form is the series to second order, for slow motion and without waits; None
-        where a plant has no linear form.
+    The closed form is the series to second order, for slow motion and without waits; None where a
+    plant has no linear form.
     """
-    check_ticks(plan, loop)
-    check_linear(loop)
-    circuit = plan.circuit
-    wanted = circuit.position(plan.places)
-    deviation = _followed(plan, plant, _ideal(loop), wanted)
-    closed = None
-    factor = 2.0
+    plan = case.plan
+    wanted = plan.circuit.position(plan.places)
+    deviation = _followed(case, _ideal(case.loop), wanted)
     with suppress(NoLinearForm):
-        first, second = trailing(plan, plant, loop)
-        closed = float(np.abs(first + second).max())
-        # The gain that leaves half, with delays no power of a factor: looked for among factors.
-        factors = np.geomspace(1, 10, 200)
-        left = (np.abs(first / factor + second / factor**2).max() for factor in factors)
-        halved = (f for f, worst in zip(factors, left, strict=True) if worst <= closed / 2)
-        factor = float(next(halved, factor))
-    return Fault(
-        source="following",
-        deviation=deviation,
-        measure="largest",
-        closed=closed,
-        remedies=(("gain", factor), ("feed", 2**-0.5), ("power", 2**-0.5)),
-    )
+        first, second = trailing(plan, case.plant, case.loop)
+        return deviation, _largest(first + second)
+    return deviation, None
 
 
-@checked
-def encoder_fault(plan: Plan, plant: Plants, loop: Loops):
-    """Return the `Fault` of encoders with whole counts, beyond that of ideal ones.
+def encoder_fault(case):
+    """Return what encoders with whole counts leave, beyond ideal ones.
 
-    Parameters
-    ----------
-    plan : Plan
-        What is to be done.
-    plant : Plant or a pair of them
-        The axes theta and phi.
-    loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band.
-
-    Returns
-    -------
-    fault : Fault
-        Up to the rest at the lap's end, where one rounding stays for good. Its closed form is None
-        where a plant has no linear form.
+    Up to the rest at the lap's end, where one rounding stays for good. The closed form is None
+    where a plant has no linear form.
     """
-    check_ticks(plan, loop)
-    check_linear(loop)
-    circuit = plan.circuit
-    wanted = circuit.position(plan.places[: -plan.ticks[-1]])
-    with_counts = _followed(plan, plant, loop, wanted)
-    without = _followed(plan, plant, _ideal(loop), wanted)
-    middle, rates, _ = planned_motion(plan)
-    at = circuit.position(middle)
-    slope = gradient(circuit, middle, at)
-    closed = None
+    plan = case.plan
+    wanted = plan.circuit.position(plan.places[: -plan.ticks[-1]])
+    apart = _followed(case, case.loop, wanted) - _followed(case, _ideal(case.loop), wanted)
+    motion = planned_motion(plan)
+    square = 0.0
     with suppress(NoLinearForm):
-        square = 0.0
-        for axis, control, f, rate, q in zip(plant, loop, slope.T, rates.T, at.T, strict=True):
-            passed = (f * control.count) ** 2 * rounding_passed(axis, control, rate, q)
+        for joint, (plant, loop) in enumerate(zip(case.plant, case.loop, strict=True)):
+            rate, angle = motion.rate[:, joint], motion.position[:, joint]
+            passed = rounding_passed(plant, loop, rate, angle)
+            passed = (motion.slope[:, joint] * loop.count) ** 2 * passed
             square += np.average(passed[:-1], weights=plan.ticks[:-1])
-        closed = float(np.sqrt(square))
-    return Fault(
-        source="encoder",
-        deviation=with_counts - without,
-        measure="rms",
-        closed=closed,
-        remedies=(("encoder", 1 / 2),),
-    )
+        return apart, float(np.sqrt(square))
+    return apart, None
 
 
-@checked
-def pose_fault(plan: Plan, pose: Pose):
-    """Return the `Fault` of a machine that stands elsewhere, in a `Pose`, and doesn't know."""
+def pose_fault(case):
+    """Return what a machine leaves that stands elsewhere, in a `Pose`, and doesn't know."""
+    plan = case.plan
+    pose = case.pose
     circuit = plan.circuit
     wanted = circuit.position(plan.places)
     centre = plan.centres(wanted, pose=pose)
-    off = -circuit.profile.depth(centre[:, 1], centre[:, 2])
     # A small turn moves a point by its cross product with the arm from the centre of the turn.
     arm = plan.centres(wanted) - circuit.in_tunnel(np.zeros(3))
     moved = np.cross([pose.roll, pose.pitch, pose.yaw], arm) + np.array([0.0, pose.y, pose.z])
-    normal = circuit.profile.normal(plan.places)
-    closed = float(np.abs(dot(moved[:, 1:], normal)).max())
-    return Fault(
-        source="pose", deviation=off, measure="largest", closed=closed, remedies=(("pose", 1 / 2),)
-    )
+    closed = _largest(dot(moved[:, 1:], circuit.profile.normal(plan.places)))
+    return -circuit.profile.depth(centre[:, 1], centre[:, 2]), closed
 
 
-class _Segments(NamedTuple):
-    """The moves between knots: arc lengths and positions amid them, chords and their directions."""
-
-    middle: np.ndarray
-    length: np.ndarray
-    direction: np.ndarray
-    position: np.ndarray
+def _largest(sizes):
+    return float(np.abs(sizes).max())
 
 
 def _segments(plan):
-    circuit = plan.circuit
-    ends = np.append(plan.knots, circuit.profile.perimeter)
-    at = circuit.position(ends)
-    middle = (ends[1:] + ends[:-1]) / 2
-    points = circuit.machine.torus.point(at[:, 0], at[:, 1])
-    chord = np.diff(points, axis=0)
+    """Return of the chords between knots the arc length amid them, length and direction."""
+    ends = np.append(plan.knots, plan.circuit.profile.perimeter)
+    at = plan.circuit.position(ends)
+    chord = np.diff(plan.circuit.machine.torus.point(at[:, 0], at[:, 1]), axis=0)
     length = norm(chord)
-    return _Segments(middle, length, chord / length[:, None], circuit.position(middle))
+    return (ends[1:] + ends[:-1]) / 2, length, chord / length[:, None]
 
 
 def _geodesics(plan):
     """Return the `Route` of geodesics between the plan's knots, with sharp corners."""
-    torus = plan.circuit.machine.torus
-    way = lambda p, q, n: geodesic_inverse(torus, p, q).points(n).position  # noqa: E731
+
+    def way(p, q, count):
+        return geodesic_inverse(plan.circuit.machine.torus, p, q).points(count).position
+
     return route_through(plan.circuit, plan.knots, way=way)
 
 
 def _sharp(plan):
     """Return the plan's `Route` with sharp corners."""
-    way = path_points(plan.circuit.machine.torus, plan.path)
-    return route_through(plan.circuit, plan.knots, way=way)
+    return replace(plan.route, halves=np.zeros_like(plan.route.halves))
 
 
 def _between(plan, at):
@@ -365,10 +197,11 @@ def _overbreak(plan, way):
     return plan.circuit.overbreak(way.at(way.length_at(plan.places)))
 
 
-def _followed(plan, plants, loops, wanted):
+def _followed(case, loops, wanted):
     """Return the overbreak (n,), in m, of axes that follow positions (n, 2), one a tick."""
-    rates = np.diff(wanted, axis=0) / plan.tick
-    return plan.circuit.overbreak(follow(plants, loops, wanted, slopes=rates).position)
+    rates = np.diff(wanted, axis=0) / case.plan.tick
+    track = follow(case.plant, loops, wanted, slopes=rates)
+    return case.plan.circuit.overbreak(track.position)
 
 
 def _ideal(loops):

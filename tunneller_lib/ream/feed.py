@@ -1,6 +1,13 @@
-"""How fast the cutter may go along its path: as fast as the limits let it."""
+"""The fastest feed along a path that limits of speed, power, oil and acceleration allow.
+
+Over the square x = v^2 of the feed v, the acceleration a along the way changes it by dx/dl = 2 a.
+At each place the joints' accelerations q' a + q'' x are linear in both, and so every limit on their
+size is a convex set of (a, x) about the origin. The way is passed backwards for the greatest x from
+which the rest can still be run, then forwards as fast as these let it.
+"""
 
 from dataclasses import dataclass
+from math import inf, sqrt
 
 import numpy as np
 
@@ -8,18 +15,18 @@ from ..arguments import LEAST, MOST, Array, Number, Size, checked
 from ..motion.hydraulics import Hydraulics
 from ..motion.quantities import Pair
 from ..removal import Ground
-from .timing import Places, fastest
+
+HALVINGS = 60  # of the range in which the greatest x of a place is looked for
 
 Bound = Number(
-    LEAST, np.inf,
+    LEAST,
+    np.inf,
     also=(f"be of at most {MOST:g}, or infinite", lambda bound: bound <= MOST or bound == np.inf),
-)  # fmt: skip
+)
 Moves = Array("(m,) float", "m", low=LEAST)
 Areas = Array("(m,) float", low=0.0)
 Ends = Array("(m + 1, 2) float", "rad", last="theta, phi")
-Slopes = Array("(m + 1, 2) float", "rad/m", last="theta, phi")
-Bends = Array("(m + 1, 2) float", last="theta, phi")
-Levers = Array("(m + 1, 2) float", "m", last="theta, phi")
+Turns = Array("(3, m + 1, 2) float", last="theta, phi")
 
 
 @dataclass(frozen=True)
@@ -54,7 +61,7 @@ class Limits:
     ------
     ValueError
         If a number isn't above zero or is out of its range, the valve above 1 but not infinite, or
-        a limit needs axes that aren't given.
+        a limit needs axes or ground that aren't given.
     """
 
     feed: Size
@@ -83,33 +90,20 @@ class Limits:
         positions: Ends,
         ground: Areas,
         *,
-        slopes: Slopes | None = None,
-        bends: Bends | None = None,
-        levers: Levers | None = None,
         groove: Areas | None = None,
         pushed: Ends | None = None,
+        turns: Turns | None = None,
     ):
         """Return the fastest feed from rest to rest.
 
         Parameters
         ----------
-        lengths : (m,) float
-            Of the moves of the cutter's centre, in m.
-        positions : (m + 1, 2) float
-            Joint positions at their ends, in rad; straight in joint space between.
-        ground : (m,) float
-            Ground removed by each metre of a move, in m^2.
-        slopes : (m + 1, 2) float, optional
-            First derivatives of the positions by the length of way, in rad/m; without them the way
-            is straight and limits of the joints are left out.
-        bends : (m + 1, 2) float, optional
-            Their second derivatives, in rad/m^2; needed with `slopes`.
-        levers : (m + 1, 2) float, optional
-            How far the cutter moves by a radian of each joint, in m; needed with `slopes`.
-        groove : (m,) float, optional
-            As for `bounds`, in m^2.
-        pushed : (m + 1, 2) float, optional
-            As for `bounds`, in m.
+        lengths, positions, ground, groove, pushed
+            As for `bounds`, in m, rad and m^2.
+        turns : (3, m + 1, 2) float, optional
+            First and second derivatives of the positions by the length of way, in rad/m and
+            rad/m^2, and how far the cutter moves by a radian of each joint, in m. Without them the
+            way is straight and limits of the joints are left out.
 
         Returns
         -------
@@ -120,36 +114,21 @@ class Limits:
         Raises
         ------
         ValueError
-            As `bounds`, or if only some of slopes, bends and levers are given.
+            As by `bounds`.
         """
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the moves before and after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
-        joint = np.array([self.joint_acceleration] * 2)
-        turns = slopes, bends, levers
-        if any(turn is None for turn in turns) != (slopes is None):
-            raise ValueError("slopes: bends and levers must be given with them; got one alone.")
-        if slopes is None:
-            straight = np.tile([1.0, 0.0], (len(square), 1))
-            places = Places(
-                square,
-                self.acceleration,
-                np.full(2, np.inf),
-                straight,
-                0 * straight,
-                np.ones_like(straight),
-            )
-            return np.sqrt(fastest(lengths, places))
-        if any(turn.shape != positions.shape for turn in turns):
-            raise ValueError(
-                f"slopes: must have the shape {positions.shape} of the positions, and bends "
-                f"and levers too; got {', '.join(str(turn.shape) for turn in turns)}."
-            )
-        with np.errstate(divide="ignore", over="ignore"):
-            fastest_turn = (self.joint_speed / np.max(np.abs(slopes), axis=-1)) ** 2
-        square = np.minimum(square, fastest_turn)
-        places = Places(square, self.acceleration, joint, slopes, bends, levers)
-        return np.sqrt(fastest(lengths, places))
+        joint_acceleration = self.joint_acceleration
+        if turns is None:
+            joint_acceleration = np.inf
+            turns = np.tile([[[1.0, 0.0]], [[0.0, 0.0]], [[1.0, 1.0]]], (1, len(square), 1))
+        else:
+            _check_shapes(len(lengths), turns=turns[0])
+            with np.errstate(divide="ignore", over="ignore"):
+                fastest_turn = (self.joint_speed / np.max(np.abs(turns[0]), axis=-1)) ** 2
+            square = np.minimum(square, fastest_turn)
+        return np.sqrt(fastest(lengths, square, self.acceleration, joint_acceleration, turns))
 
     @checked
     def bounds(
@@ -188,19 +167,10 @@ class Limits:
         ValueError
             If the shapes don't fit each other, a length isn't above zero, or ground is below it.
         """
-        m = lengths.size
-        if m < 2 or ground.shape != (m,) or positions.shape != (m + 1, 2):
-            raise ValueError(
-                "lengths: must be (m,) with ground (m,) and positions (m + 1, 2), and "
-                f"m >= 2; got {lengths.shape}, {ground.shape}, {positions.shape}."
-            )
         groove = ground if groove is None else groove
         pushed = np.zeros_like(positions) if pushed is None else pushed
-        if groove.shape != (m,) or pushed.shape != (m + 1, 2):
-            raise ValueError(
-                f"groove: must be ({m},), and pushed ({m + 1}, 2), as the moves; "
-                f"got {groove.shape} and {pushed.shape}."
-            )
+        fitting = {"positions": positions, "ground": ground, "groove": groove, "pushed": pushed}
+        _check_shapes(len(lengths), **fitting)
         with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
             if self.ground is not None:
@@ -213,12 +183,140 @@ class Limits:
         if self.ground is not None:
             greatest = (1 + self.ground.ripple) * self.ground.force(groove)  # at a feed of 1 m/s
             torques = greatest[:, None] * (pushed[1:] + pushed[:-1]) / 2
-        drawn = 0.0  # oil, in m^3 for each metre of the move
-        for axis, rate, angle, torque in zip(self.axes, rates.T, middle.T, torques.T, strict=True):
-            # The pump fills one side of a cylinder in forward motion, the other in backward motion.
-            (forward, _, _), (backward, _, _) = axis.sides(angle)
-            drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
-            if self.valve < np.inf:
+        if self.valve < np.inf:
+            for axis, rate, angle, torque in zip(
+                self.axes, rates.T, middle.T, torques.T, strict=True
+            ):
                 bound = np.minimum(bound, axis.loaded(angle, rate, torque, self.valve))
         with np.errstate(divide="ignore", over="ignore"):
-            return np.minimum(bound, self.flow / drawn)
+            return np.minimum(bound, self.flow / drawn_oil(self.axes, middle, rates))
+
+
+def drawn_oil(axes, positions, rates):
+    """Return the oil that the pump gives both `axes` (n,), in m^3/s, at positions and rates (n, 2).
+
+    In rad and rad/s; of rates by the metre, in rad/m, it is the oil of each metre.
+    """
+    drawn = 0.0
+    for axis, angle, rate in zip(axes, positions.T, rates.T, strict=True):
+        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
+        forward, backward = axis.linkage.displacements(angle)
+        drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
+    return drawn
+
+
+def _check_shapes(moves, **arrays):
+    """Raise ValueError unless arrays have an entry a move, or those of two joints at its ends."""
+    if moves < 2:
+        raise ValueError(f"lengths: must be of at least two moves; got {moves}.")
+    for name, array in arrays.items():
+        wanted = (moves,) if array.ndim == 1 else (moves + 1, 2)
+        if array.shape != wanted:
+            raise ValueError(f"{name}: must be {wanted} for {moves} moves; got {array.shape}.")
+
+
+def fastest(lengths, square, acceleration, joint_acceleration, turns):
+    """Return the squares (m + 1,) of the greatest feed from rest to rest over moves (m,), in m.
+
+    Parameters
+    ----------
+    lengths : (m,) float
+        Of the moves, in m.
+    square : (m + 1,) float
+        Greatest square of the feed at their ends, in m^2/s^2, by limits of speed.
+    acceleration, joint_acceleration : float
+        Of the cutter, in m/s^2, and of each joint, in rad/s^2; infinite for none.
+    turns : (3, m + 1, 2) float
+        As of `Limits.profile`.
+    """
+    ellipse = _ellipses(acceleration, turns)
+    line = _lines(joint_acceleration, turns)
+    top = _highest(square, acceleration, ellipse, line).tolist()
+    ellipses = list(zip(*(part.tolist() for part in ellipse), strict=True))
+    lines = [list(zip(c.tolist(), d.tolist(), strict=True)) for c, d in zip(*line, strict=True)]
+    top[0] = top[-1] = 0.0
+    limit = acceleration * acceleration
+    steps = (2 * lengths).tolist()  # dx = 2 a dl: a move changes x by step times a
+    # Backwards: the greatest x from which braking as hard as allowed still gets down to `goal`, the
+    # greatest x at the move's end. The cutter's limit is the ellipse
+    # g11 a^2 + 2 g12 a x + g22 x^2 = limit, a joint's are the lines |a + d x| = c.
+    for i in reversed(range(len(steps))):
+        step = steps[i]
+        goal = top[i + 1]
+        best = top[i]
+        g11, g12, g22 = ellipses[i]
+        # Where the line x + step a = goal leaves the ellipse: the greater root of
+        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone,
+        # below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
+        p = g11 - 2 * step * g12 + step * step * g22
+        h = goal * (step * g12 - g11)
+        under = h * h - p * (g11 * goal * goal - step * step * limit)
+        if under >= 0:  # else the line stays within the ellipse, which bounds nothing here
+            x = (sqrt(under) - h) / p if under < inf else inf
+            if x < best and (goal - x) * g11 <= -g12 * x * step:
+                best = x
+        # With a = -c - d x the goal is met at x (1 - step d) = goal + step c.
+        for line in lines:
+            c, d = line[i]
+            if 1 - step * d > 0:
+                best = min(best, (goal + step * c) / (1 - step * d))
+        top[i] = best
+    # Forwards from rest: the most that ellipse and lines let x grow, but not above what the first
+    # pass allows. Where they leave no growth at all the feed falls, at worst to rest.
+    found = [0.0]
+    for i, step in enumerate(steps):
+        x = found[-1]
+        g11, g12, g22 = ellipses[i]
+        most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
+        for line in lines:
+            c, d = line[i]
+            most = min(most, c - d * x)
+        found.append(min(top[i + 1], max(x + step * most, 0.0)))
+    return np.array(found)
+
+
+def _ellipses(acceleration, turns):
+    """Return g11, g12, g22 (m + 1,) of g11 a^2 + 2 g12 a x + g22 x^2 <= acceleration^2."""
+    slope, bend, lever = turns
+    if np.isinf(acceleration):  # any ellipse is within it, also where nothing moves
+        return np.ones(len(slope)), *np.zeros((2, len(slope)))
+    return (
+        np.sum((lever * slope) ** 2, -1),
+        np.sum(lever * slope * (lever * bend), -1),
+        np.sum((lever * bend) ** 2, -1),
+    )
+
+
+def _lines(joint_acceleration, turns):
+    """Return c, d (joints, m + 1) of |a + d x| <= c, or none where joints aren't limited."""
+    slope, bend, _ = turns
+    if np.isinf(joint_acceleration):
+        return np.zeros((2, 0, len(slope)))
+    # Where a joint hardly moves its limit bounds the feed alone: c and d are great together.
+    slope = np.where(np.abs(slope.T) < 1e-12, 1e-12, slope.T)
+    return joint_acceleration / np.abs(slope), bend.T / slope
+
+
+def _highest(square, acceleration, ellipse, line):
+    """Return the greatest squares (m + 1,) at which any acceleration at all is allowed."""
+    g11, g12, g22 = ellipse
+    c, d = line
+    with np.errstate(divide="ignore", over="ignore"):
+        # The ellipse has no a beyond x = acceleration / sqrt(g22 - g12^2 / g11).
+        rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
+        high = np.minimum(square, acceleration / rise)
+    if not len(c):
+        return high
+    low = np.zeros_like(high)
+    top = high
+    # The least a that one limit allows must not be above the most that another does.
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        under = g11 * acceleration**2 - (g11 * g22 - g12**2) * middle**2
+        root = np.sqrt(np.maximum(under, 0))
+        most = np.minimum((root - g12 * middle) / g11, np.min(c - d * middle, axis=0))
+        least = np.maximum((-root - g12 * middle) / g11, np.max(-c - d * middle, axis=0))
+        allowed = least <= most
+        low = np.where(allowed, middle, low)
+        high = np.where(allowed, high, middle)
+    return np.where(high >= top, top, low)

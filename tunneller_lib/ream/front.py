@@ -23,9 +23,13 @@ def groove_areas(circuit, s, advance=0.0):
     machine = circuit.machine
     with np.errstate(divide="ignore"):
         wall = 1 / circuit.profile.curvature(s) + machine.offset
-    return removed_volume(
-        machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=advance or None
-    )
+    return _groove(machine, wall, advance)
+
+
+def _groove(machine, wall, pitch):
+    """Return the ground removed by each metre of a path behind a wall of some radius, in m^2."""
+    pitch = None if np.all(pitch == 0) else pitch
+    return removed_volume(machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=pitch)
 
 
 def engaged_areas(circuit, s, advance=0.0):
@@ -40,23 +44,20 @@ def engaged_areas(circuit, s, advance=0.0):
     machine = circuit.machine
     blends = circuit.profile.blends
     begins = np.mod(s, circuit.profile.perimeter)
+    # Where a blend lies within half of the ball's chord ahead, the front feels it already.
     half = _half_widths(machine, 0.0)
     ahead = [np.searchsorted(blends, begins + way, side="right") for way in (0.0, half)]
     bends = ahead[0] != ahead[1]
     areas = groove_areas(circuit, s, advance)
     areas[bends] = front_areas(circuit, s[bends], advance)
 
-    def groove(wall, pitch):
-        radius, depth = machine.cutter_radius, machine.depth
-        return removed_volume(radius, 1.0, depth, wall=wall, pitch=pitch if advance else None)
-
     straight = _straight(circuit, s)
-    flat = groove(np.inf, advance)
+    flat = _groove(machine, np.inf, advance)
     bent = areas - flat
     # The bend of a circle on which as much is removed, of a radius of a metre for the unit.
-    bend = _at_wall(machine, bent / (groove(1 + machine.offset, advance) - flat))
+    bend = _at_wall(machine, bent / (_groove(machine, 1 + machine.offset, advance) - flat))
     wider = _half_widths(machine, bend * (1 - straight)) / half
-    nearer = groove(np.inf, advance * np.sqrt(straight)) / flat
+    nearer = _groove(machine, np.inf, advance * np.sqrt(straight)) / flat
     return (flat + bent * straight) * wider * nearer
 
 
@@ -100,6 +101,7 @@ def front_areas(circuit, s, advance=0.0):
     centre = profile.point(s)[:, None]
     normal = profile.normal(s)[:, None]
     forward = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    # Halved in, since a section's depth has no inverse.
     low = np.full((len(s), len(x)), -1.0)
     high = np.ones_like(low)  # of the angle's cosine: where the front is in the ground
     for _ in range(HALVINGS):

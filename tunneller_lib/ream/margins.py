@@ -1,4 +1,7 @@
-"""Whether a machine can do a planned cut: what it has, and needs, of torque, gain, oil, stroke."""
+"""Whether a machine can do a planned cut: what it has, and needs, of torque, gain, oil, stroke.
+
+And whether picks that cut what the picks before them left would drive the oil's resonance.
+"""
 
 import functools
 from typing import NamedTuple
@@ -11,12 +14,17 @@ from ..motion.stability import gain_limit
 from ..paths.circuit import Circuit
 from .both_axes import Loops, Plants, check_ticks
 from .cutting import Cut
+from .feed import drawn_oil
 from .front import engaged_areas, push_levers
+from .moves import levers
 from .planning import Plan
 
 JOINTS = "theta", "phi"
+ACTUATORS = "lift", "swing"
 SECOND = 1.0  # s, over which the head's power is a mean: a motor has as much to spare
 PLACES = 41  # of the circuit, at which oil and loop are looked at
+FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz, at which a joint may swing up
+FEW = 21  # places of the circuit, at which that is looked for
 
 
 class Margin(NamedTuple):
@@ -25,13 +33,13 @@ class Margin(NamedTuple):
     Parameters
     ----------
     what : str
-        Of what.
+        What is compared, as "gain of theta".
     has, needs : float
-        How much of it.
+        How much of it the machine has, and how much the cut needs.
     unit : str
         Of both.
     remedy : str
-        The end of a sentence: what would do where it has too little.
+        What would do where it has too little, the end of a sentence.
     """
 
     what: str
@@ -42,7 +50,7 @@ class Margin(NamedTuple):
 
     @property
     def enough(self):
-        """Whether it has what it needs."""
+        """Whether the machine has more than the cut needs."""
         return self.has > self.needs
 
     def __str__(self):
@@ -76,26 +84,17 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     found = []
     # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
     # the gain needs at least the resonance Kv/(2 zeta), which the second row says in Hz.
-    for joint, name in enumerate(JOINTS):
-        one = plant[joint]
-        control = loop[joint]
-        axis = axes[joint]
-        limit = _known_limit(one, control, tuple(at[:, joint].tolist()))
-        least = float(np.min(axis.natural_frequency(at[:, joint])))
+    lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
+    hose = lower + "a smaller hose, would do"
+    lighter = lower + "a lighter head or arm, would do"
+    for name, one, control, axis, angle in zip(JOINTS, plant, loop, axes, at.T, strict=True):
+        limit = _known_limit(one, control, tuple(angle.tolist()))
+        least = float(np.min(axis.natural_frequency(angle)))
         ratio = axis.damping / (2 * axis.inertia * least)
-        lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
-        found += [
-            Margin(
-                f"gain of {name}", limit, control.gain, "1/s", lower + "a smaller hose, would do"
-            ),
-            Margin(
-                f"resonance of {name}",
-                least / (2 * np.pi),
-                control.gain / (2 * ratio) / (2 * np.pi),
-                "Hz",
-                lower + "a lighter head or arm, would do",
-            ),
-        ]
+        hertz = least / (2 * np.pi)
+        needs = control.gain / (2 * ratio) / (2 * np.pi)
+        found.append(Margin(f"gain of {name}", limit, control.gain, "1/s", hose))
+        found.append(Margin(f"resonance of {name}", hertz, needs, "Hz", lighter))
     return found
 
 
@@ -139,28 +138,20 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
         places = way.place(length)
         force = (1 + ground.ripple) * ground.force(engaged_areas(circuit, places) * feed)
         torque = force[:, None] * push_levers(circuit, ground, places, at, slopes)
-        for joint, name in enumerate(JOINTS):
+        for joint, (name, cylinder) in enumerate(zip(JOINTS, ACTUATORS, strict=True)):
             has, needs = _torques(axes[joint], at[:, joint], torque[:, joint])
-            remedy = (
-                f"a lower [limits] feed or power, or a greater {'lift' if joint == 0 else 'swing'}"
-                "_bore or supply in [hydraulics], would do"
-            )
+            greater = f"a greater {cylinder}_bore or supply in [hydraulics]"
+            remedy = f"a lower [limits] feed or power, or {greater}, would do"
             found.append(Margin(f"torque of {name}", has, needs, "N m", remedy))
     found += gain_margins(circuit, plant, loop)
-    drawn = _drawn(axes, at, slopes * feed[:, None])
+    drawn = drawn_oil(axes, at, slopes * feed[:, None])
     oil = "a lower [limits] feed, or a greater pump in [hydraulics], would do"
     found.append(Margin("pump", sizes.pump, float(drawn.max()), "m^3/s", oil))
-    for axis, name in zip(axes, ("lift", "swing"), strict=True):
-        ends = axis.linkage.length(axis.low), axis.linkage.length(axis.high)
-        found.append(
-            Margin(
-                f"stroke of the {name}",
-                min(ends) - axis.linkage.dead_length,
-                max(ends) - min(ends),
-                "m",
-                f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do",
-            )
-        )
+    for axis, name in zip(axes, ACTUATORS, strict=True):
+        short, long = sorted((axis.linkage.length(axis.low), axis.linkage.length(axis.high)))
+        holds = short - axis.linkage.dead_length
+        other = f"other {name}_frame_pivot, _arm_pivot or _dead_length in [hydraulics] would do"
+        found.append(Margin(f"stroke of the {name}", holds, long - short, "m", other))
     return found
 
 
@@ -208,20 +199,9 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
     if all(one.hydraulics for one in plant):
         position = cut.track.position
         at = (position[1:] + position[:-1]) / 2
-        drawn = _drawn(_cylinders(plant), at, np.diff(position, axis=0) / plan.tick)
+        drawn = drawn_oil(_cylinders(plant), at, np.diff(position, axis=0) / plan.tick)
         found.append(Margin("oil in a tick", sizes.pump, float(drawn.max()), "m^3/s", slower))
     return found
-
-
-def _drawn(axes, at, rates):
-    """Return the oil that the pump gives (n,), in m^3/s, at positions (n, 2) and rates (n, 2)."""
-    drawn = 0.0
-    for joint, axis in enumerate(axes):
-        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
-        forward, backward = axis.linkage.displacements(at[:, joint])
-        rate = rates[:, joint]
-        drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
-    return drawn
 
 
 def _cylinders(plant):
@@ -240,7 +220,10 @@ def _known_limit(plant, loop, angles):
 
 
 def _torques(axis, angle, torque):
-    """Return the oil's torque and the load, in N m, where least of it is left beside the weight."""
+    """Return the torque that the oil can give and that which it must, in N m, at the worst place.
+
+    What it can give is beside the weight; the worst place has the least ratio of both.
+    """
     has = np.full(angle.shape, np.inf)
     for sign, (D, rho, load) in zip((1, -1), axis.sides(angle), strict=True):
         # At rest the full supply is on the filled side, the tank's pressure on the emptied one.
@@ -249,3 +232,85 @@ def _torques(axis, angle, torque):
     with np.errstate(divide="ignore", invalid="ignore"):
         worst = int(np.nanargmin(has / np.abs(torque)))
     return float(has[worst]), float(np.abs(torque[worst]))
+
+
+def chatter_limit(plant, loop, angle, lever, picks):
+    """Return from which damper of the ground on a joint swings up, in N s/m, and at what frequency.
+
+    The force over the feed's speed is the damper, E A / u, only in slow motion. If each pick cuts
+    exactly what the one before it left, a time t = 1 / `picks` earlier, a swing x of the cutter
+    along its way meets the force damper (x - x(t earlier)) / t, which drives swings
+    of one half to one of the picks' frequency, of three halves to two, and so on. On a `lever`, in
+    m, at a joint `angle`, in rad, and with the valve hardly open, where oil damps least, the joint
+    answers a torque by 1 / Z:
+
+        Z = J s^2 + b s + J w^2 (1 + Kv exp(-late s) / (s (1 + lag s))),
+
+    and swings up from the least damper for which, at some s = 2 pi i f,
+
+        Z + lever^2 damper (1 - exp(-s t)) / t = 0.
+
+    Dry friction and leaks, which damp, and picks out of step are left out.
+
+    Parameters
+    ----------
+    plant : Compressible
+        The axis.
+    loop : Loop
+        Its position loop, without integral.
+    angle, lever : float
+        In rad and m.
+    picks : float
+        How many picks cut in a second, one in the track of the other, in Hz.
+
+    Returns
+    -------
+    damper, frequency : float
+        In N s/m and Hz; infinite and 0 where nothing up to 60 Hz swings up.
+    """
+    axis = plant.axis
+    s = 2j * np.pi * FREQUENCIES
+    spring = axis.inertia * axis.natural_frequency(angle) ** 2
+    late = loop.tick * (loop.delay + 0.5)
+    steered = loop.gain * np.exp(-s * late) / (s * (1 + s * axis.valve_lag))
+    stiff = axis.inertia * s**2 + axis.damping * s + spring * (1 + steered)
+    needed = -stiff / (lever**2 * picks * (1 - np.exp(-s / picks)))
+    # Where it is real a damper can be it; at whole multiples of the picks' frequency it is a pole.
+    turns = np.flatnonzero(np.diff(np.sign(needed.imag)))
+    real = needed.real[turns]
+    near = np.abs(np.diff(needed.imag)[turns]) < np.abs(real)
+    turns = turns[(real > 0) & near]
+    if not len(turns):
+        return np.inf, 0.0
+    least = turns[np.argmin(needed.real[turns])]
+    return float(needed.real[least]), float(FREQUENCIES[least])
+
+
+def chatter_margins(plan, plant, loop):
+    """Return the dampers that both joints bear on a circuit if the picks are in step, as `Margin`s.
+
+    Needed is the damper E A / u of the ground where the front of the ball takes most, in N s/m.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be done, in ground whose ripple has the picks' frequency.
+    plant, loop : pair of Compressible and of Loop
+        Of theta and phi.
+    """
+    circuit = plan.circuit
+    ground = plan.limits.ground
+    places = np.linspace(0, circuit.profile.perimeter, FEW)
+    at = circuit.position(places)
+    lever = levers(circuit.machine.torus, at)
+    every = np.linspace(0, circuit.profile.perimeter, 20 * FEW)  # the front is widest at bends
+    needs = float(np.max(ground.force(engaged_areas(circuit, every))))
+    found = []
+    for joint, name in enumerate(JOINTS):
+        has = min(
+            chatter_limit(plant[joint], loop[joint], angle, length, ground.ripple_frequency)[0]
+            for angle, length in zip(at[:, joint], lever[:, joint], strict=True)
+        )
+        remedy = "picks that don't follow each other in one track would do"
+        found.append(Margin(f"in step, {name}", has, needs, "N s/m", remedy))
+    return found

@@ -1,13 +1,14 @@
 """Straight moves of whole ticks between setpoints, and how near to its limits they go."""
 
 from dataclasses import dataclass
+from math import ceil, sqrt
 
 import numpy as np
 
 from ..motion import polyline, polyline_slopes
 
 FINEST = 4096  # parts of a count, to which setpoints are rounded
-MOST = 2**30  # parts, and parts times the ticks of a move, that 32 bits hold with their sums
+MOST = 2**30  # of parts, and of parts times the ticks of a move: 32 bits hold their sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +119,7 @@ def move_lengths(moved, strain, step):
     ticks = []
     start = 0
     while start < len(reach) - 1:
+        # A move ends where it gets too long, or as many ticks as the strain on it allows.
         most = min(longest[start], longest[start + 1])
         end = start + 1
         while end < len(reach) - 1 and reach[end + 1] - reach[start] <= step:
@@ -128,3 +130,28 @@ def move_lengths(moved, strain, step):
         ticks.append(end - start)
         start = end
     return np.array(ticks)
+
+
+def move_ticks(distance, speed, acceleration, tick):
+    """Return the ticks (n0, n1) of two means that make the fastest move from rest to rest.
+
+    A step of the `distance` D, smoothed by means over n0 and n1 ticks one after the other, has the
+    greatest speed D / n0 and acceleration D / (n0 n1). With n0 >= n1 that is the motion of three
+    phases. In m, s and what follows; the `speed` may be infinite. Rounded up to whole ticks, the
+    limits are kept.
+    """
+    # Where the speed isn't reached the first mean is as long as the second.
+    n1 = min(speed / acceleration, sqrt(distance / acceleration))
+    n0 = distance / (acceleration * n1)
+    first, second = (max(ceil(n / tick * (1 - 1e-12)), 1) for n in (n0, n1))
+    # Rounded up each by itself they could overlap.
+    return [max(first, second), second]
+
+
+def move_shares(ticks):
+    """Return the share of the way, from 0 to 1, at each tick of a move of `move_ticks`."""
+    speed = np.ones(1)
+    for n in ticks:
+        speed = np.convolve(speed, np.full(n, 1 / n))
+    shares = np.concatenate([[0.0], np.cumsum(speed)])
+    return shares / shares[-1]

@@ -10,19 +10,19 @@ from ..paths.circuit import Circuit
 from .clearance import PartClearance, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers, side_area
-from .moves import Moves, levers, move_lengths, strains
+from .moves import Moves, levers, move_lengths, move_shares, move_ticks, strains
 from .pose import Pose
 from .route import Route, path_points, route_through
-from .timing import move_shares, move_ticks
 
 LONGEST_REST = 1e4  # s
-PLACES, LEAST_PIECES = 2000, 8  # of a lap, and between two knots, where limits are kept
-CORNER_PLACES = 33  # of a rounded corner
-EASED, EASINGS = 1.0005, 6  # what is left to a slower run, and how often limits are tightened
+PLACES = 2000  # of a lap, at which limits are kept
+LEAST_PIECES = 8  # into which the way between two knots is divided for that
+CORNER_PLACES = 33  # of a rounded corner, at which limits are kept
+EASED = 1.0005  # times a limit: where no more than this is used, the rest is left to a slower run
+EASINGS = 6  # tightenings of the limits, at most
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
-# Of the acceleration, across the wall: what the axes overshoot where they enter is overbreak.
-GENTLY = 0.1
+GENTLY = 0.1  # of the acceleration, on entry: what the axes overshoot there is overbreak
 MOST_TICKS = 5_000_000  # of all laps
 
 
@@ -54,13 +54,13 @@ class Plan(Moves):
     entry, leave : Moves
         From where the cutter is clear of the ground to the lap's begin, and back.
     back : (k + 1,) float
-        How far the machine has stepped back at each of the last k ticks of a lap, in m.
+        How far the machine has stepped back by each of the last k ticks of a lap, in m.
     laps : int
         How often the circuit is run.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
     straight_time : float
-        Which a lap would take without its rest if turning the joints cost no feed, in s.
+        Time of a lap without its rest if corners and bends cost no feed, in s.
     clearances : list of PartClearance
         How far arm, holder, box and cutter keep from the wall.
     path : {"projected chord", "corrected chord"}
@@ -96,7 +96,7 @@ class Plan(Moves):
 
     @property
     def times(self):
-        """Return what takes how long, a dict of s: parts of a lap, then of the whole job."""
+        """Return the times of the parts of a lap, then of the whole job, a dict of s."""
         step = self.tick * (len(self.back) - 1)
         rest = self.tick * int(self.ticks[-1]) - step
         entry, leave = (self.tick * int(moves.ticks.sum()) for moves in (self.entry, self.leave))
@@ -222,15 +222,15 @@ def plan(
     Raises
     ------
     ValueError
-        If an argument is beyond its range, the arm, or holder or box of the machine's body, is in
-        the wall (with the place), a tick at full feed is longer than a step, or there would be too
-        many ticks.
+        If an argument is out of its range; if the arm, or the holder or box of the machine's body,
+        is in the wall, with the place; if a tick at full feed goes farther than a step, or there
+        would be too many ticks.
 
     Notes
     -----
-    The way is run as fast as all limits let it, evaluated at whole ticks, and divided into straight
-    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): equal
-    ones at a constant feed. Where whole ticks leave a limit all is slowed.
+    The way is run as fast as all limits allow, sampled at whole ticks, and divided into straight
+    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): they
+    are equal where the feed is constant. Where sampling exceeds a limit the whole lap is slowed.
 
     Examples
     --------
@@ -300,23 +300,34 @@ def plan(
 
 
 def _eased(way, circuit, limits, advance, tick):
-    """Return `_timed`, with limits that are tightened where the run between places leaves them."""
+    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
+
+    Limits of acceleration are tightened where the run between two places leaves them.
+    """
     length = _places(way)
+    at = way.at(length)
+    moves = np.diff(length)
     load = _loads(way, circuit, limits, advance, length)
+    torus = circuit.machine.torus
+    turns = np.stack([way.at(length, order=1), way.at(length, order=2), levers(torus, at)])
+    straight = limits.profile(moves, at, **load)
     ease = np.ones_like(length)
     for _ in range(EASINGS):
-        _, speed, moment, _ = found = _timed(way, circuit, limits, load, length, ease)
+        eased = turns * np.stack([ease, ease, np.ones_like(ease)])[..., None]
+        speed = limits.profile(moves, at, **load, turns=eased)
+        moment = _moments(moves, speed)
         if not tick * MOST_TICKS > moment[-1]:
             break  # refused for its ticks
         i, along = _sampled(length, speed, moment, tick)
-        strain = strains(circuit.machine.torus, way.at(along), tick, limits)
+        strain = strains(torus, way.at(along), tick, limits)
         if strain.max() <= EASED:
             break
+        # Between two places the run leaves a limit that both keep: theirs is tightened by as much.
         worse = np.ones_like(length)
         for place in (i, i + 1):
             np.maximum.at(worse, place, strain)
         ease = ease * worse
-    return found
+    return length, speed, moment, float(_moments(moves, straight)[-1])
 
 
 def _loads(way, circuit, limits, advance, length):
@@ -333,6 +344,12 @@ def _loads(way, circuit, limits, advance, length):
     return load
 
 
+def _moments(moves, speed):
+    """Return when (k + 1,) the ends of moves (k,) are reached, in s, at a speed (k + 1,) there."""
+    # The feed changes evenly in time over a move, so that its mean is that of both ends.
+    return np.concatenate([[0.0], np.cumsum(2 * moves / (speed[1:] + speed[:-1]))])
+
+
 def _sampled(length, speed, moment, tick):
     """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
     time = tick * np.arange(max(np.ceil(moment[-1] / tick - 1e-9), 1.0) + 1)
@@ -343,48 +360,22 @@ def _sampled(length, speed, moment, tick):
     return i, length[i] + 2 * (length[i + 1] - length[i]) * share * mean
 
 
-def _timed(way, circuit, limits, load, length, ease):
-    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
-
-    Under a `load` from `_loads`. Limits of acceleration are divided by `ease`.
-    """
-    at = way.at(length)
-    moves = np.diff(length)
-    feed = limits.profile(
-        moves,
-        at,
-        **load,
-        slopes=way.at(length, order=1) * ease[:, None],
-        bends=way.at(length, order=2) * ease[:, None],
-        levers=levers(circuit.machine.torus, at),
-    )
-    straight = limits.profile(moves, at, **load)
-    # The feed changes evenly in time over a move, so that its mean is that of both ends.
-    due = [np.cumsum(2 * moves / (v[1:] + v[:-1])) for v in (feed, straight)]
-    return length, feed, np.concatenate([[0], due[0]]), float(due[1][-1])
-
-
 def _places(way):
     """Return lengths of way (k + 1,) at which limits are kept, closer where corners are rounded."""
     pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
-    even = [
-        np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
-    ]
+    spans = zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
+    even = [np.linspace(a, b, n, endpoint=False) for a, b, n in spans]
     rounded = way.ends[:, None] + way.halves[:, None] * np.linspace(-1, 1, CORNER_PLACES)
     every = np.concatenate([*even, rounded.ravel(), [way.length]])
     length = np.unique(every.clip(0, way.length))
-    # Places that are one but for rounding count once; the last one stays.
-    apart = np.diff(length, prepend=-np.inf) > 1e-9 * way.length
-    apart[-1] = True
-    length = length[apart]
-    if length[-1] - length[-2] <= 1e-9 * way.length:
-        length = np.delete(length, -2)
-    return length
+    # Places that are one but for rounding count once, the first of them, or the way's end.
+    least = 1e-9 * way.length
+    length = length[(np.diff(length, prepend=-np.inf) > least) & (length < way.length - least)]
+    return np.append(length, way.length)
 
 
 def _at_ticks(way, torus, limits, length, speed, moment, tick):
-    """Return the lengths of way (ticks + 1,) at whole ticks, within the limits."""
+    """Return the lengths of way (ticks + 1,) at whole ticks, slowed until limits are kept."""
     slower = 1.0
     for _ in range(MOST_SLOWINGS):
         _, along = _sampled(length, speed, slower * moment, tick)
@@ -461,6 +452,7 @@ def _withdrawn(circuit, position, distance):
     """
     torus = circuit.machine.torus
     outward = circuit.profile.normal(0.0) @ circuit.axes[1:]
+    # Newton, each step along the joints' move that gains most depth for the cutter's way.
     found = np.array(position)
     for _ in range(NEWTON_STEPS):
         slope = torus.velocity(np.stack([found, found]), np.eye(2)) @ outward

@@ -36,12 +36,10 @@ class Pose:
         """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
         turn = np.eye(3)
         for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
-            i, j = [k for k in range(3) if k != axis]
-            c = np.cos(angle)
-            s = np.sin(angle)
+            i, j = (axis + 1) % 3, (axis + 2) % 3
             one = np.eye(3)
-            one[[i, j], [i, j]] = c
-            # About x and z the first of the other two axes turns to the second, about y back.
-            one[i, j], one[j, i] = (s, -s) if axis == 1 else (-s, s)
+            one[[i, j], [i, j]] = np.cos(angle)
+            one[i, j] = -np.sin(angle)
+            one[j, i] = np.sin(angle)
             turn = one @ turn
         return (point - np.array(centre)) @ turn.T + centre + [0.0, self.y, self.z]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,10 +14,17 @@ from ..paths.circuit import Circuit
 SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
 ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
 
-Knots = Array(
-    "(n,) float", "m",
-    also=("rise from 0", lambda knots: knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)),
-)  # fmt: skip
+WAYS = {
+    "projected chord": partial(project_chord, spacing="arc"),
+    "corrected chord": corrected_chord,
+}
+
+
+def _rising(knots):
+    return knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)
+
+
+Knots = Array("(n,) float", "m", also=("rise from 0", _rising))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +99,8 @@ class Route:
         first = u < 0.5
         corner = np.where(first, k, k + 1)
         h = self.halves[corner]
-        x = (length - self.ends[corner]) / np.where(h > 0, h, 1)
+        # Far from any knot there is no kink: a place at its end, whose powers are numbers.
+        x = np.clip((length - self.ends[corner]) / np.where(h > 0, h, 1), -1, 1)
         bump = np.where((h > 0) & (np.abs(x) < 1), _bump(x, np.where(first, 1.0, -1.0), order), 0)
         return k, corner, bump * np.where(h > 0, h, 1) ** (1.0 - order)
 
@@ -108,9 +117,7 @@ class Route:
 
 def path_points(torus, path):
     """Return the function (p, q, points) -> (k, points, 2) of a path, by even steps."""
-    if path == "corrected chord":
-        return lambda p, q, n: corrected_chord(torus, p, q, n)
-    return lambda p, q, n: project_chord(torus, p, q, n, spacing="arc")
+    return partial(WAYS[path], torus)
 
 
 @checked

@@ -4,6 +4,9 @@ The cutter's centre at joint position q is f(q) outside the offset section. n is
 outward normal and rho its radius of curvature at the place where f is zero.
 """
 
+from functools import lru_cache
+from typing import NamedTuple
+
 import numpy as np
 
 from ..arguments import checked
@@ -13,7 +16,7 @@ from .outward import gradient, wall_frame
 from .planning import Plan
 
 HARMONICS = 64  # of the encoder's rounding
-ANGLES = 41  # of a lap, at which a plant is asked: oil's stiffness changes slowly between them
+ANGLES = 41  # of a lap, at which a plant's linear form is asked for
 
 
 def joint_bend(circuit, s, q, rate):
@@ -44,6 +47,7 @@ def geodesic_bend(circuit, s, q, direction):
 
 def _linear(plant, angles):
     """Return the linear plants [m] of a plant's small motions near joint angles (m,), in rad."""
+    # Few are made: oil's stiffness changes slowly between them.
     asked = np.linspace(angles.min(), angles.max(), ANGLES)
     models = [plant.linear(angle) for angle in asked.tolist()]
     nearest = np.abs(angles[:, None] - asked).argmin(axis=-1)
@@ -62,10 +66,12 @@ def rounding_passed(plant, loop, rate, angle):
     """
     if not loop.count:
         return np.zeros(len(rate))
+    # The sawtooth's k-th harmonic has the amplitude count/(pi k), and turns so far in each tick.
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
     models = _linear(plant, angle)
+    # Many angles share a linear model, and its discrete form takes time.
     of_model = {one: one.discrete(loop.tick) for one in set(models)}
     Ad, Bd = (np.stack(part) for part in zip(*(of_model[one] for one in models), strict=True))
     steady = np.array([one.command(1.0) for one in models])
@@ -73,17 +79,36 @@ def rounding_passed(plant, loop, rate, angle):
     held = np.broadcast_to(
         (Bd * steady[:, None]).astype(complex)[:, None, :, None], (*z.shape, order, 1)
     )
+    # The plant's answer to a command that is held over each tick: C (z - Ad)^-1 Bd.
     open_loop = np.linalg.solve(z[..., None, None] * np.eye(order) - Ad[:, None], held)[..., 0, 0]
     open_loop = loop.gain * open_loop / z**loop.delay
     passed = np.abs(open_loop / (1 + open_loop)) ** 2
     return np.sum(passed / k**2, axis=-1) / (2 * np.pi**2)
 
 
-def planned_motion(plan):
-    """Return places (m,) amid the moves and joint rates and accelerations (m, 2) of the plan there.
+class PlannedMotion(NamedTuple):
+    """How a plan moves the joints amid its m moves, without the feed's own changes.
 
-    Without the feed's own changes, which move the joints along the circuit only.
+    Parameters
+    ----------
+    place : (m,) float
+        Arc lengths along the offset section, in m.
+    position, rate, change : (m, 2) float
+        Of the joints, in rad, rad/s and rad/s^2.
+    slope : (m, 2) float
+        How far the cutter's centre moves out of the wall by a radian of each joint, in m.
     """
+
+    place: np.ndarray
+    position: np.ndarray
+    rate: np.ndarray
+    change: np.ndarray
+    slope: np.ndarray
+
+
+@lru_cache(2)
+def planned_motion(plan):
+    """Return the `PlannedMotion` of a plan, for which all closed forms of its axes ask."""
     circuit = plan.circuit
     h = 1e-4  # m, less than a move: a blend isn't straddled
     middle = (plan.s[1:] + plan.s[:-1]) / 2
@@ -92,8 +117,9 @@ def planned_motion(plan):
     after = circuit.position(middle + h)
     along = (after - before) / (2 * h)
     speed = np.where(np.diff(plan.s) > 0, (plan.feed[1:] + plan.feed[:-1]) / 2, 0.0)
-    speed = speed / norm(circuit.machine.torus.velocity(at, along))
-    return middle, along * speed[:, None], (after - 2 * at + before) / h**2 * speed[:, None] ** 2
+    speed = (speed / norm(circuit.machine.torus.velocity(at, along)))[:, None]
+    change = (after - 2 * at + before) / h**2 * speed**2
+    return PlannedMotion(middle, at, along * speed, change, gradient(circuit, middle, at))
 
 
 @checked
@@ -120,21 +146,28 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
     ------
     NoLinearForm
         If a plant has no linear form.
+
+    Notes
+    -----
+    A joint is behind by lag ((1 - share) rate + ((1 - share) tick / 2 + late) change) to first
+    order: what the loop lacks of the rate, held over a tick, and what delay and plant take of the
+    acceleration. To second order a P loop's own lag counts twice, and the wall bends.
     """
     check_ticks(plan, loop)
     check_linear(loop)
     circuit = plan.circuit
-    tick = plan.tick
-    middle, rate, change = planned_motion(plan)
-    at = circuit.position(middle)
+    motion = planned_motion(plan)
     share = np.array([one.feedforward for one in loop])
     lag = 1 / np.array([one.gain for one in loop])
-    delay = np.array([one.delay * tick for one in loop])
+    delay = np.array([one.delay * plan.tick for one in loop])
     late = delay + np.transpose(
-        [[one.lateness for one in _linear(axis, q)] for axis, q in zip(plant, at.T, strict=True)]
+        [
+            [one.lateness for one in _linear(axis, q)]
+            for axis, q in zip(plant, motion.position.T, strict=True)
+        ]
     )
-    behind = -(1 - share) * lag * rate
-    slope = gradient(circuit, middle, at)
-    first = dot(slope, behind - lag * ((1 - share) * tick / 2 + late) * change)
-    second = dot(slope, (1 - share) * lag**2 * change) + joint_bend(circuit, middle, at, behind) / 2
-    return np.stack([first, second])
+    behind = -(1 - share) * lag * motion.rate
+    first = behind - lag * ((1 - share) * plan.tick / 2 + late) * motion.change
+    bend = joint_bend(circuit, motion.place, motion.position, behind)
+    second = dot(motion.slope, (1 - share) * lag**2 * motion.change) + bend / 2
+    return np.stack([dot(motion.slope, first), second])

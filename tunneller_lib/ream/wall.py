@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arguments import Coordinate, Length, Lengths, Positive, checked
+from ..arguments import Coordinate, Length, Lengths, checked
 from ..kernels.exact import norm
 from ..paths.circuit import Circuit
 from ..removal import DexelGrid
@@ -11,13 +11,7 @@ from ..removal.dexel import Shape
 
 @checked
 def intact_wall(
-    circuit: Circuit,
-    start: Coordinate,
-    stop: Coordinate,
-    shape: Shape,
-    *,
-    thickness: Length = 0.1,
-    memory: Positive | None = None,
+    circuit: Circuit, start: Coordinate, stop: Coordinate, shape: Shape, *, thickness: Length = 0.1
 ):
     """Return the ground behind a section before it is cut.
 
@@ -31,8 +25,6 @@ def intact_wall(
         Rays along x and round.
     thickness : float
         Of the modelled ground, in m, along the rays.
-    memory : float, optional
-        Bytes that it may take; half of the computer's by default.
 
     Returns
     -------
@@ -41,12 +33,12 @@ def intact_wall(
     """
     angle = (np.arange(shape[1]) + 0.5) * 2 * np.pi / shape[1]
     inner = circuit.section.ray(angle)
-    return DexelGrid.radial(start, stop, inner, inner + thickness, shape, memory=memory)
+    return DexelGrid.radial(start, stop, inner, inner + thickness, shape)
 
 
 @checked
 def standing(wall: DexelGrid):
-    """Return where the ground begins that stands after the cuts.
+    """Return where, on each ray, the ground begins that stands after the cuts.
 
     Parameters
     ----------
@@ -56,8 +48,8 @@ def standing(wall: DexelGrid):
     Returns
     -------
     points : (n, m, 3) float
-        In m, on each ray that of the outermost piece: what the cutter has undercut is counted as
-        gone.
+        In m, on each ray the inner end of its outermost piece: what the cutter has undercut is
+        counted as gone.
 
     Raises
     ------

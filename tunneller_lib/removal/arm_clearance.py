@@ -1,12 +1,10 @@
 """How far the arm, the cutter and other solids keep from the wall that isn't cut yet."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ..arguments import Angle, Array, Length0, Points, Radii, checked
-from ..surfaces import Box, Frustum, Machine, Rod, RoundedDisc, Section
-from ..surfaces.touching import outline, touches_of_planes
+from ..surfaces import Machine, Section
+from ..surfaces.touching import Solid, touches_of_planes
 
 ANGLES = 360  # from y, at which a solid's outermost points are looked at first
 GOLDEN = (np.sqrt(5) - 1) / 2
@@ -14,19 +12,6 @@ SECTIONS = 34  # after which an angle is known to its half of the digits, and a 
 POSES = 512  # that are looked at together, to keep within memory
 AS_GIVEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # a frame that isn't turned
 ROUNDED = 1e-9  # of products of a rotation's rows
-
-
-class Clearance(NamedTuple):
-    """What is left between arm and wall over a circuit, and how deep the cutter goes.
-
-    Parameters
-    ----------
-    arm, cutter : float
-        Least distances to the wall, in m; negative in the ground.
-    """
-
-    arm: float
-    cutter: float
 
 
 @checked
@@ -79,11 +64,7 @@ Turns = Array(
 
 @checked
 def solid_clearance(
-    section: Section,
-    solid: Rod | Frustum | Box | RoundedDisc,
-    *,
-    turn: Turns = AS_GIVEN,
-    place: Points = (0.0, 0.0, 0.0),
+    section: Section, solid: Solid, *, turn: Turns = AS_GIVEN, place: Points = (0.0, 0.0, 0.0)
 ):
     """Return how far a solid stays inside a section: a cutter's part, a piece of the machine.
 
@@ -91,8 +72,9 @@ def solid_clearance(
     ----------
     section : Section
         The tunnel's, which is convex.
-    solid : Rod, Frustum, Box or RoundedDisc
-        In a frame of its own; in that of the tunnel, in any pose, unless the next two are given.
+    solid : Solid
+        A `Rod`, `Frustum`, `Box` or `RoundedDisc` in a frame of its own, which is that of the
+        tunnel unless the next two are given.
     turn : (..., 3, 3) float
         The axes of its frame in that of the tunnel, as the columns of matrices.
     place : (..., 3) float
@@ -113,14 +95,14 @@ def solid_clearance(
 
     Examples
     --------
-    >>> from tunneller_lib.surfaces import Egg
+    >>> from tunneller_lib.surfaces import Egg, Rod
     >>> capsule = Rod((0, 0, -0.4), (0.8, 0.3, 0), 0.1, ends="round")
     >>> float(solid_clearance(Egg(0.5), capsule).round(12))
     0.1
     >>> float(solid_clearance(Egg(0.5), capsule, place=(0, 0.05, 0)).round(12))
     0.05
     """
-    body = outline(solid)
+    body = solid.outline
     turn, place = np.array(turn), np.array(place)
     shape = np.broadcast_shapes(turn.shape[:-2], place.shape[:-1])
     # Only what is across the tunnel counts.
@@ -181,12 +163,12 @@ def _depths(section, body, across, middle, angle):
 def circuit_clearance(
     machine: Machine, section: Section, lowest: Angle, highest: Angle, arm_radius: Length0
 ):
-    """Return the clearance over a whole circuit of the aligned machine, in closed form.
+    """Return how far the arm stays inside a section over a whole circuit, in closed form.
 
     Parameters
     ----------
     machine : Machine
-        Sizes, cutter and height.
+        Sizes, cutter and height; its axes are the tunnel's.
     section : Section
         The tunnel's, on whose offset the cutter's centre moves.
     lowest, highest : float
@@ -196,8 +178,8 @@ def circuit_clearance(
 
     Returns
     -------
-    clearance : Clearance
-        Of the arm; of the cutter it is less than zero by the depth of cut.
+    clearance : float
+        Least distance of the arm to the wall, in m; negative in the ground.
 
     Raises
     ------
@@ -217,5 +199,4 @@ def circuit_clearance(
         )
     heights = machine.height - machine.r * np.sin([lowest, highest])
     joint = np.min(section.depth(np.zeros(2), heights))
-    arm = min(float(joint), machine.offset) - arm_radius
-    return Clearance(arm, machine.offset - machine.cutter_radius)
+    return min(float(joint), machine.offset) - arm_radius

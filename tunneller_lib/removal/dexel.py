@@ -4,18 +4,18 @@ import os
 
 import numpy as np
 
-from ..arguments import Array, Coordinate, Length, Lengths, Point, Positive, Wholes, checked
+from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, checked
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
-from ..surfaces import Box, Frustum, Rod, RoundedDisc
+from ..surfaces.touching import Solid
 from . import dexel_loops
-from .grid import Lines, fan, parallel
+from .grid import Lines, fan, parallel, swept
 
-GROUP = 8  # moves of a path that are cut at once, as long as
+GROUP = 8  # moves of a path that are cut together
 MOVE = 4e-4  # s, about how long one takes with whole arrays
 LEAN = 1e-2  # cosine, at least, between a line and the ball's normal where a cut ends
-GREATER = 2  # the lines that some may meet are no more than so many times those of the greatest
+GREATER = 2  # times the lines of the widest window: so many may that of moves cut together have
 
 
 # What arguments may be, in this room and above it.
@@ -34,8 +34,6 @@ class DexelGrid:
     low, high : (...) float
         Where the material begins and ends on each line, in m; nothing where low >= high. They
         broadcast to (n, m).
-    memory : float, optional
-        Bytes that its intervals may take while they grow; half of the computer's by default.
 
     Attributes
     ----------
@@ -45,8 +43,8 @@ class DexelGrid:
     Raises
     ------
     ValueError
-        If the intervals don't fit the grid or the memory; cuts raise it, too, when those that
-        they split don't fit any more.
+        If the ends don't fit the grid, or a grid would take more than half of the computer's
+        memory; cuts raise it, too, when the intervals that they split don't fit any more.
 
     Notes
     -----
@@ -58,12 +56,8 @@ class DexelGrid:
     """
 
     @checked
-    def __init__(
-        self, lines: Lines, low: Lengths, high: Lengths, *, memory: Positive | None = None
-    ):
+    def __init__(self, lines: Lines, low: Lengths, high: Lengths):
         shape = (len(lines.x), len(lines.cos))
-        self.memory = allowed_memory(memory)
-        _refuse(shape, 1, self.memory)
         self.lines = lines
         low = _on_lines("low", low, shape)
         high = _on_lines("high", high, shape)
@@ -74,7 +68,7 @@ class DexelGrid:
 
     @classmethod
     @checked
-    def cartesian(cls, low: Point, high: Point, shape: Shape, *, memory: Positive | None = None):
+    def cartesian(cls, low: Point, high: Point, shape: Shape):
         """Return a block of material on lines along z.
 
         Parameters
@@ -83,8 +77,6 @@ class DexelGrid:
             Opposite corners, in m.
         shape : (2,) int
             Number of lines along x and along y, each in the middle of its cell.
-        memory : float, optional
-            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -100,20 +92,13 @@ class DexelGrid:
         """
         if not np.all(np.less(low, high)):
             raise ValueError(f"low: must be below high on each axis; got {low} and {high}.")
-        _refuse(shape, 1, allowed_memory(memory))
-        return cls(parallel(low[:2], high[:2], shape), low[2], high[2], memory=memory)
+        _refuse(shape, 1)
+        return cls(parallel(low[:2], high[:2], shape), low[2], high[2])
 
     @classmethod
     @checked
     def radial(
-        cls,
-        start: Coordinate,
-        stop: Coordinate,
-        inner: Distances,
-        outer: Distances,
-        shape: Shape,
-        *,
-        memory: Positive | None = None,
+        cls, start: Coordinate, stop: Coordinate, inner: Distances, outer: Distances, shape: Shape
     ):
         """Return the wall of a tunnel along x on rays from its axis y = z = 0.
 
@@ -126,8 +111,6 @@ class DexelGrid:
             inner <= outer, and nothing is there where they are equal.
         shape : (2,) int
             n places along x times m angles from y (left) over z (up), each in its cell's middle.
-        memory : float, optional
-            Bytes that it may take; half of the computer's by default.
 
         Returns
         -------
@@ -140,7 +123,7 @@ class DexelGrid:
         >>> bool(np.isclose(grid.volume, np.pi * (0.6**2 - 0.5**2)))
         True
         """
-        _refuse(shape, 1, allowed_memory(memory))
+        _refuse(shape, 1)
         if not start < stop:
             raise ValueError(f"start: must be below stop; got {start:g} and {stop:g} m.")
         for name, distances in (("inner", inner), ("outer", outer)):
@@ -151,7 +134,7 @@ class DexelGrid:
                 )
         if np.any(inner > outer):
             raise ValueError("inner: must not be above outer on any ray.")
-        return cls(fan(start, stop, shape), inner, outer, memory=memory)
+        return cls(fan(start, stop, shape), inner, outer)
 
     @property
     def volume(self):
@@ -165,12 +148,6 @@ class DexelGrid:
             total += float(np.sum(self.lines.measure(low[filled], high[filled])))
         return total
 
-    @property
-    def splits(self):
-        """Return how many intervals there are beyond one on a line."""
-        filled = self.high > self.low
-        return int(np.count_nonzero(filled) - np.count_nonzero(filled.any(axis=0)))
-
     def copy(self):
         """Return a grid of its own with the same material."""
         other = object.__new__(DexelGrid)
@@ -178,14 +155,17 @@ class DexelGrid:
         return other
 
     @checked
-    def cut(self, solid: Rod | Frustum | Box | RoundedDisc):
+    def cut(self, solid: Solid):
         """Remove a solid and return the volume, in m^3; a ball is a round rod without length."""
-        return sum(self._subtract(*touched) for touched in self._touched_by(solid))
-
-    @checked
-    def overlap(self, solid: Rod | Frustum | Box | RoundedDisc):
-        """Return the volume, in m^3, that a solid shares with the material: 0 if they are clear."""
-        return sum(self._shared(*touched)[0] for touched in self._touched_by(solid))
+        a, b, radius = solid.capsule
+        window = self.lines.windows(a[None], b[None], radius, self._nearest)[0]
+        removed = 0.0
+        for rows, columns in self.lines.blocks(window):
+            enter, leave = self.lines.meet_solid(solid, rows, columns)
+            hit = enter < leave
+            i, j = np.nonzero(hit)
+            removed += self._taken(enter[hit], leave[hit], i + rows.start, j + columns.start)
+        return removed
 
     @checked
     def cut_path(self, centres: Centres, radius: Length):
@@ -276,13 +256,10 @@ class DexelGrid:
 
     def _sweep(self, a, b, radius, window):
         """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
-        ready = compiled.ready("grid")
-        taken = self._taken_one_by_one if ready else self._taken_at_once
         removed = 0.0
         for i, j, enters, leaves in self._met_by(a, b, radius, window):
             for enter, leave in zip(enters, leaves, strict=True):
-                for volume in taken(enter, leave, i, j):
-                    removed += volume
+                removed += self._taken(enter, leave, i, j)
         return removed
 
     def _met_by(self, a, b, radius, window):
@@ -313,7 +290,8 @@ class DexelGrid:
         i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
         i = i + rows.start
         j = j + columns.start
-        enter, leave = self.lines.meet(a, b, radius, True, i, j[:, None])
+        seen = self.lines.seen(a, b, j[:, None])
+        enter, leave = swept(self.lines.x[i, None], self.lines.aside[j[:, None]], radius, seen)
         enter = enter[..., 0]
         leave = leave[..., 0]
         # What a move takes from a line nearly always overlaps with what the moves before it
@@ -351,52 +329,6 @@ class DexelGrid:
         cuts = slice(1, None) if apart else slice(1)
         return i[:found], j[:found], enter[cuts, :found], leave[cuts, :found]
 
-    def _taken_at_once(self, enter, leave, i, j):
-        """Take a cut from lines, and yield the volumes, slot by slot."""
-        for touched in self._met(enter, leave, i, j):
-            yield self._subtract(*touched)
-
-    def _taken_one_by_one(self, enter, leave, i, j):
-        """Do the same by a compiled loop."""
-        taken = np.empty((len(self.low), len(i)))
-        counts = np.empty(len(self.low), dtype=int)
-        split = np.empty((3, len(i)))
-        cell, rays = self.lines[-2:]
-        pieces = compiled.call(
-            dexel_loops.take_cut,
-            self.low,
-            self.high,
-            i,
-            j,
-            enter,
-            leave,
-            cell,
-            rays,
-            taken,
-            counts,
-            split,
-            **NUMBERS,
-        )
-        if pieces:
-            line = split[0, :pieces].astype(int)
-            self._add((i[line], j[line]), *split[1:, :pieces])
-        return [
-            float(np.sum(row[:count])) for row, count in zip(taken, counts, strict=True) if count
-        ]
-
-    def _touched_by(self, solid):
-        """Yield what `_met` does of the lines that may meet one solid."""
-        a, b, radius = _capsule_about(solid)
-        window = self.lines.windows(a[None], b[None], radius, self._nearest)[0]
-        for rows, columns in self.lines.blocks(window):
-            if isinstance(solid, Rod):
-                enter, leave = self.lines.meet(a, b, radius, solid.ends == "round", rows, columns)
-            else:
-                enter, leave = self.lines.meet_solid(solid, rows, columns)
-            hit = enter < leave
-            i, j = np.nonzero(hit)
-            yield from self._met(enter[hit], leave[hit], i + rows.start, j + columns.start)
-
     def _met(self, enter, leave, i, j):
         """Yield slot, places, and where a cut enters and leaves, of the intervals that it meets.
 
@@ -417,25 +349,28 @@ class DexelGrid:
         shared = self.lines.measure(np.maximum(low, enter), np.minimum(high, leave))
         return float(np.sum(shared)), low, high
 
-    def _subtract(self, slot, place, enter, leave):
-        """Take a rod from intervals of one slot, and return the volume."""
-        removed, low, high = self._shared(slot, place, enter, leave)
-        below = enter > low  # something stays on the line before the rod
-        above = leave < high  # and behind it
-        # The slot keeps what is before the rod, else what is behind it, else nothing: low = high.
-        self.high[slot][place] = np.where(below, enter, high)
-        self.low[slot][place] = np.where(below, low, np.where(above, leave, high))
-        # Where an interval is split its second piece needs a slot of its own.
-        both = below & above
-        if np.any(both):
-            self._add(tuple(index[both] for index in place), leave[both], high[both])
+    def _taken(self, enter, leave, i, j):
+        """Take a cut from lines i, j, and return the volume."""
+        removed = 0.0
+        for slot, place, first, last in self._met(enter, leave, i, j):
+            volume, low, high = self._shared(slot, place, first, last)
+            removed += volume
+            below = first > low  # something stays on the line before the cut
+            above = last < high  # and behind it
+            # The slot keeps what is before the cut, else what is behind it, else nothing.
+            self.high[slot][place] = np.where(below, first, high)
+            self.low[slot][place] = np.where(below, low, np.where(above, last, high))
+            # Where an interval is split its second piece needs a slot of its own.
+            both = below & above
+            if np.any(both):
+                self._add(tuple(index[both] for index in place), last[both], high[both])
         return removed
 
     def _add(self, place, low, high):
         """Put intervals into the first slots that are free at their places."""
         free = self.high[(slice(None), *place)] <= self.low[(slice(None), *place)]
         if not np.all(free.any(axis=0)):
-            _refuse(self.low.shape[1:], len(self.low) + 1, self.memory)
+            _refuse(self.low.shape[1:], len(self.low) + 1)
             empty = np.zeros((1, *self.low.shape[1:]))
             self.low = np.concatenate([self.low, empty])
             self.high = np.concatenate([self.high, empty])
@@ -443,18 +378,6 @@ class DexelGrid:
         slot = np.argmax(free, axis=0)
         self.low[(slot, *place)] = low
         self.high[(slot, *place)] = high
-
-
-def _capsule_about(solid):
-    """Return the ends (3,) and the radius of a capsule that holds a solid, in m."""
-    if isinstance(solid, Box):
-        half = np.add(np.add(solid.x, solid.y), solid.z) / 2
-        # A little more than half of the diagonal, for its edges are square but for rounding.
-        return solid.corner + half, solid.corner + half, float(norm(half)) * (1 + 1e-9)
-    if isinstance(solid, RoundedDisc):
-        return np.array(solid.centre), np.array(solid.centre), solid.radius + solid.corner
-    radius = solid.radius if isinstance(solid, Rod) else max(solid.radius_a, solid.radius_b)
-    return np.array(solid.a), np.array(solid.b), radius
 
 
 def _count(window):
@@ -473,10 +396,8 @@ def _on_lines(name, sides, shape):
         ) from None
 
 
-def allowed_memory(memory=None):
-    """Return the bytes that may be taken: `memory`, or else half of the computer's."""
-    if memory is not None:
-        return memory
+def allowed_memory():
+    """Return the bytes that may be taken: half of the computer's."""
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2
     return 2.0**32
@@ -494,7 +415,7 @@ def check_fits(shape, each, memory, what):
         )
 
 
-def _refuse(shape, slots, memory):
+def _refuse(shape, slots):
     """Raise ValueError if intervals in so many slots, and as much for work, don't fit."""
     room = f"{slots} interval{'' if slots == 1 else 's'}"
-    check_fits(shape, 32.0 * slots, memory, f"lines with room for {room} each")
+    check_fits(shape, 32.0 * slots, allowed_memory(), f"lines with room for {room} each")

@@ -6,7 +6,7 @@ The formulas are those that `grid` has for whole arrays, so that every bit is th
 import numpy as np
 
 from ..kernels.elementwise import greater, lesser
-from .grid import measured, met_ball, swept
+from .grid import met_ball, swept
 
 
 def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, enter, leave):
@@ -122,63 +122,3 @@ def _meet_row(x, aside, radius, seen, k, begin, enter, leave):
     for j in range(len(aside)):
         axis = (sx[j], side[j], fx[j], fy[j], run[j], rise[j], length, start[j])
         enter[j], leave[j] = swept(x, aside[j], radius, axis)
-
-
-def take_cut(low, high, rows, columns, enter, leave, cell, rays, taken, counts, split):
-    """Take a cut from each of some lines; return how many pieces found no free slot.
-
-    Parameters
-    ----------
-    low, high : (k, n, m) float
-        The material, in m, which changes.
-    rows, columns : (l,) int
-        The lines.
-    enter, leave : (l,) float
-        Where the cut enters and leaves each, in m.
-    cell, rays : float and bool
-        Of `Lines`.
-    taken : (k, l) float
-        Filled with the volumes taken from each slot's intervals, in m^3.
-    counts : (k,) int
-        Filled with how many these are.
-    split : (3, l) float
-        Filled with pieces for which no slot was free: the number of the line, from and to in m.
-    """
-    pieces = 0
-    for slot in range(len(low)):
-        count = 0
-        for line in range(len(rows)):
-            i = rows[line]
-            j = columns[line]
-            first = enter[line]
-            last = leave[line]
-            begins = low[slot, i, j]
-            ends = high[slot, i, j]
-            # An empty slot, a cut that misses, or nothing in common: as for a piece that an earlier
-            # slot has just put here, which begins where the cut ends.
-            if not (last > begins and first < ends and first < last and begins < ends):
-                continue
-            taken[slot, count] = measured(greater(begins, first), lesser(ends, last), cell, rays)
-            count += 1
-            # The slot keeps what is before the cut, else what is behind it, else nothing.
-            if first > begins:
-                high[slot, i, j] = first
-            elif last < ends:
-                low[slot, i, j] = last
-            else:
-                low[slot, i, j] = ends
-            # Both are left: what is behind the cut goes to the line's first free slot.
-            if first > begins and last < ends:
-                free = 0
-                while free < len(low) and high[free, i, j] > low[free, i, j]:
-                    free += 1
-                if free < len(low):
-                    low[free, i, j] = last
-                    high[free, i, j] = ends
-                else:
-                    split[0, pieces] = line
-                    split[1, pieces] = last
-                    split[2, pieces] = ends
-                    pieces += 1
-        counts[slot] = count
-    return pieces

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..kernels.elementwise import larger, square_root, where
 from ..kernels.exact import norm
-from ..surfaces.rod_interval import ball_sweep, flat_interval
+from ..surfaces.rod_interval import ball_sweep
 
 BLOCK = 32768  # lines treated at once: a few MB for work, whatever the size of the grid
 
@@ -115,29 +115,6 @@ class Lines(NamedTuple):
         stop = np.floor((angle + half) / step - 0.5 + 1e-9).astype(int) + 1
         return start, np.minimum(stop, start + len(self.cos))
 
-    def meet(self, a, b, radius, round_ends, rows, columns):
-        """Return `enter` and `leave` (..., i, j) of lines against rods, in m.
-
-        Parameters
-        ----------
-        a, b : (..., 3) float
-            Ends of the axes, in m.
-        radius : float
-            In m.
-        round_ends : bool
-            As for `Rod`.
-        rows, columns : slice, or (i,) and (i, 1) int
-            The lines: a window, or some of them. A line that misses gets an empty interval.
-        """
-        seen = self.seen(a, b, columns)
-        if round_ends:
-            return swept(self.x[rows, None], self.aside[columns], radius, seen)
-        _, _, _, _, run, rise, length, start = seen
-        s, m = across(self.x[rows, None], self.aside[columns], seen)
-        with np.errstate(all="ignore"):
-            hit, enter, leave = flat_interval(run, rise, length, radius, s, m)
-        return np.where(hit, enter + start, np.inf), np.where(hit, leave + start, -np.inf)
-
     def seen(self, a, b, columns):
         """Return axes as the lines see them, whatever their plane: what `across` takes.
 
@@ -180,7 +157,7 @@ class Lines(NamedTuple):
 
         Parameters
         ----------
-        solid : Rod, Frustum, Box or RoundedDisc
+        solid : Solid
             Met by its own `meet_line`.
         rows, columns : slice
             The window. A line that misses gets an empty interval.
@@ -216,7 +193,7 @@ class Lines(NamedTuple):
         if not filled:
             return 0, 0, 0, 0
         first, last, start, stop = zip(*filled, strict=True)
-        if self.rays:  # all on the same round
+        if self.rays:  # the ranges are turned until they lie on the same round
             count = len(self.cos)
             half = count // 2
             shift = [(s - start[0] + half) % count - half + start[0] - s for s in start]

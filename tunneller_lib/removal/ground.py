@@ -1,8 +1,9 @@
 """What cutting asks for: force and power from the ground that is removed.
 
-A specific energy E, the work for each cubic metre, and the picks' speed u make of the ground A
-that is removed for each metre of way a force against the feed, E A v / u at a cutter's speed v:
-the picks' cutting force turned against the motion. It grows with the feed, as a damper's does.
+Cutting takes a specific energy E, the work for each cubic metre. A cutter at the speed v removes A
+cubic metres for each metre of its way, so that its power is E A v. The picks, which go round the
+head at the speed u, bring that power by a force E A v / u. It is taken to act against the motion,
+and grows with the feed, as a damper's force does.
 """
 
 from dataclasses import dataclass

@@ -2,15 +2,13 @@
 
 from .box import Box
 from .cone import Cone
-from .cutter import Cutter
 from .egg import Egg
+from .facet import meet_box
 from .frustum import Frustum
 from .machine import REFERENCE_MACHINE, Body, Machine
-from .pieces import Arc, Line
 from .rod import Rod
-from .rod_box import meet_box
 from .rounded_disc import RoundedDisc
-from .section import Section, closed_profile
+from .section import Arc, Line, Section, closed_profile
 from .torus import Torus
 
 __all__ = [
@@ -19,7 +17,6 @@ __all__ = [
     "Body",
     "Box",
     "Cone",
-    "Cutter",
     "Egg",
     "Frustum",
     "Line",

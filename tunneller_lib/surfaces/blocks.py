@@ -1,12 +1,14 @@
-"""Many lines against one shape, or each against its own, in blocks that stay in the cache.
+"""Many lines against one shape, in blocks that stay in the cache.
 
-Each shape has two ways. The quick way is the plain formula. It holds for lines that are given
-near the shape, that are neither nearly parallel nor nearly level with it, and that neither touch
-it nor pass it closely. The careful way, with twice the digits where they cancel, takes the rest:
-one of a hundred thousand lines that come from anywhere, and any number of those that don't.
+Each shape has a careful way, with twice the digits where they cancel. A round shape has a quick
+way as well, the plain formula. It is sure of lines that are given near the shape, that are neither
+nearly parallel to its axis nor nearly level with its discs, and that neither touch the shape nor
+pass it closely. Of lines between random places it leaves one of a hundred thousand to the careful
+way; of lines that a program aims at an edge it may leave all.
 
-Both are written once, `elementwise`: one line takes them in Python's own floats, many in rows of
-x, y and z, over which numpy runs fastest. Where loops are `compiled`, both take a loop over lines.
+Both ways are written once, `elementwise`: for one line they take Python's own floats, for many
+rows of x, y and z, over which numpy runs fastest. Where loops are `compiled` a loop calls them line
+by line.
 """
 
 import math
@@ -20,31 +22,35 @@ from ..kernels.vectors import differences, scalar_products, vector_products
 
 BLOCK = 16384  # lines treated at once
 COMPILED = 65536  # the same by a compiled loop, for which only calls count
-PAIRS = 8192  # the same of lines with shapes of their own
 CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
 RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
-FAR = 6.0  # sizes from which the quick way's roundings come to less than the promise
-MISSED = np.inf, -np.inf, True  # what the quick way says of a line beside a shape
+MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a shape
+FAR = 6.0  # sizes from the shape, up to which the quick way's roundings are within the promise
 # About how long lines take at most without a compiler, in s: one alone, and each of many.
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
-def meet_in_blocks(quick, careful, shape, plain, point, direction):
+def undecided(shape, q, u):
+    """Return that no line is sure: the quick way of a shape that has none."""
+    return np.inf, -np.inf, False
+
+
+def meet_in_blocks(careful, shape, point, direction, *, quick=undecided, plain=False):
     """Return where lines enter and leave one shape.
 
     Parameters
     ----------
-    quick : function
-        Of the shape, points from its start, in m, and directions, as `vectors`; returns `enter`,
-        `leave` and where they are `sure`.
     careful : function
-        Of the shape, points and directions; returns `enter` and `leave`.
+        Of the shape, of points and directions as `vectors`; returns `enter` and `leave`.
     shape : NamedTuple
         Numbers and vectors of the shape; its `start`, in m, is one of its points.
-    plain : bool
-        Whether the quick way may decide, see `well_shaped`.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
+    quick : function, optional
+        Of the shape, of points counted from its start, in m, and of directions; returns `enter`,
+        `leave` and where they are `sure`.
+    plain : bool
+        Whether the quick way may decide, see `well_shaped`.
 
     Returns
     -------
@@ -69,7 +75,8 @@ def meet_in_blocks(quick, careful, shape, plain, point, direction):
         meet = _meet_compiled if ready else _meet_rows
         rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
         meet(quick, careful, shape, plain, *rows)
-    found += 0.0  # which of two zeros is the greater numpy says in another way than Python
+    # Adding 0.0 turns -0.0 into 0.0: of two zeros Python's `max` and numpy's keep different ones.
+    found += 0.0
     return found[0], found[1]
 
 
@@ -90,7 +97,7 @@ def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
     def meet(block):
         some = (row if len(row) == 1 else row[block] for row in rows)
         arguments = shape, plain, *some, ends[0, block], ends[1, block]
-        compiled.call(line_loops.meet_lines, *arguments, **ways, **ONE_LINE)
+        compiled.call(line_loops.meet_lines, *arguments, **ways, **line_loops.FOR_LINES)
 
     compiled.each_block(meet, ends.shape[1], COMPILED, careful)
 
@@ -116,37 +123,6 @@ def _meet_rows(quick, careful, shape, plain, points, directions, ends):
             ends[:, block] = enter, leave
 
 
-def meet_one_by_one(careful, vectors, numbers):
-    """Return where lines enter and leave shapes, one shape a line.
-
-    Parameters
-    ----------
-    careful : callable
-        Of `vectors` and `numbers`, three rows each, and a row; returns `enter` and `leave`.
-    vectors : list of (..., 3) float
-        Places of the shapes, the lines' points and directions.
-    numbers : list of (...) float
-        The shapes' other sizes, in m.
-
-    Returns
-    -------
-    enter, leave : (...) float
-        In lengths of the direction; ``inf`` and ``-inf`` for a miss.
-    """
-    parts = [*(v[..., i] for v in vectors for i in range(3)), *numbers]
-    shape = np.broadcast_shapes(*(part.shape for part in parts))
-    parts = [np.broadcast_to(part, shape).flat if part.size != 1 else part.item() for part in parts]
-    found = np.empty((2, int(np.prod(shape))))
-    with np.errstate(all="ignore"):
-        for first in range(0, found.shape[1], PAIRS):
-            block = slice(first, first + PAIRS)
-            rows = [part if isinstance(part, float) else part[block] for part in parts]
-            triples = [rows[3 * i : 3 * i + 3] for i in range(len(vectors))]
-            found[:, block] = np.reshape(careful(*triples, *rows[3 * len(vectors) :]), (2, -1))
-    enter, leave = found.reshape(2, *shape)
-    return enter[()], leave[()]
-
-
 def well_shaped(*sizes):
     """Return whether a shape's sizes, in m, let the quick way decide: no needle, no wafer."""
     least, most = min(sizes), max(sizes)
@@ -154,26 +130,25 @@ def well_shaped(*sizes):
 
 
 class Passing(NamedTuple):
-    """Lines past an axis v.
+    """Lines q + t u that pass an axis v; q is counted from the axis' start, in m.
 
     Parameters
     ----------
-    q, u, n : vectors
-        Points from the axis' start, in m, directions, and u x v.
-    nn, aside, uu : (...) float
-        The products n n, q n and u u.
+    n : vectors
+        The products u x v.
+    nn, aside, uu, vv : (...) float
+        The products n n, q n, u u and v v.
     size : (...) float
         q^2 u^2 v^2.
     beside : (...) bool
-        Which pass beside the endless wall, by more than rounding makes of it.
+        Which pass beside the endless wall, by more than rounding makes of it: sure misses.
     """
 
-    q: tuple
-    u: tuple
     n: tuple
     nn: np.ndarray
     aside: np.ndarray
     uu: np.ndarray
+    vv: float
     size: np.ndarray
     beside: np.ndarray
 
@@ -189,62 +164,12 @@ def past_an_axis(shape, q, u):
         The lines' points from the start, in m, and their directions.
     """
     n = vector_products(u, shape.axis)
-    nn = scalar_products(n, n)
-    aside = scalar_products(q, n)
-    uu = scalar_products(u, u)
-    size = scalar_products(q, q) * (uu * scalar_products(shape.axis, shape.axis))
-    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn
-    return Passing(q, u, n, nn, aside, uu, size, aside * aside > wide + 1e-23 * size)
-
-
-def not_beside(passing):
-    """Return of lines `Passing` an axis those that don't pass beside its wall."""
-    if not isinstance(passing.beside, np.ndarray):
-        return passing
-    near = np.flatnonzero(~passing.beside)
-    return Passing(*(_picked(part, near) for part in passing))
-
-
-def _picked(part, places):
-    """Return a number for all lines, or those of a row or of three rows at some places."""
-    if isinstance(part, np.ndarray):
-        return part[..., places]
-    return [_picked(row, places) for row in part] if isinstance(part, (list, tuple)) else part
-
-
-def with_those_beside(beside, enter, leave, sure):
-    """Return the ends of all lines from those of lines that aren't `beside` a shape.
-
-    The ends are `enter`, `leave` and where they are `sure`.
-    """
-    hit = enter <= leave
-    enter, leave = where(hit, enter, np.inf), where(hit, leave, -np.inf)
-    return put_back(beside, enter, leave, sure)
-
-
-def put_back(beside, enter, leave, sure):
-    """Return `enter`, `leave` and `sure` of all lines; those `beside` are missed for sure."""
-    if not isinstance(beside, np.ndarray):
-        return enter, leave, sure
-    near = np.flatnonzero(~beside)
-    found = np.full(beside.shape, np.inf), np.full(beside.shape, -np.inf), beside.copy()
-    for all_lines, those in zip(found, (enter, leave, sure), strict=True):
-        all_lines[near] = those
-    return found
-
-
-def _the_same(passing):
-    """Return one line, which passes near an axis."""
-    return passing
-
-
-def _ends(beside, enter, leave, sure):
-    """Return the ends of one line, which isn't beside."""
-    return enter, leave, sure
-
-
-# What the formulas call in a compiled loop, which has one line at a time.
-ONE_LINE = {**line_loops.FOR_LINES, "not_beside": _the_same, "put_back": _ends}
+    nn, aside = scalar_products(n, n), scalar_products(q, n)
+    uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
+    size = scalar_products(q, q) * (uu * vv)
+    # The second term is what six roundings make of q n, squared.
+    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
+    return Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
 
 
 class Nearest(NamedTuple):
@@ -252,38 +177,39 @@ class Nearest(NamedTuple):
 
     Parameters
     ----------
-    nn, uu, vv, qv, uv : (...) float
-        Products of vectors as in `Passing`: n n, u u, v v, q v and u v.
+    nn, aside, uu, vv, qv, uv : (...) float
+        The products n n, q n, u u, v v, q v and u v.
     middle : (...) float
         The line's parameter there.
-    aside : (...) float
-        The product q n.
     room : (...) float
-        Radius^2 less the squared distance, times nn.
+        Radius^2 less the squared distance, times n n.
     half : (...) float
-        The parameter from the middle to an endless wall.
+        The parameter from the middle to the endless wall.
     sound : (...) bool
         Where the line passes near enough, and is no tangent, for the quick way.
     """
 
     nn: np.ndarray
+    aside: np.ndarray
     uu: np.ndarray
     vv: np.ndarray
     qv: np.ndarray
     uv: np.ndarray
     middle: np.ndarray
-    aside: np.ndarray
     room: np.ndarray
     half: np.ndarray
     sound: np.ndarray
 
 
-def nearest_to_axis(shape, passing):
-    """Return lines where they are `Nearest` to the axis of a shape."""
-    q, u, n, nn, aside, uu, size, _ = passing
+def nearest_to_axis(shape, q, u, passing):
+    """Return where lines are `Nearest` to the axis of a shape.
+
+    Parameters: shape, q and u as of `past_an_axis`, and passing, which that returns.
+    """
     v = shape.axis
     radius = shape.radius
-    vv, qv, uv = scalar_products(v, v), scalar_products(q, v), scalar_products(u, v)
+    n, nn, aside, uu, vv, size, _ = passing
+    qv, uv = scalar_products(q, v), scalar_products(u, v)
     middle = ratio(-scalar_products(vector_products(q, v), n), nn)
     room = radius * radius * nn - aside * aside
     half = ratio(square_root(room * vv), nn)
@@ -291,7 +217,13 @@ def nearest_to_axis(shape, passing):
     enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
     enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
     sound = enough & (room > CLOSE * radius * radius * nn)
-    return Nearest(nn, uu, vv, qv, uv, middle, aside, room, half, sound)
+    return Nearest(nn, aside, uu, vv, qv, uv, middle, room, half, sound)
+
+
+def unless_beside(beside, enter, leave, sure):
+    """Return `enter`, `leave` and where they are `sure`; lines `beside` a shape miss for sure."""
+    hit = where(beside, False, enter <= leave)
+    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure | beside
 
 
 def share_of_axis(lines):

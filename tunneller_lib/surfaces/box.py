@@ -1,68 +1,31 @@
 """A box in any pose against lines."""
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import Directions, Point, Points, checked, sizes
-from ..kernels.elementwise import larger, ratio, scaled, smaller, some, square_root, where, within
-from ..kernels.exact import accurate_products
+from ..kernels.elementwise import larger, ratio, scaled, smaller, where, within
+from ..kernels.exact import accurate_products, norm
 from ..kernels.vectors import (
     differences,
     either,
     lengths,
+    multiples,
     near_one,
     products_with_each,
     scalar_products,
     shares,
     unit_and_speed,
 )
-from .blocks import CLOSE, FAR, RANGE, meet_in_blocks, meet_one_by_one, well_shaped
+from .blocks import meet_in_blocks
 from .rod_interval import GUARD, nearest_offset
+from .touching import Outline, Solid
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
-
-
-@checked
-def meet_boxes(
-    corner: Points, x: Points, y: Points, z: Points, point: Points, direction: Directions
-):
-    """Return where lines enter and leave boxes, one box a line: `Box.meet_line` of many.
-
-    Parameters
-    ----------
-    corner : (..., 3) float
-        In m.
-    x, y, z : (..., 3) float
-        Edges from there, in m, not zero and perpendicular to each other.
-    point, direction : (..., 3) float
-        One point of each line, in m, and its direction, not zero.
-
-    Returns
-    -------
-    enter, leave : (...) float
-        In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
-
-    Raises
-    ------
-    ValueError
-        As by `Box` and `Box.meet_line`.
-
-    Examples
-    --------
-    >>> edges = (1, 0, 0), (0, 2, 0), (0, 0, 3)
-    >>> enter, leave = meet_boxes((0, 0, 0), *edges, [(0.5, 1, -1), (2, 1, -1)], (0, 0, 1))
-    >>> enter, leave
-    (array([ 1., inf]), array([  4., -inf]))
-    """
-    return meet_one_by_one(_meet_edges, [corner, x, y, z, point, direction], [])
-
-
-def _meet_edges(corner, x, y, z, p, u):
-    """Return `enter` and `leave` of lines against boxes, all as vectors."""
-    return _carefully(_numbers(corner, *_faces(x, y, z)), p, u)
 
 
 class _Numbers(NamedTuple):
@@ -72,11 +35,6 @@ class _Numbers(NamedTuple):
     normals: tuple
     half: tuple
     size: float
-
-
-def _numbers(corner, normals, wide):
-    """Return a box with such faces in numbers."""
-    return _Numbers(corner, normals, shares(wide, 2), lengths(wide))
 
 
 def _carefully(shape, p, u):
@@ -173,76 +131,9 @@ def _in_order(one, other):
     return either(swap, other, one), either(swap, one, other)
 
 
-def _quickly(shape, q, u):
-    """Return `enter`, `leave` and where they are sure of lines from the corner."""
-    size = shape.size
-    far = FAR * shape.size
-    enter = -np.inf
-    leave = np.inf
-    sure = scalar_products(q, q) <= far * far
-    speed = square_root(scalar_products(u, u))
-    sure = sure & (speed < RANGE) & (speed > 1 / RANGE)
-    for i in range(3):
-        normal = shape.normals[i]
-        wide = shape.half[i]
-        at, pace = scalar_products(normal, q) - wide, scalar_products(normal, u)
-        middle, reach = ratio(-at, pace), ratio(wide, abs(pace))
-        level = abs(pace) <= CLOSE * speed
-        if some(level):
-            # Such a line is between the faces all along the box, or nowhere, unless it's close.
-            middle = where(level, 0.0, middle)
-            reach = where(level, where(abs(at) < wide, np.inf, -np.inf), reach)
-            close = abs(abs(at) - wide) <= 10 * CLOSE * size
-            sure = where(level & close, False, sure)
-        enter, leave = larger(enter, middle - reach), smaller(leave, middle + reach)
-    sure = sure & (abs(leave - enter) * speed > CLOSE * size)
-    hit = enter <= leave
-    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure
-
-
-def _check_edges(x, y, z):
-    """Raise ValueError unless edges, vectors in m, are sound and perpendicular to each other."""
-    edges = x, y, z
-    for edge in edges:
-        length = np.abs(edge).max(axis=0)
-        sizes("x, y, z", length)
-        if not np.all(length > 0):
-            raise ValueError("x, y, z: must not be zero; got an edge that is.")
-    units = [unit_and_speed(edge)[0] for edge in edges]
-    for first, second in ((0, 1), (1, 2), (2, 0)):
-        cosine = np.max(np.abs(scalar_products(units[first], units[second])), initial=0)
-        if cosine > SQUARE:
-            raise ValueError(
-                f"x, y, z: must be perpendicular to each other; got a cosine of {cosine:.2g}."
-            )
-
-
-def _faces(x, y, z):
-    """Return the unit normals of boxes' faces, and how far opposite faces are apart, as vectors."""
-    _check_edges(x, y, z)
-    edges = [near_one(edge) for edge in (x, y, z)]
-    normals = []
-    wide = []
-    for i in range(3):
-        edge, power = edges[i]
-        normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
-        normal = shares(normal, lengths(normal))
-        width = scalar_products(normal, edge)
-        # Outwards from the corner, whichever hand the edges are of.
-        normals.append(tuple(where(width < 0, -part, part) for part in normal))
-        wide.append(scaled(abs(width), power))
-    return tuple(normals), tuple(wide)
-
-
-@functools.lru_cache
-def _numbers_of(corner, x, y, z):
-    """Return one box, whose edges are tuples, in numbers: it often meets many lines one by one."""
-    return _numbers(corner, *_faces(x, y, z))
-
-
 @dataclass(frozen=True)
 @checked
-class Box:
+class Box(Solid):
     """A box in any pose, its surface included.
 
     Parameters
@@ -265,7 +156,52 @@ class Box:
     z: Point
 
     def __post_init__(self):
-        _faces(self.x, self.y, self.z)
+        edges = self.x, self.y, self.z
+        for edge in edges:
+            length = np.abs(edge).max()
+            sizes("x, y, z", length)
+            if not length > 0:
+                raise ValueError("x, y, z: must not be zero; got an edge that is.")
+        units = [unit_and_speed(edge)[0] for edge in edges]
+        cosine = max(abs(scalar_products(units[i - 1], units[i])) for i in range(3))
+        if cosine > SQUARE:
+            raise ValueError(
+                f"x, y, z: must be perpendicular to each other; got a cosine of {cosine:.2g}."
+            )
+
+    @functools.cached_property
+    def _numbers(self):
+        """Return the box in numbers, made once: it often meets many lines one by one."""
+        edges = [near_one(edge) for edge in (self.x, self.y, self.z)]
+        normals = []
+        wide = []
+        for i in range(3):
+            edge, power = edges[i]
+            normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
+            normal = shares(normal, lengths(normal))
+            width = scalar_products(normal, edge)
+            # Outwards from the corner, whichever hand the edges are of.
+            normals.append(multiples(math.copysign(1.0, width), normal))
+            wide.append(scaled(abs(width), power))
+        return _Numbers(self.corner, tuple(normals), shares(wide, 2), lengths(wide))
+
+    @property
+    def outline(self):
+        """Return the box's `Outline`."""
+        x, y, z = np.array([self.x, self.y, self.z])
+        edges = []
+        for along, second, third in ((x, y, z), (y, z, x), (z, x, y)):
+            for corner in (0 * x, second, third, second + third):
+                edges.append((corner, corner + along))
+        size = float(norm(x + y + z))
+        return Outline(np.array(self.corner), size, edges=edges)
+
+    @property
+    def capsule(self):
+        """Return the middle (3,), twice, and the radius of a ball about the box, in m."""
+        half = np.add(np.add(self.x, self.y), self.z) / 2
+        # A little more than half of the diagonal, for its edges are square but for rounding.
+        return self.corner + half, self.corner + half, float(norm(half)) * (1 + 1e-9)
 
     @property
     def faces(self):
@@ -309,6 +245,4 @@ class Box:
         >>> float(enter), float(leave)
         (4.0, 9.0)
         """
-        shape = _numbers_of(self.corner, self.x, self.y, self.z)
-        plain = well_shaped(*shape.half)
-        return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)
+        return meet_in_blocks(_carefully, self._numbers, point, direction)

@@ -1,4 +1,4 @@
-"""The cone of revolution on which the tangent-sphere path is tested: appendix, Eqs 13 to 18."""
+"""The cone of revolution on which the appendix tries the projected chord: Eqs 13 to 18."""
 
 from dataclasses import dataclass
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Finite, Length, checked
-from .pieces import Arc
-from .section import Profile, Section
+from .section import Arc, Profile, Section
 
 WALL = np.arctan2(3, 4)  # angle of a wall arc: the centres make a 3-4-5 triangle
 

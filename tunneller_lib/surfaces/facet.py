@@ -1,20 +1,16 @@
-"""Facets that move along a direction until they touch a solid: drop cutters, boxes in any pose."""
+"""Facets that move along a direction until they touch a solid; a box that comes down on one."""
 
 from itertools import pairwise
 
 import numpy as np
 
-from ..arguments import Array, Directions, checked
+from ..arguments import Array, Corners, Directions, checked
 from ..kernels.vectors import differences, scalar_products, sums, unit_and_speed
 from .blocks import BLOCK
-from .box import Box
-from .frustum import Frustum
-from .rod import Rod
 from .rod_interval import GUARD, nearest_offset
-from .rounded_disc import RoundedDisc
 from .touching import (
+    Solid,
     accurate_cross,
-    outline,
     swept_planes,
     touches_of_edges,
     touches_of_planes,
@@ -22,7 +18,6 @@ from .touching import (
 )
 
 UP = np.array([0.0, 0.0, 1.0])
-
 
 Facets = Array(
     "(..., k, 3) float",
@@ -33,13 +28,13 @@ Facets = Array(
 
 
 @checked
-def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direction: Directions):
+def meet_facets(solid: Solid, facets: Facets, direction: Directions):
     """Return where facets that move along directions first touch and last leave a solid.
 
     Parameters
     ----------
-    solid : Rod, Frustum, Box or RoundedDisc
-        In any pose.
+    solid : Solid
+        A `Rod`, `Frustum`, `Box` or `RoundedDisc`, in any pose.
     facets : (..., k, 3) float
         Corners of flat convex polygons, in order, in m: points, edges, triangles, ...
     direction : (..., 3) float
@@ -69,6 +64,7 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
 
     Examples
     --------
+    >>> from tunneller_lib.surfaces import Rod
     >>> triangle = [(-5, -5, 0), (5, -5, 0), (0, 5, 5)]
     >>> enter, leave = meet_facets(Rod((0, 0, 9), (0, 0, 9), 2, ends="round"), triangle, (0, 0, 1))
     >>> round(float(enter), 6), round(float(leave), 6)
@@ -77,112 +73,135 @@ def meet_facets(solid: Rod | Frustum | Box | RoundedDisc, facets: Facets, direct
     shape = np.broadcast_shapes(facets.shape[:-2], direction.shape[:-1])
     corners = facets.shape[-2]
     facets = np.broadcast_to(facets, (*shape, corners, 3)).reshape(-1, corners, 3)
-    one = direction.ndim == 1
-    turns = direction if one else np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
+    turns = np.broadcast_to(direction, (*shape, 3)).reshape(-1, 3)
     found = np.empty((2, len(facets)))
     for first in range(0, len(facets), BLOCK):
         block = slice(first, first + BLOCK)
-        found[:, block] = _meet(solid, facets[block], turns if one else turns[block])
+        found[:, block] = _meet(solid, facets[block], turns[block])
     enter, leave = found.reshape(2, *shape)
     return enter[()], leave[()]
 
 
+@checked
+def meet_box(solid: Solid, low: Corners, high: Corners):
+    """Return the lowest and highest points of a solid in boxes that are endless along z.
+
+    Parameters
+    ----------
+    solid : Solid
+        A `Rod`, `Frustum`, `Box` or `RoundedDisc`, in any pose.
+    low, high : (..., 2) float
+        Opposite corners (x, y) of the boxes' sections, in m; low <= high.
+
+    Returns
+    -------
+    bottom, top : (...) float
+        Heights z between which a rectangular cutter over that section touches the solid, in m;
+        ``inf`` and ``-inf`` where it doesn't.
+
+    Raises
+    ------
+    ValueError
+        If a corner isn't finite or low > high.
+
+    Notes
+    -----
+    Line and finite cylinder announces this for a cylinder as its part two, and doesn't give it.
+    The section is a facet that moves along z. A `Box` in any pose that moves in any direction
+    touches with its faces: take the least `enter` and the greatest `leave` of `meet_facets` of
+    ``box.faces``. So each solid meets lines by its `meet_line`, and boxes by this, with one guard.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Rod
+    >>> bottom, top = meet_box(Rod((0, 0, 0), (0, 8, 0), 2), (1, 1), (3, 9))
+    >>> float(top.round(6)), float(bottom.round(6))
+    (1.732051, -1.732051)
+    """
+    low, high = np.broadcast_arrays(low, high)
+    if not np.all(low <= high):
+        raise ValueError("low: must not be above high on either axis; got a corner that is.")
+    corners = [(low, low), (high, low), (high, high), (low, high)]
+    section = np.stack(
+        [np.stack([x[..., 0], y[..., 1], np.zeros_like(x[..., 0])], axis=-1) for x, y in corners],
+        axis=-2,
+    )
+    return meet_facets(solid, section, UP)
+
+
 def _meet(solid, facets, u):
-    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3) or (3,)."""
+    """Return `enter` and `leave` (2, n) of facets (n, k, 3) along u (n, 3)."""
     n, count, _ = facets.shape
-    following = np.roll(np.arange(count), -1)[: count if count > 2 else count - 1]
-    edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
-    one = u.ndim == 1
-    along = u if one else np.repeat(u, len(following), axis=0)
-    corners = solid.meet_line(facets, u if one else u[:, None])
-    found = [np.reshape(corners, (2, n, count))]
+    found = [np.reshape(solid.meet_line(facets, u[:, None]), (2, n, count))]
     if count > 1:
-        touches = meet_edges(solid, edges.reshape(-1, 2, 3), along)
+        following = np.roll(np.arange(count), -1)[: count if count > 2 else 1]
+        edges = np.stack([facets[:, : len(following)], facets[:, following]], axis=2)
+        along = np.repeat(u, len(following), axis=0)
+        touches = _meet_edges(solid.outline, edges.reshape(-1, 2, 3), along)
         found.append(touches.reshape(2, n, len(following)))
     if count > 2:
-        found.append(meet_faces(solid, facets, u)[..., None])
+        found.append(_meet_faces(solid.outline, facets, u)[..., None])
     enter, leave = np.concatenate(found, axis=-1)
     return enter.min(axis=-1), leave.max(axis=-1)
 
 
-def meet_edges(solid, edges, u):
-    """Return `enter` and `leave` (2, n) of edges (n, 2, 3), not of their ends, along u (.., 3)."""
-    body = outline(solid)
-    (start, end), along, shift, speed = _nearby(body, edges, u)
-    guard = GUARD * (body.size + _reach([start, end]))
+def _meet_edges(body, edges, u):
+    """Return `enter` and `leave` (2, n) of edges (n, 2, 3), but for their ends, along u (n, 3)."""
+    (start, end), along, shift, speed, guard = _nearby(body, edges, u)
     cut = swept_planes(start, end, along, guard)
-    found = _nothing(guard)
+    times = []
     for point in touches_of_edges(body, cut):
         way = point - cut.start
         place = scalar_products(way, cut.across)
-        over = (place >= -guard) & (place <= cut.width + guard)
+        # An edge along the direction moves in itself: its ends tell all.
+        over = (place >= -guard) & (place <= cut.width + guard) & (cut.width > guard)
         t = scalar_products(way, along) - cut.slope * np.clip(place, 0, cut.width)
-        found = _with(found, t, over)
-    # An edge along the direction moves in itself: its ends tell all.
-    return _in_lengths(found, cut.width > guard, shift, speed)
+        times.append(np.where(over, t, np.nan))
+    return _first_and_last(times, shift, speed)
 
 
-def meet_faces(solid, facets, u):
-    """Return `enter` and `leave` of facets (n, k, 3), not of their edges, along u (.., 3)."""
-    body = outline(solid)
-    corners, along, shift, speed = _nearby(body, facets, u)
-    guard = GUARD * (body.size + _reach(corners))
+def _meet_faces(body, facets, u):
+    """Return `enter` and `leave` (2, n) of facets (n, k, 3) but for their edges, along u (n, 3)."""
+    corners, along, shift, speed, guard = _nearby(body, facets, u)
     sides = [
         swept_planes(a, b, along, guard)
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
     ]
     ways = [corner - corners[0] for corner in corners[1:]]
-    normal = sum(accurate_cross(a, b) for a, b in pairwise(ways))
-    normal, length = unit_of(normal)
+    normal, length = unit_of(sum(accurate_cross(a, b) for a, b in pairwise(ways)))
     facing = scalar_products(normal, along)
     # Seen along the direction it's so narrow that its edges are all of it.
     wide = np.abs(facing) * length > 4 * guard * sum(side.width for side in sides)
-    turn = np.sign(facing)
-    found = _nothing(guard)
+    times = []
     for point in touches_of_planes(body, normal):
         over = wide
         for side in sides:
             away = scalar_products(side.normal, point - side.start)
-            over = over & (-turn * away >= -guard)
+            over = over & (-np.sign(facing) * away >= -guard)
         with np.errstate(divide="ignore", invalid="ignore"):
             t = scalar_products(normal, point - corners[0]) / facing
-        found = _with(found, t, over)
-    return _in_lengths(found, wide, shift, speed)
+        times.append(np.where(over, t, np.nan))
+    return _first_and_last(times, shift, speed)
 
 
 def _nearby(body, facets, u):
-    """Return corners (3, n) moved next to a solid, unit vectors (3, n), and what that took."""
-    u = np.broadcast_to(u, facets[:, 0].shape).T
-    along, speed = unit_and_speed(u)
+    """Return facets moved next to a solid, and what that took.
+
+    These are corners (3, n), unit vectors (3, n) along u (n, 3), the parameter by which the facets
+    were moved, the lengths of u, and the rounding of places here.
+    """
+    along, speed = unit_and_speed(u.T)
     corners = np.moveaxis(facets, 0, -1).copy()
-    first, shift = nearest_offset(body.start, along, speed, corners[0], u)
+    first, shift = nearest_offset(body.start, along, speed, corners[0], u.T)
     moved = [np.array(sums(first, differences(corner, corners[0]))) for corner in corners]
-    return moved, np.array(along), shift, speed
+    reach = np.max([np.abs(corner).max(axis=0) for corner in moved], axis=0)
+    return moved, np.array(along), shift, speed, GUARD * (body.size + reach)
 
 
-def _reach(corners):
-    return np.max([np.abs(corner).max(axis=0) for corner in corners], axis=0)
-
-
-def _nothing(guard):
-    return np.full(guard.shape, np.inf), np.full(guard.shape, -np.inf)
-
-
-def _with(found, t, over):
-    """Return `enter` and `leave` with places t (n,) that count where they are `over` a facet."""
-    enter, leave = found
-    return (
-        np.where(over, np.minimum(enter, t), enter),
-        np.where(over, np.maximum(leave, t), leave),
-    )
-
-
-def _in_lengths(found, sound, shift, speed):
-    enter, leave = found
-    hit = sound & (enter <= leave)
-    return np.array(
-        [
-            np.where(hit, shift + enter / speed, np.inf),
-            np.where(hit, shift + leave / speed, -np.inf),
-        ]
-    )
+def _first_and_last(times, shift, speed):
+    """Return the least and the greatest (2, n) of times in m, NaN left out, as parameters."""
+    times = np.reshape(times, (-1, len(speed)))
+    met = ~np.isnan(times)
+    enter = times.min(axis=0, where=met, initial=np.inf)
+    leave = times.max(axis=0, where=met, initial=-np.inf)
+    return np.array([shift + enter / speed, shift + leave / speed])

@@ -5,89 +5,41 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
+from ..arguments import Directions, Length0, Point, Points, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
-from ..kernels.exact import cross, dot, norm
 from ..kernels.vectors import differences, lengths
 from .blocks import (
     CLOSE,
     MISSED,
     between_planes,
     meet_in_blocks,
-    meet_one_by_one,
     nearest_to_axis,
-    not_beside,
     past_an_axis,
     share_of_axis,
+    unless_beside,
     well_shaped,
-    with_those_beside,
 )
-from .rod_interval import GUARD, flat_interval, frame, nearest_point
-
-
-@checked
-def meet_frusta(
-    a: Points, b: Points, radius_a: Radii, radius_b: Radii, point: Points, direction: Directions
-):
-    """Return where lines enter and leave frusta, one frustum a line.
-
-    Parameters
-    ----------
-    a, b : (..., 3) float
-        Centres of the discs, in m; where they are the same the frustum is empty.
-    radius_a, radius_b : (...) float
-        Of the discs, in m, zero or above.
-    point, direction : (..., 3) float
-        One point of each line, in m, and its direction, not zero.
-
-    Returns
-    -------
-    enter, leave : (...) float
-        In lengths of the direction; ``inf`` and ``-inf`` where the line misses.
-
-    Raises
-    ------
-    ValueError
-        As by `Frustum` and `Frustum.meet_line`.
-
-    Examples
-    --------
-    >>> enter, leave = meet_frusta((0, 0, 0), (0, 0, 2), 1, [0, 1], (-5, 0, 1), (1, 0, 0))
-    >>> enter, leave
-    (array([4.5, 4. ]), array([5.5, 6. ]))
-    """
-    sizes("b - a", np.abs(b - a).max(axis=-1))
-    return meet_one_by_one(_meet, [a, b, point, direction], [radius_a, radius_b])
-
-
-def _meet(a, b, p, u, radius_a, radius_b):
-    """Return `enter` and `leave` of lines against frusta, vectors and numbers."""
-    axis = frame(a, b, u)
-    first = where(axis.turned, radius_b, radius_a)
-    last = where(axis.turned, radius_a, radius_b)
-    s, m, z, shift = nearest_point(axis, p, u)
-    hit, enter, leave = frustum_interval(axis.run, axis.rise, axis.length, first, last, s, m)
-    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
-    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
+from .rod_interval import GUARD, along_lines, flat_interval, frame, nearest_point
+from .touching import Solid, round_outline
 
 
 @dataclass(frozen=True)
 @checked
-class Frustum:
+class Frustum(Solid):
     """A cone of revolution cut off at two discs, its surface included: a conical pick.
 
     Parameters
     ----------
     a, b : (3,) float
-        Centres of the discs, in m; not the same.
+        Centres of the discs, in m; where they are the same the frustum is empty.
     radius_a, radius_b : float
         Of the discs, in m; one may be zero, for a whole cone.
 
     Raises
     ------
     ValueError
-        If a centre isn't one finite point, the centres coincide, a radius is negative, or a size
-        is outside the range that `Rod` allows.
+        If a centre isn't one finite point, a radius is negative, or a size is outside the range
+        that `Rod` allows.
     """
 
     a: Point
@@ -96,25 +48,17 @@ class Frustum:
     radius_b: Length0
 
     def __post_init__(self):
-        if self.a == self.b:
-            raise ValueError(f"b: must differ from a, or there is no axis; got {self.b}.")
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
 
-    @checked
-    def contains(self, points: Points):
-        """Return whether points (..., 3), in m, are inside or, within rounding, on the surface."""
-        q = points - self.a
-        v = np.subtract(self.b, self.a)
-        length = float(norm(v))
-        along = dot(q, v) / length
-        off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
-        guard = GUARD * (self.radius_a + self.radius_b + length)
-        gain = self.radius_b - self.radius_a
-        slant = np.hypot(length, gain)
-        # Across the wall: a flat cone's wall is near where its radius at that height is far.
-        outside = (length * (off - self.radius_a) - gain * along) / slant
-        outside = np.maximum(outside, off - max(self.radius_a, self.radius_b))
-        return (along >= -guard) & (along <= length + guard) & (outside <= guard)
+    @property
+    def outline(self):
+        """Return the frustum's `Outline`."""
+        return round_outline(self.a, self.b, self.radius_a, self.radius_b)
+
+    @property
+    def capsule(self):
+        """Return the ends (3,) and the radius of a capsule about the frustum, in m."""
+        return np.array(self.a), np.array(self.b), max(self.radius_a, self.radius_b)
 
     @checked
     def meet_line(self, point: Points, direction: Directions):
@@ -158,7 +102,7 @@ class Frustum:
         gain = self.radius_b - self.radius_a
         # A wall within 27 degrees of the discs is left to the careful way, too.
         plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length
-        return meet_in_blocks(_quickly, _carefully, shape, plain, point, direction)
+        return meet_in_blocks(_carefully, shape, point, direction, quick=_quickly, plain=plain)
 
 
 class _Numbers(NamedTuple):
@@ -173,23 +117,25 @@ class _Numbers(NamedTuple):
 
 
 def _carefully(shape, p, u):
-    return _meet(shape.start, shape.end, p, u, shape.start_radius, shape.end_radius)
+    """Return `enter` and `leave` of lines against a frustum."""
+    axis = frame(shape.start, shape.end, u)
+    first = where(axis.turned, shape.end_radius, shape.start_radius)
+    last = where(axis.turned, shape.start_radius, shape.end_radius)
+    s, m, z, shift = nearest_point(axis, p, u)
+    interval = frustum_interval(axis.run, axis.rise, axis.length, first, last, s, m)
+    return along_lines(axis, z, shift, *interval)
 
 
 def _quickly(shape, q, u):
-    passing = past_an_axis(shape, q, u)
-    if passing.beside is True:
-        return MISSED
-    lines = nearest_to_axis(shape, not_beside(passing))
-    return with_those_beside(passing.beside, *_inside_frustum(shape, lines))
-
-
-def _inside_frustum(shape, lines):
-    """Return where lines enter and leave a frustum, and where that is sure.
+    """Return `enter`, `leave` and where they are sure of lines against a frustum.
 
     From its point nearest to the axis a line is at t: there the wall's radius is w + grow t, and
     the squared distance from the axis aside^2 + across t^2.
     """
+    passing = past_an_axis(shape, q, u)
+    if passing.beside is True:
+        return MISSED
+    lines = nearest_to_axis(shape, q, u, passing)
     gain = shape.end_radius - shape.start_radius
     aside2 = ratio(lines.aside * lines.aside, lines.nn)
     across = lines.nn / lines.vv
@@ -214,7 +160,8 @@ def _inside_frustum(shape, lines):
     clear = abs(leave - enter) > CLOSE * (last - first)
     clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * shape.radius)
     clear = clear & (abs(square) > CLOSE * (w * w) * across)
-    return where(beyond, np.inf, enter), where(beyond, -np.inf, leave), steep & clear & lines.sound
+    enter = where(beyond, np.inf, enter)
+    return unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):

@@ -18,7 +18,7 @@ class Requirement(NamedTuple):
     Parameters
     ----------
     what : str
-        Of what, in letters.
+        What is compared, in words and letters.
     left : float
         Its smaller side, in m.
     strict : bool
@@ -46,7 +46,7 @@ class Requirement(NamedTuple):
 @dataclass(frozen=True)
 @checked
 class Body:
-    """What a machine has beside joints, arm and cutter: a box that stands, and the cutter's holder.
+    """What a machine has beside joints, arm and cutter: an upright box, and the cutter's holder.
 
     Parameters
     ----------

@@ -5,24 +5,25 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..arguments import Directions, Length0, Point, Points, Radii, checked, rule_of, sizes
+from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
-from ..kernels.exact import cross, dot, norm
+from ..kernels.exact import norm
 from ..kernels.vectors import differences, lengths
 from .blocks import (
     CLOSE,
     MISSED,
     between_planes,
     meet_in_blocks,
-    meet_one_by_one,
     nearest_to_axis,
-    not_beside,
     past_an_axis,
     share_of_axis,
+    unless_beside,
     well_shaped,
-    with_those_beside,
 )
-from .rod_interval import GUARD, flat_interval, frame, nearest_point, round_interval
+from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
+from .touching import Solid, round_outline
+
+PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
 
 
 @checked
@@ -65,44 +66,24 @@ def meet_rods(
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
     sizes("b - a", np.abs(b - a).max(axis=-1))
-    careful = _meet_capsules if ends == "round" else _meet_flat
-    return meet_one_by_one(careful, [a, b, point, direction], [radius])
-
-
-def check_rods(a, b, radius):
-    """Raise ValueError where a radius (...) is negative, or it or an axis has no sound square.
-
-    `a` and `b` (..., 3) are the axes' ends, in m, as the radius.
-    """
-    rule_of(Radii).check("radius", radius)
-    sizes("b - a", np.abs(b - a).max(axis=-1))
-
-
-def _meet_flat(a, b, p, u, radius):
-    """Return `enter` and `leave` of lines against flat rods, vectors and numbers."""
-    axis = frame(a, b, u)
-    s, m, z, shift = nearest_point(axis, p, u)
-    interval = flat_interval(axis.run, axis.rise, axis.length, radius, s, m)
-    return _along_lines(axis, z, shift, *interval)
-
-
-def _meet_capsules(a, b, p, u, radius):
-    """Return the same of capsules."""
-    axis = frame(a, b, u)
-    s, m, z, shift = nearest_point(axis, p, u)
-    interval = round_interval(axis.run, axis.rise, axis.length, radius, s, m)
-    return _along_lines(axis, z, shift, *interval)
-
-
-def _along_lines(axis, z, shift, hit, enter, leave):
-    """Return `enter` and `leave` as parameters of lines that see an axis so."""
-    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
-    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
+    careful = _round_carefully if ends == "round" else _flat_carefully
+    vectors = a, b, point, direction
+    shape = np.broadcast_shapes(radius.shape, *(vector.shape[:-1] for vector in vectors))
+    a, b, p, u = (np.broadcast_to(v, (*shape, 3)).reshape(-1, 3).T for v in vectors)
+    radius = np.broadcast_to(radius, shape).ravel()
+    found = np.empty((2, len(radius)))
+    with np.errstate(all="ignore"):
+        for first in range(0, len(radius), PAIRS):
+            some = slice(first, first + PAIRS)
+            rods = _Numbers(a[:, some], b[:, some], None, radius[some])
+            found[:, some] = careful(rods, p[:, some], u[:, some])
+    enter, leave = found.reshape(2, *shape)
+    return enter[()], leave[()]
 
 
 @dataclass(frozen=True)
 @checked
-class Rod:
+class Rod(Solid):
     """A cylinder of finite length, or a capsule, its surface included.
 
     Parameters
@@ -145,27 +126,16 @@ class Rod:
         """Return the length of the axis, in m."""
         return float(norm(self.axis))
 
-    @checked
-    def contains(self, points: Points):
-        """Return whether points (..., 3), in m, are inside or, within rounding, on the surface.
+    @property
+    def outline(self):
+        """Return the rod's `Outline`."""
+        both = self.radius, self.radius
+        return round_outline(self.a, self.b, *both, round_ends=self.ends == "round")
 
-        Examples
-        --------
-        >>> Rod((0, 0, 0), (4, 0, 0), 1).contains([(4, 0, 1), (4.5, 0, 0)])
-        array([ True, False])
-        """
-        q = points - self.a
-        v = self.axis
-        length = self.length
-        if length == 0:
-            return (norm(q) <= self.radius * (1 + GUARD)) & (self.ends == "round")
-        guard = GUARD * (self.radius + length)
-        along = dot(q, v) / length
-        off = norm(cross(q, np.broadcast_to(v, q.shape))) / length
-        beyond = np.maximum(np.maximum(-along, along - length), 0)
-        if self.ends == "round":
-            return np.hypot(beyond, off) <= self.radius + guard
-        return (beyond <= guard) & (off <= self.radius + guard)
+    @property
+    def capsule(self):
+        """Return the ends (3,) and the radius of the capsule about the rod, in m."""
+        return np.array(self.a), np.array(self.b), self.radius
 
     @checked
     def meet_line(self, point: Points, direction: Directions):
@@ -212,7 +182,7 @@ class Rod:
         careful = _flat_carefully if flat else _round_carefully
         quick = _flat_quickly if flat else _round_quickly
         plain = well_shaped(lengths(shape.axis), shape.radius)
-        return meet_in_blocks(quick, careful, shape, plain, point, direction)
+        return meet_in_blocks(careful, shape, point, direction, quick=quick, plain=plain)
 
 
 class _Numbers(NamedTuple):
@@ -220,57 +190,58 @@ class _Numbers(NamedTuple):
 
     start: tuple
     end: tuple
-    axis: tuple
+    axis: tuple | None
     radius: float
 
 
 def _flat_carefully(shape, p, u):
-    return _meet_flat(shape.start, shape.end, p, u, shape.radius)
+    """Return `enter` and `leave` of lines against a flat rod."""
+    axis = frame(shape.start, shape.end, u)
+    s, m, z, shift = nearest_point(axis, p, u)
+    interval = flat_interval(axis.run, axis.rise, axis.length, shape.radius, s, m)
+    return along_lines(axis, z, shift, *interval)
 
 
 def _round_carefully(shape, p, u):
-    return _meet_capsules(shape.start, shape.end, p, u, shape.radius)
+    """Return `enter` and `leave` of lines against a capsule."""
+    axis = frame(shape.start, shape.end, u)
+    s, m, z, shift = nearest_point(axis, p, u)
+    interval = round_interval(axis.run, axis.rise, axis.length, shape.radius, s, m)
+    return along_lines(axis, z, shift, *interval)
 
 
 def _flat_quickly(shape, q, u):
+    """Return `enter`, `leave` and where they are sure of lines against a flat rod."""
     passing = past_an_axis(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest_to_axis(shape, not_beside(passing))
-    return with_those_beside(passing.beside, *_inside_rod(lines))
-
-
-def _round_quickly(shape, q, u):
-    passing = past_an_axis(shape, q, u)
-    if passing.beside is True:
-        return MISSED
-    lines = nearest_to_axis(shape, not_beside(passing))
-    return with_those_beside(passing.beside, *_inside_capsule(lines, shape.radius))
-
-
-def _inside_rod(lines):
-    """Return where lines enter and leave a rod, and where that is sure."""
+    lines = nearest_to_axis(shape, q, u, passing)
     first, last, steep = between_planes(lines)
     enter = larger(first, lines.middle - lines.half)
     leave = smaller(last, lines.middle + lines.half)
+    # Where both ends nearly fall together the line passes a rim closely.
     clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
-    return enter, leave, steep & clear & lines.sound
+    return unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
 
 
-def _inside_capsule(lines, radius):
-    """Return where lines enter and leave a capsule, by the balls on which they do."""
-    enter, enters = _end_on_ball(lines, radius, -1.0)
-    leave, leaves = _end_on_ball(lines, radius, 1.0)
-    return enter, leave, enters & leaves & lines.sound
+def _round_quickly(shape, q, u):
+    """Return `enter`, `leave` and where they are sure of lines against a capsule."""
+    passing = past_an_axis(shape, q, u)
+    if passing.beside is True:
+        return MISSED
+    lines = nearest_to_axis(shape, q, u, passing)
+    enter, enters = _end_on_ball(lines, shape.radius, -1.0)
+    leave, leaves = _end_on_ball(lines, shape.radius, 1.0)
+    return unless_beside(passing.beside, enter, leave, enters & leaves & lines.sound)
 
 
 def _end_on_ball(lines, radius, sign):
-    """Return where lines enter (-1) or leave (1) that ball of a capsule, and where it's sure."""
+    """Return where lines enter (-1) or leave (1) a capsule, by the ball there, and if it's sure."""
     share = share_of_axis(lines)
+    # The ball's centre is where the endless wall is met, or the axis' end that this is beyond.
     step = lines.half * (lines.uv / lines.vv)
     beside = within(share + sign * step, 0.0, 1.0) - share
-    room = lines.room - beside * beside * (lines.nn * lines.nn / lines.uu)
-    room = ratio(room, lines.nn)
+    # Radius^2 less the squared distance of that centre from the line.
+    room = ratio(lines.room - beside * beside * (lines.nn * lines.nn / lines.uu), lines.nn)
     end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
-    clear = abs(room) > CLOSE * radius * radius
-    return where(room > 0, end, -sign * np.inf), clear
+    return where(room > 0, end, -sign * np.inf), abs(room) > CLOSE * radius * radius

@@ -76,10 +76,10 @@ def differences_and_rests(a, b):
 
 
 def nearest_offset(start, along, speed, p, direction):
-    """Return from `start` to lines' nearest points, in m, and these points' parameters.
+    """Return the vectors, in m, from `start` to the nearest points of lines, and their parameters.
 
-    Parameters: start and the lines' points p, in m, unit vectors along them, their speeds, and
-    their directions.
+    Parameters: start and the lines' points p, in m; along, unit vectors; speed, the lengths of the
+    directions; and direction.
     """
     q, low = differences_and_rests(p, start)
     total = 0.0
@@ -103,14 +103,24 @@ def _moved(here, rest, shift, way):
 
 
 def nearest_point(axis, p, direction):
-    """Return lines' points next to `axis.start` as s, m, z in its `Frame`, and their parameter.
+    """Return where lines are nearest to the start of an axis: s, m, z in its `Frame`, and t.
 
-    Parameters: axis, the points p and the direction of each line, in m.
+    Parameters: axis, a `Frame`; the points p, in m, and the direction of the lines.
     """
     q, shift = nearest_offset(axis.start, axis.along, axis.speed, p, direction)
     # Without a run the axis has no plane of its own: any length across will do.
     s = where(axis.run > 0, scalar_products(q, axis.across), lengths(q))
     return s, scalar_products(q, axis.flat), scalar_products(q, axis.along), shift
+
+
+def along_lines(axis, z, shift, hit, enter, leave):
+    """Return `enter` and `leave` as parameters of lines that see an axis so; `inf` for a miss.
+
+    Parameters: axis, a `Frame`; z and shift, the last two of `nearest_point`; and an interval:
+    whether it's a hit, enter and leave, in m.
+    """
+    enter = where(hit, shift + (enter - z) / axis.speed, np.inf)
+    return enter, where(hit, shift + (leave - z) / axis.speed, -np.inf)
 
 
 def flat_interval(run, rise, length, radius, s, m):
@@ -167,7 +177,7 @@ def flat_interval(run, rise, length, radius, s, m):
 
 
 def round_interval(run, rise, length, radius, s, m):
-    """Return the same for capsules; parameters and returns as of `flat_interval`.
+    """Return where lines are inside capsules, as `flat_interval` does for flat rods.
 
     Parameters: run, rise, length, radius, s, m.
     """
@@ -181,10 +191,11 @@ def round_interval(run, rise, length, radius, s, m):
 
 
 def ball_sweep(run, rise, length, radius, s, m):
-    """Return where lines enter and leave the sweep of a ball: of those balls that they meet so.
+    """Return where lines enter and leave what a ball sweeps along an axis, and their room in it.
 
-    Parameters as of `flat_interval`: run, rise, length (above zero), radius, s, m. The third
-    answer is negative where a line misses, and tells it without a guard.
+    Parameters as of `flat_interval`: run, rise, length (above zero), radius, s, m. The room is
+    radius^2 less the squared distance from the ball by which a line enters, in m^2: negative where
+    the line misses, with no guard.
     """
     room = (radius - s) * (radius + s)
     k = rise / length * square_root(larger(room, 0.0))
@@ -200,7 +211,10 @@ def ball_sweep(run, rise, length, radius, s, m):
 
 
 def _sizes(run, length, radius, s, m):
-    """Return the guard, lengths without zeros, which axes lie along the line, and |s| of those."""
+    """Return the guard, the lengths, which axes are parallel to their lines, and distances.
+
+    A length of 0 comes back as 1. The distance of a line is that from a parallel axis, else |s|.
+    """
     guard = GUARD * (radius + run)
     # So small a run moves the surface over the whole rod by less than the guard.
     parallel = run <= guard

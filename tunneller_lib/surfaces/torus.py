@@ -81,7 +81,7 @@ class Torus:
 
     @checked
     def implicit(self, point: Points):
-        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4.
+        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4; infinite beyond 1e77 m.
 
         Written as the product over the two circles in which the meridian plane cuts the torus;
         the printed difference of fourth powers cancels where the ring is small against the tube.
@@ -89,7 +89,8 @@ class Torus:
         x, y, z = np.moveaxis(point, -1, 0)
         rho, excess = radius_and_excess(x, z, self.r)
         near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
-        return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
+        with np.errstate(over="ignore"):
+            return (near - self.R) * (near + self.R) * (far - self.R) * (far + self.R)
 
     @checked
     def normal(self, theta: Angles, phi: Angles):
@@ -248,7 +249,7 @@ class Torus:
         Notes
         -----
         Closed form; the document eliminates its way to the quartic Eq. 10 instead
-        (`replica.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
+        (`exhibits.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
         below 1e-13 of the foot's distance from the origin, unless M is nearer to the ring circle
         than 1e-10 r.
 
@@ -347,7 +348,8 @@ class Torus:
         return in_blocks(lambda some: torus_line.meet(self, some[:, :3], some[:, 3:]), lines, 4)
 
 
-# What the methods of the same names do, for paths that may have no answer: of NaN they make NaN.
+# The plain functions behind the methods of the same names. Paths that may have no answer call them:
+# NaN in, NaN out.
 
 
 def torus_point(torus, theta, phi):

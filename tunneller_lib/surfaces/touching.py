@@ -16,11 +16,15 @@ import numpy as np
 
 from ..kernels.exact import accurate_products
 from ..kernels.vectors import scalar_products, unit_and_speed, vector_products
-from .box import Box
-from .rod import Rod
-from .rounded_disc import RoundedDisc
 
 HALVINGS = 32  # a chord of so small an arc is off by the square of it, less than a rounding
+
+
+class Solid:
+    """A convex solid, which lines meet by `meet_line`; facets touch it at places of its `outline`.
+
+    Its `capsule`, as ends (3,) and radius, holds it: whatever is outside can't meet it.
+    """
 
 
 class Outline(NamedTuple):
@@ -41,64 +45,31 @@ class Outline(NamedTuple):
 
     start: np.ndarray
     size: float
-    edges: list
-    rims: list
-    walls: list
-    balls: list
-    rounds: list
+    edges: list = ()
+    rims: list = ()
+    walls: list = ()
+    balls: list = ()
+    rounds: list = ()
 
 
-def bounds(solid):
-    """Return the lowest and the highest coordinates (3,) of a solid, in m, or beyond."""
-    body = outline(solid)
-    places = [np.zeros(3)]
-    places += [corner for edge in body.edges for corner in edge]
-    for centre, *_, radius in (*body.rims, *body.balls):
-        places += [centre - radius, centre + radius]
-    for centre, _, radius, corner in body.rounds:
-        places += [centre - (radius + corner), centre + (radius + corner)]
-    return body.start + np.min(places, axis=0), body.start + np.max(places, axis=0)
+def round_outline(a, b, radius_a, radius_b, *, round_ends=False):
+    """Return the `Outline` of a round solid with a wall from a to b, (3,) in m.
 
-
-def outline(solid):
-    """Return the `Outline` of a solid."""
-    if isinstance(solid, Box):
-        return _outline_of_box(solid)
-    if isinstance(solid, RoundedDisc):
-        centre = np.zeros(3)
-        return Outline(
-            np.array(solid.centre),
-            solid.radius + solid.corner,
-            [],
-            [],
-            [],
-            [],
-            [(centre, solid.unit, solid.radius, solid.corner)],
-        )
-    a, v = np.array(solid.a), np.subtract(solid.b, solid.a)
-    both = (
-        (solid.radius, solid.radius) if isinstance(solid, Rod) else (solid.radius_a, solid.radius_b)
-    )
-    size = max(both) + float(np.linalg.norm(v))
-    round_ends = isinstance(solid, Rod) and solid.ends == "round"
-    rims, walls, balls = [], [], []
+    Parameters: the ends a and b, the radii `radius_a` and `radius_b` there, in m, and `round_ends`,
+    which says whether balls close the wall, or discs.
+    """
+    start = np.zeros(3)
+    v = np.subtract(b, a)
+    size = max(radius_a, radius_b) + float(np.linalg.norm(v))
+    walls = [(start, v, radius_a, radius_b)] if np.any(v) else []
+    rims = []
+    balls = []
     if round_ends:
-        balls = [(np.zeros(3), both[0]), (v, both[1])]
-    if np.any(v):
+        balls = [(start, radius_a), (v, radius_b)]
+    elif walls:  # a flat rod without length is empty
         unit = np.array(unit_and_speed(v)[0])
-        walls = [(np.zeros(3), v, *both)]
-        if not round_ends:
-            rims = [(np.zeros(3), unit, both[0]), (v, unit, both[1])]
-    return Outline(a, size, [], rims, walls, balls, [])
-
-
-def _outline_of_box(box):
-    x, y, z = np.array([box.x, box.y, box.z])
-    edges = []
-    for first, second, third in ((x, y, z), (y, z, x), (z, x, y)):
-        for corner in (0 * x, second, third, second + third):
-            edges.append((corner, corner + first))
-    return Outline(np.array(box.corner), float(np.linalg.norm(x + y + z)), edges, [], [], [], [])
+        rims = [(start, unit, radius_a), (v, unit, radius_b)]
+    return Outline(np.array(a), size, rims=rims, walls=walls, balls=balls)
 
 
 class SweptPlanes(NamedTuple):

@@ -6,8 +6,8 @@
 #include <math.h>
 
 typedef struct {
-    double gain, growth, share, count, limit, dead;
-    long compensated, delay;
+    double gain, growth, share, count, limit;
+    long delay;
 } Control;
 
 static double nearest(double number)
@@ -28,10 +28,6 @@ void run_lag(const double *rows, double steady, const Control *control, double *
         if (control->count > 0) position = control->count * nearest(position / control->count);
         double error = setvalues[tick] - position;
         double u = (control->gain * error + memory[0] + control->share * slopes[tick]) / steady;
-        if (control->compensated && control->dead > 0) {
-            if (u > 0) u = (1 - control->dead) * u + control->dead;
-            else if (u < 0) u = (1 - control->dead) * u - control->dead;
-        }
         if (u > control->limit) u = control->limit;
         else if (u < -control->limit) u = -control->limit;
         else memory[0] += control->growth * error;
@@ -41,10 +37,6 @@ void run_lag(const double *rows, double steady, const Control *control, double *
             u = waited;
         }
         commands[tick] = u;
-        if (control->dead > 0) {
-            double beyond = fabs(u) - control->dead;
-            u = beyond <= 0 ? 0.0 : (u > 0 ? beyond : -beyond) / (1 - control->dead);
-        }
         double next = a[0] * angle + a[1] * rate + a[2] * u;
         rate = b[0] * angle + b[1] * rate + b[2] * u;
         angle = next;

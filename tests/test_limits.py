@@ -1,0 +1,173 @@
+"""Limits that docstrings allow, drawn on purpose: at each, each pair of them, and next to them.
+
+A row is a function at its limits, as data, and what its docstring promises there, in numbers.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from tests.foot_lengths import length_of_feet
+from tunneller_lib.envelopes import recognise
+from tunneller_lib.envelopes.families import moving_cone, screwing
+from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse, path_length, project_chord
+from tunneller_lib.surfaces import Frustum, Rod, RoundedDisc, Torus
+
+ROWS = {}
+
+
+def row(*limits):
+    """Return a decorator of a promise, to be asked at each of these limits."""
+
+    def listed(promise):
+        name = promise.__name__
+        ROWS.update({f"{name}, {limit}": (promise, limit) for limit in limits})
+        return promise
+
+    return listed
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_limit_keeps_the_promise(name):
+    promise, limit = ROWS[name]
+    promise(limit)
+
+
+# Geodesics: every pair of ends at the limits of the sheet and of their turn, on every torus.
+
+RATIOS = 1e-100, 1e-15, 1e-4, 0.1, 0.5, 0.99999, 1 - 1e-12, 1, 1 + 1e-12, 1.0001, 1.5, 3, 1e4, 1e100
+
+
+def ends_at_limits(torus):
+    """Return ends p, q (n, 2): near the outer equator, near nodes or the inner equator, level."""
+    rim = math.acos(max(-torus.r / torus.R, -1))
+    a = np.array([0, 1e-300, 1e-30, 1e-9, 0.3, *(rim - np.array([0.5, 1e-2, 1e-4, 1e-9]))])
+    conjugate = math.pi / math.sqrt(1 + torus.r / torus.R)
+    beside = conjugate * (1 + np.array([-1e-9, 1e-9]))
+    turn = np.array([0, 5e-324, 1e-17, 1e-9, 1, *beside, 2.8, math.pi - 1e-9, math.pi])
+    a, b, turn = np.meshgrid(a, [*a, *-a[1:]], turn)
+    p, q = np.stack([0 * a, a], axis=-1), np.stack([turn, b], axis=-1)
+    return p.reshape(-1, 2), q.reshape(-1, 2)
+
+
+@row(*RATIOS)
+def geodesic_inverse_answers_all_ends_and_no_simple_way_is_shorter(ratio):
+    torus = Torus(ratio, 1)
+    p, q = ends_at_limits(torus)
+    found = geodesic_inverse(torus, p, q)
+    assert found.certified.all()
+    a, b, turn = p[:, 1], q[:, 1], q[:, 0]
+    near = np.minimum(np.cos(a), np.cos(b)) + ratio
+    straight = np.abs(a - b)
+    most = straight + near * turn  # along the meridian and the shorter parallel
+    if ratio < 1:  # over the nearer node
+        most = np.minimum(most, 2 * math.acos(-ratio) - np.abs(a + b))
+        least = straight
+    else:  # round the tube, on a horn through its node
+        round_tube = 2 * np.pi - straight
+        over = round_tube + (near if ratio > 1 else np.where(a * b < 0, 0, near)) * turn
+        most, least = np.minimum(most, over), np.minimum(straight, round_tube)
+    slack = 1e-12 * np.maximum(found.length, 1)
+    assert np.all((least - slack <= found.length) & (found.length <= most + slack))
+    back = geodesic_inverse(torus, q, p)
+    np.testing.assert_allclose(back.length, found.length, rtol=3e-14, atol=2e-13)
+
+
+@row(*(ratio for ratio in RATIOS if ratio < 1))
+def points_of_a_geodesic_end_where_it_does(ratio):
+    torus = Torus(ratio, 1)
+    p, q = ends_at_limits(torus)
+    found = geodesic_inverse(torus, p, q)
+    end = found.points(5).point[:, -1]
+    np.testing.assert_allclose(end, torus.point(*q.T), rtol=0, atol=2e-12)
+
+
+@row(1e3, -1e8, 1e16, 3e22, 1e100)
+def far_angles_of_geodesics_are_reduced_exactly(far):
+    torus = Torus(0.1, 1)
+    with mp.workdps(130):
+        turn = float((mpf(far) - mpf(0.2) + mp.pi) % (2 * mp.pi) - mp.pi)
+    expected = geodesic_inverse(torus, (0, 0.3), (turn, -0.4)).length
+    found = geodesic_inverse(torus, [(0.2, 0.3), (far, 0.3)], [(far, -0.4), (0.2, -0.4)]).length
+    np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
+# Paths of chords: corners of the sheet, close by the axis, the ring circle or a node.
+
+CORNERS = [
+    (0.1, (0, 65), (150, -65)), (0.1, (0, 85), (170, -85)), (0.1, (0, -85), (170, -80)),
+    (0.25, (0, 40), (95, -40)), (1 / 1.4, (0, 129), (28, -129)), (1, (0, 85), (95, -85)),
+    (5, (-33.3, 5.2), (33.5, -5.2)), (0.1, (0, 17), (179.4, -11)), (0.1, (0, 0), (57, 95.7)),
+]  # fmt: skip
+
+
+@row(*CORNERS)
+def length_of_the_projected_chord_is_right_to_1e_9_and_its_arcs_are_equal(case):
+    ratio, *ends = case
+    torus, (p, q) = Torus(ratio, 1), np.radians(ends)
+    expected = length_of_feet(torus, p, q)
+    assert path_length(torus, CHORD_PATHS["projected chord"], p, q) == pytest.approx(
+        expected, rel=1e-9
+    )
+    way = project_chord(torus, p, q, 4001, spacing="arc")
+    steps = np.linalg.norm(np.diff(torus.point(*way.T), axis=0), axis=-1)
+    assert np.median(steps) == pytest.approx(expected / 4000, rel=1e-5)
+
+
+# Lines and solids without thickness, of needles, and with one direction for all.
+
+
+@row(0.0, 1e-100, 1e-30, 1e-17, 1e-16, 1e-15, 1e-12)
+def line_given_by_a_point_of_a_thin_disc_meets_it_there(corner):
+    rng = np.random.default_rng(22)
+    disc = RoundedDisc((0, 0, 0), (0, 0, 1), 1, corner)
+    angle, share = rng.uniform(0, 2 * np.pi, 2000), rng.uniform(0, 0.99, 2000)
+    p = np.stack([share * np.cos(angle), share * np.sin(angle), 0 * angle], axis=-1)
+    for u in (rng.normal(size=(2000, 3)), rng.integers(-4, 5, (2000, 3)) + np.array([0, 0, 9])):
+        enter, leave = disc.meet_line(p, u)
+        off = (64 * np.finfo(float).eps * (1 + corner) + corner) / np.abs(u[:, 2])
+        assert np.all(enter <= leave) and np.all(enter <= off) and np.all(leave >= -off)
+
+
+@row("rod", "round rod", "frustum", "cone", "disc", "needle")
+def one_direction_for_all_has_the_bits_of_each_line_alone(name):
+    rng = np.random.default_rng(13)
+    solid = {
+        "rod": Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2),
+        "round rod": Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2, "round"),
+        "frustum": Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0.1),
+        "cone": Frustum((0, 0, 0), (0.5, 0.4, 0.3), 0.3, 0),
+        "disc": RoundedDisc((0.1, 0.2, 0.3), (1, 2, 2), 0.5, 0),
+        "needle": Rod((0, 0, 0), (5, 4, 3), 1e-3),
+    }[name]
+    p = rng.uniform(-0.6, 0.9, (500, 3)) * (1e-2 if name == "needle" else 1)
+    for u in ((0.0, 0.0, 1.0), (0.1, -0.2, 0.9), (0.5, 0.4, 0.3)):
+        found = np.array(solid.meet_line(p, u))
+        alone = np.transpose([solid.meet_line(point, u) for point in p])
+        np.testing.assert_array_equal(found, alone)
+        assert 5 < np.isfinite(found[0]).sum() or name == "needle"
+
+
+@row(1e3, 1e9, 1e15)
+def needle_seen_end_on_is_met_to_16_eps_of_its_length(length):
+    """Along the axis the ends are known: lines through the cap's inside, in whole numbers."""
+    rod = Rod((0, 0, 0), (0, 3 * length, 4 * length), 5)
+    p = np.array([[k, 4.0 * j, -3.0 * j] for k in (-2, 0, 3) for j in (-0.5, 0, 0.5)])
+    enter, leave = rod.meet_line(p, (0, 3, 4))
+    np.testing.assert_allclose(enter, 0, atol=16 * np.finfo(float).eps * length)
+    np.testing.assert_allclose(leave, length, rtol=16 * np.finfo(float).eps)
+
+
+# Cones in windows of any size: the half-angle that is given is asked for.
+
+
+@row(1.0, 1e-1, 1e-2, 1e-3)
+def cone_is_told_from_one_of_another_half_angle(size):
+    surface = moving_cone(screwing(1.0, 0.4, 0.5), 0.3)
+    u, v = np.meshgrid(3.1 + size * np.linspace(-0.5, 0.5, 5),
+                       0.3 + size * np.linspace(-0.5, 0.5, 6))  # fmt: skip
+    told = {angle: recognise(surface, u, v, "cone", half_angle=angle, model="space").verdict
+            for angle in (0.3, 0.31)}  # fmt: skip
+    assert told[0.3] == "is" and told[0.31] != "is"

@@ -1,0 +1,361 @@
+"""Lines against rods, capsules, frusta, boxes and rounded discs: one promise, judged exactly."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exhibits.exact_shapes import EPS, exact_interval, exact_intervals, full_size, judged, size_of
+from tests.audit.long import many
+from tests.hard_lines import (
+    FAMILIES,
+    KINDS,
+    WITH_AXES,
+    Whole,
+    limits,
+    meet,
+    ordinary,
+    scaled,
+    shape_of,
+    sizes,
+    some,
+)
+from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces.rod import meet_rods
+
+FAR = 1e15  # sizes from which the promise holds, as the docstrings say
+LINES = many(75, 2_500)  # a family and kind, each judged in whole numbers
+MIDDLING = [
+    f for f in FAMILIES if f not in (scaled, sizes, limits)
+]  # not at the range's ends already
+every_kind = pytest.mark.parametrize("kind", KINDS)
+every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
+
+
+def fewer(kind, n):
+    """Return how many lines of a kind are judged: halving takes the judge fifty times as long."""
+    return max(n // 25, 1) if kind == "rounded" else n
+
+
+@every_kind
+@every_family
+def test_hard_lines_keep_the_promise(family, kind):
+    lines = family(kind, np.random.default_rng(1), fewer(kind, LINES))
+    assert not np.any(judged(meet(kind, *lines), kind, *lines))
+
+
+@every_kind
+@every_family
+def test_a_line_has_the_same_bits_alone_and_among_many(family, kind):
+    # In floats or in rows; with a direction each or one for all, as a raster has it.
+    lines = family(kind, np.random.default_rng(11), fewer(kind, 38))
+    for row, point, way in zip(*lines, strict=True):
+        shape = shape_of(kind, row)
+        alone = shape.meet_line(point, way)
+        assert all(type(end) is np.float64 for end in alone)
+        both = np.stack([point, point + way])
+        beside = shape.meet_line(both, np.stack([way, way]))
+        np.testing.assert_array_equal(alone, np.array(beside)[:, 0])
+        np.testing.assert_array_equal(shape.meet_line(both, way), beside)
+
+
+def promised(kind, shapes, p, u):
+    """Return for which lines (n,) the docstrings promise anything: those given near enough."""
+    ends = [shapes[:, :3], shapes[:, 3:6]] if kind in WITH_AXES else [shapes[:, :3]]
+    away = np.max([np.linalg.norm(p - end, axis=-1) for end in ends], axis=0)
+    return away <= FAR * size_of(kind, shapes, u)
+
+
+@every_kind
+def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(kind):
+    # Each shape with lines of many directions through a place of its surface, and parallel ones.
+    shapes, p, u = limits(kind, np.random.default_rng(21), many(40, 400))
+    every = 10 if kind == "rounded" else 1  # whose judge takes twenty times as long
+    asked = 0
+    for i in range(0, len(shapes), every):
+        shape = shape_of(kind, shapes[i])
+        step = 2.0 ** np.frexp(full_size(kind, shapes[i : i + 1]) / np.abs(u[i]).max())[1]
+        for points, along in ((p[i], u[::every]), (p[i] + np.outer([-2, 0, 1] * step, u[i]), u[i])):
+            found = shape.meet_line(points, along)
+            points, along = np.broadcast_arrays(points, along)
+            alone = [shape.meet_line(*line) for line in zip(points, along, strict=True)]
+            np.testing.assert_array_equal(np.transpose(alone), found)
+            rows = np.tile(shapes[i], (len(points), 1))
+            asked += np.sum(near := promised(kind, rows, points, along))
+            wrong = judged(found, kind, rows, points, along)
+            assert not np.any(wrong & near)
+    assert asked > 0.8 * len(shapes[::every]) * (3 + len(u[::every]))
+
+
+def test_points_without_a_size_are_met_where_they_are():
+    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
+    assert Rod((1, 2, 3), (1, 2, 3), 0, "round").meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
+    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 4), (0, 1, 0))[0] == np.inf
+
+
+def far_away(kind, rng, n):
+    """Return touches given by points as far away as the promise allows, exactly on their lines."""
+    whole = Whole(kind, rng, n)
+    turn = rng.integers(-5, 6, (2, n, 1))
+    tangent = whole.side * turn[0] + whole.ruling * turn[1]
+    which = rng.integers(0, 3, n)[:, None]
+    shapes, p, u = whole.lines(np.select([which == 0, which == 1], [tangent, whole.ruling],
+                                         some(rng, n)))  # fmt: skip
+    # The touch is at the origin, where multiples of the direction are exact.
+    shapes[:, :3] -= p
+    if kind in WITH_AXES:
+        shapes[:, 3:6] -= p
+    steps = FAR * size_of(kind, shapes, u) / np.linalg.norm(u, axis=-1)
+    power = np.frexp(steps)[1] - (53 - np.frexp(np.abs(u).max(axis=-1))[1])  # all that fit beside u
+    steps = np.ldexp(np.floor(np.ldexp(steps, -power) * rng.uniform(0.9, 1, n)), power)
+    return shapes, u * (steps * rng.choice([-1, 1], n))[:, None], u
+
+
+@every_kind
+def test_promise_holds_for_points_1e15_sizes_away(kind):
+    shapes, p, u = lines = far_away(kind, np.random.default_rng(23), fewer(kind, many(400, 4000)))
+    away = np.linalg.norm(p, axis=-1) / size_of(kind, shapes, u)
+    assert np.all((away > 0.8 * FAR) & (away < 1.01 * FAR))
+    enter, leave = exact_intervals(kind, *lines)
+    assert np.all(enter <= leave)
+    assert not np.any(judged(meet(kind, *lines), kind, *lines))
+
+
+@pytest.mark.parametrize("kind", WITH_AXES)
+@pytest.mark.parametrize("ratio", [1e3, 1e9, FAR])
+def test_promise_holds_for_needles_seen_end_on(kind, ratio):
+    # As long as 1e15 sizes: what lines nearly along the axis see of them is as wide as they are.
+    rng, n = np.random.default_rng(24), many(200, 2000)
+    axis, other, a = rng.normal(size=(3, n, 3))
+    axis *= ratio / np.linalg.norm(axis, axis=-1, keepdims=True)
+    side = np.cross(axis, other)
+    side /= np.linalg.norm(side, axis=-1, keepdims=True)
+    radii = np.repeat(rng.uniform(0.5, 1, (n, 1)), 2, axis=-1)
+    if kind == "frustum":
+        radii[:, 1] *= rng.choice([0, 0.5, 1], n)
+    b = a + axis
+    start = rng.integers(0, 2, n)
+    p = np.where(start[:, None], b, a) + side * radii[np.arange(n), start][:, None]
+    lean = rng.choice([0, 2.0**-3, 1, 8], n)[:, None] * rng.normal(size=(n, 3))
+    lines = np.concatenate([a, b, radii, np.zeros((n, 4))], axis=-1), p, (b - a) + lean
+    found = meet(kind, *lines)
+    assert np.mean(found[0] <= found[1]) > 0.5
+    assert not np.any(judged(found, kind, *lines))
+
+
+@every_kind
+@pytest.mark.parametrize("family", MIDDLING, ids=lambda f: f.__name__)
+def test_lines_scale_by_powers_of_two_bit_for_bit(family, kind):
+    shapes, p, u = family(kind, np.random.default_rng(2), fewer(kind, 60))
+    found = meet(kind, shapes, p, u)
+    for power in (-30, 7):  # within what the quick way takes
+        k = 2.0**power
+        np.testing.assert_array_equal(meet(kind, shapes * k, p * k, u), np.multiply(found, k))
+        np.testing.assert_array_equal(np.multiply(meet(kind, shapes, p, u * k), k), found)
+
+
+@every_kind
+def test_judge_notices_each_fault(kind):
+    # An answer emptied, one end moved inwards or outwards by more than the promise.
+    n = many(200, 600) if kind != "rounded" else many(14, 60)
+    lines = ordinary(kind, np.random.default_rng(3), n)
+    shapes, _, u = lines
+    enter, leave = exact_intervals(kind, *lines)
+    chord = leave - enter
+    hit = chord * np.linalg.norm(u, axis=-1) > 0.1 * size_of(kind, shapes, u)
+    assert hit.sum() >= 5
+    step = np.where(hit, chord / 100, 0)
+    wrong = [
+        (np.where(hit, np.inf, enter), np.where(hit, -np.inf, leave)),
+        (enter + step, leave),
+        (enter - step, leave),
+    ]
+    for found, fault in zip(wrong, range(3), strict=True):
+        verdicts = judged(found, kind, *lines)
+        np.testing.assert_array_equal(verdicts[fault], hit)
+    assert not np.any(judged((enter, leave), kind, *lines))
+    # A hit invented for a line that misses.
+    missing = enter > leave
+    verdicts = judged((np.where(missing, 0.0, enter), np.where(missing, 0.0, leave)), kind, *lines)
+    assert verdicts[2][missing].all() and missing.sum() >= 5
+
+
+def test_judge_by_hand():
+    # A cone of radius 4 and height 3, in whole numbers; a ball; a unit box.
+    cone = [0, 0, 0, 0, 0, 3, 4, 0, 0, 0, 0, 0]
+    assert exact_interval("frustum", cone, (-5, 0, 3), (1, 0, 0)) == [5, 5]
+    assert exact_interval("frustum", cone, (4, 0, 0), (-4, 0, 3)) == [0, 1]
+    assert exact_interval("frustum", cone, (0, 0, 4), (1, 0, 0)) is None
+    assert exact_interval("frustum", cone, (2, 0, -1), (0, 0, 1)) == [1, 2.5]
+    # One unit outside of it the wall's radius is 20/3 at the base, the disc's is 5.
+    grown = exact_interval("frustum", cone, (0, 0, -1), (1, 0, 0), 1.0)
+    assert [float(end) for end in grown] == [-5, 5]
+    grown = exact_interval("frustum", cone, (-9, 0, 1.75), (1, 0, 0), 1.0)
+    assert [float(end) for end in grown] == pytest.approx([9 - 10 / 3, 9 + 10 / 3], rel=1e-15)
+    shrunk = exact_interval("frustum", cone, (0, 0, -9), (0, 0, 1), -0.75)
+    assert [float(end) for end in shrunk] == pytest.approx([9.75, 12 - 0.75 / 0.8], rel=1e-15)
+    ball = [0, 0, 0, 0, 0, 0, 13, 13, 0, 0, 0, 0]
+    assert exact_interval("capsule", ball, (0, 5, 0), (1, 0, 0)) == [-12, 12]
+    box = [0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2]
+    assert exact_interval("box", box, (-1, 1, 3), (1, 0, -1)) == [1, 3]
+    assert exact_interval("box", box, (-1, 0, 5), (1, 0, -1)) == [3, 3]
+    assert exact_interval("box", box, (-1, 0, 5.5), (1, 0, -1)) is None
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_flat_cones_keep_their_chords(height):
+    # Lines that slant through a cone much wider than high, which lost up to 0.6 of its radius.
+    rng = np.random.default_rng(5)
+    n = 500
+    angle = rng.uniform(0, 2 * np.pi, n)
+    unit = np.stack([np.cos(angle), np.sin(angle), height * rng.normal(size=n)], axis=-1)
+    p = np.insert(rng.uniform(-0.5, 0.5, (n, 2)), 2, height * rng.uniform(0, 0.4, n), axis=-1)
+    shapes = np.tile([0, 0, 0, 0, 0, height, 1, 0, 0, 0, 0, 0], (n, 1))
+    found = Frustum((0, 0, 0), (0, 0, height), 1, 0).meet_line(p, unit)
+    exact = exact_intervals("frustum", shapes, p, unit)
+    assert not np.any(judged(found, "frustum", shapes, p, unit))
+    # Rounding places the wall to eps of the radius, and so an end to that over the slope between
+    # line and wall, which is the height in the median.
+    assert np.median(np.abs(np.subtract(found, exact))) <= 64 * EPS / height
+
+
+BOX = Box((1, 2, 3), (2, 0, 0), (0, 2, 0), (0, 0, 2))
+
+
+@every_kind
+def test_memory_a_line_is_at_most_64_bytes(kind):
+    rng = np.random.default_rng(8)
+    p, u = rng.normal(size=(2, 400_000 if kind != "rounded" else 200_000, 3))
+    row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
+    shape = shape_of(kind, np.array(row, dtype=float))
+    tracemalloc.start()
+    shape.meet_line(p, u)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most <= 64 * len(p)
+
+
+def test_a_box_by_hand():
+    cases = {
+        ((0, 3, 4), (1, 0, 0)): (1, 3),
+        ((0, 2, 3), (1, 0, 0)): (1, 3),  # along an edge
+        ((0, 3, 3), (1, 0, 0)): (1, 3),  # in a face
+        ((0, 2, 4), (1, 0, 1)): (1, 1),  # touches an edge
+        ((0, 1, 2), (1, 1, 1)): (1, 3),  # through two corners
+        ((0, 3, 2), (1, -1, 1)): (1, 1),  # touches a corner
+        ((0, 3, 2.999999), (1, 0, 0)): (np.inf, -np.inf),
+    }
+    for (p, u), expected in cases.items():
+        assert BOX.meet_line(p, u) == expected
+
+
+def test_edges_of_a_box_may_be_of_either_hand():
+    shapes, p, u = ordinary("box", np.random.default_rng(9), 300)
+    expected = meet("box", shapes, p, u)
+    assert np.mean(np.isfinite(expected[0])) > 0.1
+    swapped = shapes[:, [0, 1, 2, 6, 7, 8, 3, 4, 5, 9, 10, 11]]
+    np.testing.assert_allclose(meet("box", swapped, p, u), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_box_must_be_square():
+    for edges, rule in (
+        ([(0, 0, 0), (0, 1, 0), (0, 0, 1)], "not be zero"),
+        ([(1, 1e-9, 0), (0, 1, 0), (0, 0, 1)], "be perpendicular"),
+        ([(1e-101, 0, 0), (0, 1, 0), (0, 0, 1)], "be zero or from 1e-100"),
+    ):
+        with pytest.raises(ValueError, match=f"^x, y, z: must {rule}"):
+            Box((0, 0, 0), *edges)
+    assert Box((0, 0, 0), (1, 1e-15, 0), (0, 1, 0), (0, 0, 1))  # but for a rounding
+
+
+# ---- frusta ---------------------------------------------------------------------------------
+
+
+def depth(frustum, points):
+    """Return how far points are inside all three surfaces, from the definition."""
+    a, v = np.array(frustum.a), np.subtract(frustum.b, frustum.a)
+    length = np.linalg.norm(v)
+    along = (points - a) @ v / length
+    off = np.linalg.norm((points - a) - along[..., None] * v / length, axis=-1)
+    wide = frustum.radius_a + (frustum.radius_b - frustum.radius_a) * along / length
+    return np.minimum(np.minimum(along, length - along), wide - off)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-6, 1.0, 1e6]))
+def test_a_line_is_in_a_frustum_where_its_points_are(seed, scale):
+    rng = np.random.default_rng(seed)
+    radii = rng.uniform(0, 1, 2) * scale * rng.choice([[1, 1], [0, 1], [1, 0]])
+    frustum = Frustum(*(rng.normal(size=(2, 3)) * scale), *radii)
+    p, u = rng.normal(size=(2, 60, 3)) * scale
+    enter, leave = frustum.meet_line(p, u)
+    share = np.linspace(-3, 4, 301)[:, None]
+    inside = depth(frustum, p + share[..., None] * u)
+    within = (share >= enter) & (share <= leave)
+    assert np.all(inside[~within] <= 1e-9 * scale) and np.all(inside[within] >= -1e-9 * scale)
+
+
+def test_a_cone_by_hand():
+    # Whole numbers: radius 4 to 0 over a height of 3, so that its rulings are 5 long.
+    cone = Frustum((0, 0, 0), (0, 0, 3), 4, 0)
+    miss = np.inf, -np.inf
+    cases = {
+        ((4, 0, -1), (0, 0, 1)): (1, 1),  # touches the rim from outside
+        ((2, 0, -1), (0, 0, 1)): (1, 2.5),
+        ((0, 0, -1), (0, 0, 1)): (1, 4),  # through the apex
+        ((-5, 0, 3), (1, 0, 0)): (5, 5),  # touches the apex
+        ((-5, 0, 0), (1, 0, 0)): (1, 9),  # in the base
+        ((-5, 4, 0), (1, 0, 0)): (5, 5),  # touches the rim in the base's plane
+        ((4, 0, 0), (-4, 0, 3)): (0, 1),  # a ruling
+        ((0, 0, 3), (1, 0, 1)): (-3, 0),  # steeper than a ruling, out at the apex
+        ((-5, 0, 3.0000001), (1, 0, 0)): miss,
+        ((5, 0, 5), (0, 0, 1)): miss,  # the other nappe is no part of it
+        ((0, 5, 1), (1, 0, 0)): miss,
+    }
+    for (p, u), expected in cases.items():
+        np.testing.assert_allclose(cone.meet_line(p, u), expected, atol=1e-14)
+    assert Frustum((0, 0, 0), (0, 0, 0), 1, 1).meet_line((0, 0, -1), (0, 0, 1)) == miss
+
+
+def test_a_line_nearly_along_a_ruling_leaves_the_wall_before_the_tip_that_it_passes():
+    # One of a million hard lines: by rounding the wall was as far away all along, and the answer
+    # ended at the tip, which the line passes at 450 roundings of the size.
+    a = [4.209124715513e50, 3.507603929594167e50, 5.846006549323612e50]
+    b = [3.044132530363791e53, 1.5234693067537332e53, 3.8583643225535837e52]
+    radii = [5.4718621301669e52, 0.0]
+    p = [7.529656435528812e51, -3.039923405648278e50, -5.366634012279076e52]
+    u = [4.911527105864659e29, 2.5253976801423366e29, 1.526147954681498e29]
+    lines = [np.array([row]) for row in ([*a, *b, *radii, *[0] * 4], p, u)]
+    found = Frustum(a, b, *radii).meet_line(p, u)
+    faults = judged([np.array([end]) for end in found], "frustum", *lines)
+    assert not np.any(faults) and found[1] < 2.0**79 * (1 - 1e-13)
+
+
+def test_a_frustum_is_between_the_rods_of_its_discs_and_the_same_with_its_ends_exchanged():
+    p, u = np.random.default_rng(4).normal(size=(2, 2000, 3))
+    frustum = Frustum((0, 0, 0), (1, 2, 2), 0.3, 0.9)
+    enter, leave = frustum.meet_line(p, u)
+    thin, thick = (meet_rods(frustum.a, frustum.b, r, p, u) for r in (0.3, 0.9))
+    assert np.all(thick[0] <= enter + 1e-12) and np.all(enter <= thin[0] + 1e-12)
+    assert np.all(thick[1] >= leave - 1e-12) and np.all(leave >= thin[1] - 1e-12)
+    other = Frustum(frustum.b, frustum.a, 0.9, 0.3)
+    np.testing.assert_allclose(other.meet_line(p, u), (enter, leave), atol=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-90, 1.0, 1e90])
+@pytest.mark.parametrize("round_solid", [Rod, lambda a, b, r: Frustum(a, b, r, r)])
+def test_lines_across_a_wall_have_the_chord_that_is_known(round_solid, size):
+    # At a size far from 1 by the careful way, at 1 by the quick one.
+    shape = round_solid((0, 0, 0), (0, 0, 4 * size), 0.5 * size)
+    off = np.linspace(0, 0.4, 9)
+    point = size * np.stack([-2 + 0 * off, off, 0 * off + 1.0], axis=-1)
+    half = np.sqrt(0.25 - off**2)
+    enter, leave = shape.meet_line(point, (3.0, 0.0, 0.0))  # three a unit of the parameter
+    np.testing.assert_allclose((enter, leave), size * (2 + np.outer([-1, 1], half)) / 3, rtol=1e-13)
+    # Leaning lines leave by the disc, or by the wall.
+    enter, leave = shape.meet_line(point, np.tile([3.0, 0.0, 4.0], (9, 1)))
+    np.testing.assert_allclose(enter, size * (2 - half) / 3, rtol=1e-13)
+    np.testing.assert_allclose(leave, size * 0.75, rtol=1e-13)
+    _, leave = shape.meet_line(point, np.tile([3.0, 0.0, 2.0], (9, 1)))
+    np.testing.assert_allclose(leave, size * (2 + half) / 3, rtol=1e-13)

@@ -1,0 +1,218 @@
+"""What loads that the controller doesn't know leave on the wall: the shared arm, the ground.
+
+The faults take a `Case` and return the overbreak (ticks + 1,), in m, and its closed form, as those
+of the module `faults`.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from ..kernels.exact import norm
+from ..motion import follow
+from .face import Face
+from .front import engaged_areas, facing_areas
+from .moves import levers
+from .sensitivity import planned_motion
+
+SHAPE = 200, 360  # rays of the ground that laps are run in
+THICKNESS = 0.1  # m
+HALVES = 30  # steps to the torque of the ground that is left, each halfway
+
+
+@lru_cache(6)
+def loaded_lap(plan, plant, loop, arm, ground):
+    """Return the overbreak (ticks + 1,), in m, of a lap of a `plan` under loads.
+
+    Each `plant` is under its `loop`, both joints share an `arm`, and a `ground` pushes; either is
+    None where it doesn't. It is kept, since sources of a budget compare the same laps.
+    """
+    # To the tick at which the cutter rests in the ground between them all laps are the same.
+    wanted = plan.circuit.position(plan.places)
+    rates = np.diff(wanted, axis=0) / plan.tick
+    push = None
+    if ground is not None:
+        face = Face(replace(plan, laps=1), ground, wanted, 0, SHAPE, THICKNESS)
+        face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
+        push = face.push
+    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=push)
+    return plan.circuit.overbreak(track.position)
+
+
+def arm_fault(case):
+    """Return what an arm leaves that both joints share; the controller models a part.
+
+    The closed form is that of slow motion under the weight that the axes' own doesn't have.
+    """
+    given = case.plan, case.plant, case.loop
+    at = planned_motion(case.plan).position
+    known = np.stack([one.axis.load(q) for one, q in zip(case.plant, at.T, strict=True)], axis=-1)
+    off = pushed_off(*given, case.arm.weight(at) - known)
+    apart = loaded_lap(*given, case.arm, None) - loaded_lap(*given, None, None)
+    return apart, float(np.abs(off).max())
+
+
+def ground_fault(case):
+    """Return what the ground's mean force leaves, on whole grooves as those of a first lap.
+
+    The closed form is that of slow motion, see `held_back`.
+    """
+    given = case.plan, case.plant, case.loop
+    off = held_back(*given, case.ground)
+    mean = replace(case.ground, ripple=0.0)
+    apart = loaded_lap(*given, case.arm, mean) - loaded_lap(*given, case.arm, None)
+    return apart, float(np.abs(off).max())
+
+
+def picks_fault(case):
+    """Return what the picks' ripple leaves, beyond their mean force.
+
+    The closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
+    place, and the mean that is left of the ripple times the speed's own swing.
+    """
+    given = case.plan, case.plant, case.loop
+    plan, ground = case.plan, case.ground
+    torque = _left_torques(*given, ground)
+    swing = -ground.ripple * _answers(*given, ground, case.arm, torque)  # rad
+    fast = np.abs(np.sum(planned_motion(plan).slope * swing, axis=-1))
+    # The ripple's force goes with what the front takes, which swings against it: of their product
+    # a mean is left, by which the pulsating force is below the steady one.
+    rate = (2j * np.pi * ground.ripple_frequency * swing).real
+    less = ground.ripple / 2 * np.einsum("nij,nj->ni", _dampers(plan, ground), rate)
+    slow = pushed_off(*given, torque + less) - pushed_off(*given, torque)
+    mean = loaded_lap(*given, case.arm, replace(ground, ripple=0.0))
+    apart = loaded_lap(*given, case.arm, ground) - mean
+    return apart, float((fast + np.abs(slow))[:-1].max())
+
+
+def held_back(plan, plant, loop, ground):
+    """Return how far (m,), in m, slow axes are off amid a plan's moves by a `ground`'s mean force.
+
+    Of each `plant` under its `loop`. It is `pushed_off` with the ground that is left: a cutter that
+    is off by e, negative where it is held back, takes a groove of the depth h + e in the place of
+    h, and the section of a groove goes with the depth's power 3/2.
+    """
+    return pushed_off(plan, plant, loop, _left_torques(plan, plant, loop, ground))
+
+
+def _left_torques(plan, plant, loop, ground):
+    """Return the `ground_torques` (m, 2) of the ground that is taken, see `held_back`."""
+    torque = ground_torques(plan, ground)
+    # A held-back cutter takes less ground, which holds it back less: halfway each time, for whole
+    # steps may swing about the answer.
+    left = torque
+    for _ in range(HALVES):
+        off = pushed_off(plan, plant, loop, left)
+        share = np.maximum(1 + off / plan.circuit.machine.depth, 0.0) ** 1.5
+        left = (left + share[:, None] * torque) / 2
+    return left
+
+
+def pushed_off(plan, plant, loop, torque):
+    """Return how far (m,), in m, slow axes are off amid a plan's moves under a torque (m, 2).
+
+    The `torque`, in N m, resists positive motion of each `plant` under its `loop`.
+    The static inverse opens the valve for the rate w, as if nothing pushed. What the torque takes
+    of the pressure, and what it drives through the leaks, the loop has to add by its error: with
+    the drive d that lands and friction have without the torque,
+
+        Kv e = w (sqrt(d / (d - torque / D)) - 1) + leaks torque / D^2.
+    """
+    _, at, rate, _, slope = planned_motion(plan)
+    off = 0.0
+    for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
+        axis = one.axis
+        behind = 0.0
+        for sign, (D, rho, load) in zip((1, -1), axis.sides(at[:, i]), strict=True):
+            forward = np.maximum(sign * rate[:, i], 0.0)
+            drive = axis.supply - rho * axis.tank - load / D - axis.damping * forward / D
+            left = np.maximum(drive - sign * torque[:, i] / D, 1e-3 * drive)
+            behind = behind + sign * forward * (np.sqrt(drive / left) - 1)
+        plus, minus = axis.linkage.displacements(at[:, i])
+        # Of a torque both chambers carry a half, and each has three leaks: two lands, the piston.
+        leaks = 4 * (axis.piston_leak + axis.valve_leak) / (plus + minus) ** 2
+        off = off - slope[:, i] * (behind + leaks * torque[:, i]) / control.gain
+    return off
+
+
+def ground_torques(plan, ground):
+    """Return the torques (m, 2) of a `ground`'s mean force amid a plan's moves, in N m.
+
+    They resist positive motion.
+    """
+    place, at, rate, _, slope = planned_motion(plan)
+    along = levers(plan.circuit.machine.torus, at)
+    speed = np.linalg.norm(along * rate, axis=-1, keepdims=True)
+    force = ground.force(engaged_areas(plan.circuit, place))[:, None]
+    return force * (along**2 * rate + speed * ground.normal * slope)
+
+
+def _dampers(plan, ground):
+    """Return how torques on joints i grow with the rates of swings of joints j (m, 2, 2), in N m s.
+
+    On whole grooves, amid a plan's moves. The front takes more where the cutter swings
+    ahead, by its section across the way, and where it swings out of the wall, by what faces that.
+    Of the force along the way that is the way's part; that across is its share `normal`. A swing
+    across the way also turns the force.
+    """
+    circuit = plan.circuit
+    middle, at, rate, _, out = planned_motion(plan)
+    along = levers(circuit.machine.torus, at)
+    moved = along * rate
+    speed = norm(moved)[:, None]
+    heading = moved / np.where(speed > 0, speed, 1.0)
+    ahead = heading * along
+    section = ground.force(engaged_areas(circuit, middle))[:, None]
+    taken = section * ahead + ground.force(facing_areas(circuit, middle))[:, None] * out
+    resisted = ahead + ground.normal * out
+    turned = along[:, :, None] ** 2 * np.eye(2) - ahead[:, :, None] * ahead[:, None, :]
+    return resisted[:, :, None] * taken[:, None, :] + section[:, :, None] * turned
+
+
+def _answers(plan, plant, loop, ground, arm, torque):
+    """Return the complex answers (m, 2) of both joints, in rad, to torques (m, 2) of the picks.
+
+    Of small swings about the planned motion amid a plan's moves, at s = i w of the picks: a side
+    of a cylinder with displacement D, volume V and pressure lost p at its land, under a flow c x
+    sqrt(p) and leaks l, has the compliance C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
+
+        torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
+
+    where the loop G opens the spool for the rate gain e, after its delay, half a tick and its lag.
+    The ground damps both joints together.
+    """
+    _, at, rates, _, _ = planned_motion(plan)
+    if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
+        return np.zeros_like(at)
+    s = 2j * np.pi * ground.ripple_frequency
+    inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
+    matrix = s * _dampers(plan, ground)
+    for i, (one, control) in enumerate(zip(plant, loop, strict=True)):
+        axis = one.axis
+        angle = at[:, i]
+        rate = rates[:, i]
+        forward, backward = axis.sides(angle)
+        # The side that is filled has the displacement D, the emptied one rho D.
+        D, rho, load = np.where(rate > 0, forward, backward)
+        sign = np.where(rate > 0, 1.0, -1.0)
+        resisted = load + sign * (axis.damping * rate + torque[:, i])
+        # What the load leaves of the supply is lost at both lands of the spool, as the squares of
+        # their flows: rho^2 as much at the emptied side, whose area makes it rho times that again.
+        drive = axis.supply - rho * axis.tank - resisted / D
+        lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
+        # How far the planned motion opens the spool, and how far each rad/s more would.
+        opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
+        opening = D / (axis.flow * np.sqrt(lost))
+        # The loop sees the swing late, and the spool lags behind the loop.
+        late = s * control.tick * (control.delay + 0.5)
+        steered = control.gain * opening * np.exp(-late) / (1 + s * axis.valve_lag)
+        volumes = axis.linkage.volumes(angle, axis.low, axis.high)
+        volumes = np.where(rate > 0, volumes, volumes[::-1]) + axis.hose
+        leaks = 2 * axis.valve_leak + axis.piston_leak
+        stiff = inertias[i] * s**2 + axis.damping * s
+        for displaced, volume, p in ((D, volumes[0], lost), (D * rho, volumes[1], rho**2 * lost)):
+            yields = volume * s / axis.bulk + axis.flow * opened / (2 * np.sqrt(p)) + leaks
+            stiff = stiff + displaced / yields * (displaced * s + steered * axis.flow * np.sqrt(p))
+        matrix[:, i, i] += stiff
+    return np.linalg.solve(matrix, torque[..., None].astype(complex))[..., 0]
