@@ -1,10 +1,5 @@
 """Plane drawings: what is drawn lies where the shapes, paths and tasks have it."""
 
-<<<<<<< HEAD
-from itertools import combinations
-
-=======
->>>>>>> main
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -102,49 +97,6 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
         assert ends == pytest.approx([arc.radius] * 2)
 
 
-<<<<<<< HEAD
-def test_radii_stand_beside_their_rays_in_a_box_that_touches_the_section(ax):
-    plot.draw_construction(ax, EGG)
-    rays = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 3]
-    names = {"$a$": EGG.a, "$3a$": 3 * EGG.a, "$a/2$": EGG.a / 2}
-    letters = [text for text in ax.texts if text.get_text() in names][:3]
-    assert {text.get_text() for text in letters} == set(names)
-    for text in letters:
-        apart = [
-            min(distance_from_segment(text.get_position(), one, ray[1]) for one in ray[::2])
-            for ray in rays
-        ]
-        nearest = min(apart)
-        assert 0.15 * EGG.a < nearest < 0.25 * EGG.a
-        radii = [
-            arc.radius for arc, off in zip(EGG.arcs, apart, strict=True) if off < 1.01 * nearest
-        ]
-        assert any(radius == pytest.approx(names[text.get_text()]) for radius in radii)
-    [box] = ax.patches
-    outline = EGG.point(np.linspace(0, EGG.perimeter, 20_001))
-    np.testing.assert_allclose(box.get_xy(), outline.min(axis=0), atol=1e-6)
-    np.testing.assert_allclose(
-        (box.get_width(), box.get_height()), np.ptp(outline, axis=0), atol=1e-6
-    )
-
-
-def distance_from_segment(place, start, stop):
-    """Return how far a place (2,) is from the segment between two points (2,)."""
-    along = np.subtract(stop, start)
-    share = np.clip(np.subtract(place, start) @ along / (along @ along), 0, 1)
-    return np.hypot(*(place - start - share * along))
-
-
-def test_pictures_have_their_titles():
-    drawing, axes = figure(1, 2, height=2)
-    picture = np.zeros((4, 6, 3), dtype=np.uint8)
-    plot.draw_pictures(axes, [picture] * 2, ["left", "right"])
-    assert [ax.get_title() for ax in axes] == ["left", "right"]
-    plt.close(drawing)
-
-
-=======
->>>>>>> main
 # ---- the torus and its paths ----------------------------------------------------------------
 
 
