@@ -46,7 +46,7 @@ def draw_cone(ax, chord, u):
 
 
 def draw_development(ax, chord, u):
-    """Draw a cone unrolled (Fig. 9), with the geodesic and the tangent-sphere path.
+    """Draw a cone unrolled (Fig. 9), with the geodesic and the projected chord.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _draw_both(ax, geodesic, path, points):
     """Draw the lines of a geodesic, a path and points of the path, all (n, 2)."""
     blue = {"color": COLOURS["tangent sphere"]}
     ax.plot(*geodesic.T, color=COLOURS["geodesic"], label="geodesic")
-    ax.plot(*path.T, lw=0.8, label="tangent-sphere path", **blue)
+    ax.plot(*path.T, lw=0.8, label="projected chord", **blue)
     ax.plot(*points.T, "o", mfc="white", **blue)
 
 

@@ -222,13 +222,17 @@ def plane_fans_picture(curve, place, cone):
 
 
 def _fan(starts, ways, normals, colour, name, start=None):
-    """Return a picture of rectangles along rulings, the last one red, and named at its ends."""
+    """Return a picture of rectangles along rulings, black, the last one red, named at its ends."""
     plotter = scene.empty()
     ahead = 0.9 * ways / np.linalg.norm(ways, axis=-1, keepdims=True)
     across = 0.5 * np.cross(normals, ahead)
-    looks = [(colour, 0.2)] * (len(starts) - 1) + [("error", 1.0)]
+    looks = [(colour, 0.15)] * (len(starts) - 1) + [("error", 0.6)]
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
     for middle, *sides, (shown, opacity) in zip(starts + ahead, ahead, across, looks, strict=True):
         scene.put(plotter, scene.rectangle(middle, *sides), shown, opacity=opacity)
+        scene.put(plotter, scene.curve(middle + corners @ sides, 0.006), shown)
+        ruling = np.array([middle - sides[0], middle + sides[0]])
+        scene.put(plotter, scene.curve(ruling, 0.012), "chord")
     letters = {name: (starts[-1] + 2 * ahead[-1], (1.4, 0.4))}
     if start:
         letters[start] = starts[-1], (-0.9, -0.7)

@@ -10,6 +10,7 @@ from tunneller_lib.envelopes.isotropic import plane_to_point
 from .plot import equal
 
 SHADES = {2: "#DCE6EF", 4: "#7FA6C9", 6: "#22527A"}  # of numbers of cones
+ROUNDING = 1e-6  # of the limit of a map: from there on it's a gouge
 SIDES = COLOURS["tangent sphere"], COLOURS["error"]  # of the two planes that are seen edge-on
 
 
@@ -139,7 +140,7 @@ def draw_gap_map(ax, e, w, gap, edge, limit):
     e, w : (n, m) float
         Places in the tangent plane, in m.
     gap : (n, m) float
-        Positive where there is air, in mm; the dashed line is where it is 0.
+        Positive where there is air, in mm; negative parts are hatched within a dashed line.
     edge : float
         How far from the contact the map goes, in m.
     limit : float
@@ -153,6 +154,10 @@ def draw_gap_map(ax, e, w, gap, edge, limit):
     steps = limit * np.linspace(-1, 1, 21)
     with np.errstate(over="ignore"):  # a gap may be any number of limits
         shades = ax.contourf(e, w, gap, steps, cmap="RdBu", extend="both")
+        # Hatched, for in grey a red is as dark as a blue; rounding isn't a gouge.
+        inside = gap.min() if gap.min() < -ROUNDING * limit else -limit
+        gouge = [2 * inside, -ROUNDING * limit]
+        ax.contourf(e, w, gap, gouge, colors="none", hatches=["/////"])
     shades.set_rasterized(True)  # flat shades: less than lines
     ax.contour(e, w, gap, [0.0], colors="k", linewidths=0.6, linestyles="--")
     ax.plot(0, 0, ".", color=COLOURS["chord"])

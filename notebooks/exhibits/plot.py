@@ -1,7 +1,7 @@
 """Plane drawings of the study's shapes, each on the Axes `ax` that it is given."""
 
 import numpy as np
-from matplotlib.patches import Circle, Patch, PathPatch
+from matplotlib.patches import Circle, Patch, PathPatch, Rectangle
 from matplotlib.path import Path
 
 from kit.style import COLOURS
@@ -79,7 +79,7 @@ def draw_section(ax, section, **line):
 
 
 def draw_construction(ax, egg):
-    """Draw how the section is made (Fig. 4): the arcs' centres and radii, the rays to the blends.
+    """Draw how the section is made (Fig. 4): arcs' centres and radii, rays to the blends, the box.
 
     Parameters
     ----------
@@ -88,17 +88,23 @@ def draw_construction(ax, egg):
         The section, in m.
     """
     ends = egg.point(egg.blends)
-    radii = ["$a$", "$3a$", "$a/2$", "$3a$"]  # of roof, right wall, invert, left wall
-    shares = np.array([0.5, 0.25, 0.5, 0.75])  # of each arc to its radius, clear of the rays
-    places = egg.point(egg.blends[:-1] + shares * np.diff(egg.blends))
-    arcs = zip(egg.arcs, ends[:-1], ends[1:], places, radii, strict=True)
-    for arc, start, stop, place, radius in arcs:
+    for arc, start, stop in zip(egg.arcs, ends[:-1], ends[1:], strict=True):
         centre = np.array([arc.y, arc.z])
         ax.plot(*np.transpose([start, centre, stop]), color=COLOURS["chord"], lw=0.5)
         ax.plot(*centre, "o", color=COLOURS["chord"], ms=3)
-        inwards = (centre - place) / arc.radius
-        ax.annotate(radius, place + 0.15 * egg.a * inwards, ha="center", va="center")
+    for radius, y, z in (("$a$", 0.5, 0.2), ("$3a$", 1.35, -0.75), ("$a/2$", 0, -1.78)):
+        ax.annotate(radius, (y * egg.a, z * egg.a), ha="center", va="center")
     ax.plot(*ends.T, "s", color=COLOURS["correct"], ms=4)
+    low, high = -2 * egg.a, egg.a
+    box = {"fill": False, "edgecolor": COLOURS["cutter"], "ls": "--", "lw": 0.7}
+    ax.add_patch(Rectangle((-egg.a, low), 2 * egg.a, high - low, **box))
+    beside, above = -1.55 * egg.a, 1.18 * egg.a
+    arrow = {"arrowstyle": "<->", "lw": 0.7, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (beside, low), (beside, high), arrowprops=arrow)
+    ax.annotate("", (-egg.a, above), (egg.a, above), arrowprops=arrow)
+    clear = {"ha": "center", "va": "center", "bbox": {"fc": "white", "ec": "none", "pad": 1}}
+    ax.annotate("$3a$", (beside, low / 2 + high / 2 - 0.7 * egg.a), **clear)
+    ax.annotate("$2a$", (0, above), **clear)
 
 
 def draw_meridian(ax, torus):
@@ -164,7 +170,7 @@ def draw_feet_along_axis(ax, torus, m):
     """
     whole = m[1] == 0
     around = np.linspace(0, 2 * np.pi, 200)
-    colour, width = ("error", 1.4) if whole else ("torus", 0.6)
+    colour, width = ("error", 2.0) if whole else ("cutter", 0.8)
     for radius in (torus.R + torus.r, torus.R - torus.r):
         circle = radius * np.array([np.cos(around), np.sin(around)])
         ax.plot(*circle, color=COLOURS[colour], lw=width)

@@ -25,7 +25,7 @@ def draw_shadow(ax, radius, run, tilt):
     for m in (0, run):
         ax.add_patch(Ellipse((m, 0), 2 * radius * tilt, 2 * radius, **outline))
     ax.plot([0, run], [0, 0], ".-", color=COLOURS["torus"], lw=0.6)
-    equal(ax, "m / m", "s / m")
+    equal(ax, "along the axis, $m$, in metres", "aside, $s$, in metres")
     ax.autoscale_view()
 
 

@@ -190,7 +190,7 @@ def noisy_cones_picture(sheet, contact, n, cones, noisy):
     points = plane_to_point(n @ top.T, -np.sum(n * (contact - here), axis=-1))
     plotter = scene.empty()
     near = points[np.hypot(*points[:, :2].T) < 0.5]
-    look = {"render_points_as_spheres": True, "point_size": 6}
+    look = {"render_points_as_spheres": True, "point_size": 9}
     scene.put(plotter, near, "design surface", **look)
     for arc in _arcs_seen(cones, top, here):
         scene.put(plotter, scene.curve(arc, 0.004), "cone")

@@ -119,13 +119,13 @@ def _family_in_space(f, places, tools, family):
     scene.put(plotter, scene.curve(curve, 0.02), "generator")
     for k in family:
         pose = replace(tools[k].pose, near=tools.distance[k] - 0.5, far=tools.distance[k] + 0.5)
-        scene.put(plotter, scene.surface(pose.mesh(m=181)), "cone", opacity=0.4)
-    steps = np.arange(15, 141, 11)  # of the contacts whose planes are drawn
+        scene.put(plotter, scene.surface(pose.mesh(m=181)), "cone", opacity=0.3)
+    steps = np.arange(20, 141, 25)  # of the contacts whose planes are drawn
     there = adapted_frames(f, *contacts[steps].T, "isotropic")
     ahead = np.gradient(curve, axis=0)[steps]
-    ahead *= 0.08 / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    ahead *= 0.2 / np.linalg.norm(ahead, axis=-1, keepdims=True)
     for middle, way, n in zip(there.contact, ahead, there.axes[:, 2], strict=True):
-        scene.put(plotter, scene.rectangle(middle, 0.5 * way, 3 * np.cross(n, way)), "error")
+        scene.put(plotter, scene.rectangle(middle, 0.5 * way, np.cross(n, way)), "error")
     letters = {
         "$c(t)$": (curve[-1], (0.6, 0.8)),
         "$D(t)$": (there.contact[1], (0.4, -1.8)),

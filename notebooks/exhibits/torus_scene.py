@@ -28,7 +28,7 @@ def grid_picture(torus, theta, phi):
     lines += [torus.point(theta[0] + (theta[-1] - theta[0]) * along, p) for p in phi]
     for points in lines:
         scene.put(plotter, scene.curve(points, 0.0015), "chord")
-    plotter.window_size = 1300, 975
+    plotter.window_size = 2000, 1500
     ends = np.degrees([theta[0], theta[-1], phi[0], phi[-1]])
     letters = {
         rf"$\varphi = {ends[2]:.0f}$°": (torus.point(0.0, phi[0]), (-2.4, 0)),
@@ -80,7 +80,7 @@ def _sheet(torus, theta, low, high):
 
 def _with_nodes(sheets, nodes, direction, letters):
     plotter = scene.empty()
-    plotter.window_size = 1000, 800
+    plotter.window_size = 1500, 1200
     for colour, sheet in sheets.items():
         scene.put(plotter, scene.surface(sheet), colour, smooth_shading=True)
     scene.put(plotter, scene.curve(1.2 * nodes, 0.006), "chord")

@@ -16,7 +16,7 @@ from .machine_scene import machine_model
 BACK, FRONT = 1.25, 0.25  # m of tunnel that are drawn behind the joint and before the cut ground
 OPENED = np.radians([100, 285])  # angles from y over z that are left out, to look inside
 VIEW = (0.55, -1.5, 0.5)  # towards the camera
-WINDOW = 1600, 1000  # px
+WINDOW = 2400, 1500  # px
 BAR = {
     "title": SCALAR.replace(" / ", "\n/ "), "vertical": True, "fmt": "%.1f", "n_labels": 5,
     "below_label": "to cut", "width": 0.03, "height": 0.6, "position_x": 0.925, "position_y": 0.2,

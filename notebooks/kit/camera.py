@@ -20,7 +20,7 @@ from .style import COLOURS, STYLE, TEXT_WIDTH
 
 ASLANT = 1.0, -1.5, 0.8  # towards the camera
 UP = 0.0, 0.0, 1.0
-MARGIN = 20  # px of white left around a picture
+MARGIN = 30  # px of white left around a picture
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
 BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter

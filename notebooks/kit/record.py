@@ -29,7 +29,7 @@ PREVIEW = 800  # px, the width of a figure shown in a notebook
 CLOSE = 1e-6  # relative difference below which no order is recorded
 MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
 MOVED = {"format": "png", "compress_level": 1}  # of pictures that the next one replaces
-PRINTED = 1350  # px, the width of a page, 16 cm, at 215 dpi
+PRINTED = 1950  # px, the width of the text, 16.4 cm, at 300 dpi
 # The lowest bit of a colour, which nobody sees, is noise in a shaded scene: where all are set, a
 # picture takes two thirds of the bytes, and white stays white.
 LOWEST = 1

@@ -19,7 +19,7 @@ from .style import COLOURS
 LIGHTS = [((0, 0, 1), 0.6), ((-1, 1, 1), 0.35), ((1, 0.6, 0.4), 0.2)]
 
 THEME = pyvista.themes.DocumentTheme()
-THEME.window_size = [1600, 1200]
+THEME.window_size = [2400, 1800]
 THEME.smooth_shading = True
 THEME.lighting_params.ambient = 0.25  # nothing is quite black
 # By "msaa" versions of Mesa differ in where surfaces cross that touch, and put it pixels aside.
