@@ -375,9 +375,8 @@ def arrays_in(answer):
 
 
 WHOLE = {
-    "adapted_frames", "fit.tilted", "fit.mean_frame", "fit.fit_planes", "fit_surface",
-    "Fit.jet_errors", "frames_along", "isotropic.isotropic_derivatives", "model_jet", "recognise",
-    "GeodesicPoints.deviation", "DexelGrid",
+    "adapted_frames", "tilted", "mean_frame", "fit_surface", "frames_along",
+    "model_jet", "recognise", "GeodesicPoints.deviation", "DexelGrid",
 }  # of points that belong together, or to what has rows of its own  # fmt: skip
 
 
