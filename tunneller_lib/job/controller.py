@@ -28,16 +28,15 @@ TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
 PLAIN = "rValve := rRate / aSpeed[nAxis];\n"
-# Of each check the key of the job, and what is said of what is found, allowed, and would do.
-CHECKS = {
-    "trip": "[controller] trip: {:.2g} m are needed without a fault; got {:.2g} m, {:.2g} m",
-    "operations": "[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
-    "counts": "[plan] tick: in one a joint moves {:.0f} counts, and may move {}; {:.2g} s",
-    "ticks": "[plan] tick: the run has {} ticks, and the controller counts {}; {:.2g} s",
-    "change": "[plan] tick: a change of time scale takes {:.3g} ticks, and may take {}; {:.2g} s",
-    "stopping": "[plan] tick: to stop takes {} ticks, and may take {}; {:.2g} s",
-    "ring": "[plan] tick: {} setpoints must be ahead, and the controller has room for {}; {:.2g} s",
-}
+# Of each that a tick must allow: how much at most, the margin of the tick that a refusal names, and
+# what is said of what is found. The first allows no longer tick, the others no shorter one.
+# The ticks of a run have 32 bits anyway: the planner's are 5 million at most.
+CHECKS = [
+    (FASTEST, 1.1, "in one a joint moves {:.0f} counts, and may move {}"),
+    (1, 1.1, "a change of time scale takes {:.3g} ticks, and may take {}"),
+    (FULL, 1.5, "to stop takes {} ticks, and may take {}"),
+    (RINGS[-1], 2, "{} setpoints must be ahead, and the controller has room for {}"),
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,17 +85,24 @@ def program(plan: Plan, job: Job):
     """
     if any(loop.integral for loop in job.axes[1]):
         raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
-    trip = _trip(plan, job)
     parts = min(moves.fineness for moves in (plan, plan.entry, plan.leave))
-    ends, ticks = _rows(plan, parts)
-    ramps = _ramps(plan, plan.count / parts * ends, ticks)
-    stopping = _stopping(plan, ticks, ramps)
+    # Of entry, a lap and exit: ends (m + 1, 2) in parts of a count, and ticks (m,).
+    runs = plan.entry, plan, plan.leave
+    setpoints = np.concatenate([plan.entry.setpoints[:1], *(run.setpoints[1:] for run in runs)])
+    ends = np.rint(parts / plan.count * setpoints).astype(np.int64)
+    ticks = np.concatenate([run.ticks for run in runs])
+    ramps, longest = _ramps(plan, plan.count / parts * ends, ticks)
+    stopping = _stopping(ticks, ramps) if longest <= 1 else int(FULL * longest)
+    ahead, slow, at_once = _throughput(plan, stopping)
+    fastest = float((np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max())
+    _check_tick(plan, (fastest, longest, stopping, ahead))
+    ring = next(size for size in RINGS if size >= ahead)
+    trip = _trip(plan, job)
     # The way to the start position: from where a trip isn't yet and a set-value off by another may
     # be, at half of the feed at most, and with room to stop.
     machine = plan.circuit.machine
     way = 2 * np.sqrt(2) * trip
     approach = max(2 * stopping, math.ceil(2 * way / (plan.limits.feed * plan.tick)))
-    ring, slow, at_once = _throughput(plan, approach, stopping)
     farthest = np.abs(ends).max() / parts + way / (machine.R * plan.count)
     while max(approach, farthest) * parts > MOST:
         parts //= 2
@@ -125,7 +131,8 @@ def program(plan: Plan, job: Job):
     setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
     cost = at_once * operations(setpoints)
     second = cost / (slow * plan.tick)
-    _check("operations", second, job.controller.get("operations", OPERATIONS), 1.1 * second)
+    _check("[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
+           second, job.controller.get("operations", OPERATIONS), 1.1 * second)  # fmt: skip
     tick = round(1e9 * plan.tick)  # ns
     words = {
         "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "LAST": ring - 1,
@@ -174,27 +181,27 @@ def chord_rows(plan):
     return {name: values.tolist() for name, values in rows.items()}
 
 
-def _check(what, found, most, would_do):
+def _check(said, found, most, would_do):
     """Raise ValueError where what is found is above what is allowed."""
     if found > most:
-        raise ValueError(f"{CHECKS[what].format(found, most, would_do)} would do.")
+        raise ValueError(f"{said.format(found, most, would_do)} would do.")
 
 
-def _rows(plan, parts):
-    """Return ends (m + 1, 2) in parts of a count, and ticks (m,), of entry, a lap and exit."""
-    runs = plan.entry, plan, plan.leave
-    setpoints = np.concatenate([plan.entry.setpoints[:1], *(run.setpoints[1:] for run in runs)])
-    ends = np.rint(parts / plan.count * setpoints).astype(np.int64)
-    ticks = np.concatenate([run.ticks for run in runs])
-    fastest = float((np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max())
-    _check("counts", fastest, FASTEST, 0.9 * plan.tick * FASTEST / max(fastest, 1.0))
-    total = int(ticks.sum() + (plan.laps - 1) * plan.ticks.sum())
-    _check("ticks", total, MOST, 2 * plan.tick * total / MOST)
-    return ends, ticks
+def _check_tick(plan, found):
+    """Check what is found against `CHECKS`; the tick that is named is allowed by all of them.
+
+    Where they allow none, a coarser count is named.
+    """
+    needed = [margin * one / most for (most, margin, _), one in zip(CHECKS, found, strict=True)]
+    most, least = plan.tick / needed[0], plan.tick * max(needed[1:])
+    _check("[plan] count: the tick must be {:.2g} s, and at most {:.2g} s; {:.2g} rad",
+           least, most, 1.2 * plan.count * least / most)  # fmt: skip
+    for at, (allowed, _, said) in enumerate(CHECKS):
+        _check(f"[plan] tick: {said}; {{:.2g}} s", found[at], allowed, least if at else most)
 
 
 def _ramps(plan, angles, ticks):
-    """Return by how much the time scale may change (m, 2) in a scan, in each move.
+    """Return by how much the time scale may change (m, 2) in a scan, and the ticks for the least.
 
     Amid it, and by how much it may fall at its begin at full scale. The scale s may become s + d
     where rates V become W, if d W + s (W - V) is within the acceleration: at s = 1 that is a
@@ -212,23 +219,21 @@ def _ramps(plan, angles, ticks):
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.stack([most / np.sqrt(square), (root + along) / square], axis=-1)
     found[square == 0] = 1.0
-    longest = 1 / (FULL * found[:, 0].min())
-    _check("change", longest, 1, 1.1 * plan.tick * longest)
+    longest = float(1 / (FULL * found[:, 0].min()))
     found = np.floor(FULL * np.clip(found, 0.0, 1.0)).astype(np.int64)
-    return np.minimum(found, found[:, :1])
+    return np.minimum(found, found[:, :1]), longest
 
 
-def _stopping(plan, ticks, ramps):
+def _stopping(ticks, ramps):
     """Return of how many ticks the known moves must be, in which the time scale falls to rest.
 
     As many as from the fastest move at the constant acceleration, or more. A quarter more is for
     runs that begin amid a move.
     """
     stopping = FULL // (2 * int(ramps[:, 0].min())) + 2
-    while not _rests(ticks, ramps, stopping):
+    while stopping <= FULL and not _rests(ticks, ramps, stopping):
         stopping = int(1.1 * stopping) + 1
-        _check("stopping", stopping, FULL, 1.5 * plan.tick * stopping / FULL)
-    return min(int(1.25 * stopping) + 1, FULL)
+    return int(1.25 * stopping) + 1
 
 
 def _rests(ticks, ramps, known):
@@ -268,21 +273,19 @@ def _between(ramps, scale):
     return ramps[:, 0] + (ramps[:, 1] - ramps[:, 0]) * scale // FULL
 
 
-def _throughput(plan, approach, stopping):
-    """Return the ring's size, the slow task's period in ticks and its setpoints a call.
+def _throughput(plan, stopping):
+    """Return the setpoints that must be ahead, the slow task's period in ticks, and its a call.
 
     At full scale a call prepares as many as were taken since the one before, so that the ring is
     full again; between two calls the setpoints ahead don't fall short of the stopping ticks.
     """
     slow = max(round(SLOW / plan.tick), 1)
     lap = np.tile(plan.ticks, min(plan.laps, 2))
-    ends = np.cumsum(np.concatenate([[approach], plan.entry.ticks, lap, plan.leave.ticks]))
+    ends = np.cumsum(np.concatenate([[0], plan.entry.ticks, lap, plan.leave.ticks]))
     # Setpoints that must be known at each end: those to stop in, and while the slow task waits.
     number = np.arange(len(ends))
     ahead = int((np.searchsorted(ends, ends + stopping + 2 * slow) - number).max()) + 3
-    _check("ring", ahead, RINGS[-1], 2 * plan.tick * ahead / RINGS[-1])
-    ring = next(size for size in RINGS if size >= ahead)
-    return ring, slow, int((np.searchsorted(ends, ends + slow) - number).max())
+    return ahead, slow, int((np.searchsorted(ends, ends + slow) - number).max())
 
 
 def _trip(plan, job):
@@ -294,7 +297,8 @@ def _trip(plan, job):
     off = np.abs(track.setvalue - track.position) * _arms(plan.circuit.machine)
     least = MORE * float(off.max())
     trip = float(job.controller.get("trip", TRIP * plan.circuit.machine.depth))
-    _check("trip", least, trip, 1.1 * least)
+    _check("[controller] trip: {:.2g} m are needed without a fault; got {:.2g} m, {:.2g} m",
+           least, trip, 1.1 * least)  # fmt: skip
     return trip
 
 
