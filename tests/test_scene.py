@@ -61,13 +61,13 @@ def test_body_of_the_machine_is_drawn_where_the_wall_is_kept_clear_of_it():
 
 @pytest.mark.parametrize("parallel", [True, False])
 def test_letters_are_written_where_the_scene_has_their_point(parallel):
-    def shot(letters):
+    def shot(letters, width=2.0):
         plotter = scene.empty(parallel=parallel)
         plotter.window_size = 400, 300
         for end in ((-1, -1, -1), (1, 1, 1)):
             plotter.add_mesh(scene.ball(end, 0.05), color="white", lighting=False)
         plotter.add_mesh(scene.ball(place, 0.1), color="red", lighting=False)
-        return scene.shoot(plotter, direction=(0.3, -1, 0.4), letters=letters, width=1.0)
+        return scene.shoot(plotter, direction=(0.3, -1, 0.4), letters=letters, width=width)
 
     place = np.array([0.4, 0.2, -0.5])
     plain, lettered = shot(None), shot({"M": (place, (0, 0))})
@@ -76,7 +76,8 @@ def test_letters_are_written_where_the_scene_has_their_point(parallel):
     red = np.argwhere(plain[..., 0] > plain[..., 1].astype(int) + 100)
     assert len(changed) and np.abs(changed.mean(axis=0) - red.mean(axis=0)).max() < 3
     # A line leads to a letter that is far away, and to no other: seen with a letter that is blank.
-    led = [shot({" ": (place, (away, 0))}).max(axis=-1).min() < 80 for away in (-2, -3)]
+    blank = [shot({" ": (place, (away, 0))}, width=1.0) for away in (-2, -3)]
+    led = [picture.max(axis=-1).min() < 80 for picture in blank]
     assert led == [False, True]  # black is only in the line
     aside = shot({"M": (place, (4, 0))})
     assert aside.shape[1] > plain.shape[1]  # what stands beside the scene isn't cut off

@@ -30,9 +30,9 @@ CLOSE = 1e-6  # relative difference below which no order is recorded
 MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
 MOVED = {"format": "png", "compress_level": 1}  # of pictures that the next one replaces
 PRINTED = 1950  # px, the width of the text, 16.4 cm, at 300 dpi
-# The lowest bit of a colour, which nobody sees, is noise in a shaded scene: where all are set, a
-# picture takes two thirds of the bytes, and white stays white.
-LOWEST = 1
+# The lowest two bits of a colour, which nobody sees, are noise in a shaded scene: with all of them
+# set a picture takes half of the bytes, and white stays white.
+LOWEST = 3
 # Numbers that place something in a drawing, in points; a hundredth of one is 4 micrometres.
 PLACES = re.compile(r'\b[dxy]="[^"]*"|translate\([^)]*\)|<rect [^>]*>')
 FINE = re.compile(r"-?\d+\.\d{3,}")
@@ -181,7 +181,7 @@ class Record:
         ----------
         picture : matplotlib.figure.Figure or (n, m, 3) uint8
             A drawing, saved as SVG, or pixels, saved as PNG, no wider than print can show and
-            with the lowest bit of each colour set.
+            with the lowest two bits of each colour set.
         name : str
             File name, without suffix.
         alt : str

@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-import sys
 
 import pytest
 
@@ -90,13 +89,13 @@ def test_new_files_count_in_the_studys_folders_alone(monkeypatch, tmp_path):
     assert check.changed("HEAD") == {f"{folder}/new.py" for folder in check.STUDY}
 
 
-def test_tests_answer_for_the_study_s_files_and_not_for_a_visitor_s(tmp_path, monkeypatch):
+def test_tests_answer_for_the_study_s_files_and_not_for_a_visitor_s(request, tmp_path, monkeypatch):
     ours = ["README.md", "notebooks/job.toml", "report/ledger/rows.toml"]
     others = ["tunneller_lib.egg-info/PKG-INFO", "plain/pyvenv.cfg", ".coverage", "build/lock"]
     for name in [*ours, *others]:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
-    conftest = sys.modules["conftest"]
+    conftest = request.config.pluginmanager.getplugin(str(check.ROOT / "conftest.py"))
     monkeypatch.setattr(conftest, "ROOT", tmp_path)
     monkeypatch.setattr(conftest, "opened", {str(tmp_path / name) for name in [*ours, *others]})
     assert conftest.unsaid(None) == ours

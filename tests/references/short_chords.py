@@ -84,7 +84,7 @@ class Chord:
             m += foot(self.torus, m)[2] * (direction - self.normal_below(m))
         return foot(self.torus, m + shift if shift is not None else m)[:2]
 
-    def tangent_spheres(self, t):
+    def projected_chord(self, t):
         return self.dropped(t)
 
     def one_third_rule(self, t):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Angles, Length, Length0, Positions, checked
+from ..arguments import Angles, Length, Length0, Positions, Rates, checked
 from ..kernels.compiled import cosine, sine
 from .quantities import Size, Size0
 
@@ -120,3 +120,11 @@ class Arm:
         phi's is R sin(phi) sin(theta) of each mass times its weight; positions (..., 2) are in rad.
         """
         return np.stack(weights(self.moments, position[..., 0], position[..., 1]), axis=-1)
+
+    @checked
+    def energy(self, position: Positions, rate: Rates):
+        """Return kinetic and potential energy (...), in J, at positions in rad, rates in rad/s."""
+        about_theta, about_phi = self.inertias(position[..., 1])
+        kinetic = (about_theta * rate[..., 0] ** 2 + about_phi * rate[..., 1] ** 2) / 2
+        reach = self.moments.mass * self.r + self.moments.first * np.cos(position[..., 1])
+        return kinetic, -GRAVITY * np.sin(position[..., 0]) * reach

@@ -85,6 +85,7 @@ class DexelGrid:
 
         Examples
         --------
+        >>> from tunneller_lib.surfaces import Rod
         >>> grid = DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (200, 200))
         >>> removed = grid.cut(Rod((0, 0, 1), (0, 0, 1), 0.5, ends="round"))
         >>> round(removed / (2 / 3 * np.pi * 0.5**3), 3)
