@@ -15,7 +15,9 @@ from report.sources import ROOT, notebooks, records
 
 STYLE = re.compile(r"<style>(.*?)</style>", re.S)
 BODY = re.compile(r"<body>(.*)</body>", re.S)
-EMBEDDED = re.compile(r'src="data:image/[\w+]+;base64,([^"]+)"')
+EMBEDDED = re.compile(
+    r'src="data:image/[\w+]+;base64,([^"]+)"( alt="[^"]*")?(?: width="\d+" height="\d+")?'
+)
 FIGURE = re.compile(r'<figure(?: id="([^"]*)")?>(.*?)<figcaption>(.*?)</figcaption>', re.S)
 NUMBERED = re.compile(r"^(\w+\s\d+):(?:<span[^>]*>[^<]*</span>)?\s*")
 NUMBER = re.compile(r"^\s*\d[\d.]*\s+")  # of a section, which another may have tomorrow
@@ -45,7 +47,7 @@ def report_page(name):
     def by_file(match):
         content = base64.b64decode(match[1])
         name = figures[digest(content)]
-        return f'loading="lazy" {sizes(content)} src="figures/{name}"'
+        return f'loading="lazy" {sizes(content)} src="figures/{name}"{match[2] or ""}'
 
     names = set(re.findall(r'\bid="([^"]+)"', body))
 
