@@ -94,18 +94,30 @@ def count_fault(case):
 
 
 def ripple_fault(case):
-    """Return how far a feed that is even over each move puts the cutter ahead along the path."""
+    """Return how far even joint rates over each move put the cutter ahead along the path.
+
+    Between setpoints each joint turns at one rate, where the planned motion changes it: by an
+    acceleration `a` of the cutter along its way over N ticks T. The closed form is the sagitta in
+    time at the middle tick, a T^2 (N/2)^2 / 2. The feed may be constant and `a` isn't zero, since
+    the levers change; a move of one tick has no tick between its ends.
+    """
     plan = case.plan
     torus = plan.circuit.machine.torus
     ends = np.concatenate([[0], np.cumsum(plan.ticks)])
     wanted = plan.route.at(plan.reached)
     off = _between(plan, plan.setpoints) - wanted
     direction = plan.route.at(plan.reached, order=1)
-    along = dot(levers(torus, wanted) * off, levers(torus, wanted) * direction)
-    # A mean speed in place of one that changes by dv over a move of N ticks: dv N T / 8 amid it.
-    lever = levers(torus, wanted[ends])
-    speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])[:-1]
-    return along, _largest(np.diff(speed) * plan.ticks[:-1] / 8)
+    lever = levers(torus, wanted)
+    along = dot(lever * off, lever * direction)
+    # The joints' mean acceleration between the first and the last tick of each move but the rest.
+    first = ends[:-2]
+    last = ends[1:-1]
+    middle = (first + last) // 2
+    ticks = plan.ticks[:-1]
+    rate = np.diff(wanted, axis=0)  # rad a tick
+    change = (rate[last - 1] - rate[first]) / np.maximum(ticks - 1, 1)[:, None]
+    acceleration = dot(lever[middle] * change, lever[middle] * direction[middle])
+    return along, _largest(acceleration * (ticks // 2) * (ticks - ticks // 2) / 2)
 
 
 def following_fault(case):
