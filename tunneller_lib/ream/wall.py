@@ -140,6 +140,12 @@ def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
         advance / sqrt(1 + tan^2(lean) rho / (rho + R)) with the lean of the circuit out of the
         section's plane, the radius rho of the offset section and R of the cutter: on a straight
         wall advance cos(lean), but the ball also reaches round the bend.
+
+    Notes
+    -----
+    The wall has one bend as far as the ball reaches round it from the middle of a ridge, about
+    advance/2 tan(lean) along the section. Nearer to a jump of the bend the ridge passes smoothly
+    from one height to the other, and so isn't as low as the lower of both formulas says.
     """
     profile = circuit.profile
     h = 1e-5 * profile.perimeter
