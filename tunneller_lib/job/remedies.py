@@ -66,9 +66,7 @@ def _key(job, what):
     if what == "pose":
         return "[pose]"
     what = _own(job, what)
-    table = getattr(job, TABLES[what])
-    degrees = "_deg" if what in getattr(table, "degrees", ()) else ""
-    return f"[{TABLES[what]}] {what}{degrees}"
+    return f"[{TABLES[what]}] {what}"
 
 
 def _case(job):
