@@ -63,7 +63,8 @@ def missing(error):
     name = (error.name or "").partition(".")[0]
     package = f"the package {PACKAGES.get(name, name)}" if name else "a package"
     if not isinstance(error, ModuleNotFoundError):
-        return f"{package} can't be loaded; {fit(str(error).rstrip('.'))}."
+        why = str(error).partition("\n")[0].rstrip(".")
+        return f"{package} can't be loaded; {why}."
     extra = "" if name in ("numpy", "scipy") else "[picture]"
     return f'{package} is missing; pip install ".{extra}" in this study\'s folder brings it.'
 
@@ -146,11 +147,6 @@ def planned(options):
     from .job import read_job
 
     job = read_job(options.job)
-    if integral := job.controller.get("integral"):
-        raise ValueError(
-            "[controller] integral: must be 0, since the budget's closed forms lack it; "
-            f"got {integral:g}."
-        )
     say("planning ...")
     plan = job.planned
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")

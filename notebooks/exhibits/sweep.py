@@ -6,6 +6,7 @@
 import csv
 import hashlib
 import os
+import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context

@@ -101,12 +101,7 @@ PLAN = {
     "arm_radius": Size("m", 0, 5),
     "path": TEXT,
 }
-LOOP = {
-    "gain": Size("1/s", 0, 1e4),
-    "integral": Size("1/s^2", 0, 1e6),
-    "feedforward": Size("1", 0, 2),
-    "delay": WHOLE,
-}
+LOOP = {"gain": Size("1/s", 0, 1e4), "feedforward": Size("1", 0, 2), "delay": WHOLE}
 EXPORTED = {"trip": Size("m", 1e-5, 1), "operations": Size("1/s", 0, 1e12)}  # for the controller
 CONTROLLER = {"plant": TEXT, "encoder": COUNT} | LOOP | EXPORTED
 POSE = dict.fromkeys("yz", Size("m", most=0.2))
@@ -237,7 +232,7 @@ class Job:
     @cached_property
     def planned(self):
         """Return the `Plan`; raise ValueError with the reason if the job can't be planned."""
-        machine = self.made
+        machine, _ = self.made, self.error  # a wrong pose is refused as early
         with said_of("section"):
             section = _shape(self.section)
         circuit = _circuit(machine, section, self.stance)
@@ -254,7 +249,7 @@ class Job:
             bounds["axes"] = self.cylinders
         with said_of("limits"):
             limits = Limits(**bounds)
-        if self.oily and not loops[0].integral:
+        if self.oily:
             for margin in gain_margins(circuit, plants, loops):
                 if margin.what.startswith("gain") and not margin.enough:
                     raise ValueError(f"[controller] {margin}")
@@ -263,19 +258,15 @@ class Job:
 
     @cached_property
     def margins(self):
-        """Return the list of `Margin` that the machine has for the plan; none without cylinders."""
-        plants, loops = self.axes
-        if not self.oily or loops[0].integral:
-            return []
-        return capability(self.planned, plants, loops, self.sizes)
+        """Return the `Margin`s that the machine has for the plan; none without cylinders."""
+        return capability(self.planned, *self.axes, self.sizes) if self.oily else []
 
     @cached_property
     def in_step(self):
-        """Return each joint's `Margin` against chatter if the picks are in step, or none."""
-        plants, loops = self.axes
-        if not self.pushing or not self.pushing.ripple_frequency or loops[0].integral:
+        """Return each joint's `Margin` against chatter by picks in step; none without a ripple."""
+        if not self.pushing or not self.pushing.ripple_frequency:
             return []
-        return chatter_margins(self.planned, plants, loops)
+        return chatter_margins(self.planned, *self.axes)
 
     @cached_property
     def axes(self):
@@ -303,16 +294,8 @@ class Job:
     def simulated(self, say=None):
         """Return the `Cut`; `say` is called with sentences about the progress."""
         shape = self.wall["along"], self.wall["around"]
-        with said_of("wall"):
-            whole("along, around", shape, 1, MOST_RAYS)
-            if shape[0] * shape[1] > MOST_RAYS:
-                raise ValueError(
-                    f"along, around: must be at most {MOST_RAYS} rays together; "
-                    f"got {shape[0]} x {shape[1]}."
-                )
-            thickness = positive("thickness", self.wall.get("thickness", 0.1))
         about = {"pose": self.error, "arm": self.arm, "ground": self.pushing}
-        about |= {"shape": shape, "thickness": thickness, "say": say}
+        about |= {"shape": shape, "thickness": self.wall["thickness"], "say": say}
         return simulate(self.planned, *self.axes, **about)
 
 
@@ -348,7 +331,7 @@ def read_job(path: str | Path):
         controller=controller,
         stance=read_table("stance", given["stance"], STANCE),
         pose=read_table("pose", given["pose"], POSE),
-        wall={"along": 200, "around": 360, **read_table("wall", given["wall"], WALL)},
+        wall=_read_wall(given["wall"]),
         hydraulics=read_table("hydraulics", given["hydraulics"], HYDRAULICS),
         ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
         body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
@@ -359,6 +342,21 @@ def read_job(path: str | Path):
 def _read_if_any(table, given, units, needed):
     """Return an optional table's values; if it is there it must hold what is `needed`."""
     return read_table(table, given, units, needed) if given else {}
+
+
+def _read_wall(given):
+    """Return the numbers of rays and the thickness of the modelled ground, in m."""
+    wall = {"along": 200, "around": 360, "thickness": 0.1, **read_table("wall", given, WALL)}
+    shape = wall["along"], wall["around"]
+    with said_of("wall"):
+        whole("along, around", shape, 1, MOST_RAYS)
+        positive("thickness", wall["thickness"])
+        if shape[0] * shape[1] > MOST_RAYS:
+            raise ValueError(
+                f"along, around: must be at most {MOST_RAYS} rays together; "
+                f"got {shape[0]} x {shape[1]}."
+            )
+    return wall
 
 
 def _read_section(given):
