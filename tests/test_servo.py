@@ -341,7 +341,6 @@ def test_follow_refuses_what_does_not_fit():
         ((LINEAR[0], [loop, Loop(10.0, 0.01)], two), {}, r"loop: all axes must share one tick;"),
         ((LINEAR[0], forward, two), {}, r"slopes: a loop with feed-forward needs them"),
         ((LINEAR[0], forward, two), {"slopes": two}, r"slopes: must be of shape \(8, 2\)"),
-        ((LINEAR[0], loop, two), {"inverse": lambda rate, position: np.nan}, r"inverse: must ret"),
         ((LINEAR[0], loop, two), {"push": Push()}, r"plant: must be two of class Compressible"),
         ((Rigid(AXES[0]), Loop(1e-3, 1e3), [0.0, 0.1]), {}, r"tick: must be at most .* 1000 steps"),
     ]:

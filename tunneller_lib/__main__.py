@@ -70,7 +70,7 @@ def missing(error):
 
 
 def ended(options, code, how, why):
-    """Say `how` a command ended early and `why`; return its exit code."""
+    """Say `how` a command with these `options` ended early and `why`; return its exit code."""
     why = why if why is True else fit(why)
     print(how if why is True else f"{how}: {why}", file=sys.stderr, flush=True)
     if getattr(options, "json", False):
