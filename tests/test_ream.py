@@ -1,7 +1,6 @@
 """The whole cut: plan, feed, wall; ideal chains against closed forms; plans that are refused."""
 
 import re
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +12,7 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, follow, re
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit, geodesic_inverse
 from tunneller_lib.ream import Limits, Pose, carve, cutting, plan, simulate, starved
-from tunneller_lib.ream.cutting import expected_seconds
 from tunneller_lib.ream.moves import move_lengths, move_shares, move_ticks
-from tunneller_lib.ream.route import route_through
 from tunneller_lib.ream.wall import intact_wall, lap_volume, pass_distance, scallop_height, standing
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal.arm_clearance import rod_clearance
@@ -265,7 +262,6 @@ REFUSED = {
     "advance: must leave cusps below": lambda: lap_volume(CIRCUIT, 0.3),
     "pitch: must lie between": lambda: scallop_height(0.2, 0.5),
     "loop: must have the plan's tick": lambda: simulate(lap(), LAG, replace(LOOP, tick=0.01)),
-    "way: must return positions": lambda: route_through(CIRCUIT, [0.0, 1.0], way=lambda *a: a[0]),
 }
 
 
@@ -295,28 +291,16 @@ def test_carve_tells_how_far_it_is(monkeypatch):
     assert shares == sorted(shares) and shares[0] < 10 and shares[-1] > 90
 
 
-def test_expected_seconds_are_those_of_a_run_within_a_factor(monkeypatch):
-    # By the clock other programs may stop the few ticks that are timed, but not the run.
-    monkeypatch.setattr(time, "perf_counter", time.process_time)
-    job = lap(laps=2, advance=0.05)
-    plant, loop = Integrator(0.5), Loop(10.0, job.tick)
-    axes, wall = expected_seconds(job, plant, loop, shape=COARSE)
-    begun = time.perf_counter()
-    simulate(job, plant, loop, shape=COARSE)
-    assert 0 < min(axes, wall) and 0.1 < (axes + wall) / (time.perf_counter() - begun) < 10
-
-
 @pytest.mark.parametrize(
     ("integral", "said"),
-    [(0.0, "the gain must be below 400 1/s; got 500 1/s."),
-     (20.0, "with an integral of 20 1/s^2 the gain must be from 0.1 to 400 1/s; got 500 1/s."),
-     (2e5, "with an integral of 200000 1/s^2 no gain would do; got 500 1/s.")],
+    [(0.0, "must be from 0 to 400 1/s"), (20.0, "must be from 0.1 to 400 1/s"),
+     (2e5, "is never small enough")],
 )  # fmt: skip
 def test_unstable_loop_is_refused_with_the_gains_that_would_do(integral, said):
     job = lap()
     loop = Loop(500.0, job.tick, integral=integral)
     with pytest.raises(
-        ValueError, match=rf"^loop: must be stable; that of theta .*{re.escape(said)}"
+        ValueError, match=rf"^loop: must be stable; .* theta's gain {said}; got 500 1/s\.$"
     ):
         simulate(job, Integrator(0.5), loop, shape=COARSE)
 

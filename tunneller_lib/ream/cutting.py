@@ -210,10 +210,10 @@ def simulate(
 def _unstable(name, plant, loop, reached):
     """Return the sentence that refuses an unstable loop, with the gains at which it is stable."""
     low, high = stable_gains(plant, loop, np.linspace(reached.min(), reached.max(), 5))
-    span = f"must be from {low:.3g} to {high:.3g} 1/s" if low < high else "can't be chosen well"
+    span = f"must be from {low:.3g} to {high:.3g} 1/s" if low < high else "is never small enough"
     return (
-        f"loop: must be stable; with the tick and the integral of {name}'s the gain {span}; "
-        f"got {loop.gain:g} 1/s."
+        f"loop: must be stable; at its tick and integral {name}'s gain {span}; got "
+        f"{loop.gain:g} 1/s."
     )
 
 
