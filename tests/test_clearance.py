@@ -10,17 +10,7 @@ from hypothesis import strategies as st
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
 from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
-from tunneller_lib.surfaces import (
-    REFERENCE_MACHINE,
-    Body,
-    Box,
-    Egg,
-    Frustum,
-    Line,
-    Rod,
-    RoundedDisc,
-    closed_profile,
-)
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Box, Egg, Frustum, Rod, RoundedDisc
 
 EGG = Egg(0.5)
 BODY = Body(1.2, 0.3, -0.25, 0.15, holder_radius=0.12, holder_length=0.25)
@@ -60,14 +50,6 @@ def test_joint_near_the_roof_decides(lowest, highest):
     assert found < 0.9 * machine.offset
 
 
-def test_joint_turns_by_at_most_a_quarter_each_way():
-    quarter = np.pi / 2
-    assert circuit_clearance(REFERENCE_MACHINE, EGG, -quarter, quarter, 0.0) > 0
-    for ends in ((-np.nextafter(quarter, 2), 0), (0, np.nextafter(quarter, 2)), (0.1, 0)):
-        with pytest.raises(ValueError, match=r"^lowest: must be at most highest, both from -pi/2"):
-            circuit_clearance(REFERENCE_MACHINE, EGG, *ends, 0.0)
-
-
 def posed(seed):
     """Return two places and a rotation at random, about the egg."""
     rng = np.random.default_rng(seed)
@@ -104,24 +86,6 @@ def test_solid_clearance_is_the_least_depth_of_the_solid(seed):
     lowest = EGG.depth(points[:, 1], points[:, 2]).min()
     # The last bit of hypot depends on an array's length.
     assert solid_clearance(EGG, box) == pytest.approx(lowest, abs=1e-14)
-
-
-@pytest.mark.parametrize("sides", [8, 16])
-def test_clearance_of_a_ball_from_many_flat_walls_is_that_from_the_nearest(sides):
-    # Each wall makes a valley of the depth of its own, a few degrees from the next.
-    turn = 2 * np.pi * np.arange(sides) / sides
-    half = np.tan(np.pi / sides)
-    walls = [
-        Line(np.cos(k) + half * np.sin(k), np.sin(k) - half * np.cos(k), k + np.pi / 2, 2 * half)
-        for k in turn
-    ]
-    section = closed_profile(walls)
-    rng = np.random.default_rng(14)
-    for _ in range(20):
-        centre, radius = rng.uniform(-0.5, 0.5, 3), rng.uniform(0.3, 0.9)
-        nearest = np.min(1 - centre[1] * np.cos(turn) - centre[2] * np.sin(turn)) - radius
-        ball = Rod(centre, centre, radius, ends="round")
-        assert solid_clearance(section, ball) == pytest.approx(nearest, abs=1e-14)
 
 
 @pytest.mark.parametrize("turn", [0.0, 1e-12, 1e-6, 0.3, np.pi / 2])
@@ -212,8 +176,3 @@ def test_plan_keeps_the_body_clear():
     message = r"^body: its holder is 0\.\d+ m in the wall \d\.\d+ m along the circuit\.$"
     with pytest.raises(ValueError, match=message):
         planned(holder_radius=0.25)
-
-
-def test_solid_clearance_of_nothing_and_of_a_point():
-    assert solid_clearance(EGG, Rod((0, 0, 0), (0, 0, 0), 1)) == np.inf
-    assert solid_clearance(EGG, Rod((9, 0.2, 0), (9, 0.2, 0), 0, ends="round")) == 0.3

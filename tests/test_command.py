@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kit import figure
-from tunneller_lib.__main__ import main, missing, say, tell
+from tunneller_lib.__main__ import main, say, tell
 from tunneller_lib.job import WrongJob, read_job, reader, results, tables, wall_plot
 from tunneller_lib.job.results import plan_text, summary_text
 from tunneller_lib.job.tables import Size
@@ -346,15 +346,6 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert [line.get_label() for line in lines] == ["lap 1", "lap 3, beside another"]
 
 
-def test_several_times_the_tolerance_is_three_times(job):
-    made = read_job(job())
-    for over, under in ((3.01e-3, 0), (0, 3.01e-3), (2.99e-3, 2.99e-3)):
-        name = "over" if over > 3e-3 else "under"
-        expected = [f"the {name}break of 3.01 mm is 3 times the tolerance of 1 mm; this warning "
-                    "begins at 3 times."]  # fmt: skip
-        assert results._warnings(made, over, under) == (expected if max(over, under) > 3e-3 else [])
-
-
 def test_overshoot_where_the_cutter_enters_counts(job):
     made = read_job(job())
     cut = made.simulated()
@@ -456,12 +447,6 @@ def test_cut_without_matplotlib_leaves_out_its_pictures(job, tmp_path):
     assert done.returncode == 0 and not list((tmp_path / "cut").glob("*.png"))
     left = 'wall.png is left out: the package matplotlib is missing; pip install ".[picture]" in'
     assert left in done.stderr
-
-
-def test_command_names_a_package_that_cannot_be_loaded():
-    error = ImportError("cannot import name 'a' from 'PIL'.\nHelp.", name="PIL.Image")
-    why = "cannot import name 'a' from 'PIL'"
-    assert missing(error) == f"the package pillow can't be loaded; {why}."
 
 
 @pytest.mark.parametrize(("error", "code", "answer"), [

@@ -13,7 +13,7 @@ from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, referenc
 from tunneller_lib.motion.arm import Arm, couplings
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.ream import Case, Limits, gain_margins, loads, plan, simulate
+from tunneller_lib.ream import Case, Limits, loads, plan, simulate
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.margins import capability, used
 from tunneller_lib.removal import Ground
@@ -103,20 +103,6 @@ def test_joints_that_share_nothing_are_the_two_axes_alone():
     assert alone.energies is None and together.energies.shape == (400, 5)
 
 
-@pytest.mark.parametrize("part", ["lift_friction", "piston_leak", "valve_leak"])
-def test_each_loss_changes_the_motion_and_vanishes_with_its_size(part):
-    smooth = dict.fromkeys(("lift_friction", "swing_friction", "piston_leak", "valve_leak"), 0.0)
-
-    def run(**sizes):
-        axes = axes_of(REFERENCE_MACHINE, replace(SIZES, **(smooth | sizes)))
-        return follow([Compressible(axis) for axis in axes], LOOP, RAMP, slopes=SLOPES).position
-
-    old = run()
-    full = np.abs(run(**{part: getattr(SIZES, part)}) - old).max()
-    tiny = np.abs(run(**{part: 1e-6 * getattr(SIZES, part)}) - old).max()
-    assert full > 1e-6 and tiny < 1e-5 * full + 1e-12
-
-
 def test_energy_that_the_pump_gives_is_found_again():
     push = Push(damper=4000.0, lever=(0.88, 0.80), across=(0.3, -0.2), torque=(50.0, 0.0))
     track = follow(OILY, LOOP, RAMP, slopes=SLOPES, arm=ARM, push=push)
@@ -143,13 +129,6 @@ def test_push_holds_a_joint_back_by_its_torque():
 
 
 # The ground
-
-
-def test_force_is_that_of_the_power_at_the_picks():
-    assert CONCRETE.power(1.5e-4) == pytest.approx(3000)
-    assert CONCRETE.force(1.5e-4) * CONCRETE.pick_speed == pytest.approx(3000)
-    time = np.arange(0, 1, 1e-3)
-    assert CONCRETE.pulse(time).mean() == pytest.approx(1) and CONCRETE.pulse(time).max() < 1.3001
 
 
 def lap(ground, **options):
@@ -302,24 +281,6 @@ def test_usual_sizes_grow_as_similar_machines_do(scale):
     for name, power in powers.items():
         assert getattr(grown, name) == pytest.approx(getattr(sizes, name) * scale**power)
     assert (sizes.head, sizes.beam, sizes.supply, sizes.bulk) == (30.0, 60.0, 160e5, 1e9)
-
-
-def test_machines_slow_down_as_they_grow():
-    frequency, speed, limit = [], [], []
-    for scale in (0.5, 1.0, 2.0, 3.0):
-        machine = machine_of(scale)
-        axes = axes_of(machine, usual_sizes(machine))
-        frequency.append([axis.natural_frequency(0.0) for axis in axes])
-        speed.append([axis.rate(0.0, 1.0) * scale for axis in axes])
-        found = gain_margins(cutting_circuit(machine, Egg(0.5 * scale)),
-                           [Compressible(axis) for axis in axes], LOOP)  # fmt: skip
-        limit.append([margin.has for margin in found if margin.what.startswith("gain")])
-    # By the size alone, but for the weight, which grows faster than the pressure's force.
-    assert np.array(frequency) * [[0.5], [1], [2], [3]] == pytest.approx(
-        np.tile(frequency[1], (4, 1)), rel=1e-6
-    )
-    assert np.array(speed) == pytest.approx(np.tile(speed[1], (4, 1)), rel=0.25)
-    assert np.all(np.diff(limit, axis=0) < 0)
 
 
 def test_capability_says_what_is_lacking_and_what_would_do():

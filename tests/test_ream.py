@@ -157,13 +157,6 @@ def test_pose_moves_as_a_rigid_body():
     np.testing.assert_allclose(small, np.cross([1e-7, -2e-7, 3e-7], points - centre), atol=1e-12)
 
 
-def test_lengths_and_places_of_a_route_belong_together():
-    way = lap(tolerance=1e-2).route
-    np.testing.assert_allclose(way.place(way.ends), way.places)
-    lengths = np.linspace(0, way.length, 50)
-    np.testing.assert_allclose(way.length_at(way.place(lengths)), lengths, atol=1e-12)
-
-
 # Moves
 
 
@@ -179,23 +172,7 @@ def test_a_move_of_n_ticks_has_a_strain_of_an_nth_at_most(share, ticks):
     assert found.tolist() == [ticks] * (8 // ticks)
 
 
-def test_where_the_strain_is_high_moves_are_short():
-    strain = np.where(np.arange(25) == 12, 1.0, 0.1)
-    found = move_lengths(np.arange(25.0), strain, step=100.0)
-    ends = np.cumsum(found)
-    assert found.sum() == 24 and found.max() == 10
-    assert found[(ends >= 12) & (ends - found <= 12)].tolist() == [1, 1]
-
-
 # Feed
-
-
-def test_profile_of_a_constant_bound_is_a_trapezoid():
-    lengths = np.full(1000, 1e-3)
-    feed = Limits(feed=0.2, acceleration=0.1).profile(lengths, np.zeros((1001, 2)), np.ones(1000))
-    s = np.linspace(0, 1, 1001)
-    np.testing.assert_allclose(feed, np.minimum(0.2, np.sqrt(0.2 * np.minimum(s, 1 - s))),
-                               atol=1e-12)  # fmt: skip
 
 
 def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
