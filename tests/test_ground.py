@@ -11,6 +11,8 @@ from sympy.physics import mechanics
 from tunneller_lib.job import read_job
 from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, reference_axes
 from tunneller_lib.motion.arm import Arm, couplings
+from tunneller_lib.motion.both_joints import machine_of as joints_of
+from tunneller_lib.motion.both_joints import machine_slopes
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Case, Limits, loads, plan, simulate
@@ -115,6 +117,27 @@ def test_energy_that_the_pump_gives_is_found_again():
     missing = supplied - sum(spent) - (held - held[0])
     assert np.abs(missing).max() < 1e-6 * supplied[-1]
     assert spent[3][-1] > 0.05 * supplied[-1]  # the ground takes a part that isn't rounding
+    later = track.between(100, 300).energies
+    np.testing.assert_array_equal(later, track.energies[100:301] - track.energies[100])
+
+
+@pytest.mark.parametrize("rates", [(0.2, -0.1), (-0.3, 0.2)])
+def test_push_resists_each_joint_by_its_parts(rates):
+    push = Push(torque=(5.0, -8.0), damper=900.0, lever=(0.9, 0.8), across=(0.3, -0.2),
+                front=(70.0, -50.0))  # fmt: skip
+    (theta, phi), rates = (AXES, np.array(rates))
+    state = *((0.1, rate, 5e6, 6e6, 0.2) for rate in rates), (0.0,) * 5
+    free, pushed = (
+        machine_slopes(joints_of(AXES, None), state, (0.1, 0.3), tuple(one.rows[0]))
+        for one in (Push(), push)
+    )
+    speed = np.hypot(*(push.lever * rates))
+    force = 900.0 * speed + max(np.dot(push.front, rates), 0.0)
+    resisted = push.torque + force * (np.square(push.lever) * rates / speed + push.across)
+    for joint, axis in enumerate((theta, phi)):
+        lost = axis.inertia * (free[joint][1] - pushed[joint][1])
+        assert lost == pytest.approx(resisted[joint], rel=1e-9)
+    assert pushed[2][4] == pytest.approx(resisted @ rates, rel=1e-9)
 
 
 def test_push_holds_a_joint_back_by_its_torque():

@@ -87,7 +87,8 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
     if pose is not None:
         joint, centre, foot = (pose.moved(point, foot) for point in (joint, centre, foot))
         turn = replace(pose, y=0.0, z=0.0).moved(np.eye(3), np.zeros(3)).T
-        arm_axes, axes = turn @ arm_axes, turn @ axes
+        arm_axes = turn @ arm_axes
+        axes = turn @ axes
     depths = {"arm": rod_clearance(section, joint, centre, arm_radius)}
     if machine.body is not None:
         if machine.body.has_holder:

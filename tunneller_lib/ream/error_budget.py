@@ -221,8 +221,8 @@ class Case:
             )
         about.check(self)
         deviation, closed = about.alone(self)
-        kind, measure, remedies = about.kind, about.measure, about.remedies
-        return Fault(source, kind, deviation, closed, measure, remedies, about.along)
+        told = about.measure, about.remedies, about.along
+        return Fault(source, about.kind, deviation, closed, *told)
 
 
 @checked

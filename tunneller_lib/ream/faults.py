@@ -148,8 +148,8 @@ def encoder_fault(case):
     square = 0.0
     with suppress(NoLinearForm):
         for joint, (plant, loop) in enumerate(zip(case.plant, case.loop, strict=True)):
-            rate, angle = motion.rate[:, joint], motion.position[:, joint]
-            passed = rounding_passed(plant, loop, rate, angle)
+            angle = motion.position[:, joint]
+            passed = rounding_passed(plant, loop, motion.rate[:, joint], angle)
             passed = (motion.slope[:, joint] * loop.count) ** 2 * passed
             square += np.average(passed[:-1], weights=plan.ticks[:-1])
         return apart, float(np.sqrt(square))

@@ -75,7 +75,8 @@ def _at_wall(machine, bend):
 
 def _half_widths(machine, bend):
     """Return half the chord that a wall of curvature `bend` cuts off a ball in a groove, in m."""
-    radius, offset = machine.cutter_radius, machine.offset
+    radius = machine.cutter_radius
+    offset = machine.offset
     # The distance from the ball's centre to the line through both circles' meeting points.
     middle = (offset - bend * (offset**2 + radius**2) / 2) / (1 - bend * offset)
     return np.sqrt(radius**2 - middle**2)

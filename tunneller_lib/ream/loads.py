@@ -72,7 +72,8 @@ def picks_fault(case):
     place, and the mean of the product of the ripple and the speed's own swing.
     """
     given = case.plan, case.plant, case.loop
-    plan, ground = case.plan, case.ground
+    plan = case.plan
+    ground = case.ground
     torque = _left_torques(*given, ground)
     swing = -ground.ripple * _answers(*given, ground, case.arm, torque)  # rad
     fast = np.abs(np.sum(planned_motion(plan).slope * swing, axis=-1))
