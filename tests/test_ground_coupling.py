@@ -98,6 +98,20 @@ def test_push_by_a_front_resists_motion_into_the_ground_alone():
 # The step
 
 
+def test_ground_drags_a_stepping_cutter_back_along_the_tunnel():
+    made = planned(CONCRETE, laps=2, advance=0.04)
+    values, _ = whole_run(made)
+    first = int(made.entry.ticks.sum())
+    tick = first + int(made.ticks.sum()) - len(made.back) // 2  # amid the step towards -x
+    front = Face(made, replace(CONCRETE, normal=0.0), values, first, (60, 240), 0.1)
+    front._way, front._area = values[tick : tick + 1], np.array([-1e-2, 0.0, 0.0])  # m^2
+    (torque, *_), h = front.push(tick, None).torque, 1e-6
+    place = lambda at: CIRCUIT.in_tunnel(CIRCUIT.machine.torus.point(*at))[0]  # noqa: E731
+    moves = [(place(values[tick] + h * one) - place(values[tick])) / h for one in np.eye(2)]
+    force = -front.stiffness[tick] * 1e-2 * np.diff(made.stepped([tick - first, tick - first + 1]))
+    np.testing.assert_allclose(torque, force / TICK * moves, rtol=1e-3)
+
+
 def test_side_of_the_ball_is_as_large_as_points_in_the_ground_count():
     grid = np.linspace(-0.21, 0.21, 1501)
     y, z = np.meshgrid(grid, grid)

@@ -176,16 +176,31 @@ def test_a_move_of_n_ticks_has_a_strain_of_an_nth_at_most(share, ticks):
 
 
 def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
+    """A second way: on a grid of squares of the feed the greatest that can still stop."""
     rng = np.random.default_rng(2)
-    lengths, ground = rng.uniform(1e-3, 5e-3, 400), rng.uniform(1e-4, 1e-2, 400)
-    limits = Limits(feed=0.3, acceleration=0.4, volume=1e-4)
-    feed = limits.profile(lengths, np.zeros((401, 2)), ground)
-    bound = np.minimum(0.3, 1e-4 / ground)
-    assert np.all(np.maximum(feed[1:], feed[:-1]) <= bound * (1 + 1e-12))
-    climb = np.abs(np.diff(feed**2)) / (2 * lengths)
-    assert climb.max() <= 0.4 * (1 + 1e-9)
-    # Nowhere may it be raised: each inner value meets its bound or one of the two climbs.
-    full = (climb > 0.4 * (1 - 1e-9)) | (np.maximum(feed[1:], feed[:-1]) > bound * (1 - 1e-9))
+    lengths, ground = rng.uniform(1e-3, 5e-3, 60), rng.uniform(1e-4, 1e-2, 60)
+    turn = np.linspace(0, 5, 61)[:, None] + [0.0, 2.0]
+    slope, bend = 1.2 * np.cos(turn), 25 * np.sin(3 * turn)
+    limits = Limits(feed=0.3, acceleration=0.4, volume=3e-4, joint_acceleration=0.9)
+    turns = np.stack([slope, bend, np.full((61, 2), 0.8)])
+    found = limits.profile(lengths, np.zeros((61, 2)), ground, turns=turns) ** 2
+    bound = np.minimum(0.3, 3e-4 / ground) ** 2
+    top = np.minimum(np.append(bound, 0.0), np.append(0.0, bound))
+    for i in reversed(range(60)):
+        x = np.linspace(0, top[i], 1001)
+        a = np.linspace(-1, 1, 801)[:, None]  # share of what stops within the move, or starts
+        a = a * max(top[i], top[i + 1]) / (2 * lengths[i])
+        joints = slope[i, :, None, None] * a + bend[i, :, None, None] * x
+        allowed = (np.abs(joints).max(axis=0) <= 0.9) & (np.hypot(*(0.8 * joints)) <= 0.4)
+        after = x + 2 * lengths[i] * a
+        top[i] = x[np.any(allowed & (after >= 0) & (after <= top[i + 1] + 1e-9), axis=0)].max()
+    assert np.all(found <= top * 1.05 + 1e-7)
+    a = np.diff(found) / (2 * lengths)
+    joints = slope[:-1] * a[:, None] + bend[:-1] * found[:-1, None]
+    strain = np.maximum(np.abs(joints).max(axis=1) / 0.9, np.hypot(*(0.8 * joints).T) / 0.4)
+    assert strain.max() <= 1 + 1e-9
+    # Nowhere may it be raised: each square is the bound, or is climbed or braked at the limit.
+    full = (strain > 1 - 1e-6) | (np.abs(found[1:] - top[1:]) < 0.02 * top[1:] + 1e-7)
     assert np.all(full[1:] | full[:-1])
 
 
@@ -364,6 +379,7 @@ def test_simulate_in_another_pose_shifts_the_wall():
     assert sides[np.argmin(lines.cos)] == pytest.approx(-5e-3, rel=0.02)
     crown = np.argmax(lines.sin)
     assert abs(sides[crown]) < 0.2e-3
+    assert cut.deviation[np.argmax(cut.centres[:, 1])] == pytest.approx(5e-3, abs=1e-3)
 
 
 def test_starved_plan_costs_time_and_no_count():

@@ -85,11 +85,9 @@ def count_fault(case):
     moves = Moves(setpoints=at, ticks=plan.ticks, tick=plan.tick, count=plan.count)
     apart = circuit.overbreak(moves.setvalues) - circuit.overbreak(_between(plan, at))
     slope = gradient(circuit, plan.places, circuit.position(plan.places))
-    # A line's rounding is uniform over a count, with the mean square count^2/12; that of setpoints
-    # is uniform over a part, and their mix along a line has 2/3 of its mean square.
-    square = (
-        plan.count**2 / 12 * (1 + 2 / 3 / moves.fineness**2) * np.mean(np.sum(slope**2, axis=-1))
-    )
+    # A line's rounding is uniform over a count, with the mean square count^2/12. That of setpoints
+    # to parts of a count is less than the share 1/fineness^2 of it.
+    square = plan.count**2 / 12 * np.mean(np.sum(slope**2, axis=-1))
     return apart, float(np.sqrt(square))
 
 
