@@ -178,7 +178,7 @@ def test_a_move_of_n_ticks_has_a_strain_of_an_nth_at_most(share, ticks):
 @pytest.mark.parametrize("joint", [0.3, np.inf])
 def test_profile_is_the_greatest_that_keeps_bound_and_acceleration(joint):
     """A second way: on a grid of squares of the feed the greatest that can still stop."""
-    rng = np.random.default_rng(2)
+    rng = np.random.default_rng(4)
     lengths, ground = rng.uniform(1e-3, 5e-3, 60), rng.uniform(1e-4, 2e-3, 60)
     slope, bend = rng.uniform(-1.5, 1.5, (61, 2)), rng.uniform(-80, 80, (61, 2))
     limits = Limits(feed=0.3, acceleration=0.4, volume=3e-4, joint_acceleration=joint)
