@@ -19,6 +19,7 @@ from tunneller_lib.ream import Case, Limits, loads, plan, simulate
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.margins import capability, used
 from tunneller_lib.removal import Ground
+from tunneller_lib.removal.volume import removed_volume
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
 
 READS = ["notebooks/reference.toml"]
@@ -270,6 +271,17 @@ def test_picks_leave_more_than_nothing_and_less_than_the_mean(monkeypatch):
     # Most of it is a mean that the ripple leaves, not a swing.
     evened = np.convolve(picks.deviation, np.ones(83) / 83, mode="valid")
     assert np.abs(evened).max() > 0.5 * picks.measured
+
+
+def test_ground_holds_back_by_the_groove_that_is_really_cut():
+    made = lap(CONCRETE, tolerance=5e-3, rest=0.2)
+    off = loads.held_back(made, OILY, [LOOP] * 2, CONCRETE)
+    depth = REFERENCE_MACHINE.depth
+    left = removed_volume(0.2, 1.0, depth + off) / removed_volume(0.2, 1.0, depth)
+    torque = loads.ground_torques(made, CONCRETE) * left[:, None]
+    found = loads.pushed_off(made, OILY, [LOOP] * 2, torque)
+    assert off.min() < -0.05 * depth
+    np.testing.assert_allclose(found, off, atol=0.01 * np.abs(off).max())
 
 
 def test_held_commands_answer_the_picks_half_a_tick_late_beside_their_delay():
