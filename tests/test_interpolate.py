@@ -162,16 +162,3 @@ def test_rivals_err_as_their_kind_does():
 def test_moves_refuse_what_does_not_fit_an_array_or_a_controller(call, said):
     with pytest.raises(ValueError, match=f"^{said}"):
         call()
-
-
-@pytest.mark.parametrize("difference", [-32_001, -7, 1, 2, 31_999])
-@pytest.mark.parametrize("ticks", [3, 7, 1000])
-def test_fixed_point_slopes_are_rounded_or_cut_off(difference, ticks):
-    slope = Fraction(difference, ticks) * 2**16
-    for name, step, half in (
-        ("Q16.16, rounded", floor(slope + Fraction(1, 2)), 2**15),
-        ("Q16.16, truncated", floor(slope), 0),
-    ):
-        expected = [(n * step + half) >> 16 for n in range(ticks + 1)]
-        found = INTERPOLATORS[name](-5, difference - 5, ticks)
-        assert (found + 5).tolist() == expected

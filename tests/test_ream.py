@@ -172,6 +172,14 @@ def test_a_move_of_n_ticks_has_a_strain_of_an_nth_at_most(share, ticks):
     assert found.tolist() == [ticks] * (8 // ticks)
 
 
+def test_where_the_strain_is_high_moves_are_short():
+    strain = np.where(np.arange(25) == 12, 1.0, 0.1)
+    found = move_lengths(np.arange(25.0), strain, step=100.0)
+    ends = np.cumsum(found)
+    assert found.sum() == 24 and found.max() == 10
+    assert found[(ends >= 12) & (ends - found <= 12)].tolist() == [1, 1]
+
+
 # Feed
 
 
