@@ -12,7 +12,7 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, follow, re
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit, geodesic_inverse
 from tunneller_lib.ream import Limits, Pose, carve, cutting, plan, simulate, starved
-from tunneller_lib.ream.moves import move_lengths, move_shares, move_ticks
+from tunneller_lib.ream.moves import Moves, move_lengths, move_shares, move_ticks
 from tunneller_lib.ream.wall import intact_wall, lap_volume, pass_distance, scallop_height, standing
 from tunneller_lib.removal import DexelGrid, Ground
 from tunneller_lib.removal.arm_clearance import rod_clearance
@@ -178,6 +178,11 @@ def test_where_the_strain_is_high_moves_are_short():
     ends = np.cumsum(found)
     assert found.sum() == 24 and found.max() == 10
     assert found[(ends >= 12) & (ends - found <= 12)].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(("ticks", "parts"), [(1, 4096), (2**18, 4096), (2**18 + 1, 2048)])
+def test_a_count_has_as_many_parts_as_32_bits_hold(ticks, parts):
+    assert Moves(np.zeros((2, 2)), np.array([ticks]), 5e-3, BITS16).fineness == parts
 
 
 # Feed
