@@ -12,7 +12,7 @@ from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, follow, re
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit, geodesic_inverse
 from tunneller_lib.ream import Limits, Pose, carve, cutting, plan, simulate, starved
-from tunneller_lib.ream.moves import Moves, move_lengths, move_shares, move_ticks
+from tunneller_lib.ream.moves import Moves, move_lengths, move_shares, move_ticks, strains
 from tunneller_lib.ream.wall import intact_wall, lap_volume, pass_distance, scallop_height, standing
 from tunneller_lib.removal import DexelGrid, Ground
 from tunneller_lib.removal.arm_clearance import rod_clearance
@@ -108,6 +108,12 @@ def test_exported_moves_keep_every_limit(limits):
     assert strained(job) <= limits.acceleration * 1.01  # setpoints in parts of a count
     used = max(job.shares["acceleration"], job.shares["joint_acceleration"], job.shares["feed"])
     assert used > 0.9
+
+
+def test_slowed_lap_goes_up_to_its_limit():
+    job = lap()
+    way = job.route.at(job.reached[: -job.ticks[-1]])
+    assert 1 - 1e-5 < strains(CIRCUIT.machine.torus, way, job.tick, QUICK).max() <= 1 + 2e-7
 
 
 def test_route_has_the_derivatives_of_its_positions():
