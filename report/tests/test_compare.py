@@ -121,7 +121,7 @@ def test_drawings_are_compared_as_the_eye_does(tmp_path, options, equal):
         ax.plot([0, to], [0, 1], color=COLOURS[colour])
         ax.set(xlabel=xlabel, xlim=(0, 1.1))
         (tmp_path / folder).mkdir()
-        with matplotlib.rc_context({"svg.fonttype": "path"}):
+        with matplotlib.rc_context({"svg.fonttype": "none"}):
             drawing.savefig(tmp_path / folder / "a.svg")
         return tmp_path / folder / "a.svg"
 
