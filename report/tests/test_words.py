@@ -38,6 +38,12 @@ def test_every_free_pattern_is_used(free):
     assert any(re.search(free, worded(text), re.I) for text in TEXTS.values())
 
 
+@pytest.mark.parametrize("file", TEXTS)
+def test_no_semicolon_is_lost(file):
+    """One right after a call only ends the call: a semicolon that is to be printed is doubled."""
+    assert re.findall(r'"\); +[a-z].*', TEXTS[file]) == []
+
+
 def test_words_without_a_record_are_noticed():
     assert unbacked("Gains are more, and twice as many.") == ["more", "twice"]
     assert unbacked('It is #than("a", "rule", "more") than #count("b", "paths").') == []
