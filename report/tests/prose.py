@@ -18,6 +18,15 @@ COUNTS = (
     "two three four five six seven eight nine ten eleven twelve "
     "twice half double triple tenfold twentyfold hundredfold"
 ).split()
+# A statistic or a model in the name of a record, and how its sentence may say it.
+STATISTICS = {
+    "median": "medians?",
+    "worst": "worst",
+    "rms": "rms",
+    "least": "least|from to",
+    "greatest|largest": "greatest|largest|from to|up to",
+    **{model: model for model in ("t0", "t1", "t2", "t3")},
+}
 # What compares or counts and is no result, with the reason.
 FREE = {
     r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
@@ -60,6 +69,19 @@ def worded(sentence):
     """Return the words of a sentence, without calls, labels and code; a formula is N."""
     words = re.sub(r"//[^\n]*|`[^`]*`|@[\w-]+|<[\w-]+>", " ", CALL.sub(" ", sentence))
     return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
+
+
+def unsaid(text):
+    """Return the names of a text's records of whose statistic or model the sentence says nothing."""
+    found = []
+    for sentence in END.split(text):
+        said = worded(sentence).lower()
+        names = dict.fromkeys(name for _, name in NUMBER.findall(sentence))
+        for kind, ways in STATISTICS.items():
+            pattern = rf"\b(?:{kind})\b"
+            told = re.search(rf"\b(?:{ways})\b", said)
+            found += [name for name in names if re.search(pattern, name.lower()) and not told]
+    return found
 
 
 def unbacked(text, words=(*ORDERS, *COUNTS)):

@@ -6,7 +6,7 @@ import pytest
 
 from exhibits.rod_cases import GENERATORS
 from report.sources import ROOT
-from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, worded
+from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, unsaid, worded
 
 READS = ["report/*", "tests/test_rod.py"]
 
@@ -39,6 +39,11 @@ def test_every_free_pattern_is_used(free):
 
 
 @pytest.mark.parametrize("file", TEXTS)
+def test_statistic_or_model_of_a_number_is_said_with_it(file):
+    assert unsaid(TEXTS[file]) == [], "A record's name has one that its sentence doesn't say."
+
+
+@pytest.mark.parametrize("file", TEXTS)
 def test_no_semicolon_is_lost(file):
     """One right after a call only ends the call: a semicolon that is to be printed is doubled."""
     assert re.findall(r'"\); +[a-z].*', TEXTS[file]) == []
@@ -47,6 +52,8 @@ def test_no_semicolon_is_lost(file):
 def test_words_without_a_record_are_noticed():
     assert unbacked("Gains are more, and twice as many.") == ["more", "twice"]
     assert unbacked('It is #than("a", "rule", "more") than #count("b", "paths").') == []
+    assert unsaid('The best excess is #num("a", "worst excess"), with T1.') == ["worst excess"]
+    assert unsaid('At worst it is #num("a", "worst, T3"), with T1.') == ["worst, T3"]
     assert unbacked('The nearer one is #num("a", "the nearer"), a longer one too.') == ["longer"]
 
 
