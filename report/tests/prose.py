@@ -72,7 +72,7 @@ def worded(sentence):
 
 
 def unsaid(text):
-    """Return the names of a text's records of whose statistic or model the sentence says nothing."""
+    """Return the names of a text's records whose statistic or model the sentence doesn't say."""
     found = []
     for sentence in END.split(text):
         said = worded(sentence).lower()
