@@ -18,14 +18,18 @@ COUNTS = (
     "two three four five six seven eight nine ten eleven twelve "
     "twice half double triple tenfold twentyfold hundredfold"
 ).split()
-# A statistic or a model in the name of a record, and how its sentence may say it.
-STATISTICS = {
+# What the name of a record says of its number, and how the number's sentence may say it.
+CONDITIONS = {
     "median": "medians?",
-    "worst": "worst",
-    "rms": "rms",
     "least": "least|from to",
     "greatest|largest": "greatest|largest|from to|up to",
-    **{model: model for model in ("t0", "t1", "t2", "t3")},
+    **{
+        word: word
+        for word in (
+            "worst rms t0 t1 t2 t3 first radius raised equal unequal constant adaptive oil "
+            "concrete mortar invert roof random pose knots"
+        ).split()
+    },
 }
 # What compares or counts and is no result, with the reason.
 FREE = {
@@ -72,12 +76,12 @@ def worded(sentence):
 
 
 def unsaid(text):
-    """Return the names of a text's records whose statistic or model the sentence doesn't say."""
+    """Return the names of a text's records of whose condition the sentence says nothing."""
     found = []
     for sentence in END.split(text):
         said = worded(sentence).lower()
         names = dict.fromkeys(name for _, name in NUMBER.findall(sentence))
-        for kind, ways in STATISTICS.items():
+        for kind, ways in CONDITIONS.items():
             pattern = rf"\b(?:{kind})\b"
             told = re.search(rf"\b(?:{ways})\b", said)
             found += [name for name in names if re.search(pattern, name.lower()) and not told]

@@ -39,7 +39,7 @@ def test_every_free_pattern_is_used(free):
 
 
 @pytest.mark.parametrize("file", TEXTS)
-def test_statistic_or_model_of_a_number_is_said_with_it(file):
+def test_condition_of_a_number_is_said_with_it(file):
     assert unsaid(TEXTS[file]) == [], "A record's name has one that its sentence doesn't say."
 
 
