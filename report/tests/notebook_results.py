@@ -11,7 +11,6 @@ from queue import Empty
 from tempfile import TemporaryDirectory
 
 import pytest
-from _pytest.runner import runtestprotocol
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
@@ -25,20 +24,6 @@ def _elsewhere(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
         yield
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item, nextitem):
-    """Run a test in a worker, which tells of it once: its set-up, start and end say nothing more.
-
-    Of ten thousand tests each message takes the two processes' time.
-    """
-    if not hasattr(item.config, "workerinput"):
-        return None
-    for report in runtestprotocol(item, log=False, nextitem=nextitem):
-        if report.when == "call" or not report.passed:
-            item.ihook.pytest_runtest_logreport(report=report)
-    return True
 
 
 def pytest_collect_file(file_path, parent):
