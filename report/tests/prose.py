@@ -31,6 +31,7 @@ CONDITIONS = {
         ).split()
     },
 }
+SMALL = "the and for with from its over all than that whose".split()  # words that bind nothing
 # What compares or counts and is no result, with the reason.
 FREE = {
     r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
@@ -69,10 +70,10 @@ def captions(text):
     return [bracketed(text, place.end()) for place in CAPTION.finditer(text)]
 
 
-def worded(sentence):
+def worded(sentence, formula=" N "):
     """Return the words of a sentence, without calls, labels and code; a formula is N."""
     words = re.sub(r"//[^\n]*|`[^`]*`|@[\w-]+|<[\w-]+>", " ", CALL.sub(" ", sentence))
-    return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
+    return " ".join(re.sub(r"\$([^$]*)\$", formula, words).split())
 
 
 def unsaid(text):
@@ -85,6 +86,20 @@ def unsaid(text):
             pattern = rf"\b(?:{kind})\b"
             told = re.search(rf"\b(?:{ways})\b", said)
             found += [name for name in names if re.search(pattern, name.lower()) and not told]
+    return found
+
+
+def unbound(text):
+    """Return the names of a text's records of whose words their sentence says less than half."""
+
+    def stems(words):
+        return {word[:4] for word in re.findall(r"[a-z]{3,}", words.lower()) if word not in SMALL}
+
+    found = []
+    for sentence in END.split(text):
+        said = stems(worded(sentence, r" \1 "))
+        names = {name: stems(name) for _, name in NUMBER.findall(sentence)}
+        found += [name for name, words in names.items() if len(words & said) < len(words) / 2]
     return found
 
 

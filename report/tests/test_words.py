@@ -6,7 +6,7 @@ import pytest
 
 from exhibits.rod_cases import GENERATORS
 from report.sources import ROOT
-from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, unsaid, worded
+from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, unbound, unsaid, worded
 
 READS = ["report/*", "tests/test_rod.py"]
 
@@ -39,8 +39,9 @@ def test_every_free_pattern_is_used(free):
 
 
 @pytest.mark.parametrize("file", TEXTS)
-def test_condition_of_a_number_is_said_with_it(file):
-    assert unsaid(TEXTS[file]) == [], "A record's name has one that its sentence doesn't say."
+def test_number_stands_where_its_record_is_named(file):
+    assert unsaid(TEXTS[file]) == [], "A record's name has a condition that its sentence lacks."
+    assert unbound(TEXTS[file]) == [], "The sentence says less than half of a record's name."
 
 
 @pytest.mark.parametrize("file", TEXTS)
@@ -54,6 +55,7 @@ def test_words_without_a_record_are_noticed():
     assert unbacked('It is #than("a", "rule", "more") than #count("b", "paths").') == []
     assert unsaid('The best excess is #num("a", "worst excess"), with T1.') == ["worst excess"]
     assert unsaid('At worst it is #num("a", "worst, T3"), with T1.') == ["worst, T3"]
+    assert unbound('The lap takes #num("a", "mass of the cutter").') == ["mass of the cutter"]
     assert unbacked('The nearer one is #num("a", "the nearer"), a longer one too.') == ["longer"]
 
 
