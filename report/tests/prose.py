@@ -90,7 +90,7 @@ def unsaid(text):
 
 
 def unbound(text):
-    """Return the names of a text's records of whose words their sentence says less than half."""
+    """Return the names of records of whose words their sentence says less than half, or has two."""
 
     def stems(words):
         return {word[:4] for word in re.findall(r"[a-z]{3,}", words.lower()) if word not in SMALL}
@@ -98,8 +98,11 @@ def unbound(text):
     found = []
     for sentence in END.split(text):
         said = stems(worded(sentence, r" \1 "))
-        names = {name: stems(name) for _, name in NUMBER.findall(sentence)}
-        found += [name for name, words in names.items() if len(words & said) < len(words) / 2]
+        records = NUMBER.findall(sentence)
+        for record in dict.fromkeys(records):
+            words = stems(record[1])
+            if len(words & said) < len(words) / 2 or records.count(record) > 1:
+                found.append(record[1])
     return found
 
 

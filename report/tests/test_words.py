@@ -41,7 +41,7 @@ def test_every_free_pattern_is_used(free):
 @pytest.mark.parametrize("file", TEXTS)
 def test_number_stands_where_its_record_is_named(file):
     assert unsaid(TEXTS[file]) == [], "A record's name has a condition that its sentence lacks."
-    assert unbound(TEXTS[file]) == [], "The sentence says less than half of a record's name."
+    assert unbound(TEXTS[file]) == [], "Say more of the record's name, or it but once."
 
 
 @pytest.mark.parametrize("file", TEXTS)
