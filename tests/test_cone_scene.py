@@ -27,11 +27,11 @@ from exhibits.surface_scene import (
 from kit import scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
 from tunneller_lib.envelopes.measured import noisy_planes
+from tunneller_lib.milling.blade import BladeRing
 
 ANGLE = np.radians(30)
 PLACE = (0.5, 0.3)

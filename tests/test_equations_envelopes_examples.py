@@ -38,7 +38,6 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.isotropic import (
     contact_point,
     normal,
@@ -57,6 +56,7 @@ from tunneller_lib.milling import (
     find_positions,
     strip_across,
 )
+from tunneller_lib.milling.blade import BladeRing
 
 READS = ["report/ledger/*"]
 

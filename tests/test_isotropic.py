@@ -6,17 +6,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.shapes import directions
-from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import cubic, helix
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
+    cone_vertex,
+    conic,
     normal,
+    osculating_conic,
     plane_azimuth,
     plane_to_point,
     point_to_plane,
     surface_points,
+    top_circle,
 )
 from tunneller_lib.envelopes.jet import jet_variables
 

@@ -7,7 +7,6 @@ import pytest
 from scipy.interpolate import make_lsq_spline
 
 from tunneller_lib.envelopes import ConePose
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import moving_cone, turning
 from tunneller_lib.envelopes.jet import jet_variables
 from tunneller_lib.milling import (
@@ -24,6 +23,7 @@ from tunneller_lib.milling import (
     find_scallops,
     strip_across,
 )
+from tunneller_lib.milling.blade import BladeRing
 from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
 from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from

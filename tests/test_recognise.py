@@ -100,7 +100,9 @@ def test_channels_of_constant_slope_are_envelopes_of_cones():
     # The angle is a double zero: half its digits are sure, on some processors fewer.
     assert np.sin(found.half_angle) == pytest.approx(0.1 / np.sqrt(1.16), rel=1e-4)
     assert found.residual < 1e-8
-    assert verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone").residual > 1e-3
+    # On another curve the angle that fits best, of all angles, leaves 2.7e-4.
+    other = verdict(pipe(CURVES["wave"], 0.3, 0.1), "cone")
+    assert other.verdict == "is not" and other.residual > 2.5e-4
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])

@@ -17,12 +17,25 @@ from tests.envelopes_random import member, near_miss, placed, window
 from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.evidence import spread_in_two, zeros
+from tunneller_lib.envelopes.evidence import (
+    RUNS,
+    RoughJet,
+    errors,
+    rough_frames,
+    scatter,
+    spread_in_two,
+    zeros,
+)
 from tunneller_lib.envelopes.families import channel, helix, moving_cone, screwing
-from tunneller_lib.envelopes.forms import derivative_along, frobenius, frobenius_along, principal
-from tunneller_lib.envelopes.jet import EXPONENTS, Jet
+from tunneller_lib.envelopes.jet import (
+    Jet,
+    derivative_along,
+    exponents,
+    frobenius,
+    frobenius_along,
+    principal,
+)
 from tunneller_lib.envelopes.kinds import KINDS, turn_of_eq11
-from tunneller_lib.envelopes.rough import RUNS, RoughJet, errors, rough_frames, scatter
 
 EPS = np.finfo(float).eps
 POINTS = 12
@@ -63,7 +76,7 @@ def test_derivatives_along_directions_are_the_tensors(along, across):
 def test_sizes_of_derivatives_are_the_tensors_norms_over_a_width_too(degree):
     norms = np.sqrt((tensor(JET, degree) ** 2).reshape(POINTS, -1).sum(axis=1))
     np.testing.assert_allclose(frobenius(JET, degree), norms, rtol=1e-14)
-    narrow = 0.1 ** np.array([j for _, j in EXPONENTS])[:, None]  # the second variable
+    narrow = 0.1 ** np.array([j for _, j in exponents(4)])[:, None]  # the second variable
     found = frobenius_along(JET, np.zeros((POINTS, 1)), np.full((POINTS, 1), 0.1), degree)[:, 0]
     np.testing.assert_allclose(found, frobenius(Jet(JET.c * narrow), degree), rtol=1e-14)
 
@@ -126,7 +139,7 @@ def worst(kind, size, jets, sizes):
 @pytest.mark.parametrize("degree", [2, 3, 4])
 @every_class
 def test_errors_bound_what_wrong_coefficients_do(kind, size, degree):
-    places = [k for k, exponents in enumerate(EXPONENTS) if sum(exponents) == degree]
+    places = [k for k, exponents in enumerate(exponents(4)) if sum(exponents) == degree]
     off = np.zeros_like(JET.c)
     off[places] = OFF.c[places]
     jets = []

@@ -17,10 +17,10 @@ from tunneller_lib.envelopes import (
     jet_variables,
     recognise,
 )
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.kernels import compiled
 from tunneller_lib.kernels.elementwise import NUMBERS
+from tunneller_lib.milling.blade import BladeRing
 
 ANGLE = np.radians(10)
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)

@@ -10,9 +10,8 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .graph_forms import contact_point, isotropic_derivatives, normal
-from .jet import Jet, compose, differentiated, inverse, jet_variables, places
-from .triples import cross_product
+from .isotropic import contact_point, isotropic_derivatives, normal
+from .jet import Jet, by_slopes, differentiated, jet_variables
 
 # |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
@@ -124,7 +123,7 @@ def frames_by(surface, s, t, model):
             tangent = [differentiated(c, 0) for c in r]
             other = [differentiated(c, 1) for c in r]
             known = _ratio(tangent, other)
-            n = cross_product(tangent, other)
+            n = [tangent[i - 2] * other[i - 1] - tangent[i - 1] * other[i - 2] for i in range(3)]
             length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n = [c / length for c in n]
         # The frame's axes: along one tangent, across it, along the normal. The jets are turned
@@ -158,7 +157,9 @@ def isotropic_jet(frames, where):
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
     x, y, _, fx, fy = isotropic_derivatives(r, n)
-    return _integrated(*compose([fx, fy], *inverse(x, y)))
+    # The normal is a derivative of the surface, so it is known to one order less, and so are the
+    # slopes by Eqs 18 and 19. From them f follows to the full order, where Eq. 17 doesn't give it.
+    return by_slopes(x, y, fx, fy)
 
 
 def sound(f):
@@ -196,7 +197,7 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     n = _turned(back, found.n)
     r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
     x, y, value, fx, fy = isotropic_derivatives(r, n)
-    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f = by_slopes(x, y, fx, fy)
     f.c[0] = value.value
     if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):
         raise ValueError(
@@ -204,20 +205,6 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
             "normal other than (0, 0, -1); got one where it isn't."
         )
     return x.value, y.value, f
-
-
-def _integrated(fx, fy):
-    """Return a jet from its first derivatives, its value left 0."""
-    f = np.zeros_like(fx.c)
-    # The normal is a derivative of the surface, so it is known to one order less, and so are the
-    # slopes by Eqs 18 and 19. Integrated they give f to the full order, where Eq. 17 doesn't.
-    at = places(fx)
-    for (i, j), place in at.items():
-        if i:
-            f[place] = fx.c[at[i - 1, j]] / i
-        elif j:
-            f[place] = fy.c[at[0, j - 1]] / j
-    return Jet(f)
 
 
 def tangent_graph(frames, where):
@@ -235,8 +222,9 @@ def tangent_graph(frames, where):
     g : Jet
         Heights along the normal, in m.
     """
-    x, y, z = (Jet(c.c[:, where]) for c in frames.r)
-    return compose([z], *inverse(x, y))[0]
+    x, y, _ = (Jet(c.c[:, where]) for c in frames.r)
+    a, b, c = (Jet(part.c[:, where]) for part in frames.n)
+    return by_slopes(x, y, -a / c, -b / c)
 
 
 def _curvature(r, n):

@@ -63,8 +63,7 @@ def real_zeros(function, degree, *, unit):
     the polynomial is greatest: that becomes the leading coefficient, so that no zero is lost at
     infinity. A fixed angle, as in the document's Eq. 13, loses the zero that it hits. A pair of
     zeros is taken for a double one where it is nearer than `SAME`, or where the polynomial
-    doesn't leave 1e-11 of its coefficients between the two. Where many points are searched,
-    `cone_directions.circle_zeros` finds those of degree 3, in loops that may be compiled.
+    doesn't leave 1e-11 of its coefficients between the two.
     """
     n = 2 * degree
     waves = Waves(function, degree)
@@ -88,6 +87,13 @@ def real_zeros(function, degree, *, unit):
     # That bound also lets pairs pass that miss the axis: there the polynomial keeps off zero.
     found = nearly & (left <= _ZERO * scale) & ~vanishes[:, None]
     angle, multiplicity = _merged(np.where(found, angle - at, np.nan))
+    # Zeros that fell together are known to a root of rounding only; in their middle the derivative
+    # of one order less than they are has a simple zero.
+    for m in np.unique(multiplicity[multiplicity > 1]):
+        for _ in range(2):
+            slope, bend = (waves.derivative(angle + at, k) for k in (m - 1, m))
+            with np.errstate(all="ignore"):  # elsewhere the divisor may vanish
+                angle = np.where(multiplicity == m, angle - slope / bend, angle)
     angle = np.angle(np.exp(1j * (angle + at)))
     order = np.argsort(angle, axis=-1)
     return np.take_along_axis(angle, order, -1), np.take_along_axis(multiplicity, order, -1)

@@ -11,10 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .adapted import frames_by
 from .circle_roots import Waves, real_zeros
+from .jet import Jet, jet_variables
 
 LEAST_POINTS = 12  # that must agree
 SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
+UNIT = np.finfo(float).eps
+RUNS = 8
+SAFETY = 10.0  # of the largest deviation that was seen
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
 
@@ -185,3 +190,68 @@ def _scaled(c):
 def _short_of_rank(forms):
     values = np.linalg.svd(forms, compute_uv=False)
     return bool(values[-1] < 1e-3 * values[0])
+
+
+# ---- what rounding may do, found by rounding at random ------------------------------------------
+
+
+class RoughJet(Jet):
+    """A jet whose coefficients are changed in their last digits whenever they are used.
+
+    Parameters
+    ----------
+    c : (15, ...) float
+        Coefficients, as those of `Jet`.
+    rng : numpy.random.Generator
+        Draws the digits.
+    """
+
+    def __init__(self, c, rng):
+        super().__init__(c)
+        self.rng = rng
+
+    def __array_ufunc__(self, ufunc, method, *arguments, **options):
+        arguments = [self._turned(a) if isinstance(a, Jet) else a for a in arguments]
+        result = super().__array_ufunc__(ufunc, method, *arguments, **options)
+        return RoughJet(result.c, self.rng) if isinstance(result, Jet) else result
+
+    def _turned(self, jet):
+        return Jet(jet.c * (1 + UNIT * self.rng.uniform(-1, 1, jet.c.shape)))
+
+
+def rough_frames(surface, s, t, model, order):
+    """Return frames of a surface at n points, `RUNS` times over, each time rounded at random.
+
+    Parameters
+    ----------
+    surface : callable
+        As for `adapted_frames`.
+    s, t : (n,) float
+        Points.
+    model : {"isotropic", "space"}
+        As for `adapted_frames`.
+    order : int
+        Of the jets, 4 or 5.
+
+    Returns
+    -------
+    frames : AdaptedFrames
+        At `RUNS` n points, those of one run after another.
+    """
+    rng = np.random.default_rng(RUNS)
+    jets = jet_variables(np.tile(s, RUNS), np.tile(t, RUNS), order=order)
+    return frames_by(surface, *(RoughJet(jet.c, rng) for jet in jets), model)
+
+
+def errors(jet):
+    """Return a jet of the errors of coefficients that were found `RUNS` times over, n at a time."""
+    every = jet.c.reshape(len(jet.c), RUNS, -1)
+    middle = np.median(every, axis=1)
+    away = np.abs(every - middle[:, None]).max(axis=1)
+    return Jet(SAFETY * away + UNIT * np.abs(middle))
+
+
+def scatter(values):
+    """Return the errors (n, m) of values (RUNS n, m) that were found `RUNS` times over."""
+    every = values.reshape(RUNS, -1, values.shape[-1])
+    return SAFETY * np.abs(every - np.median(every, axis=0)).max(axis=0)

@@ -11,10 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from .circle_roots import Waves, real_zeros
-from .evidence import SHARP, Forms, zeros
-from .forms import derivative_along, frobenius, frobenius_along, principal, principal_values
-from .jet import derivative
-from .rough import RUNS, scatter
+from .evidence import RUNS, SHARP, Forms, scatter, zeros
+from .jet import (
+    derivative,
+    derivative_along,
+    frobenius,
+    frobenius_along,
+    principal,
+    principal_values,
+)
 
 NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
 UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal

@@ -24,8 +24,7 @@ from ..arguments import (
 )
 from ..kernels.exact import norm
 from .functions import Centre, Function, UnitVectors, Varying
-from .graph_forms import normal
-from .isotropic import surface_points
+from .isotropic import normal, surface_points
 from .jet import Jet
 
 MOST_DEGREE = 16

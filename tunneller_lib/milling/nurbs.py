@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import LEAST, Array, checked
 from ..envelopes.functions import Varying
-from ..envelopes.jet import Jet, compose, places
+from ..envelopes.jet import Jet
 
 LEAST_DEGREE, MOST_DEGREE = 3, 9
 Knots = Array("(k,) float", also=("not fall", lambda knots: np.all(np.diff(knots) >= 0)))
@@ -96,24 +96,28 @@ class Nurbs:
             if np.any(wrong):
                 got = x[wrong].flat[0]
                 raise ValueError(f"{name}: must lie from {low:g} to {high:g}; got {got:g}.")
-        # The spline's own derivatives make its Taylor polynomial, for which the jets of s and t are
-        # put in.
-        jet = next((x for x in (s, t) if isinstance(x, Jet)), None)
-        order = [(0, 0)] if jet is None else places(jet)
         weights = self.weights[..., None]
         # Of weighted points and weights together, over which the quotient is taken at the end.
         spline = NdBSpline(
             knots, np.concatenate([self.control * weights, weights], 2), self.degrees
         )
-        by_order = [
-            spline(np.stack(at, -1), nu=(i, j)) / (factorial(i) * factorial(j)) for i, j in order
-        ]
-        if jet is None:
-            x, y, z, w = np.moveaxis(by_order[0], -1, 0)
+        places = np.stack(at, -1)
+        jets = [x for x in (s, t) if isinstance(x, Jet)]
+        if jets:
+            # The spline's own derivatives make its Taylor polynomial in h and k, for which the
+            # jets of s and t are put in, less their values, by Horner's rule.
+            h, k = ((x if isinstance(x, Jet) else x + 0 * jets[0]) for x in (s, t))
+            h, k = (Jet((x - x.value).c[..., None]) for x in (h, k))
+            four = 0.0
+            for i in range(h.order, -1, -1):
+                row = 0.0
+                for j in range(h.order - i, -1, -1):
+                    by_order = spline(places, nu=(i, j)) / (factorial(i) * factorial(j))
+                    row = row * k + by_order
+                four = four * h + row
+            x, y, z, w = (Jet(part) for part in np.moveaxis(four.c, -1, 0))
         else:
-            s, t = (x if isinstance(x, Jet) else x + 0 * jet for x in (s, t))
-            parts = [Jet(part) for part in np.moveaxis(by_order, -1, 0)]
-            x, y, z, w = compose(parts, s - s.value, t - t.value)
+            x, y, z, w = np.moveaxis(spline(places), -1, 0)
         return [x / w, y / w, z / w]
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import Angle, Coordinate, Length, Whole, checked
-from .cone_pose import ConePose
-from .functions import Varying
-from .jet import Jet
+from ..envelopes.cone_pose import ConePose
+from ..envelopes.functions import Varying
+from ..envelopes.jet import Jet
 
 _SLENDER = 1e6  # times a hub's radius: no size of a blade is above it
 
