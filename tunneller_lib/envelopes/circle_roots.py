@@ -82,7 +82,7 @@ def real_zeros(function, degree, *, unit):
     nearly = np.abs(tangent.imag) < _NEARLY_REAL * (1 + np.abs(tangent) ** 2)
     # Angles are counted from `at`: there no zero lies near -pi or pi, where the polynomial is
     # greatest, so that none is torn apart when they are sorted.
-    angle = _polished(waves, at + 2 * np.arctan(tangent.real))
+    angle = _polished(waves, at + 2 * np.arctan(tangent.real), 0.1 * SAME)
     left = np.abs(waves.derivative(angle, 0))
     # That bound also lets pairs pass that miss the axis: there the polynomial keeps off zero.
     found = nearly & (left <= _ZERO * scale) & ~vanishes[:, None]
@@ -90,10 +90,8 @@ def real_zeros(function, degree, *, unit):
     # Zeros that fell together are known to a root of rounding only; in their middle the derivative
     # of one order less than they are has a simple zero.
     for m in np.unique(multiplicity[multiplicity > 1]):
-        for _ in range(2):
-            slope, bend = (waves.derivative(angle + at, k) for k in (m - 1, m))
-            with np.errstate(all="ignore"):  # elsewhere the divisor may vanish
-                angle = np.where(multiplicity == m, angle - slope / bend, angle)
+        middle = _polished(waves, angle + at, SAME, m - 1) - at
+        angle = np.where(multiplicity == m, middle, angle)
     angle = np.angle(np.exp(1j * (angle + at)))
     order = np.argsort(angle, axis=-1)
     return np.take_along_axis(angle, order, -1), np.take_along_axis(multiplicity, order, -1)
@@ -111,13 +109,14 @@ def _line(degree):
     return np.array(rows)
 
 
-def _polished(waves, angle):
-    """Return angles after two Newton steps, none of which may lead to another zero."""
+def _polished(waves, angle, most, order=0):
+    """Return angles after two Newton steps to zeros of a derivative, none of `most` or longer."""
     for _ in range(2):
-        value, slope = (waves.derivative(angle, k) for k in (0, 1))
+        value, slope = (waves.derivative(angle, k) for k in (order, order + 1))
         with np.errstate(all="ignore"):
             step = value / slope
-        angle = angle - np.where(np.abs(step) < 0.1 * SAME, step, 0.0)
+        # A longer step would lead to another zero.
+        angle = angle - np.where(np.abs(step) < most, step, 0.0)
     return angle
 
 
