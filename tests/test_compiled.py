@@ -14,7 +14,7 @@ import pytest
 from tests.audit.long import many
 from tests.hard_lines import FAMILIES, KINDS, shape_of
 from tunneller_lib.kernels import compiled
-from tunneller_lib.milling.blade import BladeRing
+from tunneller_lib.milling.faces import BladeRing
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import weights
 from tunneller_lib.motion.plant import ValveResonance

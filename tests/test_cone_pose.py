@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.isotropic import plane_to_point
-from tunneller_lib.milling.blade import BladeRing
+from tunneller_lib.milling.faces import BladeRing
 
 TOOL = ConePose((0.3, -0.2, 1.0), (1.0, 2.0, 2.0), 0.4, near=0.5, far=2.0)
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.004, 6)

@@ -31,7 +31,7 @@ from tunneller_lib.envelopes.developable import curve_derivatives, osculating_co
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
 from tunneller_lib.envelopes.measured import noisy_planes
-from tunneller_lib.milling.blade import BladeRing
+from tunneller_lib.milling.faces import BladeRing
 
 ANGLE = np.radians(30)
 PLACE = (0.5, 0.3)

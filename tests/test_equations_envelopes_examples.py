@@ -56,7 +56,7 @@ from tunneller_lib.milling import (
     find_positions,
     strip_across,
 )
-from tunneller_lib.milling.blade import BladeRing
+from tunneller_lib.milling.faces import BladeRing
 
 READS = ["report/ledger/*"]
 

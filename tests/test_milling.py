@@ -23,8 +23,8 @@ from tunneller_lib.milling import (
     find_scallops,
     strip_across,
 )
-from tunneller_lib.milling.blade import BladeRing
 from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
+from tunneller_lib.milling.faces import BladeRing
 from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
 from tunneller_lib.removal import DexelGrid

@@ -4,9 +4,7 @@ After Envelopes, section 6 and its outlook. A surface is any function of two var
 `envelopes` takes: the blades of a `BladeRing`, or a `Nurbs` face by control points and knots.
 """
 
-from .blade import BladeRing
-from .nurbs import Nurbs
-from .patch import Patch
+from .faces import BladeRing, Nurbs, Patch
 from .positions import find_positions
 from .strips import ball_chain, cover, coverage_of, cylinder_chain, find_scallops, strip_across
 from .tools import BallMill, ConicalMill, CylinderMill

@@ -9,7 +9,7 @@ from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
 from ..kernels.exact import dot, norm
-from .patch import Patch
+from .faces import Patch
 from .positions import Cloud, Positions, depths_of
 from .tools import ConicalMill
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arguments import Array, Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
-from .patch import Patch
+from .faces import Patch
 from .tools import ConicalMill, seen_from
 
 BLOCK = 200_000  # pairs of a position and a point that are looked at together

@@ -10,7 +10,7 @@ from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
 from ..kernels.exact import dot, norm
 from .chains import Chain, motion_through, trace_chain
-from .patch import Patch
+from .faces import Patch
 from .positions import Cloud, Positions
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
 

@@ -9,8 +9,7 @@ from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
 from ..surfaces.touching import Solid
-from . import dexel_loops
-from .grid import Lines, fan, parallel, swept
+from .grid import Lines, fan, meet_moves, parallel, swept
 
 GROUP = 8  # moves of a path that are cut together
 MOVE = 4e-4  # s, about how long one takes with whole arrays
@@ -313,7 +312,7 @@ class DexelGrid:
         enter, leave = np.empty((2, 1 + len(a), size))
         x, cos, sin, aside, _, _ = self.lines
         found, apart = compiled.call(
-            dexel_loops.meet_moves,
+            meet_moves,
             self.low,
             self.high,
             (x, cos, sin, aside),
