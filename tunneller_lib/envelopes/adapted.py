@@ -13,10 +13,10 @@ from .functions import Function, as_jet, coordinates, one_number
 from .isotropic import contact_point, isotropic_derivatives, normal
 from .jet import Jet, by_slopes, differentiated, jet_variables
 
-# |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
+# |K|/|II|^2, up to which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
 FLAT = 1e-6
-_NOISE = 1e-12
+_NOISE = 1e-12  # of its terms, up to which a number counts as rounding
 MOST = 1e90  # of a jet's coefficients: products of three, and their sums, are then numbers
 
 
@@ -30,11 +30,11 @@ class AdaptedFrames(NamedTuple):
     axes : (n, 3, 3) float
         Rows: two unit tangents and the unit normal.
     curvature : (n,) float
-        |K| / |II|^2, 0 to 1/2; 0 where all curvatures vanish.
+        |K| / |II|^2, from 0 to 1/2; 0 where both curvatures vanish.
     smooth : (n,) bool
         Whether point, tangent plane and derivatives exist.
     r, n : list of three Jet
-        The surface in these frames, to order 3, in m, and its unit normal.
+        The surface in these frames, in m, and its unit normal, to order 3 at least.
     """
 
     contact: np.ndarray
@@ -90,7 +90,7 @@ def frames_along(surface: Function(2), s: Finite, t: Reals):
 
 
 def frames_by(surface, s, t, model):
-    """Return what `adapted_frames` does, by its variables as jets.
+    """Return the adapted frames of a surface whose variables are given as jets.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def isotropic_jet(frames, where):
     frames : AdaptedFrames
         Of n points.
     where : (n,) bool, indices or slice
-        Which: smooth ones where the curvature isn't 0.
+        Which of them; only smooth ones where the curvature isn't 0.
 
     Returns
     -------
@@ -208,20 +208,21 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
 
 
 def tangent_graph(frames, where):
-    """Return jets, of order 3, of the surface as a graph over its tangent planes.
+    """Return the jets of a surface as a graph over its tangent planes.
 
     Parameters
     ----------
     frames : AdaptedFrames
         Of n points.
     where : (n,) bool, indices or slice
-        Which; only smooth ones.
+        Which of them; only smooth ones.
 
     Returns
     -------
     g : Jet
-        Heights along the normal, in m.
+        Heights along the normal, in m, to order 3 at least.
     """
+    # Its slopes are those of the normal, -n1/n3 and -n2/n3.
     x, y, _ = (Jet(c.c[:, where]) for c in frames.r)
     a, b, c = (Jet(part.c[:, where]) for part in frames.n)
     return by_slopes(x, y, -a / c, -b / c)
@@ -232,8 +233,10 @@ def _curvature(r, n):
     (_, xs, xt), (_, ys, yt) = (c.c[:3] for c in r[:2])
     (_, ns, nt), (_, ms, mt) = (c.c[:3] for c in n[:2])
     # The matrix of the shape operator times the area xs yt - xt ys, which may be zero.
-    a, b = ns * yt - nt * ys, nt * xs - ns * xt
-    c, d = ms * yt - mt * ys, mt * xs - ms * xt
+    a = ns * yt - nt * ys
+    b = nt * xs - ns * xt
+    c = ms * yt - mt * ys
+    d = mt * xs - ms * xt
     square = a * a + b * b + c * c + d * d
     # Normals count as constant where they turn by no more than rounding in second derivatives.
     bend = sum(np.abs(part.c[3:6]).sum(axis=0) for part in r[:2])
@@ -244,13 +247,14 @@ def _curvature(r, n):
 
 
 def _turned(axes, vector):
+    """Return three jets as the components of a vector along other axes (n, 3, 3)."""
     c = np.stack([jet.c for jet in vector], axis=1)  # (terms, 3, n)
     turned = np.einsum("nik,ckn->icn", axes, c)
     return [Jet(part) for part in turned]
 
 
 def _ratio(a, b):
-    """Return how far two tangents are from being parallel or zero, 0 to 1."""
+    """Return the sine of the angle between two tangents, NaN where one of them is zero."""
     a, b = (np.stack([c.value for c in v], axis=-1) for v in (a, b))
     return np.linalg.norm(np.cross(a, b), axis=-1) / np.prod(
         [np.linalg.norm(v, axis=-1) for v in (a, b)], axis=0

@@ -21,7 +21,7 @@ from ..kernels.exact import dot, norm
 from .functions import Centre, Function, UnitVectors, one_number
 from .jet import Jet, derivative, jet_variables
 
-_MOST = 1e60  # size of numbers, of which products of four over a small divisor are numbers
+_MOST = 1e60  # size of numbers; products of four over a small divisor stay finite
 
 
 def normal(x, y):
@@ -44,7 +44,8 @@ def contact_point(x, y, f, fx, fy):
 def isotropic_derivatives(r, n):
     """Return x, y, f, fx, fy by points of a surface and unit normals there (Eqs 17 to 19)."""
     below = n[2] + 1
-    x, y = n[0] / below, n[1] / below
+    x = n[0] / below
+    y = n[1] / below
     f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
     return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
 
@@ -93,7 +94,7 @@ def plane_to_point(n: Directions, h: Lengths):
 
 @checked
 def point_to_plane(point: Points):
-    """Return the oriented planes n.x + h = 0 of points, what `plane_to_point` undoes.
+    """Return the oriented planes n.x + h = 0 of points, the inverse of `plane_to_point`.
 
     Parameters
     ----------
@@ -203,7 +204,7 @@ def cone_planes(vertex: Points, axis: Directions, half_angle: Angles, azimuth: A
 
 @checked
 def plane_azimuth(axis: Directions, half_angle: Angles, n: UnitVectors):
-    """Return at which azimuths `cone_planes` gives the normals of planes that touch a cone.
+    """Return the azimuths at which `cone_planes` gives the normals of planes that touch a cone.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ _ALL = tuple((d - j, j) for d in range(HIGHEST + 1) for j in range(d + 1))
 _PLACE = {exponents: place for place, exponents in enumerate(_ALL)}
 _COUNT = {order: (order + 1) * (order + 2) // 2 for order in range(HIGHEST + 1)}
 _ORDER = {count: order for order, count in _COUNT.items()}
-_MANY = 300  # points, from which on numpy is faster with one pair of rows after the other
+_MANY = 300  # points; from here on it is faster to multiply one pair of rows after another
 _PLAIN = (float, int)
 
 
@@ -138,7 +138,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
 
 def derivative(f, i, j):
-    """Return what `Jet.derivative` does, unchecked: for inner loops."""
+    """Return the values of a derivative as `Jet.derivative` does, unchecked, for inner loops."""
     return factorial(i) * factorial(j) * f.c[_PLACE[i, j]]
 
 
@@ -213,10 +213,12 @@ def by_slopes(x, y, fx, fy):
 
 
 def _along(f, way):
+    """Return the derivative of a jet in a direction whose components are jets as well."""
     return way[0] * differentiated(f, 0) + way[1] * differentiated(f, 1)
 
 
 def _constant(value, like):
+    """Return a number, or an array of one a point, as a jet of the order of another."""
     points = np.broadcast_shapes(np.shape(value), like.c.shape[1:])
     c = np.zeros((len(like.c), *points))
     c[0] = value
@@ -224,7 +226,7 @@ def _constant(value, like):
 
 
 def _raised(a, value):
-    """Return a jet plus a number, or an array with one at each of its points."""
+    """Return a jet plus a number, or plus an array of one number a point."""
     c = a.c.copy()
     c[0] += value
     return Jet(c)
@@ -251,7 +253,7 @@ def _widened(c, ndim):
 def _add(a, b):
     if not isinstance(a, Jet):
         a, b = b, a
-    # Most of what isn't a jet is a number, or has the points' shape.
+    # The usual cases first: a number, or an array of the shape of the points.
     if type(b) in _PLAIN or (getattr(b, "shape", None) == a.c.shape[1:] and not isinstance(b, Jet)):
         return _raised(a, b)
     a, b = _both(a, b)
@@ -271,7 +273,7 @@ def _multiply(a, b):
         a, b = _both(a, b)
     left, right, starts = _PAIRS[len(a.c)]
     if max(a.c[0].size, b.c[0].size) < _MANY:
-        # Of few points `take` takes half the time of an index.
+        # All pairs at once: with few points the time goes into calls, not into numbers.
         pairs = a.c.take(left, axis=0) * b.c.take(right, axis=0)
         return Jet(np.add.reduceat(pairs, starts, axis=0))
     c = np.empty(np.broadcast_shapes(a.c.shape, b.c.shape))
@@ -336,7 +338,7 @@ def _arctan(x):
 
 
 def _repeated(*derivatives):
-    """Return the coefficients of a function whose derivatives come round again."""
+    """Return the Taylor coefficients of a function whose derivatives repeat in a cycle."""
     return [derivatives[n % len(derivatives)] / factorial(n) for n in range(HIGHEST + 1)]
 
 
@@ -361,10 +363,12 @@ _FUNCTIONS = {
 
 
 def _turns(x):
+    """Return the sine and its first three derivatives."""
     return np.sin(x), np.cos(x), -np.sin(x), -np.cos(x)
 
 
 def _names():
+    """Return the names of the functions that jets go with, operators left out."""
     operators = {"add", "subtract", "multiply", "divide", "power", "negative", "positive"}
     return sorted({f.__name__ for f in _FUNCTIONS} - operators)
 
@@ -382,7 +386,7 @@ def derivative_along(f, angle, e, w=0):
     angle : (n or 1, m) float
         Angles of e = (cos, sin), in rad; w = (-sin, cos) is e turned by a right angle.
     e, w : int
-        How often by each; at most 4 together.
+        How often by each; together at most the order of the jet.
 
     Returns
     -------
@@ -416,7 +420,7 @@ def frobenius_along(f, angle, width, degree):
     width : (n, m) float
         The length of w; with 1 the norm is `frobenius`.
     degree : int
-        Of the derivatives, at most 4.
+        Of the derivatives, at most the order of the jet.
 
     Returns
     -------

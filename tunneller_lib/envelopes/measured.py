@@ -30,9 +30,9 @@ from .jet import Jet
 MOST_DEGREE = 16
 LEAST_DEGREE = 4
 MORE = 2  # degrees above the least that noise allows: what is left out is then less than noise
-FEWEST = 250  # points, fewer than which are not fitted
+FEWEST = 250  # points, the least number that is fitted
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
-UNLIKELY = 5.0  # standard deviations of a sum of squares
+UNLIKELY = 5.0  # standard deviations that a sum of squares of noise isn't above its mean
 ROUNDING = 1e-13  # of the patch, the least error of a point
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
 Slope = Number(-MOST, MOST)
@@ -56,7 +56,7 @@ def tilted(n: UnitVectors, turn: Slope, rng: np.random.Generator):
     tilted : (..., 3) float
         Unit normals.
     """
-    # A normal vector's direction is uniform over the sphere, so this product's is about n.
+    # A normally distributed vector has no preferred direction, nor has its product about n.
     aside = np.cross(rng.normal(size=n.shape), n)
     n = n + turn * aside / norm(aside)[..., None]
     return n / norm(n)[..., None]
@@ -72,7 +72,7 @@ def noisy_planes(
     count: Whole(1, 100_000),
     reach: Positive,
 ):
-    """Return contact points of a graph's planes about a place, and their normals, turned.
+    """Return contact points of a graph's planes about a place, and their normals with noise.
 
     Parameters
     ----------
@@ -281,6 +281,8 @@ def _equations(local, n, reach, contact_error, normal_error):
     A normal that turns by a small angle changes the slope along the gradient by that times
     1 + |gradient|^2, and the slope across by that times the root.
     """
+    # A point gives an equation for the height, a normal two for the slopes: uphill and across.
+    # Chebyshev polynomials keep the columns apart; powers of a high degree would be alike.
     x, y, z = local.T
     slope = -n[:, :2] / n[:, 2:]
     steep = 1 / n[:, 2]  # root of 1 + |gradient|^2
@@ -301,7 +303,9 @@ def _equations(local, n, reach, contact_error, normal_error):
 
 
 def _degree(image):
-    """Return the least degree that noise allows, and some more."""
+    """Return the least degree beyond which coefficients are noise, plus `MORE`."""
+    # If all coefficients from a degree on are noise, the sum of their squares is about their
+    # number.
     gain = np.cumsum(image[::-1] ** 2)[::-1]  # of all coefficients from each one on
     for degree in range(LEAST_DEGREE, MOST_DEGREE):
         first = _count(degree)
@@ -312,6 +316,7 @@ def _degree(image):
 
 
 def _count(degree):
+    """Return how many coefficients a polynomial of a degree has."""
     return (degree + 1) * (degree + 2) // 2
 
 

@@ -23,12 +23,12 @@ from .functions import Function
 from .jet import HIGHEST, ORDER
 from .kinds import KINDS
 
-APART = 1e-4  # share by which a size that is given may be off, and no point can tell
-FAR = 1e-2  # share by which it is off where no size matters
-NOTHING = 1e-10  # of the terms of order 4, an error that is small there as well
+APART = 1e-4  # relative change of a given size that a point must notice, or it doesn't count
+FAR = 1e-2  # relative change that isn't noticed where every size fits
+NOTHING = 1e-10  # share of the terms of order 4 below which their error must lie there
 SAME_SIZE = 1e-11  # relative difference of sizes that count as one
-SHARP_OVER_WINDOW = 1e-7  # relative bound over the normals' spread, above which none tells
-TORSAL = 1e-10  # |K|/|II|^2, below which a point counts as one with a ruling
+SHARP_OVER_WINDOW = 1e-7  # relative bound over the normals' spread above which no point tells
+TORSAL = 1e-10  # |K|/|II|^2, up to which a point counts as one with a ruling
 
 
 @dataclass(frozen=True)
@@ -111,13 +111,13 @@ def recognise(
     Notes
     -----
     Envelopes of cones, Theorems 2, 4 and 16, Corollaries 25, 28 and 29 and their converses
-    (Problem 30), in the adapted frame. What rounding does is found by rounding at random, see
-    `rough`; what it makes of each condition is bounded from there, see `evidence`. A point near
+    (Problem 30), in the adapted frame. What rounding does is found by rounding at random, and
+    bounds each condition, see `evidence`. A point near
     the parabolic curve, an umbilic or a multiple solution has wide bounds and doesn't tell. Where
     solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
     only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
     all: a radius or half-angle that isn't given must be the same at all points and have the
-    gradient zero at each, see `Envelope.steadiness`; of one that is given see `sizes.given`. The
+    gradient zero at each, see `Envelope.steadiness`; for one that is given see `given`. The
     residual is the least over the directions that solve the lower-order conditions, over the size
     of its terms, so that it has no unit. A developable surface counts as ruled. A surface may be
     enveloped by cones of several angles, as those of revolution are, and in a small window two
@@ -274,7 +274,7 @@ def asked(kind, f, off, size, unsure, sharp, floor=1.0):
 
 
 def given(kind, f, runs, size):
-    """Return the evidence for a size that is given, without points at which another one might be.
+    """Return the evidence for a given size; points that fit another size as well don't count.
 
     Parameters
     ----------
@@ -350,18 +350,18 @@ def searched(kind, f, runs, window, size):
     runs : Jet
         The same `RUNS` times over, each time rounded at random.
     window : float
-        By how much the points' normals differ.
+        By how much the normals of the points differ.
     size : float or None
-        That of the least residual.
+        The one with the least residual.
 
     Returns
     -------
     tried : list of Evidence
         The best first.
     size : float or None
-        That the points share, if they do.
+        The one that the points share, if they do.
     others : list of float
-        Sizes apart from that one which as many points agree with as must.
+        Other sizes with which enough points agree.
     """
     off = errors(runs)
     values, unsure, stays, complete, every = kind.sizes(f, off, runs)

@@ -21,7 +21,7 @@ class Lines(NamedTuple):
     cos, sin : (m,) float
         A line runs along (0, `cos`, `sin`).
     aside : (m,) float
-        How far to its right a line passes the axis y = z = 0, in m.
+        How far a line passes to the right of the axis y = z = 0, in m.
     cell : float
         What each line stands for: an area, in m^2, or for rays a length times an angle, in m.
     rays : bool
@@ -36,11 +36,11 @@ class Lines(NamedTuple):
     rays: bool
 
     def measure(self, low, high):
-        """Return what intervals from `low` to `high` stand for, in m^3."""
+        """Return the volume of intervals from `low` to `high`, in m^3."""
         return measured(low, high, self.cell, self.rays)
 
     def windows(self, a, b, radius, nearest):
-        """Return which lines may meet sweeps of balls, as first and past-the-last indices.
+        """Return the lines that sweeps of balls may meet, as first and past-the-last indices.
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ class Lines(NamedTuple):
         return start, np.minimum(stop, start + len(self.cos))
 
     def seen(self, a, b, columns):
-        """Return axes as the lines see them, whatever their plane: what `across` takes.
+        """Return axes in the coordinates of the lines, whatever their plane, for `across`.
 
         Parameters
         ----------
@@ -188,7 +188,7 @@ class Lines(NamedTuple):
         return met_ball(self.x[rows, None], self.aside[columns], cos, sin, centre, radius)
 
     def around(self, windows):
-        """Return the smallest window, four ints, around others, a list of as many, of `windows`."""
+        """Return the smallest window, four ints, that holds all of a list of `windows`."""
         filled = [one for one in windows if one[0] < one[1] and one[2] < one[3]]
         if not filled:
             return 0, 0, 0, 0
@@ -204,7 +204,7 @@ class Lines(NamedTuple):
 
 
 def measured(low, high, cell, rays):
-    """Return what intervals from `low` to `high` stand for; `cell` and `rays` as of `Lines`."""
+    """Return the volume of intervals from `low` to `high`; `cell` and `rays` as of `Lines`."""
     return cell * (high - low) * where(rays, (high + low) / 2, 1.0)
 
 
