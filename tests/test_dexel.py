@@ -8,7 +8,6 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.removal.volume import removed_volume
 from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
 
 
@@ -191,23 +190,6 @@ def test_volumes_converge_at_their_order(make, volume, least, most):
     sizes = np.array([20, 40, 80, 160])
     order = -np.polyfit(np.log(sizes), np.log(errors_of(make, volume, sizes)), 1)[0]
     assert least < order < most
-
-
-def test_groove_has_the_closed_form():
-    # Along a plane wall, and round a concave one: between two positions of the cutter.
-    R, g, c = 0.2, 0.02, 0.05
-    plane = DexelGrid.cartesian((-0.3, -0.2, 0), (0.3, 0.2, 0.1), (400, 300))
-    away = plane.cut_path([[-0.1, 0, -R + g], [0, 0, -R + g]], R)
-    step = plane.cut_path([[0, 0, -R + g], [c, 0, -R + g]], R)
-    assert step == pytest.approx(removed_volume(R, c, g), rel=1e-3) and away > step
-    tunnel = DexelGrid.radial(-0.15, 0.15, 0.5, 0.6, (200, 2000))
-    path = 0.5 - R + g
-    angle = np.linspace(0, c / path, 40)
-    centres = path * np.stack([0 * angle, np.cos(angle), np.sin(angle)], axis=-1)
-    tunnel.cut_path(np.stack([[0, path * np.cos(t), path * np.sin(t)] for t in
-                              np.linspace(-0.4, 0, 300)]), R)  # fmt: skip
-    step = tunnel.cut_path(centres, R)
-    assert step == pytest.approx(removed_volume(R, c, g, wall=0.5), rel=2e-3)
 
 
 def test_degenerate_cuts_remove_nothing():

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
-from scipy.stats import qmc
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
@@ -91,10 +90,10 @@ def test_cones_touch_the_surface(name):
 def test_no_cone_is_missed(name):
     """Against sign changes of Eq. 11 along the circle of Eq. 9, in the frame of the model."""
     rng = np.random.default_rng(4)
-    x, y = rng.uniform(0.2, 1.5, (2, 500))
+    x, y = rng.uniform(0.2, 1.5, (2, 300))
     cones = hyperosculating_cones(GRAPHS[name], x, y, half_angle=ANGLE)
     f = GRAPHS[name](*jet_variables(x, y))
-    b = np.linspace(0, 2 * np.pi, 20_001)[:-1, None]
+    b = np.linspace(0, 2 * np.pi, 10_001)[:-1, None]
     u, v = np.cos(b), np.sin(b)
     cubic = (f.derivative(3, 0) * v**3 - 3 * f.derivative(2, 1) * v**2 * u
              + 3 * f.derivative(1, 2) * v * u**2 - f.derivative(0, 3) * u**3)  # fmt: skip
@@ -244,17 +243,6 @@ def test_umbilics_have_the_cones_of_their_cubic_form():
     np.testing.assert_allclose(cones.distance, np.full(6, 0.5 / np.tan(0.4)), rtol=1e-12)
 
 
-def test_the_normal_that_has_no_point_is_as_good_as_any():
-    plain = GENERAL["quartic graph"]
-    up, down = (
-        hyperosculating_cones(surface, 0.0, 0.0, half_angle=0.4, model="space")
-        for surface in (plain, lambda s, t: plain(t, s))
-    )
-    np.testing.assert_array_equal(down.normal, np.tile([0.0, 0.0, -1.0], (len(down.normal), 1)))
-    assert up.count == down.count > 0
-    np.testing.assert_allclose(np.sort(down.vertex, axis=0), np.sort(up.vertex, axis=0), atol=1e-12)
-
-
 # ---- zeros on the circle, and what rounding leaves ---------------------------------------------
 
 
@@ -334,28 +322,6 @@ def test_terms_that_all_but_vanish_are_compared_with_a_thousandth_of_the_forms()
 
 
 # ---- numbers of the report, by ways of their own ------------------------------------------------
-
-
-def test_shares_of_the_area_by_number_of_cones_are_those_of_eq_11_at_scattered_places():
-    """Of sin 2x cos y + 0.3 x y in a square: signs of Eq. 11 around the circle, at Sobol places."""
-    x, y = 6 * qmc.Sobol(2, seed=1).random(2**14).T - 3
-    s2, c2, sy, cy = np.sin(2 * x), np.cos(2 * x), np.sin(y), np.cos(y)
-    xx, xy, yy = -4 * s2 * cy, 0.3 - 2 * c2 * sy, -s2 * cy
-    xxx, xxy, xyy, yyy = -8 * c2 * cy, 4 * s2 * sy, -2 * c2 * cy, s2 * sy
-    signs = []
-    for a in 2 * np.pi * (np.arange(720) + 0.5) / 720:
-        c, s = np.cos(a), np.sin(a)
-        eee = xxx * c**3 + 3 * xxy * c * c * s + 3 * xyy * c * s * s + yyy * s**3
-        ew = (yy - xx) * c * s + xy * (c * c - s * s)
-        signs.append((1 + x * x + y * y) * eee + 6 * (np.tan(np.pi / 6) + x * s - y * c) * ew > 0)
-    count = np.sum(np.roll(signs, 1, axis=0) != signs, axis=0)
-    scattered = [100 * np.mean(count == n) for n in (2, 4, 6)]
-    middles = np.meshgrid(*[6 * (np.arange(160) + 0.5) / 160 - 3] * 2)
-    found = hyperosculating_cones(GRAPHS["waves"], *middles, half_angle=np.pi / 6)
-    cones = np.bincount(found.index, found.multiplicity, minlength=160**2)
-    squares = [100 * np.mean(cones == n) for n in (2, 4, 6)]
-    np.testing.assert_allclose(scattered, [63.0, 21.5, 15.5], atol=0.15)
-    np.testing.assert_allclose(squares, scattered, atol=0.3)
 
 
 def test_deepest_gouge_in_a_disc_is_that_of_a_formula_of_its_own():

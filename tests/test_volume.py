@@ -11,7 +11,6 @@ from exhibits.groove_plot import draw_passes
 from kit import figure
 from tests.shapes import log_uniform
 from tunneller_lib.removal.volume import (
-    _less_sine,
     advance_for_volume,
     bowl,
     groove_area,
@@ -53,14 +52,6 @@ def test_groove_area_keeps_its_digits(share):
         g = mp.mpf(share)
         expected = mp.acos(1 - g) - (1 - g) * mp.sqrt(2 * g - g**2)
         assert np.isclose(groove_area(1, share), float(expected), rtol=2e-15)
-
-
-@pytest.mark.parametrize("x", [1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999999, 1.0, 1.000001, 2.0, 6.0])
-def test_angle_less_its_sine_keeps_its_digits(x):
-    """From the series below 1, which cancels nothing, and from the difference above."""
-    with mp.workdps(60):
-        expected = float(mp.mpf(x) - mp.sin(mp.mpf(x)))
-    assert _less_sine(np.array(x)) == pytest.approx(expected, rel=2e-15, abs=0)
 
 
 @given(st.floats(0.01, 1), st.floats(0.01, 3), st.floats(1.0001, 30))
