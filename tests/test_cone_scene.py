@@ -11,6 +11,7 @@ from exhibits.cone_scene import (
     osculating_ring_picture,
     plane_fans_picture,
 )
+from exhibits.envelope_equations import noisy_planes
 from exhibits.six_cones_scene import (
     cones_at_contact_picture,
     contact_scene,
@@ -29,7 +30,6 @@ from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
 from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
 from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
-from tunneller_lib.envelopes.measured import noisy_planes
 from tunneller_lib.milling.faces import BladeRing
 
 ANGLE = np.radians(30)

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import sympy as sp
 
+from exhibits.envelope_equations import noisy_planes, tilted
 from tests.audit.long import many
 from tests.envelopes_zoo import GRID
 from tests.symbols_envelopes import (
@@ -46,7 +47,7 @@ from tunneller_lib.envelopes.isotropic import (
     surface_points,
 )
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
-from tunneller_lib.envelopes.measured import mean_frame, noisy_planes, tilted
+from tunneller_lib.envelopes.measured import mean_frame
 from tunneller_lib.milling import (
     ConicalMill,
     CylinderMill,

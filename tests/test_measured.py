@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from exhibits.envelope_equations import noisy_planes, tilted
 from tests.shapes import directions
 from tunneller_lib.envelopes import fit_surface
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.isotropic import plane_to_point
-from tunneller_lib.envelopes.measured import mean_frame, noisy_planes, tilted
+from tunneller_lib.envelopes.measured import mean_frame
 
 PLACE = (0.45, 0.45)
 EXACT = {"contact_error": 0.0, "normal_error": 1e-6}

@@ -7,12 +7,13 @@ from tunneller_lib.envelopes.evidence import RoughJet
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
 from tunneller_lib.envelopes.hyperosculate import TouchingCone
 from tunneller_lib.envelopes.jet import Jet
-from tunneller_lib.envelopes.measured import Fit, noisy_planes
+from tunneller_lib.envelopes.measured import Fit
 
 RNG = np.random.default_rng(1)
 S, T = RNG.uniform(0.2, 0.8, (2, 14))
-CONTACT, NORMALS = noisy_planes(cyclide, (0.5, 0.3), RNG, turn=0.0, count=260, reach=0.1)
-MEASURED = {"contact": CONTACT, "n": NORMALS, "contact_error": 0.0, "normal_error": 1e-6}
+BALL = RNG.uniform(0.3, 0.9, (260, 3))
+BALL /= np.linalg.norm(BALL, axis=1, keepdims=True)
+MEASURED = {"contact": BALL, "n": BALL, "contact_error": 0.0, "normal_error": 1e-6}
 
 
 def graph(s, t):
@@ -57,7 +58,5 @@ CALLS = {
     "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
-    "noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
-    "tilted": {"n": (0.0, 0.6, 0.8)},
 }

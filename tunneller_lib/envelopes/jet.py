@@ -21,7 +21,6 @@ _PLACE = {exponents: place for place, exponents in enumerate(_ALL)}
 _COUNT = {order: (order + 1) * (order + 2) // 2 for order in range(HIGHEST + 1)}
 _ORDER = {count: order for order, count in _COUNT.items()}
 _MANY = 300  # points; from here on it is faster to multiply one pair of rows after another
-_PLAIN = (float, int)
 
 
 def exponents(order):
@@ -225,13 +224,6 @@ def _constant(value, like):
     return Jet(c)
 
 
-def _raised(a, value):
-    """Return a jet plus a number, or plus an array of one number a point."""
-    c = a.c.copy()
-    c[0] += value
-    return Jet(c)
-
-
 def _both(a, b):
     """Return two operands, at least one a jet, as jets of one order at points of as many axes."""
     a = a if isinstance(a, Jet) else _constant(a, b)
@@ -251,11 +243,6 @@ def _widened(c, ndim):
 
 
 def _add(a, b):
-    if not isinstance(a, Jet):
-        a, b = b, a
-    # The usual cases first: a number, or an array of the shape of the points.
-    if type(b) in _PLAIN or (getattr(b, "shape", None) == a.c.shape[1:] and not isinstance(b, Jet)):
-        return _raised(a, b)
     a, b = _both(a, b)
     return Jet(a.c + b.c)
 
@@ -266,9 +253,9 @@ def _subtract(a, b):
 
 def _multiply(a, b):
     if not isinstance(b, Jet):
-        return Jet(a.c * b) if type(b) in _PLAIN else Jet(_widened(a.c, np.ndim(b)) * b)
+        return Jet(_widened(a.c, np.ndim(b)) * b)
     if not isinstance(a, Jet):
-        return Jet(a * b.c) if type(a) in _PLAIN else Jet(a * _widened(b.c, np.ndim(a)))
+        return Jet(a * _widened(b.c, np.ndim(a)))
     if a.c.ndim != b.c.ndim or len(a.c) != len(b.c):
         a, b = _both(a, b)
     left, right, starts = _PAIRS[len(a.c)]

@@ -376,10 +376,17 @@ class _Cone(Envelope):
         return _common(found, of)
 
     def sizes(self, f, off, runs):
+        """Return the half-angles that each point allows.
+
+        Zeros of the eliminated form are directions of cones, and each direction gives a half-angle
+        with its error. The circles of a channel's own spheres give others. Left out are half-angles
+        that are vague, out of range, or change over the surface, and zeros without one of their
+        own. A point's list is complete if it lacks none that isn't known well.
+        """
         # Both conditions hold the half-angle. Without it they are one form, of degree 8 in the
         # direction and the same for its opposite: hence `b / 2`. Each zero has its own half-angle.
         two, three = (frobenius(off, k)[:, None] for k in (2, 3))
-        slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)
+        slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)  # the form's error
         angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
         angle, spread = angle / 2, spread / 2
         # The last eight of `zeros` are places where the form only turns. There it must be as near
@@ -406,7 +413,7 @@ class _Cone(Envelope):
         circle = ~np.isnan(of_circle)
         none = np.zeros_like(circle)
         # A zero of the eliminated form at such a circle, where both derivatives vanish, has no
-        # half-angle of its own.
+        # half-angle of its own: 0/0.
         passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
         passing, stays, changes = (
             np.hstack([part, none]) for part in (passing, steady.stays, steady.changes)

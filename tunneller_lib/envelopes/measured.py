@@ -1,4 +1,4 @@
-"""Measured surfaces: points and normals with noise, as in Example 32, and surfaces through them.
+"""Measured surfaces: polynomials through points and normals with noise, as in Example 32.
 
 Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what
 z is and a normal what its slopes are, so both together are one linear least-squares problem, whose
@@ -10,21 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import (
-    LEAST,
-    MOST,
-    Directions,
-    Length0,
-    NotNegative,
-    Number,
-    Points,
-    Positive,
-    Whole,
-    checked,
-)
+from ..arguments import LEAST, Directions, Length0, NotNegative, Points, checked
 from ..kernels.exact import norm
-from .functions import Centre, Function, UnitVectors, Varying
-from .isotropic import normal, surface_points
+from .functions import UnitVectors, Varying
 from .jet import Jet
 
 MOST_DEGREE = 16
@@ -35,72 +23,6 @@ STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial is
 UNLIKELY = 5.0  # standard deviations that a sum of squares of noise isn't above its mean
 ROUNDING = 1e-13  # of the patch, the least error of a point
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
-Slope = Number(-MOST, MOST)
-
-
-@checked
-def tilted(n: UnitVectors, turn: Slope, rng: np.random.Generator):
-    """Return unit normals (..., 3), each turned in a random direction as Example 32 turns them.
-
-    Parameters
-    ----------
-    n : (..., 3) float
-        Unit normals.
-    turn : float
-        The document's r, the tangent of the angle.
-    rng : numpy.random.Generator
-        Draws the directions.
-
-    Returns
-    -------
-    tilted : (..., 3) float
-        Unit normals.
-    """
-    # A normally distributed vector has no preferred direction, nor has its product about n.
-    aside = np.cross(rng.normal(size=n.shape), n)
-    n = n + turn * aside / norm(aside)[..., None]
-    return n / norm(n)[..., None]
-
-
-@checked
-def noisy_planes(
-    f: Function(2),
-    place: Centre,
-    rng: np.random.Generator,
-    *,
-    turn: Slope,
-    count: Whole(1, 100_000),
-    reach: Positive,
-):
-    """Return contact points of a graph's planes about a place, and their normals with noise.
-
-    Parameters
-    ----------
-    f : callable
-        Of x and y, in m. What it raises itself passes through.
-    place : (2,) float
-        The middle of the disk of the model over which the planes lie.
-    rng : numpy.random.Generator
-        Draws places and turns.
-    turn : float
-        Of each normal, as for `tilted`.
-    count : int
-        How many planes.
-    reach : float
-        Radius of the disk.
-
-    Returns
-    -------
-    contact : (count, 3) float
-        Where the planes touch the surface before they turn, in m.
-    n : (count, 3) float
-        Unit normals.
-    """
-    angle = 2 * np.pi * rng.random(count)
-    away = reach * np.sqrt(rng.random(count))
-    x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
-    n = np.stack(normal(x, y), axis=-1)
-    return surface_points(f, x, y), tilted(n, turn, rng)
 
 
 @checked
@@ -232,10 +154,9 @@ def fit_surface(
 
     Examples
     --------
-    >>> from tunneller_lib.envelopes.families import cyclide
-    >>> planes = {"turn": 1e-6, "count": 800, "reach": 0.15}
-    >>> data = noisy_planes(cyclide, (0.45, 0.45), np.random.default_rng(0), **planes)
-    >>> fit_surface(*data, contact_error=0.0, normal_error=1e-6).fits
+    >>> n = np.random.default_rng(0).uniform(0.3, 0.9, (300, 3))
+    >>> n /= norm(n)[:, None]  # of a ball, which are its points as well
+    >>> fit_surface(n, n, contact_error=0.0, normal_error=1e-6).fits
     True
     """
     contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))

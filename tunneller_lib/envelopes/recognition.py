@@ -341,6 +341,10 @@ def _middle(values):
 def searched(kind, f, runs, window, size):
     """Return the evidence for each size that one point allows, and the size found.
 
+    The point that knows its own sizes best names the candidates. For each, every point's nearest
+    size is compared with it: points that have none near refute it, those that know theirs well make
+    it sharper, and the evidence is weighed with the median of those.
+
     Parameters
     ----------
     kind : Envelope
@@ -379,6 +383,7 @@ def searched(kind, f, runs, window, size):
     for value, own in zip(values[best], unsure[best], strict=True):
         if np.isnan(value):
             continue
+        # Of each point the size nearest to this one, its error, and whether both may be equal.
         apart = np.where(np.isnan(values), np.inf, np.abs(values - value))
         nearest = np.argmin(apart, axis=-1)[:, None]
         there = np.take_along_axis(values, nearest, -1)[:, 0]
@@ -387,7 +392,8 @@ def searched(kind, f, runs, window, size):
         known[~same] = np.inf
         sharpest = np.argmin(known)
         if known[sharpest] < own:
-            value, own = there[sharpest], known[sharpest]
+            value = there[sharpest]
+            own = known[sharpest]
         evidence = asked(kind, f, off, value, own, sharp)
         # The points agree only with one value. What they know best has more digits than bounds say.
         shared = np.median(there[known <= np.median(known[np.isfinite(known)])])

@@ -37,7 +37,7 @@ class Lines(NamedTuple):
 
     def measure(self, low, high):
         """Return the volume of intervals from `low` to `high`, in m^3."""
-        return measured(low, high, self.cell, self.rays)
+        return self.cell * (high - low) * ((high + low) / 2 if self.rays else 1.0)
 
     def windows(self, a, b, radius, nearest):
         """Return the lines that sweeps of balls may meet, as first and past-the-last indices.
@@ -201,11 +201,6 @@ class Lines(NamedTuple):
             least = min(start) + count
             stop = [min(s + by, least) for s, by in zip(stop, shift, strict=True)]
         return min(first), max(last), min(start), max(stop)
-
-
-def measured(low, high, cell, rays):
-    """Return the volume of intervals from `low` to `high`; `cell` and `rays` as of `Lines`."""
-    return cell * (high - low) * where(rays, (high + low) / 2, 1.0)
 
 
 def met_ball(x, aside, cos, sin, centre, radius):
