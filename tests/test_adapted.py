@@ -13,7 +13,7 @@ from tunneller_lib.envelopes.adapted import (
 )
 from tunneller_lib.envelopes.families import cyclide, ruled, saddle
 from tunneller_lib.envelopes.isotropic import contact_point
-from tunneller_lib.envelopes.jet import differentiated, exponents, jet_variables
+from tunneller_lib.envelopes.jet import exponents
 
 SURFACES = {"space": GENERAL["quartic graph"], "isotropic": cyclide}
 every_model = pytest.mark.parametrize("model", SURFACES)
@@ -98,12 +98,3 @@ def test_frames_along_a_line_have_it_for_their_first_axis():
     found = frames_along(ruled(saddle), 0.7, t)
     np.testing.assert_allclose(found.contact, np.stack([0.7 + 0 * t, t, 0.7 * t], axis=-1))
     np.testing.assert_allclose(np.abs(found.axes[:, 0] @ [0, 1, 0.7]), np.hypot(1, 0.7))
-
-
-def test_derivative_of_a_jet_is_that_of_its_function():
-    x, y = jet_variables(0.4, 0.9)
-    f = np.sin(x * y) + x**3
-    for i, j in exponents(3):
-        one, other = differentiated(f, 0), differentiated(f, 1)
-        assert one.derivative(i, j) == pytest.approx(f.derivative(i + 1, j), rel=1e-14)
-        assert other.derivative(i, j) == pytest.approx(f.derivative(i, j + 1), rel=1e-14)

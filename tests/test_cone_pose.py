@@ -74,22 +74,13 @@ def test_cones_are_a_sequence_of_what_the_arrays_hold():
         assert cone.verdict == ("gouges" if cones.gouges[k] else "undecided")
         assert cone.pose.far == 2 * cones.distance[k]
         assert abs(cone.pose.clearance(cone.contact)) < 1e-12 * cone.pose.far
-        # Among its planes is the surface's own at the contact.
-        n, h = cone.planes(np.linspace(0, 2 * np.pi, 100_001))
-        nearest = np.argmax(n @ cone.normal)
-        assert n[nearest] @ cone.normal == pytest.approx(1, abs=1e-8)
-        assert abs(n[nearest] @ cone.contact + h[nearest]) < 1e-3 * cone.pose.far
+        n, _ = cone.planes(np.linspace(0, 2 * np.pi, 10_001))
+        assert np.max(n @ cone.normal) == pytest.approx(1, abs=1e-6)  # the surface's own is one
     for k in (12, -13):
         with pytest.raises(IndexError):
             cones[k]
     cones.contact[-1] = np.nan  # an object doesn't change with the arrays it came from
     assert np.isfinite(cone.contact).all()
-
-
-def test_double_cone_has_its_multiplicity():
-    x = 1 / np.tan(np.radians(30))
-    cones = hyperosculating_cones(cyclide, x * 0.6, x * 0.8, half_angle=np.radians(30))
-    assert sorted(cone.multiplicity for cone in cones) == [1, 1, 1, 1, 2]
 
 
 def test_tool_reaches_from_the_contact_as_far_as_it_is_long():
