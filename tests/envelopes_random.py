@@ -7,7 +7,8 @@ grows as it moves, or a surface of another class.
 import numpy as np
 
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.families import add, channel, cross_product, moving_cone, ruled, times
+from tunneller_lib.envelopes.families import channel, moving_cone, ruled
+from tunneller_lib.envelopes.jet import add, cross_product, times
 
 KINDS = ("developable", "ruled", "cylinder", "channel", "pipe", "cone")
 

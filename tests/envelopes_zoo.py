@@ -6,17 +6,8 @@ All are functions of two variables in ordinary arithmetic, as `recognise` takes 
 import numpy as np
 
 from tunneller_lib.envelopes import families
-from tunneller_lib.envelopes.families import (
-    add,
-    channel,
-    cross_product,
-    cubic,
-    helicoid,
-    helix,
-    saddle,
-    times,
-    turning,
-)
+from tunneller_lib.envelopes.families import channel, cubic, helicoid, helix, saddle, turning
+from tunneller_lib.envelopes.jet import add, cross_product, times
 
 
 def parabola(s):

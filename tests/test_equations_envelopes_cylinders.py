@@ -27,8 +27,8 @@ from tests.symbols_envelopes import (
     zero,
 )
 from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.isotropic import isotropic_derivatives, plane_to_point, sphere_point
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_derivatives, isotropic_jet
+from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point
 from tunneller_lib.envelopes.jet import derivative_along
 
 READS = ["report/ledger/*"]

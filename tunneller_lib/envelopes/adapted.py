@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .isotropic import contact_point, isotropic_derivatives, normal
-from .jet import Jet, by_slopes, differentiated, jet_variables
+from .jet import Jet, by_slopes, cross_product, differentiated, jet_variables
 
 # |K|/|II|^2, up to which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
@@ -123,7 +122,7 @@ def frames_by(surface, s, t, model):
             tangent = [differentiated(c, 0) for c in r]
             other = [differentiated(c, 1) for c in r]
             known = _ratio(tangent, other)
-            n = [tangent[i - 2] * other[i - 1] - tangent[i - 1] * other[i - 2] for i in range(3)]
+            n = cross_product(tangent, other)
             length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n = [c / length for c in n]
         # The frame's axes: along one tangent, across it, along the normal. The jets are turned
@@ -259,3 +258,32 @@ def _ratio(a, b):
     return np.linalg.norm(np.cross(a, b), axis=-1) / np.prod(
         [np.linalg.norm(v, axis=-1) for v in (a, b)], axis=0
     )
+
+
+# ---- from a graph in the model to its surface, and back; numbers, arrays or jets -----------------
+
+
+def normal(x, y):
+    """Return the components of the unit normal of the planes over a place (Eq. 21)."""
+    p = x * x + y * y + 1
+    return 2 * x / p, 2 * y / p, 2 / p - 1
+
+
+def contact_point(x, y, f, fx, fy):
+    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
+
+    `f`, `fx`, `fy` are the function and its derivatives there; all lengths are in m.
+    """
+    p = x * x + y * y + 1
+    # The third coordinate as printed; r1 and r2 by Eqs 18 and 19, which take fewer products.
+    r3 = 2 * (x * fx + y * fy - f) / p
+    return x * r3 - fx, y * r3 - fy, r3
+
+
+def isotropic_derivatives(r, n):
+    """Return x, y, f, fx, fy by points of a surface and unit normals there (Eqs 17 to 19)."""
+    below = n[2] + 1
+    x = n[0] / below
+    y = n[1] / below
+    f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
+    return x, y, f, x * r[2] - r[0], y * r[2] - r[1]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import LEAST, Angle, Coordinate, HalfAngle, Length, checked, shown
 from .functions import Function, Varying, coordinates, vectors
-from .jet import Jet
+from .jet import Jet, add, cross_product, dot_product, times, unit_vector
 
 
 @checked
@@ -383,33 +383,3 @@ def cyclide(x: Varying, y: Varying):
                 "x, y: must not both be below 1e-100, where f has no value; got such a pair."
             )
     return y * y / (x * x + y * y)
-
-
-# ---- vectors as lists of three coordinates, each a number, an array or a jet ---------------------
-
-
-def cross_product(a, b):
-    """Return the vector product of two vectors."""
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
-
-
-def dot_product(a, b):
-    """Return the scalar product of two vectors."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def add(first, *others):
-    """Return the sum of vectors, the first and the others."""
-    for other in others:
-        first = [a + b for a, b in zip(first, other, strict=True)]
-    return first
-
-
-def times(c, a):
-    """Return the multiple c of a vector a."""
-    return [c * part for part in a]
-
-
-def unit_vector(a):
-    """Return a vector a, scaled to length 1."""
-    return times(1 / np.sqrt(dot_product(a, a)), a)

@@ -77,7 +77,7 @@ def coordinates(name, value, like):
 def vectors(name, value, count, like):
     """Return the `count` vectors in the `value` that the caller's function `name` returned.
 
-    Each holds three coordinates, as for `coordinates`.
+    Each holds three coordinates that broadcast to the points of `like`, as for `coordinates`.
     """
     try:
         every = list(value)

@@ -18,36 +18,11 @@ from ..arguments import (
     checked,
 )
 from ..kernels.exact import dot, norm
+from .adapted import contact_point, normal
 from .functions import Centre, Function, UnitVectors, one_number
 from .jet import Jet, derivative, jet_variables
 
 _MOST = 1e60  # size of numbers; products of four over a small divisor stay finite
-
-
-def normal(x, y):
-    """Return the components of the unit normal of the planes over a place (Eq. 21)."""
-    p = x * x + y * y + 1
-    return 2 * x / p, 2 * y / p, 2 / p - 1
-
-
-def contact_point(x, y, f, fx, fy):
-    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
-
-    `f`, `fx`, `fy` are the function and its derivatives there; all lengths are in m.
-    """
-    p = x * x + y * y + 1
-    # The third coordinate as printed; r1 and r2 by Eqs 18 and 19, which take fewer products.
-    r3 = 2 * (x * fx + y * fy - f) / p
-    return x * r3 - fx, y * r3 - fy, r3
-
-
-def isotropic_derivatives(r, n):
-    """Return x, y, f, fx, fy by points of a surface and unit normals there (Eqs 17 to 19)."""
-    below = n[2] + 1
-    x = n[0] / below
-    y = n[1] / below
-    f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
-    return x, y, f, x * r[2] - r[0], y * r[2] - r[1]
 
 
 @checked
