@@ -207,7 +207,8 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
         circle = np.stack([np.cos(turn), np.sin(turn), np.ones(20)], axis=-1) / np.sqrt(2)
         assert not spread_in_two(s, t, circle)
     assert not spread_in_two(size * np.cos(angle), 2 * size * np.sin(angle), normals)
-    assert not spread_in_two(s, s * s / size, None)
+    for nearly in (0.0, 1e-5):  # a parabola, and a band about it that is as narrow
+        assert not spread_in_two(s, s * s / size + nearly * t, None)
 
 
 # ---- random rounding ------------------------------------------------------------------------

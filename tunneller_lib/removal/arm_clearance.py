@@ -116,7 +116,7 @@ def solid_clearance(
 
 
 def _least_depths(section, body, across, middle):
-    """Return the least depths (n,) of an `Outline` in n poses; arguments as for `_depths`."""
+    """Return least depths (n,) of an `Outline` in n poses, as `_depths` has them."""
     step = 2 * np.pi / ANGLES
     angle = step * np.arange(ANGLES)
     each = np.repeat(np.arange(len(across)), ANGLES)
