@@ -48,8 +48,8 @@ def sliders(draw, *, alt="", **ranges):
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
         _show(ipywidgets.VBox([*controls.values(), *moved(draw, first, alt, controls)]))
     elif alt:
-        picture = first if isinstance(first, Figure) else shoot(first, direction=None, width=TEXT_WIDTH / 2)
-        _show(preview(picture, alt))
+        half = {"direction": None, "width": TEXT_WIDTH / 2}
+        _show(preview(first if isinstance(first, Figure) else shoot(first, **half), alt))
     return first
 
 
