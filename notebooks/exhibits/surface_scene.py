@@ -47,7 +47,7 @@ def tangent_planes_picture(surface, line, places, direction):
     frames = frames_along(surface, line, places)
     for middle, (ahead, across, _) in zip(frames.contact, frames.axes, strict=True):
         scene.put(plotter, scene.rectangle(middle, 0.3 * across, 0.12 * ahead), "plane")
-    return scene.shoot(plotter, direction=direction)
+    return scene.shoot(plotter, direction=direction, width=8)
 
 
 def ring_on_graph_picture(f, place, centre):
