@@ -13,12 +13,13 @@ import numpy as np
 
 from ..arguments import checked
 from ..motion import follow
-from ..motion.export import line_text, operations, read_blocks, with_constants
+from ..motion.export import constant_rows, line_text, operations, read_blocks
 from ..ream.cutting import whole_run
 from ..ream.moves import MOST, levers
 from ..ream.planning import Plan
 from .reader import Job
 
+INCLUDE = '{#include "blocks.st"}\n'
 FULL = 2**15  # of the time scale
 SLOW = 10e-3  # s between calls of the slow task, or a tick where that is longer
 FASTEST = 2**16 - 2  # counts in a tick, whose product with FULL has 32 bits
@@ -27,7 +28,7 @@ OPERATIONS = 1e6  # of the slow task in a second, unless the job tells
 TRIP = 1 / 4  # of the depth of cut, unless the job tells
 TRIED = 2000  # moves from which stopping is tried
 MORE = 1.5  # times what the loops leave without a fault, for the least trip
-PLAIN = "rValve := rRate / aSpeed[nAxis];\n"
+PLAIN = "rValve := rRate / job.aSpeed[nAxis];\n"
 # Of each that a tick must allow: how much at most, the margin of the tick that a refusal names, and
 # what is said of what is found. The first allows no longer tick, the others no shorter one.
 # The ticks of a run have 32 bits anyway: the planner's are 5 million at most.
@@ -46,7 +47,9 @@ class Program:
     Parameters
     ----------
     text : str
-        In Structured Text, with its tables.
+        In Structured Text: contract, tables and tasks. It includes the `blocks`.
+    blocks : str
+        The function blocks in Structured Text.
     tick : float
         Period of the fast task, in s.
     slow : int
@@ -56,9 +59,15 @@ class Program:
     """
 
     text: str
+    blocks: str
     tick: float
     slow: int
     trip: float
+
+    @property
+    def whole(self):
+        """The text with its blocks in the place where it includes them."""
+        return self.text.replace(INCLUDE, self.blocks)
 
 
 @checked
@@ -111,24 +120,26 @@ def program(plan: Plan, job: Job):
     first = 1 + len(plan.entry.ticks)
     ramps[[1, first], 0] = FULL  # from rest as planned, also behind a step
     constants = {
-        "nParts": parts, "nFull": FULL, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
+        "nParts": parts, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
         "rStopping": FULL / stopping, "nFirst": first, "nExit": first + len(plan.ticks),
-        "nRows": len(ramps), "nLaps": plan.laps, "nApproach": approach, "rCount": plan.count,
+        "nRows": len(ramps), "nLaps": plan.laps, "rCount": plan.count,
         "rPart": plan.count / parts, "rPace": plan.count / parts / plan.tick,
         "rEncoder": float(job.axes[1][0].count or plan.count), "rFar": float(MOST // parts),
         "rRingRadius": float(machine.r), "aStart": plan.entry.setpoints[0].tolist(),
         "aTrip": (trip / _arms(machine)).tolist(),  # rad of each joint
         "aTicks": [approach, *ticks.tolist()], "aFree": ramps[:, 0].tolist(),
-        "aCorner": ramps[:, 1].tolist(),
+        "aCorner": (ramps[:, 1] - ramps[:, 0]).tolist(),
     }  # fmt: skip
     theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
-    text, inverse = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
-                     for name in ("controller", "static_inverse"))  # fmt: skip
+    text, blocks, inverse = (
+        files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
+        for name in ("controller", "blocks", "static_inverse")
+    )
     oil, valve = ("", PLAIN) if "aSpeed" in theta else inverse.split("@\n")
     for name, part in (("LINE", line_text()), ("OIL", oil), ("VALVE", valve)):
-        text = text.replace(f"@{name}\n", part)
-    setpoints = next(one for one in read_blocks(text) if one.name == "FB_Setpoints")
+        blocks = blocks.replace(f"@{name}\n", part)
+    setpoints = next(one for one in read_blocks(blocks) if one.name == "FB_Setpoints")
     cost = at_once * operations(setpoints)
     second = cost / (slow * plan.tick)
     _check("[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
@@ -137,10 +148,10 @@ def program(plan: Plan, job: Job):
     words = {
         "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "LAST": ring - 1,
         "EVERY": _interval(tick), "SELDOM": _interval(slow * tick), "COST": cost,
-        "TRIP": f"{1e3 * trip:.2g}",
+        "TRIP": f"{1e3 * trip:.2g}", "JOB": constant_rows(constants),
     }  # fmt: skip
     text = re.sub(r"@([A-Z]+)", lambda found: str(words[found[1]]), text)
-    return Program(with_constants(text, constants), plan.tick, slow, trip)
+    return Program(text, blocks, plan.tick, slow, trip)
 
 
 def chord_rows(plan):
@@ -318,8 +329,9 @@ def _axis(plant, loop):
     return found | {
         "aSense": link.sense, "aMounting": link.mounting, "aApart": (link.a - link.b) ** 2,
         "aTwice": 2 * math.sqrt(link.a * link.b), "aProduct": link.a * link.b,
-        "aAreaPlus": plus, "aAreaMinus": minus, "aPair": link.pair, "aGravity": axis.gravity,
-        "aDamping": axis.damping, "aSupply": axis.supply, "aTank": axis.tank, "aFlow": axis.flow,
+        "aSecond": link.pair * link.a * link.b, "aAreaPlus": plus, "aAreaMinus": minus,
+        "aGravity": axis.gravity, "aDamping": axis.damping, "aSupply": axis.supply,
+        "aTank": axis.tank, "aFlow": axis.flow,
     }  # fmt: skip
 
 

@@ -94,9 +94,15 @@ def read_rows(text):
 
 
 def read_blocks(text):
-    """Return the `Block` list of a text, its structures first."""
-    found = re.findall(STRUCT, text, re.S)
-    blocks = [Block("STRUCT", name, [("VAR", read_rows(rows))], "") for name, rows in found]
+    """Return the `Block` list of a text, its structures first.
+
+    A structure whose fields all have values holds constants.
+    """
+    blocks = []
+    for name, fields in re.findall(STRUCT, text, re.S):
+        rows = read_rows(fields)
+        section = "VAR CONSTANT" if all(row.begin for row in rows) else "VAR"
+        blocks.append(Block("STRUCT", name, [(section, rows)], ""))
     for kind, name, variables, body in re.findall(BLOCK, text, re.S):
         sections = re.findall(r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)
         rows = [(section, read_rows(rows)) for section, rows in sections]
@@ -104,23 +110,12 @@ def read_blocks(text):
     return blocks
 
 
-def with_constants(text, constants):
-    """Return a text each of whose blocks has those `constants` that it uses.
-
-    They are a dict of numbers and of lists of numbers, by their names.
-    """
-
-    def filled(found):
-        kind, name, variables, body = found.groups()
-        rows = "".join(
-            f"    {key} : {_iec_kind(value)} := {_number(value)};\n"
-            for key, value in constants.items()
-            if re.search(rf"\b{key}\b", body)
-        )
-        own = f"VAR CONSTANT\n{rows}END_VAR\n" if rows else ""
-        return f"{kind} {name}\n{variables}{own}{body}END_{kind}\n"
-
-    return re.sub(BLOCK, filled, text, flags=re.S)
+def constant_rows(constants):
+    """Return the declarations of a dict of numbers, and of lists of numbers, by their names."""
+    return "".join(
+        f"        {key} : {_iec_kind(value)} := {_number(value)};\n"
+        for key, value in constants.items()
+    )
 
 
 def _iec_kind(value):
@@ -152,7 +147,8 @@ def c99_types(blocks):
     """Return the structures of a list of `Block` in C99, how they begin, and what is called."""
     texts = []
     for block in blocks:
-        rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
+        if not (rows := block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")):
+            continue
         fields = [f"    {_declared(row)};{row.comment and f' /* {row.comment} */'}" for row in rows]
         texts += ["typedef struct {", *fields, f"}} {block.name};"]
         if begun := [f".{row.name} = {row.begin.lower()}" for row in rows if row.begin]:
@@ -196,6 +192,7 @@ def _c_body(block):
     words = [(rf"^( *)({'|'.join(kinds)})\(((?s:.*?))\);$", call), *WORDS]
     words += [(rf"(?<![.\w])({'|'.join(kinds)})\b", r"c->\1")]
     words += [(rf"\b{row.name}\.", f"{row.name}->") for row in block.rows("VAR_EXTERNAL")]
+    words += [(rf"\b{row.name}\.", "") for row in block.rows("VAR_EXTERNAL CONSTANT")]
     # Comments stand between the parts with statements.
     parts = re.split(COMMENT, block.body, flags=re.S)
     for pattern, to in words:
@@ -208,10 +205,15 @@ def _c_body(block):
 def line_text(*, parts: Whole(1, 2**16) | None = None):
     """Return the integer line of one axis in Structured Text.
 
-    With `parts` of a count, or without its constant for a text that has others, too.
+    With `parts` of a count, or without a number for a text whose job has it.
     """
     text = files(__package__).joinpath("line.st").read_text(encoding="utf-8")
-    return with_constants(text, {} if parts is None else {"nParts": parts})
+    if parts is None:
+        constant = "VAR_EXTERNAL CONSTANT\n    job : T_Job;\nEND_VAR"
+        text = text.replace("nParts", "job.nParts")
+    else:
+        constant = f"VAR CONSTANT\n    nParts : DINT := {parts};\nEND_VAR"
+    return text.replace("@CONSTANT", constant)
 
 
 @checked
