@@ -150,7 +150,7 @@ def few_rows(whole, plan):
     They are the whole lap, which begins and ends at rest at once. Returns their ends, too, in
     parts of a count, and how many there are in a count.
     """
-    blocks = read_blocks(whole.whole)
+    blocks = read_blocks(whole.text + whole.blocks)
     constants = {row.name: json.loads(row.begin) for block in blocks
                  for row in block.rows("VAR CONSTANT")}  # fmt: skip
     knot, first = np.array(constants["aKnot"]), constants["nFirst"]
@@ -174,7 +174,7 @@ def few_rows(whole, plan):
                   "nRows": ROWS + 1}  # fmt: skip
     text = re.sub(r"(T_Job : STRUCT\n).*?( +END_STRUCT)", rf"\1{constant_rows(constants)}\2",
                   whole.text, flags=re.S)  # fmt: skip
-    few = replace(whole, text=text.replace(f"[0..{ring - 1}]", f"[0..{SMALL_RING - 1}]"))
+    few = whole._replace(text=text.replace(f"[0..{ring - 1}]", f"[0..{SMALL_RING - 1}]"))
     return few, ends, constants["nParts"]
 
 

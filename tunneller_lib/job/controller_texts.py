@@ -15,9 +15,7 @@ Each scan: tunneller.bEnable = ...; fb_tunneller(&tunneller, &ring); ... = tunne
 """
 XML_WORDS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
-    "VAR_EXTERNAL CONSTANT": 'externalVars constant="true"',
-    "VAR_GLOBAL": "globalVars", "VAR_GLOBAL CONSTANT": 'globalVars constant="true"',
-    "VAR": "localVars",
+    "VAR": "localVars", "VAR CONSTANT": 'localVars constant="true"',
     "PROGRAM": "program", "FUNCTION_BLOCK": "functionBlock",
 }  # fmt: skip
 XML_ROOT = """project xmlns="http://www.plcopen.org/xml/tc6_0201"
@@ -46,14 +44,14 @@ def c99_text(made: Program):
 
 def _blocks(made):
     """Return the structures and function blocks of a `Program`."""
-    return [block for block in read_blocks(made.whole) if block.kind != "PROGRAM"]
+    return [block for block in read_blocks(made.blocks + made.text) if block.kind != "PROGRAM"]
 
 
 @checked
 def plcopen_xml(made: Program):
     """Return a `Program` in PLCopen XML (TC6, 2.01): the same texts, their variables apart."""
     types, pous = [], []
-    for block in read_blocks(made.whole):
+    for block in read_blocks(made.blocks + made.text):
         if block.kind == "STRUCT":
             fields = _tag("struct", *_variables(block.rows("VAR", "VAR CONSTANT")))
             types.append(_tag("dataType", _tag("baseType", fields), name=block.name))
@@ -68,12 +66,11 @@ def plcopen_xml(made: Program):
         for name, interval, priority in re.findall(
             r"TASK (\w+)\(INTERVAL := (\S+), PRIORITY := (\d)\)", made.text)
     ]  # fmt: skip
-    shared = (
-        _tag(XML_WORDS[kind], *_variables(read_rows(rows)))
-        for kind, rows in re.findall(r"^(VAR_GLOBAL.*)\n((?s:.*?))END_VAR", made.text, re.M)
-    )
-    resource = _tag("resource", *tasks, name="Controller")
-    configuration = _tag("configuration", resource, *shared, name="Tunneller")
+    shared = read_rows(made.text.partition("VAR_GLOBAL")[2].partition("END_VAR")[0])
+    configuration = _tag(
+        "configuration", _tag("resource", *tasks, name="Controller"),
+        _tag("globalVars", *_variables(shared)), name="Tunneller",
+    )  # fmt: skip
     return _tag(
         XML_ROOT, XML_HEAD, _tag("types", _tag("dataTypes", *types), _tag("pous", *pous)),
         _tag("instances", _tag("configurations", configuration)),
