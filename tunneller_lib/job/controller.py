@@ -1,7 +1,8 @@
 """The motion generator of section 4.4 with its two loops, as an engineer loads it into a PLC.
 
-The blocks are in controller.st, static_inverse.st and line.st. Here are a job's numbers: tables and
-constants, and the proof that with them the slow task is in time and nothing leaves 32 bits.
+Contract and tasks are in controller.st, the blocks in blocks.st, static_inverse.st and line.st.
+Here are a job's numbers, and the proof that with them the slow task is in time and nothing leaves
+32 bits.
 """
 
 import re
@@ -36,7 +37,7 @@ class Program(NamedTuple):
     Parameters
     ----------
     text : str
-        In Structured Text: contract, tables and tasks. It includes the `blocks`.
+        Contract, tables and tasks in Structured Text, which includes the `blocks` as blocks.st.
     blocks : str
         The function blocks in Structured Text.
     slow : int
@@ -105,7 +106,7 @@ def program(plan: Plan, job: Job):
     while max(approach, farthest) * parts > MOST:
         parts //= 2
     change = min(plan.limits.acceleration * plan.tick**2 * approach / way, 1)
-    ramps = np.floor(np.concatenate([[[FULL * change, 0]], ramps])).astype(int)
+    ramps = np.floor(np.concatenate([[[FULL * change] * 2], ramps])).astype(int)
     first = 1 + len(plan.entry.ticks)
     constants = {
         "nParts": parts, "nRing": ring, "nAtOnce": at_once, "nStopping": stopping,
@@ -115,7 +116,7 @@ def program(plan: Plan, job: Job):
         "rEncoder": float(job.axes[1][0].count or plan.count), "rFar": float(MOST // parts),
         "rRingRadius": float(machine.r), "aStart": plan.entry.setpoints[0],
         "aTrip": trip / arms, "aTicks": [approach, *ticks], "aFree": ramps[:, 0],
-        "aCorner": ramps[:, 1],
+        "aCorner": ramps[:, 1] - ramps[:, 0],
     }  # fmt: skip
     theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
@@ -141,9 +142,9 @@ def program(plan: Plan, job: Job):
 def chord_rows(plan):
     """Return what the slow task needs for setpoints: a dict of arrays, of moves and of knots.
 
-    Each setpoint is the foot of a point M (section 3.3.1): on a chord between two knots at a share
-    of it, and shifted aside where the path is corrected or its corner rounded. Those of entry and
-    exit are knots.
+    Each setpoint is the foot of a point M (section 3.3.1), which lies on the chord between two
+    knots at a share of its length, and is shifted aside where the path is corrected or its corner
+    rounded. The setpoints of entry and exit are knots themselves.
     """
     torus = plan.circuit.machine.torus
     knot, _, _ = plan.route.rounding(plan.reached[np.cumsum(plan.ticks)])
@@ -154,8 +155,8 @@ def chord_rows(plan):
     chords = np.diff(points, axis=0)
     aside = np.cross(normals[:-1] + normals[1:], chords)
     aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
-    # M is where the plane of chord and normals, moved aside, meets the normal line of its foot; by
-    # nothing for the projected chord amid its chord.
+    # M is where the plane of chord and normals, moved aside, meets the normal line of its foot. For
+    # the projected chord amid its chord the plane isn't moved.
     feet = plan.setpoints[1:].T
     frame = np.stack([chords[knot], aside[knot], -torus.normal(*feet)], axis=-1)
     off = torus.point(*feet) - points[knot]
@@ -173,7 +174,7 @@ def chord_rows(plan):
 
 
 def _check(said, found, most, would_do):
-    """Raise ValueError where what is found is above what is allowed."""
+    """Raise ValueError if what is found is above what is allowed."""
     if found > most:
         raise ValueError(f"{said.format(found, most, would_do)} would do.")
 
@@ -181,8 +182,8 @@ def _check(said, found, most, would_do):
 def _ramps(plan, angles, ticks):
     """Return by how much the time scale may change in a scan (m, 2).
 
-    The first number is for a scan amid a move. The second, of 0 or below, is added to it for a fall
-    from full scale where the move begins. The scale s may become s + d where rates V become W, if
+    The first number is for a scan amid a move, the second, which isn't above it, for a fall from
+    full scale where the move begins. The scale s may become s + d where rates V become W, if
     d W + s (W - V) is within the acceleration: at s = 1 that is a quadratic equation, at s = 0 a
     quotient, and the fast task interpolates between them. A rise may take what the plan leaves if
     W - V is all of the acceleration.
@@ -199,16 +200,14 @@ def _ramps(plan, angles, ticks):
         found = np.stack([most / np.sqrt(square), (root + along) / square], axis=-1)
     found[square == 0] = 1.0
     found[[0, len(plan.entry.ticks)], 0] = 1.0  # from rest as planned, also behind a step
-    found = FULL * np.clip(found, 0.0, 1.0)
-    found[:, 1] = np.minimum(found[:, 1] - found[:, 0], 0.0)
-    return found
+    return FULL * np.clip(np.minimum(found, found[:, :1]), 0.0, 1.0)
 
 
 def _stopping(ticks, ramps):
-    """Return of how many ticks the known moves must be, in which the time scale falls to rest.
+    """Return how many ticks must be known ahead, so that the time scale falls to rest in them.
 
-    As many as from the fastest move at the constant acceleration, or more. A quarter more is for
-    runs that begin amid a move.
+    They are as many as a stop from the fastest move takes at constant acceleration, or more. A
+    quarter is added for stops that begin amid a move.
     """
     stopping = int(FULL / (2 * ramps[:, 0].min())) + 2
     while stopping <= FULL and not _rests(ticks, ramps, stopping):
@@ -217,14 +216,16 @@ def _stopping(ticks, ramps):
 
 
 def _rests(ticks, ramps, known):
-    """Return whether a run comes to rest in so many known ticks, its changes those of a scan.
+    """Return whether the time scale falls to rest in so many known ticks.
 
-    Tried from the begin of moves all along, at full scale, with no further setpoint: the scale is
-    led to the root of what is left, as the fast task does. Here all scans of a move's first tick
-    leave what its begin does.
+    A stop is tried from the begin of each of many moves, at full scale and with no further
+    setpoint: as in the fast task, the scale follows the root of what is left. Here each scan of a
+    move's first tick, not the first one alone, may change the scale only by what the begin of the
+    move leaves.
     """
     begins = np.cumsum(ticks) - ticks
     ramps = np.repeat(np.floor(ramps).astype(int), ticks, axis=0)  # of each tick
+    ramps[:, 1] -= ramps[:, 0]
     ramps[np.setdiff1d(np.arange(len(ramps)), begins), 1] = 0
     begins = begins[:: 1 + len(ticks) // TRIED]
     at = FULL * begins[begins + known <= len(ramps)]  # ticks times FULL
@@ -246,10 +247,10 @@ def _rests(ticks, ramps, known):
 
 
 def _throughput(plan, stopping):
-    """Return the setpoints that must be ahead, the slow task's period in ticks, and its a call.
+    """Return setpoints that must be ahead, the slow task's period in ticks, and setpoints a call.
 
-    At full scale a call prepares as many as were taken since the one before, so that the ring is
-    full again; between two calls the setpoints ahead don't fall short of the stopping ticks.
+    At full scale a call prepares as many as were taken since the call before it, so that the ring
+    is full again. Between two calls the setpoints ahead cover the stopping ticks.
     """
     slow = max(round(SLOW / plan.tick), 1)
     lap = np.tile(plan.ticks, min(plan.laps, 2))
