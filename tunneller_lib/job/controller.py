@@ -209,7 +209,8 @@ def _stopping(ticks, ramps):
     They are as many as a stop from the fastest move takes at constant acceleration, or more. A
     quarter is added for stops that begin amid a move.
     """
-    stopping = int(FULL / (2 * ramps[:, 0].min())) + 2
+    least = ramps[:, 0].min()  # below 1 the scale can't change
+    stopping = int(FULL / (2 * least if least >= 1 else least)) + 2
     while stopping <= FULL and not _rests(ticks, ramps, stopping):
         stopping = int(1.1 * stopping) + 1
     return int(1.25 * stopping) + 1
