@@ -135,7 +135,8 @@ def configuration(compiler, folder, made, *options):
     units = translated(folder, made.text, made.blocks)
     # It calls in each such time, which must be the fast task's interval, then.
     (common,) = re.findall(r"common_ticktime__ = (\d+)ULL \* 1ULL;", units["Tunneller.c"])
-    if int(common) != round(1e9 * tick):
+    fast = re.search(r"TASK Fast\(INTERVAL := T#(.*)ms,", made.text)[1]
+    if int(common) != round(1e6 * float(fast)):
         raise ValueError(f"the tasks' intervals are multiples of {common} ns")
     # Every variable is in capitals there, and its value is in a field.
     place = lambda name: f"CONTROLLER__FASTTASK.TUNNELLER.{name.upper()}.value"  # noqa: E731
