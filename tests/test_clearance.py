@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
 from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Box, Egg, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import (
+    REFERENCE_MACHINE,
+    Body,
+    Box,
+    Egg,
+    Frustum,
+    Line,
+    Rod,
+    RoundedDisc,
+    closed_profile,
+)
 
 EGG = Egg(0.5)
 BODY = Body(1.2, 0.3, -0.25, 0.15, holder_radius=0.12, holder_length=0.25)
@@ -88,15 +98,22 @@ def test_solid_clearance_is_the_least_depth_of_the_solid(seed):
     assert solid_clearance(EGG, box) == pytest.approx(lowest, abs=1e-14)
 
 
-@pytest.mark.parametrize("turn", [0.0, 1e-12, 1e-6, 0.3, np.pi / 2])
-def test_solid_clearance_of_a_wheel_in_the_middle(turn):
-    # About the tunnel's axis, leaning to one side: the reach to that side is the radius' cosine.
-    wheel = Rod((0, 0, 0), (0.1 * np.cos(turn), 0.1 * np.sin(turn), 0), 0.3)
-    found = solid_clearance(EGG, wheel)
-    assert found <= 0.5 - 0.3 * np.cos(turn) + 1e-15
-    points = np.concatenate([rim(end, np.subtract(wheel.b, wheel.a), 0.3)
-                             for end in np.array([wheel.a, wheel.b])])  # fmt: skip
-    assert found == pytest.approx(EGG.depth(points[:, 1], points[:, 2]).min(), abs=SAGITTA)
+@pytest.mark.parametrize("sides", [8, 16])
+def test_clearance_of_a_ball_from_many_flat_walls_is_that_from_the_nearest(sides):
+    # Each wall makes a valley of the depth of its own, a few degrees from the next.
+    turn = 2 * np.pi * np.arange(sides) / sides
+    half = np.tan(np.pi / sides)
+    walls = [
+        Line(np.cos(k) + half * np.sin(k), np.sin(k) - half * np.cos(k), k + np.pi / 2, 2 * half)
+        for k in turn
+    ]
+    section = closed_profile(walls)
+    rng = np.random.default_rng(14)
+    for _ in range(20):
+        centre, radius = rng.uniform(-0.5, 0.5, 3), rng.uniform(0.3, 0.9)
+        nearest = np.min(1 - centre[1] * np.cos(turn) - centre[2] * np.sin(turn)) - radius
+        ball = Rod(centre, centre, radius, ends="round")
+        assert solid_clearance(section, ball) == pytest.approx(nearest, abs=1e-14)
 
 
 def test_solid_clearance_of_more_poses_than_a_block():

@@ -104,7 +104,8 @@ def test_ground_drags_a_stepping_cutter_back_along_the_tunnel():
     first = int(made.entry.ticks.sum())
     tick = first + int(made.ticks.sum()) - len(made.back) // 2  # amid the step towards -x
     front = Face(made, replace(CONCRETE, normal=0.0), values, first, (60, 240), 0.1)
-    front._way, front._area = values[tick : tick + 1], np.array([-1e-2, 0.0, 0.0])  # m^2
+    front._go_on(values[tick : tick + 1])
+    front._area = np.array([-1e-2, 0.0, 0.0])  # m^2
     (torque, *_), h = front.push(tick, None).torque, 1e-6
     place = lambda at: CIRCUIT.in_tunnel(CIRCUIT.machine.torus.point(*at))[0]  # noqa: E731
     moves = [(place(values[tick] + h * one) - place(values[tick])) / h for one in np.eye(2)]
