@@ -135,6 +135,18 @@ def test_encoder_in_slow_motion_is_half_a_count(feedforward):
     assert passed[0] == pytest.approx(1 / 12, rel=0.02)  # the linear theory lacks those steps
 
 
+@pytest.mark.parametrize(("delay", "passes"), [
+    (0, lambda g: g / (2 - g)), (1, lambda g: g * (1 + g) / ((1 - g) * (2 + g))),
+])  # fmt: skip
+def test_encoder_in_fast_motion_is_white_noise_to_the_loop(delay, passes):
+    """What a tick's share of the error passes on of it, and with the answer a tick later."""
+    count, tick, share = 1e-3, 0.01, 0.2
+    rates = np.linspace(10, 11, 400, endpoint=False) * count / tick
+    loop = Loop(share / tick, tick, count=count, delay=delay)
+    passed = rounding_passed(Integrator(0.5), loop, rates, np.zeros(400))
+    assert passed.mean() == pytest.approx(passes(share) / 12, rel=0.02)
+
+
 # The extremes of all feeds, resolutions and tiers tried, and some between.
 @pytest.mark.parametrize(
     ("tier", "feed", "bits", "ratio"),
