@@ -130,7 +130,7 @@ def write_report():
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
-    from report.site.front import moving_file
+    from report.site.machine import moving_file
     from tunneller_lib.job.atomic_write import replacement
 
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}

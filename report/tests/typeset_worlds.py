@@ -29,8 +29,12 @@ from scipy.optimize import brentq, minimize_scalar
 
 from tests.symbols_envelopes import EQ11, EQ12, EQ25, at, example
 from tunneller_lib.envelopes import jet_variables
-from tunneller_lib.envelopes.conics import top_circle
-from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surface_points
+from tunneller_lib.envelopes.isotropic import (
+    plane_to_point,
+    sphere_point,
+    surface_points,
+    top_circle,
+)
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
