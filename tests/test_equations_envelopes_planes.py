@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import sympy as sp
+from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
@@ -330,6 +331,37 @@ def test_third_order_contact_is_not_always_free(judge):
             around = [(i, j) for i in (-2, 0, 1) for j in (-1, 0, 2) if (i, j) != (0, 0)]
             _, inside = _within_the_cone(graph, (0, 0), (0, 1), around)
             assert max(inside) < 0
+
+
+def test_curves_in_contact_envelop_surfaces_in_contact_along_a_ruling(judge):
+    """A point beside the common ruling is off the other surface by the power n + 1 of its place."""
+    rng, orders = np.random.default_rng(31), {1: [], 2: [], 3: []}
+
+    def planes(x, y, z):
+        """Return the planes of a curve of the model, unnormalised, by its parameter."""
+        return [2 * x, 2 * y, 1 - x * x - y * y, 2 * z]
+
+    for n, found in orders.items():
+        curve = [Polynomial(rng.uniform(-1, 1, 5)) for _ in range(3)]
+        gap = Polynomial([0] * (n + 1) + [1])
+        one, two = planes(*curve), planes(*(part + rng.uniform(0.5, 1) * gap for part in curve))
+        across = rng.uniform(-1, 1, 3)
+
+        def off(step, along, one=one, two=two, across=across):
+            """Return how far a point of one surface is from the other, and from the ruling."""
+            T, T_u = ([part(step) for part in each] for each in (two, [p.deriv() for p in two]))
+            point = np.linalg.solve([T[:3], T_u[:3], across], [-T[3], -T_u[3], along])
+            height = sum(part * place for part, place in zip(one, [*point, 1], strict=True))
+            roots = height.deriv().roots()
+            touched = roots[np.argmin(abs(roots - step))].real
+            return abs(height(touched)), point
+
+        for along in (-1.0, 0.3, 2.0):
+            (near, _), (far, _) = off(0.001, along), off(0.002, along)
+            found.append(np.log2(far / near))
+            start, moved = off(0.0, along)[1], off(0.002, along)[1]
+            assert off(0.0, along)[0] < 1e-14 and 1e-4 < np.linalg.norm(moved - start) < 1
+    judge("cones-common-ruling", all(np.allclose(orders[n], n + 1, atol=0.1) for n in orders))
 
 
 def test_osculating_cones_undercut_and_smaller_ones_do_not(judge):
