@@ -95,6 +95,12 @@ def quarter(radius):
 def test_a_rational_surface_is_a_cylinder_with_all_its_derivatives():
     s, t = np.random.default_rng(1).uniform(0, 1, (2, 30))
     surface = quarter(2.0)
+    knots = surface.knots_s, surface.knots_t
+    turned = Nurbs(surface.control.swapaxes(0, 1), *knots, surface.weights.T)
+    for one, other in zip(surface.coordinates(*jet_variables(s, t)),
+                          turned.coordinates(*jet_variables(t, s)), strict=True):  # fmt: skip
+        for i, j in ((1, 0), (0, 2), (2, 1), (3, 0), (1, 3)):
+            np.testing.assert_allclose(one.derivative(i, j), other.derivative(j, i), atol=1e-9)
     x, y, z = surface.coordinates(s, t)
     np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)
     x, y, z = surface.coordinates(*jet_variables(s, t))
@@ -282,6 +288,7 @@ def test_the_known_motion_of_a_cone_is_recovered_from_its_envelope():
     row = int(np.flatnonzero((found.index == 12) & found.fits & right)[0])
     chain = trace_chain(patch, mill, found, row, step=1 * MM, tolerance=1e-6)
     np.testing.assert_allclose(chain.axis, axis_of(motion, chain.t), atol=2e-7)
+    assert np.all(np.sum((found.tip - found.contact) * found.normal, axis=-1)[found.fits] > 0)
     strip = strip_across(patch, mill, chain, reach=20 * MM)
     assert strip.widths(1e-8).min() > 13 * MM  # the whole patch
 
