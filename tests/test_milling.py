@@ -16,6 +16,7 @@ from tunneller_lib.milling import (
     Patch,
     ball_chain,
     cover,
+    coverage_of,
     cylinder_chain,
     find_positions,
     find_scallops,
@@ -320,6 +321,8 @@ def test_ball_and_cylinder_touch_where_the_chain_does(chain):
         seen = seen_from(chain.contact[:, None], one.tip, one.axis)
         assert np.abs(mill.cutting(*seen)).max() < 1e-15
     assert np.abs(np.sum(beside.axis * chain.normal, axis=-1)).max() < 1e-12
+    other = cylinder_chain(BLADE, chain, cylinder, which=-1)
+    assert np.abs(np.sum(beside.axis * other.axis, axis=-1)).max() < 0.99  # two ways
     with pytest.raises(ValueError, match="mill: must be thin enough"):
         cylinder_chain(BLADE, chain, CylinderMill(5.0, 1.0))
 
@@ -399,6 +402,10 @@ def test_balls_side_by_side_leave_the_scallops_of_pythagoras(pitch):
     assert lines[:, 1].min() == 2 and lines[:, 1].max() == 9
 
 
+def test_a_patch_has_its_area():
+    assert coverage_of(PLANE, BALL, [straight(0.0)], n=21).area.sum() == pytest.approx(0.04**2)
+
+
 def test_a_strip_between_counts():
     """The outer two chains begin lines to the middle one, whose sweep is what is left there."""
     outer = [straight(-2 * MM), straight(2 * MM)]
@@ -410,7 +417,7 @@ def test_a_strip_between_counts():
 
 def test_chains_that_lie_alone_behind_or_are_too_short_have_no_scallops():
     one = straight(0.0)
-    away = np.array([0.03, 0, 0])
+    away = np.array([0.03, 1 * MM, 0])  # more along than across
     behind = replace(one, contact=one.contact + away, tip=one.tip + away)
     short = [straight(0.0, count=4), straight(1 * MM, count=4)]
     there_and_back = zip(*(vars(straight(y)).values() for y in (0.0, 2 * MM)), strict=True)
