@@ -215,9 +215,9 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
     normals = np.stack([s / size, t / size, np.full(20, 2.0)], axis=-1)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     assert spread_in_two(s, t, None) and spread_in_two(s, t, normals)
-    narrow = normals * [1.0, 0.1, 1.0]  # which turn by a tenth in the other direction
-    narrow /= np.linalg.norm(narrow, axis=-1, keepdims=True)
-    assert spread_in_two(s, t, narrow)
+    band = np.stack([np.cos(angle), np.sin(angle), 1 + 0.02 * t / size], axis=-1)
+    band /= np.linalg.norm(band, axis=-1, keepdims=True)
+    assert spread_in_two(s, t, band)  # about a circle, and wide enough
     for turn in (angle, 5e-6 * angle):  # a circle, and an arc that is hardly turned
         circle = np.stack([np.cos(turn), np.sin(turn), np.ones(20)], axis=-1) / np.sqrt(2)
         assert not spread_in_two(s, t, circle)
