@@ -7,8 +7,12 @@ import numpy as np
 from kit import scene
 from tunneller_lib.envelopes import adapted_frames, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.adapted import frames_along
-from tunneller_lib.envelopes.conics import conic, osculating_conic
-from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.envelopes.isotropic import (
+    conic,
+    osculating_conic,
+    plane_to_point,
+    surface_points,
+)
 
 ROUND = np.linspace(0, 2 * np.pi, 361)  # rad about an axis
 
