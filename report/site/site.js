@@ -158,7 +158,7 @@ function named([title, address], part, words) {
     return 4 * own + (own && anchor && words[heading] ? 6 + Math.log2(words[heading].length) : 0);
   }
   const chapter = file.startsWith("chapters/") && !titles.length && best(file.split(/[/_.]/), part);
-  return 4 * best(wordsOf(heading), part) + best(wordsOf(titles.join(" ")), part) + 5 * chapter;
+  return 4 * best(wordsOf(heading), part) + best(wordsOf(titles.join(" ")), part) + 4 * chapter;
 }
 
 // Sections with every word, best first.
