@@ -277,8 +277,8 @@ def _file_name(name):
 def drawing_svg(figure):
     """Return a drawing as the bytes of a file, in SVG, its places to a hundredth of a point."""
     content = io.StringIO()
-    # Text as outlines, and nothing that names the day or the run: the same bytes each time.
-    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
+    # Text as such, for search, and nothing that names the day or the run: the same bytes each time.
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tunneller"}):
         # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
         figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
     names = {}
