@@ -277,8 +277,9 @@ def test_comments_are_kept(sample):
 def test_a_structure_of_values_is_constants(sample):
     *_, job, _, outer = sample
     assert job.rows("VAR CONSTANT") == [
-        ("rSmall", "", "LREAL", "5.0e-05", ""), ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", "")
-    ]  # fmt: skip
+        ("rSmall", "", "LREAL", "5.0e-05", ""),
+        ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", ""),
+    ]
     assert "T_Job" not in c99_types(sample)
     assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
     assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
