@@ -336,6 +336,19 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
         assert abs(run[:, axis].max() - every[:, axis].max()) < 10
 
 
+def test_start_before_the_slow_tasks_first_call_waits_for_it_and_counts_every_tick(machine):
+    one = machine()
+    one.paused = True
+    first = one.at.copy()
+    c = one.go(scans=50)
+    assert c.nState == MOVING and [c.nSetTheta, c.nSetPhi] == first.tolist()
+    one.paused = False
+    while not c.bDone:
+        one.scan()
+    plan = one.wanted.planned
+    assert c.nTick == plan.entry.ticks.sum() + plan.ticks.sum() + plan.leave.ticks.sum()
+
+
 @pytest.mark.parametrize("seed", range(many(3, 50)))
 def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
     """Random inputs, overrides from -1000 to 1000, encoders that fail, a slow task that pauses."""

@@ -9,7 +9,7 @@ import pytest
 
 from tests.audit.long import many
 from tests.structured_text import FunctionBlock, check_names
-from tunneller_lib.motion import polyline, time_bresenham
+from tunneller_lib.motion import polyline
 from tunneller_lib.motion.export import (
     C_HEAD,
     C_MACROS,
@@ -98,17 +98,9 @@ def test_line_in_structured_text_is_the_polyline_bit_for_bit(parts):
 
 
 @compilers
-def test_line_in_c_is_the_library_s_bit_for_bit(tmp_path, compiler):
-    fill = built(compiler, tmp_path, line_c99() + FILL).fill
-    for start, stop, ticks in moves(2, 200):
-        values = np.empty(ticks + 1, dtype=np.int32)
-        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
-        np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks))
-
-
-@compilers
-def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, compiler):
-    fill = built(compiler, tmp_path, line_c99(parts=4096) + FILL).fill
+@pytest.mark.parametrize("parts", [1, 4096])
+def test_line_in_c_of_a_hundred_thousand_moves_is_exact(tmp_path, compiler, parts):
+    fill = built(compiler, tmp_path, line_c99(parts=parts) + FILL).fill
     ends = np.random.default_rng(6).integers(-(2**30), 2**30, (10, 10_000, 2), dtype=np.int32)
     for ticks, pairs in enumerate(ends, start=1):
         found = np.empty((len(pairs), ticks + 1), dtype=np.int32)
@@ -116,11 +108,11 @@ def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, com
             fill(ctypes.c_void_p(row.ctypes.data), *pair, ticks)
         start, stop = pairs.T.astype(np.int64)[..., None]
         exact = start * ticks + np.arange(ticks + 1) * (stop - start)
-        np.testing.assert_array_equal(found, (exact + ticks * 2048) // (ticks * 4096))
-    for start, stop, ticks in EDGES:
-        values = np.empty(ticks + 1, dtype=np.int32)
-        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
-        assert values.tolist() == in_parts(start, stop, ticks, 4096)
+        np.testing.assert_array_equal(found, (exact + ticks * parts // 2) // (ticks * parts))
+    for move in moves(2, 200):
+        values = np.empty(move[2] + 1, dtype=np.int32)
+        fill(values.ctypes.data_as(ctypes.c_void_p), *move)
+        assert values.tolist() == in_parts(*move, parts)
 
 
 def test_names_of_the_line_are_short_and_free():
