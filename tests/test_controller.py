@@ -399,9 +399,8 @@ def test_starved_line_comes_to_rest_within_the_acceleration_wherever_it_is(machi
 INTERRUPTED = """
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/time.h>
-static int32_t wanted[20000][2];
+static T_Setpoint wanted[20000];
 static volatile long points, wrong, inside, taken;
 static volatile bool busy, comparing;
 static int32_t ended;
@@ -421,14 +420,9 @@ static void scan(void)
     if (tunneller.nTick < 0) { taken = 0; ended = 0; }
     if (tunneller.nTick >= 0 && tunneller.now.nEnd != ended) {
         ended = tunneller.now.nEnd;
-        if (comparing) {
-            wrong += wanted[taken][0] != tunneller.now.nTheta;
-            wrong += wanted[taken][1] != tunneller.now.nPhi;
-        } else {
-            wanted[taken][0] = tunneller.now.nTheta;
-            wanted[taken][1] = tunneller.now.nPhi;
-        }
-        ++taken;
+        T_Setpoint *known = &wanted[taken++];
+        if (!comparing) *known = tunneller.now;
+        wrong += known->nTheta != tunneller.now.nTheta || known->nPhi != tunneller.now.nPhi;
         if (taken > points) points = taken;
     }
 }
@@ -451,25 +445,16 @@ int main(void)
     scan();
     comparing = true;
     inside = 0;
-    if (STRIDE > 1) {
-        while (inside < INTERRUPTIONS) {
-            busy = true;
-            fb_setpoints(&setpoints, &ring);
-            busy = false;
-            scan();
-        }
-    } else {
-        struct itimerval often = {{0, 150}, {0, 150}};
-        signal(SIGALRM, alarmed);
-        setitimer(ITIMER_REAL, &often, 0);
-        while (inside < INTERRUPTIONS) {
-            busy = true;
-            fb_setpoints(&setpoints, &ring);
-            busy = false;
-        }
-        memset(&often, 0, sizeof often);
-        setitimer(ITIMER_REAL, &often, 0);
+    struct itimerval often = {{0, 150}, {0, 150}};
+    signal(SIGALRM, alarmed);
+    if (STRIDE == 1) setitimer(ITIMER_REAL, &often, 0);
+    while (inside < INTERRUPTIONS) {
+        busy = true;
+        fb_setpoints(&setpoints, &ring);
+        busy = false;
+        if (STRIDE > 1) scan();
     }
+    signal(SIGALRM, SIG_IGN);
     printf("%ld %ld %ld %ld\\n", wrong, inside, points, (long)tunneller.nErrorId);
     return 0;
 }
