@@ -343,10 +343,10 @@ def test_start_before_the_slow_tasks_first_call_waits_for_it_and_counts_every_ti
     c = one.go(scans=50)
     assert c.nState == MOVING and [c.nSetTheta, c.nSetPhi] == first.tolist()
     one.paused = False
-    while not c.bDone:
-        one.scan()
     plan = one.wanted.planned
-    assert c.nTick == plan.entry.ticks.sum() + plan.ticks.sum() + plan.leave.ticks.sum()
+    ticks = plan.entry.ticks.sum() + plan.ticks.sum() + plan.leave.ticks.sum()
+    c = one.scan(ticks + 300)
+    assert c.bDone and c.nTick == ticks
 
 
 @pytest.mark.parametrize("seed", range(many(3, 50)))
