@@ -42,15 +42,16 @@ pytestmark = pytest.mark.skipif(not COMPILER, reason="no C compiler on this mach
 
 
 @cache
-def job(plant="T0", bits=None, feed=None, **options):
+def job(plant="T0", bits=None, feed=None, feedforward=None, **options):
     whole = read_job(REFERENCE_JOB)
+    controller = {**whole.controller, "plant": plant}
+    if feedforward is not None:
+        controller["feedforward"] = feedforward
     if feed:
         whole = replace(whole, limits={**whole.limits, "feed": feed})
     if bits:
         options["count"] = 2 * np.pi / 2**bits
-    return replace(
-        whole, controller={**whole.controller, "plant": plant}, plan={**whole.plan, **options}
-    )
+    return replace(whole, controller=controller, plan={**whole.plan, **options})
 
 
 MADE = {}  # a job's program, and where it is compiled
@@ -156,7 +157,8 @@ def kept(rows, wanted):
 
 @pytest.mark.parametrize(
     ("wanted", "scans"),
-    [(job(), None), (job(path="corrected chord"), None), (job(laps=2, advance=0.03), None),
+    [(job(), None), (job(path="corrected chord", feedforward=0.8), None),
+     (job(laps=2, advance=0.03), None),
      (job("T3"), 1500)],
     ids=["T0", "corrected", "two laps", "T3"],
 )  # fmt: skip
@@ -197,6 +199,20 @@ def test_nothing_moves_at_power_on_or_while_disabled(machine):
     assert c.nState == STANDSTILL and [c.nSetTheta, c.nSetPhi] == one.at.tolist()
 
 
+def test_enabled_from_the_first_scan_on_it_stands_still_and_valves_open_wholly_at_most(machine):
+    whole = job()
+    stiff = replace(whole, controller={**whole.controller, "trip": 0.2, "gain": 40.0})
+    one = machine(stiff)
+    c = one.scan(20, bEnable=1, bStart=1)
+    assert (c.nState, c.bBusy) == (STANDSTILL, 0)
+    pushed = int(0.1 / stiff.planned.count)
+    stays = one.at.copy()
+    for way in (pushed, -pushed):
+        one.at = stays + way
+        c = one.scan()
+        assert c.nState == STANDSTILL and c.rValveTheta == c.rValvePhi == -np.sign(way)
+
+
 def test_start_away_from_the_start_position_is_an_error_and_never_a_jump(machine):
     one = machine()
     one.at = one.at + 2000
@@ -204,8 +220,10 @@ def test_start_away_from_the_start_position_is_an_error_and_never_a_jump(machine
     c = one.scan(5, bStart=1)
     assert (c.nState, c.bError, c.nErrorId) == (ERROR_STOP, 1, 3)
     assert [c.nSetTheta, c.nSetPhi] == one.at.tolist() and c.rValveTheta == c.rValvePhi == 0
-    c = one.scan(2, bReset=1, bStart=0)
-    assert (c.nState, c.bError, c.nErrorId) == (STANDSTILL, 0, 0)
+    assert one.scan(2, bEnable=0, bStart=0).nState == ERROR_STOP
+    c = one.scan(2, bReset=1)
+    assert (c.nState, c.bError, c.nErrorId) == (DISABLED, 0, 0)
+    assert one.scan(2, bEnable=1).nState == STANDSTILL
 
 
 @pytest.mark.parametrize("how", [{"bHold": 1}, {"nOverride": 0}, {"nOverride": -400}])
@@ -216,7 +234,8 @@ def test_hold_stops_in_every_state_and_goes_on_by_an_edge_of_start_alone(machine
     c = one.scan(400, **how)
     assert c.nState == HOLDING and c.nScale == 0 and c.bBusy
     stood = c.nSetTheta, c.nSetPhi
-    back = {"bHold": 0, "nOverride": 256}
+    assert one.scan(bStart=1).nState == HOLDING  # held still
+    back = {"bHold": 0, "nOverride": 256, "bStart": 0}
     c = one.scan(100, **back)
     assert c.nState == HOLDING and (c.nSetTheta, c.nSetPhi) == stood
     c = one.scan(300, bStart=1)
