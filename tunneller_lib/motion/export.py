@@ -51,14 +51,8 @@ Row = namedtuple("Row", "name last kind begin comment")
 class Block(namedtuple("Block", "kind name sections body")):
     """A function block, a program or a structure in Structured Text.
 
-    Parameters
-    ----------
-    kind, name : str
-        The kind is "FUNCTION_BLOCK", "PROGRAM" or "STRUCT".
-    sections : list of (str, list of Row)
-        Such as ("VAR_INPUT", rows).
-    body : str
-        The statements, one a line.
+    Its kind is "FUNCTION_BLOCK", "PROGRAM" or "STRUCT", its sections are pairs such as
+    ("VAR_INPUT", list of `Row`), and its body has one statement a line.
     """
 
     def rows(self, *kinds):
