@@ -1,6 +1,7 @@
 """Clearance in closed form against samples of the arm, the section and a grid of intervals."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -100,7 +101,7 @@ def test_solid_clearance_is_the_least_depth_of_the_solid(seed):
     rounded = solid_clearance(EGG, RoundedDisc(a, b - a, first, corner))
     assert rounded == pytest.approx(disc - corner, abs=1e-14)
     box = Box(a, *(turn * [[first], [last], [corner]]))
-    points = box.faces.reshape(-1, 3)
+    points = box.corner + np.array(list(product((0, 1), repeat=3))) @ [box.x, box.y, box.z]
     lowest = EGG.depth(points[:, 1], points[:, 2]).min()
     # The last bit of hypot depends on an array's length.
     assert solid_clearance(EGG, box) == pytest.approx(lowest, abs=1e-14)

@@ -19,7 +19,7 @@ from tunneller_lib.surfaces import (
 )
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
 from tunneller_lib.surfaces.section import Profile
-from tunneller_lib.surfaces.touching import Solid
+from tunneller_lib.surfaces.solid import Solid
 
 _ROD = Rod((0, 0, 0), (4, 0, 1), 1)
 _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
@@ -60,6 +60,5 @@ CALLS = {
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
-    "meet_facets": {"solid": _ROD, "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

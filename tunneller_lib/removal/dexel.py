@@ -8,7 +8,7 @@ from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, check
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
-from ..surfaces.touching import Solid
+from ..surfaces.solid import Solid
 from . import dexel_loops
 from .grid import Lines, fan, parallel, swept
 

@@ -3,10 +3,10 @@
 from .box import Box
 from .cone import Cone
 from .egg import Egg
-from .facet import meet_box
 from .frustum import Frustum
 from .machine import REFERENCE_MACHINE, Body, Machine
 from .rod import Rod
+from .rod_box import meet_box
 from .rounded_disc import RoundedDisc
 from .section import Arc, Line, Section, closed_profile
 from .torus import Torus

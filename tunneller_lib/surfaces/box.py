@@ -23,7 +23,7 @@ from ..kernels.vectors import (
 )
 from .blocks import meet_in_blocks
 from .rod_interval import GUARD, nearest_offset
-from .touching import Outline, Solid
+from .solid import Solid
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
 
@@ -185,16 +185,16 @@ class Box(Solid):
             wide.append(scaled(abs(width), power))
         return _Numbers(self.corner, tuple(normals), shares(wide, 2), lengths(wide))
 
-    @property
-    def outline(self):
-        """Return the box's `Outline`."""
-        x, y, z = np.array([self.x, self.y, self.z])
-        edges = []
-        for along, second, third in ((x, y, z), (y, z, x), (z, x, y)):
-            for corner in (0 * x, second, third, second + third):
-                edges.append((corner, corner + along))
-        size = float(norm(x + y + z))
-        return Outline(np.array(self.corner), size, edges=edges)
+    def outermost(self, normal):
+        """Return the box's corners, which planes touch, as `Solid` says."""
+        corners = [
+            np.add(np.add(x, y), z)
+            for x in (np.zeros(3), self.x)
+            for y in (np.zeros(3), self.y)
+            for z in (np.zeros(3), self.z)
+        ]
+        points = [np.broadcast_to(corner[:, None], normal.shape) for corner in corners]
+        return np.array(self.corner), points
 
     @property
     def capsule(self):
@@ -202,17 +202,6 @@ class Box(Solid):
         half = np.add(np.add(self.x, self.y), self.z) / 2
         # A little more than half of the diagonal, for its edges are square but for rounding.
         return self.corner + half, self.corner + half, float(norm(half)) * (1 + 1e-9)
-
-    @property
-    def faces(self):
-        """Return the corners (6, 4, 3) of its faces, in m, in order round each."""
-        corner, *edges = np.array([self.corner, self.x, self.y, self.z])
-        x, y, z = edges
-        found = []
-        for across, first, second in ((x, y, z), (y, z, x), (z, x, y)):
-            for start in (corner, corner + across):
-                found.append([start, start + first, start + first + second, start + second])
-        return np.array(found)
 
     @checked
     def meet_line(self, point: Points, direction: Directions):

@@ -20,7 +20,7 @@ from .blocks import (
     well_shaped,
 )
 from .rod_interval import GUARD, along_lines, flat_interval, frame, nearest_point
-from .touching import Solid, round_outline
+from .solid import Solid, outermost_of_ends
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,9 @@ class Frustum(Solid):
     def __post_init__(self):
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
 
-    @property
-    def outline(self):
-        """Return the frustum's `Outline`."""
-        return round_outline(self.a, self.b, self.radius_a, self.radius_b)
+    def outermost(self, normal):
+        """Return the frustum's points that planes touch, as `Solid` says."""
+        return outermost_of_ends(self.a, self.b, self.radius_a, self.radius_b, normal)
 
     @property
     def capsule(self):

@@ -21,7 +21,7 @@ from .blocks import (
     well_shaped,
 )
 from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
-from .touching import Solid, round_outline
+from .solid import Solid, outermost_of_ends
 
 PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
 
@@ -126,11 +126,10 @@ class Rod(Solid):
         """Return the length of the axis, in m."""
         return float(norm(self.axis))
 
-    @property
-    def outline(self):
-        """Return the rod's `Outline`."""
+    def outermost(self, normal):
+        """Return the rod's points that planes touch, as `Solid` says."""
         both = self.radius, self.radius
-        return round_outline(self.a, self.b, *both, round_ends=self.ends == "round")
+        return outermost_of_ends(self.a, self.b, *both, normal, round_ends=self.ends == "round")
 
     @property
     def capsule(self):

@@ -10,7 +10,7 @@ from ..kernels.elementwise import larger, some, square_root, where
 from ..kernels.vectors import differences, multiples, scalar_products, unit_and_speed
 from .blocks import meet_in_blocks
 from .rod_interval import GUARD, nearest_offset
-from .touching import Outline, Solid
+from .solid import Solid, both_ways, nearest_in_disc
 
 FINE = 2.0**-50  # of the size, to which a place is told: there are floats between such ends
 
@@ -52,11 +52,10 @@ class RoundedDisc(Solid):
         """Return the axis' direction (3,)."""
         return np.array(unit_and_speed(self.axis)[0])
 
-    @property
-    def outline(self):
-        """Return the disc's `Outline`."""
-        rounds = [(np.zeros(3), self.unit, self.radius, self.corner)]
-        return Outline(np.array(self.centre), self.radius + self.corner, rounds=rounds)
+    def outermost(self, normal):
+        """Return the disc's points that planes touch, as `Solid` says."""
+        out = self.radius * nearest_in_disc(normal, self.unit) + self.corner * normal
+        return np.array(self.centre), both_ways(np.zeros(3), out)
 
     @property
     def capsule(self):
