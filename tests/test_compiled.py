@@ -159,7 +159,7 @@ def of_all_families(kind, n):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_lines_have_the_same_bits_both_ways(kind, both_ways):
-    shapes, points, directions = of_all_families(kind, 3 if kind == "rounded" else 12)
+    shapes, points, directions = of_all_families(kind, 12)
 
     def run():
         solids = [shape_of(kind, row) for row in shapes]

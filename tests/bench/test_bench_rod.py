@@ -19,7 +19,7 @@ import pyvista
 from exhibits.rod_methods import METHODS
 from tests.bench.conftest import best_times
 from tunneller_lib.kernels import compiled
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import Box, Frustum, Rod
 
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 LINES = 500_000
@@ -211,7 +211,6 @@ SOLIDS = {
     "capsule": Rod(ROD.a, ROD.b, 25, ends="round"),
     "frustum": Frustum(ROD.a, ROD.b, 25, 10),
     "box": Box((-20, -15, 0), (40, 0, 0), (0, 30, 0), (0, 0, 50)),
-    "rounded disc": RoundedDisc(ROD.a, ROD.axis, 20, 5),
 }
 DIRECTIONS = {
     "any": (0.1, 0.2, 1.0),

@@ -13,7 +13,6 @@ from tunneller_lib.surfaces import (
     Line,
     Machine,
     Rod,
-    RoundedDisc,
     Section,
     Torus,
 )
@@ -36,7 +35,6 @@ INSTANCES = {
     Machine: REFERENCE_MACHINE,
     Profile: Egg(0.5).offset(0.1),
     Rod: _ROD,
-    RoundedDisc: RoundedDisc((0, 0, 0), (0, 0, 1), 1, 0.3),
     Section: Egg(0.5),
     Solid: _ROD,
     Torus: Torus(0.08, 0.8),
@@ -54,7 +52,6 @@ CALLS = {
     "Machine": {name: getattr(REFERENCE_MACHINE, name)
                 for name in REFERENCE_MACHINE.__dataclass_fields__},
     "Rod": {"b": (1.0, 2.0, 3.0)},
-    "RoundedDisc": {"axis": (0.0, 0.0, 1.0)},
     "Profile.offset": {"d": 0.1},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},

@@ -73,7 +73,7 @@ def solid_clearance(
     section : Section
         The tunnel's, which is convex.
     solid : Solid
-        A `Rod`, `Frustum`, `Box` or `RoundedDisc` in a frame of its own, which is that of the
+        A `Rod`, `Frustum` or `Box` in a frame of its own, which is that of the
         tunnel unless the next two are given.
     turn : (..., 3, 3) float
         The axes of its frame in that of the tunnel, as the columns of matrices.

@@ -7,7 +7,6 @@ from .frustum import Frustum
 from .machine import REFERENCE_MACHINE, Body, Machine
 from .rod import Rod
 from .rod_box import meet_box
-from .rounded_disc import RoundedDisc
 from .section import Arc, Line, Section, closed_profile
 from .torus import Torus
 
@@ -22,7 +21,6 @@ __all__ = [
     "Line",
     "Machine",
     "Rod",
-    "RoundedDisc",
     "Section",
     "Torus",
     "closed_profile",
