@@ -144,3 +144,5 @@ PLAIN = {
     "ratio": quotient,
     "some": holds,
 }
+# Numpy's own numbers may be infinite or NaN, which these take by their bits.
+IEEE = {"power_above": power_in_bits, "two_to": two_to_bits}

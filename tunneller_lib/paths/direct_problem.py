@@ -38,7 +38,7 @@ from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, 
 from ..surfaces import Torus
 from ..surfaces.torus import torus_normal, torus_point, torus_tangents
 from .bounds import Count, check_points, check_ratio
-from .geodesic_root import PI_REST, Radii, distance, rho
+from .geodesic_root import PI_REST, Radii, distance
 
 ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
@@ -213,11 +213,7 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
     given = np.empty((6, theta.size))
     given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
     given[3:5] = reduced(given[1:3])
-    given[5] = math.nan
-    if clairaut is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            _, half_cosine = sine_cosine(given[3] / 2)
-            given[5] = np.ravel(clairaut) / rho(torus, given[3], half_cosine)
+    given[5] = math.nan if clairaut is None else np.ravel(clairaut) / torus.R
     position, azimuth = trace(torus, given, s.reshape(-1, n))
     return GeodesicPoints(torus, s, position.reshape(*s.shape, 2), azimuth.reshape(s.shape))
 
@@ -331,14 +327,16 @@ def panel_rule():
     k = np.arange(TERMS)[:, None]
     j = np.arange(1, TERMS + 1)
     turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
-    sines, cosines = sine_cosine(turns * (math.pi / (2 * TERMS)))
+    angles = turns * (math.pi / (2 * TERMS))
+    pairs = [[sine_cosine(angle) for angle in row] for row in angles.tolist()]
+    sines, cosines = np.moveaxis(np.array(pairs), -1, 0)
     series = 2 / TERMS * sines * sines[:, :1] / j
     series[:, -1] /= 2  # there is no term behind the last
     begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
     return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
 
 
-def headed(r, phi, azimuth, steep):
+def headed(r, phi, azimuth, c):
     """Return how a geodesic sets out from phi by an azimuth, both in rad, from -pi to pi.
 
     Parameters
@@ -347,8 +345,8 @@ def headed(r, phi, azimuth, steep):
         r / R of the torus.
     phi, azimuth : float
         Those of the start.
-    steep : float
-        What Clairaut's constant tells of the azimuth's sine, or NaN where it isn't known.
+    c : float
+        Clairaut's constant, over R, or NaN where it isn't known.
 
     Returns
     -------
@@ -359,14 +357,15 @@ def headed(r, phi, azimuth, steep):
         where the start isn't on the working sheet.
     """
     sine, cosine = sine_cosine(azimuth)
-    if steep == steep:
+    half_sine, half_cosine = sine_cosine(phi / 2)
+    rho = distance(Radii(r, 1.0), phi, half_cosine)
+    if c == c:
         # Near a meridian the azimuth's own rounding is most of its sine.
         if abs(sine) <= STEEP:
-            sine = steep
+            sine = ratio(c, rho)
     elif abs(sine) <= ALONG_MERIDIAN:
         sine = 0.0
-    half_sine, half_cosine = sine_cosine(phi / 2)
-    return sine, cosine, (half_sine, half_cosine, distance(Radii(r, 1.0), phi, half_cosine))
+    return sine, cosine, (half_sine, half_cosine, rho)
 
 
 def orbit_of(r, phi, placed, sine, cosine):
@@ -616,8 +615,8 @@ def trace(torus, given, s):
     torus : Torus
         The surface.
     given : (6, n) float
-        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; the sines of
-        the azimuths where Clairaut's constant tells them. What isn't finite has no answer.
+        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; Clairaut's
+        constants over R, or NaN. What isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, in m.
 
