@@ -11,14 +11,13 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
 from tests.audit.long import many
-from tests.shapes import log_uniform
+from tests.shapes import log_uniform, ways_of
 from tunneller_lib.paths import (
     competing_geodesics,
     geodesic_direct,
     geodesic_inverse,
     geodesic_root,
 )
-from tunneller_lib.paths.geodesic_root import integrate
 from tunneller_lib.surfaces import Torus
 
 MACHINE, RING, SPINDLE = Torus(0.08, 0.8), Torus(3, 1), Torus(0.5, 1)
@@ -571,14 +570,10 @@ def test_geodesic_inverse_on_a_thin_ring_against_30_digits(ratio, turn):
 @pytest.mark.parametrize("u", [-0.15, 0.1, 0.4])
 def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
     # Newton's method would find the root with a wrong rate, too, by halving its bracket.
-    ends = geodesic_root.ends_of(torus, np.array([0.5]), np.array([-0.3]))
     step = 1e-5
-    angle = [
-        integrate(torus, geodesic_root.outer(torus, ends, np.array([v])), 40)[0]
-        for v in (u - step, u + step)
-    ]
-    _, rate, _ = integrate(torus, geodesic_root.outer(torus, ends, np.array([u])), 40)
-    assert (angle[1] - angle[0]) / (2 * step) == pytest.approx(rate, rel=1e-7)
+    for family in (geodesic_root.OUTSIDE, geodesic_root.PAST, geodesic_root.BEFORE):
+        _, turned, rate, _ = ways_of(family, torus, 0.5, -0.3, (u - step, u, u + step))
+        assert (turned[2] - turned[0]) / (2 * step) == pytest.approx(rate[1], rel=1e-6)
 
 
 @pytest.mark.parametrize("torus", [Torus(0.1, 0.9), Torus(1, 1), Torus(3, 1)])

@@ -10,12 +10,9 @@ import functools
 import importlib
 import inspect
 import math
-import os
 import sys
 import threading
 from collections import defaultdict
-from contextlib import suppress
-from pathlib import Path
 from types import FunctionType
 from typing import ClassVar
 
@@ -135,27 +132,15 @@ def call(function, *arguments, kind=None, **parts):
 
 
 def _run(fast, arguments):
-    """Return what a compiled function answers, whatever is wrong with its kept form.
+    """Return what a compiled function answers, whatever is wrong with the form kept on the disk.
 
-    That may be cut short, or another's, and then any error comes before a row was changed; or it
-    can't be kept for another day, as on a full disk, and then the function is compiled by now.
+    That may be cut short, or another's, or there may be no room for it: then any error comes before
+    a row was changed, and the function is compiled for this process alone.
     """
     try:
         return fast(*arguments)
     except Exception:
-        _forget(fast)
-    try:
-        return fast(*arguments)
-    except Exception:  # nor can it be deleted
         return _never_kept(fast.py_func)(*arguments)
-
-
-def _forget(fast):
-    """Delete what was kept of a compiled function, where one may."""
-    kept = Path(fast.stats.cache_path or os.devnull)
-    for path in kept.glob(f"*{fast.py_func.__qualname__}-*"):
-        with suppress(OSError):
-            path.unlink()
 
 
 @functools.cache
