@@ -301,7 +301,7 @@ def wide(torus):
 
 
 def steepest(torus, ends):
-    """Return the unknown of `outer` that stands for the meridian."""
+    """Return the unknown of `outer` that stands for the meridian, of a `torus` and its `ends`."""
     return -(STEEPEST if wide(torus) else 1.0) * ends.meridian
 
 
@@ -334,7 +334,7 @@ def _swing(torus, ends, x, e):
 def peaked(torus, ends, b, angle):
     """Return whether a way of `outer` may need three legs, lest its quadrature miss a peak.
 
-    It needs them where it nears a node, or an inner equator, at its end at b, too, or passes by a
+    On a `torus`, between `ends` of which the second is at phi = b, it needs them where it nears a node, or an inner equator, at its end at b, too, or passes by a
     node so closely as only ways do that turn by an `angle` next to what half a swing turns there.
     """
     near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
@@ -430,7 +430,7 @@ def integrate(torus, way, nodes, rows):
 
 
 def integrate_in_legs(torus, legs, nodes, rows):
-    """Return what `integrate` does for a way in three legs."""
+    """Return what `integrate` does for a way in three `legs`; torus, nodes and rows as there."""
     turned = rate = length = 0.0
     for leg in legs:
         parts = integrate(torus, leg, nodes, rows)
@@ -642,7 +642,7 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
 
 
 def way_of(family, torus, ends, u):
-    """Return the `Integrand` of a class at an unknown."""
+    """Return the `Integrand` of a class, `family`, at u; torus, ends and u are as of `outer`."""
     if family == OUTSIDE:
         return outer(torus, ends, u)
     if family == INSIDE:
@@ -651,7 +651,10 @@ def way_of(family, torus, ends, u):
 
 
 def integrate_way(torus, way, family, hard, nodes, rows):
-    """Return what `integrate` does for a way of a class, in legs where it needs them."""
+    """Return what `integrate` does for a way of a class, `family`, in legs where it is `hard`.
+
+    The other arguments, torus, nodes and rows, are those of `integrate`.
+    """
     if family > INSIDE:
         return integrate_in_legs(torus, legs_of_second(way), nodes, rows)
     if hard:

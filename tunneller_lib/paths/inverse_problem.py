@@ -449,7 +449,10 @@ def near_side(torus, pair, rules, rows):
 
 
 def far_side(torus, pair, rules, rows):
-    """Return the way over a ring's inner equator or a horn's node, or along either equator."""
+    """Return the way over a ring's inner equator or a horn's node, or along either equator.
+
+    The arguments torus, pair, rules and rows are those of `near_side`.
+    """
     a, b, angle = pair.a, pair.b, pair.angle
     span = torus.r + torus.R
     narrow = torus.r - torus.R
@@ -475,7 +478,10 @@ def far_side(torus, pair, rules, rows):
 
 
 def shortest(torus, pair, rules, rows):
-    """Return the shortest `Way` between ends."""
+    """Return the shortest `Way` between ends.
+
+    The arguments torus, pair, rules and rows are those of `near_side`.
+    """
     outside = near_side(torus, pair, rules, rows)
     # Over the inner equator only between opposite halves: else the outside is shorter.
     on_inner = pair.a == math.pi and abs(pair.b) == math.pi
@@ -490,8 +496,8 @@ def shortest(torus, pair, rules, rows):
 def search(torus, pair, family, least, rules, rows):
     """Return the way of a class that reaches the turned angle, or none.
 
-    `least` is the unknown of `second` from which it starts, else not a number; the rest is as of
-    `near_side`.
+    The class is `family`, and `least` the unknown of `second` from which it starts, else not a
+    number; the others, torus, pair, rules and rows, are those of `near_side`.
     """
     a, b, angle = pair.a, pair.b, pair.angle
     few, many, most = rules
@@ -556,7 +562,7 @@ def _cosine_at(torus, z):
 def second_arrivals(torus, pair, least, rules, rows):
     """Return the ways that turn on the other side: before the least turned angle, and past it.
 
-    `least` is what `least_second` returns; the rest is as of `near_side`.
+    `least` is what `least_second` returns; torus, pair, rules and rows are those of `near_side`.
     """
     unknown, turned = least
     before, past = nothing(), nothing()
@@ -571,7 +577,10 @@ def second_arrivals(torus, pair, least, rules, rows):
 
 
 def least_second(torus, pair, nodes, rows):
-    """Return the unknown of `second` with which the turned angle is least, and that angle."""
+    """Return the unknown of `second` with which the turned angle is least, and that angle.
+
+    The arguments are a torus, a pair of ends, and nodes and rows as of `integrate`.
+    """
     if not pair.on_sheet:
         return math.nan, math.nan
     ends = ends_at(torus, pair.a, pair.b, pair.halves)
@@ -633,7 +642,8 @@ def find(torus, ends, rules, rows, answers):
 def find_rivals(torus, ends, rules, rows, answers):
     """Write down one way of each class between each of some pairs of ends.
 
-    The arguments are those of `find`, but that `answers` (48, n) has six rows a class.
+    The arguments torus, ends, rules and rows are those of `find`; `answers` (48, n) has six rows
+    for each of eight classes.
     """
     for i in range(len(ends)):
         pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
@@ -656,7 +666,7 @@ def find_rivals(torus, ends, rules, rows, answers):
 
 
 def write(answers, row, i, torus, pair, way):
-    """Write down a way between a pair of ends, in column i of `answers` from a row on."""
+    """Write down a way between a pair of ends of a torus, in column i of answers from a row on."""
     first, last, c = azimuths(pair, way)
     answers[row][i] = way.length
     answers[row + 1][i] = first
