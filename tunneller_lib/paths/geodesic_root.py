@@ -334,8 +334,9 @@ def _swing(torus, ends, x, e):
 def peaked(torus, ends, b, angle):
     """Return whether a way of `outer` may need three legs, lest its quadrature miss a peak.
 
-    On a `torus`, between `ends` of which the second is at phi = b, it needs them where it nears a node, or an inner equator, at its end at b, too, or passes by a
-    node so closely as only ways do that turn by an `angle` next to what half a swing turns there.
+    The torus, its ends and b are those of `outer`. A way needs legs where it nears a node, or an
+    inner equator, at its end at b, too, or passes by a node so closely as only ways do that turn by
+    an `angle` next to what half a swing turns there.
     """
     near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
     if b < 0 and near < NARROW * torus.R:
