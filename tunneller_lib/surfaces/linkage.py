@@ -171,11 +171,6 @@ class Linkage:
         return triangle(self, angle, self.sense)[0]
 
     @checked
-    def arm(self, angle: JointAngles):
-        """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
-        return triangle(self, angle, self.sense)[1]
-
-    @checked
     def displacements(self, angle: JointAngles):
         """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
         return chambers(self._numbers(0.0, 0.0), angle)[:2]
