@@ -678,7 +678,7 @@ def write(answers, row, i, torus, pair, way):
 
 def _answers(work, size, ends, rows, seconds):
     """Return what a loop over pairs answers, (rows, n), of `turn_and_ends` (n, 3)."""
-    kind = "geodesics"
+    kind = "geodesics" if work is find else "rival geodesics"
     compiled.expect(seconds * len(ends), kind)
     ready = compiled.ready(kind)
     form = padded if ready else listed
