@@ -1,8 +1,8 @@
-"""Elementary functions whose bits are the same everywhere: for a float, an array, or compiled.
+"""Elementary functions of a float whose bits are the same everywhere, in plain Python or compiled.
 
-They are made of sums, products, quotients and roots, in one order, element by element as in
-`elementwise`; those of the C library, of numpy and of a compiler differ in last bits, by processor,
-too. Each is right to two roundings of its value.
+They are made of sums, products, quotients and roots, in one order. Those of the C library, of numpy
+and of a compiler differ in their last bits, from processor to processor as well. Each is right to
+two roundings of its value.
 """
 
 import math
@@ -70,9 +70,9 @@ def sine_cosine(x):
 
 
 def reduced(angle):
-    """Return angles (n,) from -pi to pi, in rad: those beyond are turned back, by 2 pi exactly.
+    """Return angles (n,), in rad, reduced to -pi to pi by exact multiples of 2 pi.
 
-    As the sine of a far angle is, they are right to the last digits of what is left of them.
+    They are right to the last digits of what is left, as the sine of a far angle is.
     """
     far = abs(angle) > math.pi
     if not far.any():

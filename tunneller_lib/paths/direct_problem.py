@@ -9,7 +9,7 @@ t = width sinh(y) spreads their peak: panels of equal width in y have a series e
 to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length costs
 the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
 
-`follow_each` is the loop over geodesics, in plain Python or compiled, with the same bits.
+`follow_each` loops over geodesics, in plain Python or compiled, with the same bits.
 """
 
 import math
@@ -228,7 +228,7 @@ def _shares(n):
 
 @checked
 def half_swing(torus: Torus, clairaut: Lengths):
-    """Return what geodesics turn, and how long they are, from one turning point to the next.
+    """Return the turned angle and the length of geodesics from one turning point to the next.
 
     Parameters
     ----------
@@ -280,8 +280,9 @@ def half_swing(torus: Torus, clairaut: Lengths):
 class Orbit(NamedTuple):
     """What stays the same along a geodesic: rho = c + 2 (E + B sin^2(t)).
 
-    D = A + B sin^2(t) is cos^2(phi/2) between turning points, the peak at t = 0 is about `width`
-    wide, `free` says who goes round the tube. There are so many `panels`, a float, `step` wide.
+    D = A + B sin^2(t) is cos^2(phi/2) between turning points, and the integrands' peak at t = 0 is
+    about `width` wide. `free` tells whether it goes round the tube; `panels` is the number of
+    panels, a float, and `step` their width.
     """
 
     c: np.ndarray
@@ -409,7 +410,7 @@ def rising(cosine):
 
 
 def whole_part(x):
-    """Return the whole number, a float, that is nearest."""
+    """Return the nearest whole number, as a float."""
     return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # there are no others farther out
 
 
@@ -436,7 +437,7 @@ def series_sum(x, terms):
 
 
 def solved(wanted, whole, terms):
-    """Return x where the sum of a series is the `wanted` part of the `whole`, its sum at x = 1."""
+    """Return x at which the sum of a series is `wanted`; at x = 1 it is `whole`."""
     x = 2 * wanted / whole - 1
     for _ in range(ROUNDS):
         # Clenshaw's recurrence for the sum and for its derivative, and Newton's step.
@@ -457,7 +458,8 @@ def solved(wanted, whole, terms):
 def point_at(orbit, start, swings, y, sign):
     """Return phi and the azimuth, in rad, of a point on an `orbit` with this `start`.
 
-    It is so many `swings`, a whole number, from t = 0, and then at y, on the side of this `sign`.
+    The point is `swings` half swings from t = 0, a whole number, and then at y to the side that
+    `sign` tells.
     """
     grown = growth(y)
     t = sign * orbit.width * ((grown + grown / (1 + grown)) / 2)
@@ -478,7 +480,7 @@ def point_at(orbit, start, swings, y, sign):
 
 
 def begun_at(orbit, start, count, edges, series):
-    """Return what a geodesic has behind it where it begins, for `point_on`.
+    """Return the length and the angle of a geodesic from t = 0 to its start, for `point_on`.
 
     Parameters
     ----------
@@ -494,7 +496,8 @@ def begun_at(orbit, start, count, edges, series):
     left : float
         What is left of the turned angle to the next crossing of the outer equator.
     crossing : float
-        Which crossing that is, in swings, where what is left has more digits; else NaN.
+        Which crossing that is, in swings, where what is left of the angle has more digits than the
+        angle; else NaN.
     """
     y = area_sine(abs(start.t) / orbit.width) / orbit.step  # panels from t = 0
     panel = min(int(y), count - 1)
@@ -509,7 +512,7 @@ def begun_at(orbit, start, count, edges, series):
 
 
 def point_on(orbit, start, begun, s, count, edges, series):
-    """Return what theta gained, phi and the azimuth, in rad, of the point at s on an orbit.
+    """Return the gain of theta, phi and the azimuth, in rad, of the point at s on an orbit.
 
     Parameters
     ----------
@@ -547,7 +550,7 @@ def point_on(orbit, start, begun, s, count, edges, series):
 
 
 def tabulate(orbit, shares, integral, values, edges, series):
-    """Return how many panels an orbit has, after filling in what both integrals are on each.
+    """Return the number of an orbit's panels, after filling in both integrals on each.
 
     Parameters
     ----------
@@ -559,7 +562,7 @@ def tabulate(orbit, shares, integral, values, edges, series):
         Filled where panels begin and end: the arc length and the turned angle from t = 0, and what
         is left of that angle to t = pi/2.
     series
-        Filled with what both integrals gain on each panel.
+        Filled with the gains of both integrals on each panel.
     """
     count = int(orbit.panels)
     edges[0][0] = edges[1][0] = edges[2][count] = 0.0
@@ -574,10 +577,10 @@ def tabulate(orbit, shares, integral, values, edges, series):
 
 
 def _add_panel(orbit, panel, shares, integral, values, series):
-    """Fill in both series of a panel, and return their sums at its end.
+    """Return the sums of both series at the end of a panel, after filling them in.
 
-    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
-    isn't the last.
+    Each term is a sum over the nodes, one after the other. Numpy adds in this order along an axis
+    that isn't the last.
     """
     _, integral = panel_rule()
     values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
@@ -587,7 +590,7 @@ def _add_panel(orbit, panel, shares, integral, values, series):
 
 
 def _in_loops(orbit, panel, shares, integral, values, series):
-    """Do what `_add_panel` does, compiled, with room for `values`."""
+    """Return what `_add_panel` does, in loops to be compiled, with room for `values`."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
@@ -603,7 +606,7 @@ def _in_loops(orbit, panel, shares, integral, values, series):
 # ---- loops over geodesics ------------------------------------------------------
 
 PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
-# What becomes part of its caller, compiled, so that several nodes and terms go at once.
+# These become part of their callers when compiled, so that several nodes and terms run at once.
 INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
 
 
@@ -623,7 +626,7 @@ def trace(torus, given, s):
     Returns
     -------
     position, azimuth : (n, p, 2) and (n, p) float
-        In rad, counted on from those given; NaN where there is no answer.
+        In rad, continued from those given; NaN where there is no answer.
     """
     position = np.empty((*s.shape, 2))
     azimuth = np.empty(s.shape)
@@ -647,7 +650,7 @@ def trace(torus, given, s):
 
 
 def _plain_room():
-    """Return what `follow_each` gets in plain Python: `_add_panel` needs no room for values."""
+    """Return the room that `follow_each` needs in plain Python, where values need none."""
     shares, _ = panel_rule()
     edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
     return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
@@ -706,7 +709,7 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
 
 
 def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
-    """Write down angles and lengths, in tube radii, of half swings across the outer equator.
+    """Write down turned angles, and lengths in tube radii, of half swings over the outer equator.
 
     They cross it by azimuths with these sines; the rest is as of `follow_each`.
     """

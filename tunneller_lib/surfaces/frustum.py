@@ -1,4 +1,4 @@
-"""A truncated cone against lines, to which Line and finite cylinder expects to be extended."""
+"""A truncated cone against lines, an extension that Line and finite cylinder foresees."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""The cylinders that turn a joint: law of cosines, moment arms, stroke, oil volumes."""
+"""The cylinders that turn a joint: lengths, displacements, stroke and oil volumes."""
 
 import math
 from dataclasses import dataclass

@@ -34,7 +34,7 @@ class Requirement(NamedTuple):
 
     @property
     def met(self):
-        """Whether it holds."""
+        """Return whether it holds."""
         return self.left < self.right or (self.left == self.right and not self.strict)
 
     def __str__(self):
@@ -46,7 +46,7 @@ class Requirement(NamedTuple):
 @dataclass(frozen=True)
 @checked
 class Body:
-    """What a machine has beside joints, arm and cutter: an upright box, and the cutter's holder.
+    """The body of a machine, an upright box, and the holder of its cutter.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Body:
 
     @property
     def has_holder(self):
-        """Whether there is a holder."""
+        """Return whether there is a holder."""
         return self.holder_radius > 0 and self.holder_length > 0
 
 
