@@ -583,9 +583,11 @@ Length0 = Number(LEAST, MOST, "m", why=_SQUARES, or_zero=True)
 Coordinate = Number(-MOST, MOST, "m")
 Angle = Number(-MOST, MOST, "rad")
 HalfAngle = Number(
-    LEAST, np.pi / 2, "rad",
+    LEAST,
+    np.pi / 2,
+    "rad",
     also=("lie between 0 and pi/2, both left out", lambda angle: 0 < angle < np.pi / 2),
-)  # fmt: skip
+)
 Duration = Number(LEAST, MOST, "s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")

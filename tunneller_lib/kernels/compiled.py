@@ -213,7 +213,7 @@ def _compiled(function, *parts):
     about.append(repr(options))
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
-    copy.made_with = options
+    copy.made_with = options  # for `_never_kept`, which has only the copy
     try:
         return numba.njit(cache=True, **options)(copy)
     except Exception:  # no folder that could be written to

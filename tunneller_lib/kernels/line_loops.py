@@ -38,6 +38,7 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         p = (points[k][0], points[k][1], points[k][2])
         k = i if len(directions) > 1 else 0
         u = (directions[k][0], directions[k][1], directions[k][2])
+        # The careful way costs several times as much: it is asked only where the other isn't sure.
         sure = False
         if plain:
             first, last, sure = quick(shape, differences(p, shape.start), u)

@@ -30,11 +30,13 @@ _A3, _A5, _A7, _A9, _A11, _A13, _A15, _A17, _A19, _A21 = (1 / k for k in range(3
 
 def growth(x):
     """Return exp(x) - 1 for x from 0 to 700, to its last digits however small x is."""
+    # exp(x) = 2^power exp(r), with |r| at most half of log 2.
     power = (x * _PER_LOG2 + WHOLE) - WHOLE
     r = (x - power * _LOG2[0]) - power * _LOG2[1]
     high = ((((_E13 * r + _E12) * r + _E11) * r + _E10) * r + _E9) * r + _E8
     rest = ((((((high * r + _E7) * r + _E6) * r + _E5) * r + _E4) * r + _E3) * r + _E2) * (r * r)
     scale = two_to(power + WHOLE)
+    # The sum with scale - 1, which is exact, keeps the digits where x is small and power zero.
     return scale * (r + rest) + (scale - 1)
 
 
@@ -98,6 +100,7 @@ def arctangent(y, x):
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
     rest = (((((low * z + _A11) * z + _A9) * z + _A7) * z + _A5) * z + _A3) * z
     angle = 2 * (tangent + tangent * rest)
+    # Back to the octant; parts of pi / 2 are added from the small one up.
     low = _HALF_PI[1] + _HALF_PI[2]
     if nearer:
         angle = _HALF_PI[0] / 2 + (low / 2 + angle)

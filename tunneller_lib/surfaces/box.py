@@ -96,6 +96,7 @@ def _across(guard, half, size, at, pace):
     A line that runs level with them, within the guard over the whole box, has no pace: it stays
     between.
     """
+    # Mirrored where the line comes from the other side, so that it always goes upwards.
     at, pace = where(pace < 0, -at, at), abs(pace)
     return half, at, where(pace * size <= guard, 0.0, pace)
 
@@ -104,6 +105,7 @@ def _short(one, other):
     """Return how far lines pass beside the corners between two pairs of faces."""
     half, at, pace = one
     other_half, other_at, other_pace = other
+    # Seen along the line both slabs are strips; the gap between them counts per unit of both paces.
     both = pace + other_pace
     gap = abs(at * other_pace - other_at * pace) - half * other_pace - other_half * pace
     return where(both > 0, ratio(gap, both), -np.inf)
@@ -162,6 +164,7 @@ class Box(Solid):
             sizes("x, y, z", length)
             if not length > 0:
                 raise ValueError("x, y, z: must not be zero; got an edge that is.")
+        # The parallelepiped of edges that lean would have faces elsewhere than its normals say.
         units = [unit_and_speed(edge)[0] for edge in edges]
         cosine = max(abs(scalar_products(units[i - 1], units[i])) for i in range(3))
         if cosine > SQUARE:
@@ -172,11 +175,13 @@ class Box(Solid):
     @functools.cached_property
     def _numbers(self):
         """Return the box in numbers, made once: it often meets many lines one by one."""
+        # Near 1, so that products of three edges stay in range at any size of the box.
         edges = [near_one(edge) for edge in (self.x, self.y, self.z)]
         normals = []
         wide = []
         for i in range(3):
             edge, power = edges[i]
+            # Edges are perpendicular but for rounding: the faces' normals come from the other two.
             normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
             normal = shares(normal, lengths(normal))
             width = scalar_products(normal, edge)

@@ -94,6 +94,7 @@ class _Numbers(NamedTuple):
 def _carefully(shape, p, u):
     """Return `enter` and `leave` of lines against a frustum."""
     axis = frame(shape.start, shape.end, u)
+    # The frame begins at the end that the line passes first.
     first = where(axis.turned, shape.end_radius, shape.start_radius)
     last = where(axis.turned, shape.start_radius, shape.end_radius)
     s, m, z, shift = nearest_point(axis, p, u)

@@ -79,6 +79,7 @@ def side_flows(cylinders, angle, sense):
     """
     length, arm = triangle(cylinders, angle, sense)
     arm = abs(arm)
+    # The side without the rod pushes with the whole piston, the other with the ring about the rod.
     pushing = cylinders.whole * arm
     pulling = cylinders.ring * arm
     pushing_volume = cylinders.whole * (length - cylinders.shortest)
@@ -192,6 +193,7 @@ class Linkage:
     @checked
     def cylinders(self, low: Angle, high: Angle):
         """Return the `Cylinders` of a stroke from angle `low` to `high`, in rad."""
+        # The length is monotonic between both ends of the stroke, see `check`.
         lengths = [triangle(self, end, self.sense)[0] for end in (low, high)]
         return self._numbers(min(lengths), max(lengths))
 
@@ -224,6 +226,7 @@ class Linkage:
             raise ValueError(
                 f"low: a pair needs limits as far to either side; got {low:g} rad and {high:g} rad."
             )
+        # Between the limits gamma stays within a half turn, where the length only grows with it.
         shortest, longest = sorted((self.length(low), self.length(high)))
         if longest - shortest + self.dead_length > shortest:
             raise ValueError(

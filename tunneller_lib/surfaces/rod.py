@@ -66,6 +66,7 @@ def meet_rods(
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
     sizes("b - a", np.abs(b - a).max(axis=-1))
+    # A rod for each line: the quick way would need a shape of its own for every line.
     careful = _round_carefully if ends == "round" else _flat_carefully
     vectors = a, b, point, direction
     shape = np.broadcast_shapes(radius.shape, *(vector.shape[:-1] for vector in vectors))
@@ -236,6 +237,7 @@ def _round_quickly(shape, q, u):
 
 def _end_on_ball(lines, radius, sign):
     """Return where lines enter (-1) or leave (1) a capsule, by the ball there, and if it's sure."""
+    # Where on the axis, from 0 to 1, the line is nearest to it.
     share = share_of_axis(lines)
     # The ball's centre is where the endless wall is met, or the axis' end that this is beyond.
     step = lines.half * (lines.uv / lines.vv)

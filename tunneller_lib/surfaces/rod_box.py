@@ -49,6 +49,7 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     low, high = np.broadcast_arrays(low, high)
     if not np.all(low <= high):
         raise ValueError("low: must not be above high on either axis; got a corner that is.")
+    # First the lines through the corners of the section.
     x = np.stack([low[..., 0], high[..., 0]])[[0, 1, 1, 0]]
     y = np.stack([low[..., 1], high[..., 1]])[[0, 0, 1, 1]]
     bottom, top = rod.meet_line(np.stack([x, y, np.zeros_like(x)], axis=-1), UP)
@@ -57,12 +58,13 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     reach = np.maximum(np.abs(low), np.abs(high)).max(axis=-1)
     guard = GUARD * (rod.radius + rod.length + reach)
     _, own = rod.outermost(UP[:, None])
-    points = [way[:, 0] for way in own]
+    points = [way[:, 0] for way in own]  # the rod's own highest and lowest
     for along, across in ((0, 1), (1, 0)):
         for side in (low, high):
             points += _in_plane(rod, along, across, side[..., across], guard)
     bottom, top = bottom.min(axis=0), top.max(axis=0)
     for x, y, z in points:
+        # What isn't there is NaN, and over nothing.
         over = (low[..., 0] - guard <= x) & (x <= high[..., 0] + guard)
         over = over & (low[..., 1] - guard <= y) & (y <= high[..., 1] + guard)
         bottom = np.where(over, np.fmin(bottom, rod.a[2] + z), bottom)
