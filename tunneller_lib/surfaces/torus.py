@@ -181,7 +181,7 @@ class Torus:
         curvature : (...) float
             In 1/m, positive where the surface bends away from `normal`.
         """
-        # Euler: the curvatures of meridian and parallel, weighed by the direction's squared cosines.
+        # Both principal curvatures, weighed by the squared cosines of the direction.
         cos, _, first, second = self._in_principal_directions(position, direction)
         return first * cos**2 + second * (1 - cos**2)
 
